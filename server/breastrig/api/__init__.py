@@ -1,0 +1,1 @@
+"""HTTP: the only place which imports Flask."""

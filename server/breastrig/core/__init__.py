@@ -1,0 +1,1 @@
+"""Words that every floor uses: errors, array types, units, the notice of limits of use."""

@@ -1,0 +1,23 @@
+"""Named array types.  Every array in this package is float64 (indices int64) unless its line says otherwise.
+
+The comment beside a field gives shape and unit; `frozen` makes the promise of immutability real.
+"""
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+Integers: TypeAlias = NDArray[np.int64]
+Booleans: TypeAlias = NDArray[np.bool_]
+
+
+def frozen(array: Any, dtype: Any = np.float64) -> Any:
+    """A read-only C-contiguous copy-if-needed of `array`; a view that others could write through is copied."""
+    result = np.ascontiguousarray(array, dtype=dtype)
+    if result.flags.writeable:
+        if result is array or result.base is not None:
+            result = result.copy()
+        result.flags.writeable = False
+    return result

@@ -1,0 +1,66 @@
+"""Everything that BreastRig raises on purpose.
+
+    BreastRigError
+    ├── BadInput                 the caller can mend it: wrong file, unit, name, value
+    │   ├── BadScan              a scan that cannot be read or fitted
+    │   ├── BadLandmarks         a landmark file or pick that cannot be used
+    │   ├── BadDrawing           a drawing that cannot be used
+    │   ├── BadModel             a rig that breaks the contract of the model
+    │   ├── BadSettings          a preset or setting that cannot be used
+    │   ├── NotFound             no such scan, fit, ...
+    │   ├── Conflict             the thing is not in a state that allows this
+    │   └── TooLarge             over a stated limit
+    └── FitFailed                the input was fine, the registration was not
+
+Each message is one sentence for a person: what is wrong, then what to do.  Only `api` and `cli` turn
+an error into a status or exit code.
+"""
+
+
+class BreastRigError(Exception):
+    """Base of all; `str(error)` is the sentence to show."""
+
+
+class BadInput(BreastRigError):
+    """The caller can mend it."""
+
+
+class BadScan(BadInput):
+    """A scan that cannot be read or fitted."""
+
+
+class BadLandmarks(BadInput):
+    """Landmarks that cannot be used."""
+
+
+class BadDrawing(BadInput):
+    """A drawing that cannot be used."""
+
+
+class BadModel(BadInput):
+    """A rig that breaks the contract of the model."""
+
+
+class BadSettings(BadInput):
+    """A preset or setting that cannot be used."""
+
+
+class NotFound(BadInput):
+    """No such thing."""
+
+
+class Conflict(BadInput):
+    """The thing is not in a state that allows this."""
+
+
+class TooLarge(BadInput):
+    """Over a stated limit."""
+
+
+class FitFailed(BreastRigError):
+    """The registration ended without a usable result; the message names the reason."""
+
+
+def unknown_name(what: str, name: str, known: tuple[str, ...]) -> str:
+    """One sentence that names the wrong word and the right ones."""
+    return f'"{name}" is not a {what}; known are: {", ".join(known)}.'

@@ -1,0 +1,1 @@
+"""Meshes without meaning: rotations, normals, closest points, rays, curves."""

@@ -1,0 +1,27 @@
+"""A point on a triangle mesh as (face, barycentric): it follows the mesh wherever the mesh goes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Integers, frozen
+
+
+@dataclass(frozen=True, eq=False)
+class SurfacePoints:
+    """M points on a mesh."""
+
+    faces: Integers  # (M,) index of the triangle
+    barycentric: Array  # (M, 3) weights of its corners, each row sums to 1
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "faces", frozen(self.faces, np.int64))
+        object.__setattr__(self, "barycentric", frozen(self.barycentric))
+
+    def __len__(self) -> int:
+        return len(self.faces)
+
+    def positions(self, vertices: Array, triangles: Integers) -> Array:
+        """(M, 3) m: the points on a mesh with these (V, 3) vertices and (F, 3) triangles."""
+        corners = vertices[triangles[self.faces]]
+        return np.asarray(np.einsum("mc,mcd->md", self.barycentric, corners))

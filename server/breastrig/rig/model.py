@@ -1,0 +1,144 @@
+"""The rig as a frozen bag of data: template, blendshapes, bones, joints, weights, landmarks.
+
+Nothing here knows how the data came about (gltf/read_model.py reads it) or what is done with it
+(skinning.py poses it).  Any rig in this form fits without a code change.
+
+Bone frames.  Bone j has a rest frame: origin o_j and rotation Q_j (columns: its local axes in body
+coordinates).  A vertex b of the shaped template is carried to
+
+    R_j S_j Q_jᵀ (b − o_j) + T_j
+
+with the bone's absolute rotation R_j, translation T_j and local scale S_j = diag(s_j); at rest
+R_j = Q_j, T_j = o_j, s_j = 1, which is the identity.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Integers, frozen
+from breastrig.geometry.surface_points import SurfacePoints
+
+
+@dataclass(frozen=True, eq=False)
+class Bone:
+    """A rigid body with a scale for each local axis."""
+
+    name: str
+    parent: int | None  # index of the parent bone (parents come first); None for the root
+    origin: Array  # (3,) m, o_j, body frame at rest
+    rotation: Array  # (3, 3), Q_j, columns are the local axes at rest
+    scale_min: Array  # (3,) smallest allowed scale per local axis
+    scale_max: Array  # (3,) largest allowed scale per local axis
+    mirror: str  # name of the bone on the other side, its own name when it lies in the middle
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A point rigidly attached to the two scalable bones that it links."""
+
+    parent: int  # bone index
+    child: int  # bone index
+    anchor: Array  # (3,) m, body frame at rest
+    rotation_sigma: float  # rad, expected size of the relative rotation between two patients or stances
+    translation_sigma: float  # m, expected gap of the joint; 0 is a hard joint
+    rotation_limit: float  # rad, largest allowed relative rotation
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What is known of one blendshape besides its displacements."""
+
+    name: str
+    kind: str  # "body": the same in every stance; "soft": soft tissue, differs by stance; "gravity": supine only
+    min: float  # smallest allowed weight
+    max: float  # largest allowed weight
+    sigma: float  # expected size of the weight over patients
+    mirror: str  # name of the shape on the other side, its own name when symmetric
+    label: str  # for people
+
+
+@dataclass(frozen=True, eq=False)
+class Landmark:
+    """A named anatomical point on the skin."""
+
+    name: str
+    label: str  # short name for people
+    latin: str
+    definition: str  # how to find it, one sentence
+    easy: bool  # easy to see on an untextured scan
+    mirror: str
+    face: int
+    barycentric: Array  # (3,)
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnShape:
+    """One polyline that lies on the model."""
+
+    name: str
+    label: str
+    closed: bool
+    color: str  # "#rrggbb"
+    points: SurfacePoints
+
+
+@dataclass(frozen=True, eq=False)
+class ModelDrawing:
+    """A named set of polylines on the model, a data file beside the rig."""
+
+    name: str
+    label: str
+    shapes: tuple[DrawnShape, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """V vertices, F faces, B bones, S shapes."""
+
+    name: str
+    template: Array  # (V, 3) m, rest pose, +X patient's left, +Y head, +Z front
+    faces: Integers  # (F, 3) counter-clockwise seen from outside
+    uv: Array  # (V, 2)
+    blendshapes: Array  # (S, V, 3) m for weight 1
+    skin_weights: Array  # (V, B) rows sum to 1, at most four non-zero
+    bones: tuple[Bone, ...]
+    joints: tuple[Joint, ...]
+    shapes: tuple[Shape, ...]
+    landmarks: tuple[Landmark, ...]
+    drawings: tuple[ModelDrawing, ...]
+    mirror_vertices: Integers  # (V,) vertex on the other side
+    regions: dict[str, Integers]  # named vertex sets, for instance breast_L
+    sha256: str  # of the .glb and its side file
+
+    def __post_init__(self) -> None:
+        for field in ("template", "uv", "blendshapes", "skin_weights"):
+            object.__setattr__(self, field, frozen(getattr(self, field)))
+        for field in ("faces", "mirror_vertices"):
+            object.__setattr__(self, field, frozen(getattr(self, field), np.int64))
+
+    @cached_property
+    def bone_names(self) -> tuple[str, ...]:
+        return tuple(bone.name for bone in self.bones)
+
+    @cached_property
+    def shape_names(self) -> tuple[str, ...]:
+        return tuple(shape.name for shape in self.shapes)
+
+    @cached_property
+    def landmark_names(self) -> tuple[str, ...]:
+        return tuple(landmark.name for landmark in self.landmarks)
+
+    @cached_property
+    def drawing_names(self) -> tuple[str, ...]:
+        return tuple(drawing.name for drawing in self.drawings)
+
+    def landmark_points(self, names: tuple[str, ...] | None = None) -> SurfacePoints:
+        """The surface points of the named landmarks (all by default), in the given order."""
+        by_name = {landmark.name: landmark for landmark in self.landmarks}
+        chosen = [by_name[name] for name in (names or self.landmark_names)]
+        return SurfacePoints(
+            np.array([landmark.face for landmark in chosen], dtype=np.int64),
+            np.array([landmark.barycentric for landmark in chosen], dtype=np.float64).reshape(-1, 3),
+        )
