@@ -1,0 +1,69 @@
+# One command each; `make help` lists them.  Everything is installed into $(VENV) and web/node_modules, nothing outside
+# (but Chromium for the browser test, from the system's packages, when there is none).  Plain make: no GNU extensions.
+PYTHON ?= python3
+VENV ?= .venv
+PORT ?= 8321
+
+# Run with the environment's own programs first: a Node that came from PyPI lives there too.
+IN_VENV = PATH="$$(cd "$(VENV)/bin" && pwd):$$PATH"
+
+help:
+	@echo "make serve   build the page and serve it at http://127.0.0.1:$(PORT)   (PORT=... DATA=... to change)"
+	@echo "make test    everything that must hold: check, unit tests of page and package, browser test"
+	@echo "make check   lint and types only"
+	@echo "make bench   measure the hot paths"
+	@echo "make clean   remove what make made (data stays)"
+
+serve: $(VENV)/.stamp-serve page
+	@echo "BreastRig: http://127.0.0.1:$(PORT)   (Ctrl-C stops it)"
+	@exec "$(VENV)/bin/breastrig" serve --host 127.0.0.1 --port "$(PORT)" $${DATA:+--data "$$DATA"}
+
+test: check vitest pytest browser
+
+check: $(VENV)/.stamp-test web-packages
+	"$(VENV)/bin/ruff" check .
+	"$(VENV)/bin/ruff" format --check .
+	"$(VENV)/bin/mypy"
+	"$(VENV)/bin/lint-imports" --no-cache
+	$(IN_VENV) npm --prefix web run --silent typecheck
+
+vitest: web-packages
+	$(IN_VENV) npm --prefix web test
+
+pytest: $(VENV)/.stamp-test page
+	"$(VENV)/bin/python" -m pytest
+
+browser: $(VENV)/.stamp-test web-packages
+	BREASTRIG_CHROMIUM="$$(sh .ci/chromium.sh)" && export BREASTRIG_CHROMIUM && \
+	    $(IN_VENV) npm --prefix web run e2e
+
+bench: $(VENV)/.stamp-test
+	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest tests/benchmarks --benchmark-only
+
+clean:
+	rm -rf "$(VENV)" web/node_modules web/dist dist .mypy_cache .ruff_cache .hypothesis
+
+# The page is rebuilt only when its sources changed: build_page.py compares contents, so it always runs, and is quick.
+page: $(VENV)/.stamp-venv
+	@"$(VENV)/bin/python" server/packaging/build_page.py
+
+web-packages: $(VENV)/.stamp-venv
+	@"$(VENV)/bin/python" server/packaging/build_page.py --packages
+
+$(VENV)/.stamp-venv:
+	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	    { echo "error: BreastRig needs Python 3.11 or later; say which with: make PYTHON=python3.11" >&2; exit 1; }
+	"$(PYTHON)" -m venv "$(VENV)"
+	@touch "$@"
+
+$(VENV)/.stamp-serve: $(VENV)/.stamp-venv pyproject.toml
+	"$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --editable .
+	@touch "$@"
+
+$(VENV)/.stamp-test: $(VENV)/.stamp-venv pyproject.toml
+	"$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --editable ".[test]"
+	@touch "$@" "$(VENV)/.stamp-serve"
+
+# Two recipes must not install into the same folder at once, whatever -j says.
+.NOTPARALLEL:
+.PHONY: help serve test check vitest pytest browser bench clean page web-packages

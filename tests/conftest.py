@@ -1,0 +1,39 @@
+"""Fixtures that every test may use, and one BLAS thread.
+
+One thread: at the sizes of this project more are slower, and times and last digits wander.
+"""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.linalg  # noqa: F401  loads SciPy's own BLAS, so that the limit below meets it too
+from threadpoolctl import threadpool_limits
+
+from breastrig.rig.model import Rig
+
+threadpool_limits(limits=1)  # this process
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # and those that tests start
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """Random numbers that are the same in every run."""
+    return np.random.default_rng(20_240_511)
+
+
+@pytest.fixture(scope="session")
+def toy_rig() -> Rig:
+    """A small rig made in memory: the same form as ours, a hundredth of its size."""
+    from helpers.toy_rig import toy_rig as make_toy_rig
+
+    return make_toy_rig()
+
+
+@pytest.fixture(scope="session")
+def repository() -> Path:
+    """The root of the checkout (or of the unpacked sdist)."""
+    return REPOSITORY
