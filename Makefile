@@ -14,13 +14,13 @@ help:
 	@echo "make bench   measure the hot paths"
 	@echo "make clean   remove what make made (data stays)"
 
-serve: $(VENV)/.stamp-serve page
+serve: page $(VENV)/.stamp-serve
 	@echo "BreastRig: http://127.0.0.1:$(PORT)   (Ctrl-C stops it)"
 	@exec "$(VENV)/bin/breastrig" serve --host 127.0.0.1 --port "$(PORT)" $${DATA:+--data "$$DATA"}
 
 test: check vitest pytest browser
 
-check: $(VENV)/.stamp-test web-packages
+check: web-packages $(VENV)/.stamp-test
 	"$(VENV)/bin/ruff" check .
 	"$(VENV)/bin/ruff" format --check .
 	"$(VENV)/bin/mypy"
@@ -30,10 +30,10 @@ check: $(VENV)/.stamp-test web-packages
 vitest: web-packages
 	$(IN_VENV) npm --prefix web test
 
-pytest: $(VENV)/.stamp-test page
+pytest: page $(VENV)/.stamp-test
 	"$(VENV)/bin/python" -m pytest
 
-browser: $(VENV)/.stamp-test web-packages
+browser: page web-packages $(VENV)/.stamp-test
 	BREASTRIG_CHROMIUM="$$(sh .ci/chromium.sh)" && export BREASTRIG_CHROMIUM && \
 	    $(IN_VENV) npm --prefix web run e2e
 
@@ -57,11 +57,11 @@ $(VENV)/.stamp-venv:
 	@touch "$@"
 
 $(VENV)/.stamp-serve: $(VENV)/.stamp-venv pyproject.toml
-	"$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --editable .
+	$(IN_VENV) "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --editable .
 	@touch "$@"
 
 $(VENV)/.stamp-test: $(VENV)/.stamp-venv pyproject.toml
-	"$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --editable ".[test]"
+	$(IN_VENV) "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --editable ".[test]"
 	@touch "$@" "$(VENV)/.stamp-serve"
 
 # Two recipes must not install into the same folder at once, whatever -j says.

@@ -131,7 +131,7 @@ def ensure_page(web: Path) -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Builds web/dist when it is missing or older than its sources.")
-    parser.add_argument("--packages", action="store_true", help="also install web/node_modules, which the tests need")
+    parser.add_argument("--packages", action="store_true", help="install web/node_modules only, for the tests")
     choices = parser.parse_args()
     web = Path(__file__).resolve().parents[2] / "web"
     try:
@@ -139,7 +139,8 @@ def main() -> int:
             install_node()
         if choices.packages:
             install_packages(web)
-        ensure_page(web)
+        else:
+            ensure_page(web)
     except CannotBuildPage as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
