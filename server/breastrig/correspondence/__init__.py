@@ -1,0 +1,1 @@
+"""Who matches whom: model vertices and the points of the scan."""

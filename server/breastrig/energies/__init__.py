@@ -1,0 +1,1 @@
+"""One residual term a file; every term has a finite-difference check in tests/energies."""

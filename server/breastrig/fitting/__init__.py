@@ -1,0 +1,1 @@
+"""The use case "fit": from a scan and a rig to a stream of frozen iterates."""

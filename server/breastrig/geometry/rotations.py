@@ -54,41 +54,11 @@ def quaternion_from_rotation(rotations: Array) -> Array:
     """(…, 3, 3) -> (…, 4) unit quaternion x y z w with w >= 0 (Shepperd's method)."""
     m = rotations
     trace = np.trace(m, axis1=-2, axis2=-1)
-    candidates = np.stack(
-        [
-            np.stack(
-                [
-                    1 + 2 * m[..., 0, 0] - trace,
-                    m[..., 0, 1] + m[..., 1, 0],
-                    m[..., 0, 2] + m[..., 2, 0],
-                    m[..., 2, 1] - m[..., 1, 2],
-                ],
-                -1,
-            ),
-            np.stack(
-                [
-                    m[..., 0, 1] + m[..., 1, 0],
-                    1 + 2 * m[..., 1, 1] - trace,
-                    m[..., 1, 2] + m[..., 2, 1],
-                    m[..., 0, 2] - m[..., 2, 0],
-                ],
-                -1,
-            ),
-            np.stack(
-                [
-                    m[..., 0, 2] + m[..., 2, 0],
-                    m[..., 1, 2] + m[..., 2, 1],
-                    1 + 2 * m[..., 2, 2] - trace,
-                    m[..., 1, 0] - m[..., 0, 1],
-                ],
-                -1,
-            ),
-            np.stack(
-                [m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1], 1 + trace], -1
-            ),
-        ],
-        axis=-2,
-    )
+    xx, yy, zz = (1.0 + 2.0 * m[..., i, i] - trace for i in range(3))
+    xy, xz, yz = (m[..., i, j] + m[..., j, i] for i, j in ((0, 1), (0, 2), (1, 2)))
+    wx, wy, wz = (m[..., i, j] - m[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0)))
+    rows = [[xx, xy, xz, wx], [xy, yy, yz, wy], [xz, yz, zz, wz], [wx, wy, wz, 1.0 + trace]]
+    candidates = np.stack([np.stack(row, -1) for row in rows], -2)
     norms = np.linalg.norm(candidates, axis=-1)
     best = np.take_along_axis(candidates, norms.argmax(axis=-1)[..., None, None], axis=-2)[..., 0, :]
     best = best / np.linalg.norm(best, axis=-1, keepdims=True)

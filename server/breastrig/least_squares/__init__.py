@@ -1,0 +1,1 @@
+"""Nonlinear least squares with constraints and bounds; knows nothing of bodies."""

@@ -134,6 +134,21 @@ class Rig:
     def drawing_names(self) -> tuple[str, ...]:
         return tuple(drawing.name for drawing in self.drawings)
 
+    @cached_property
+    def rest_rotations(self) -> Array:
+        """(B, 3, 3): Q_j."""
+        return np.array([bone.rotation for bone in self.bones])
+
+    @cached_property
+    def rest_origins(self) -> Array:
+        """(B, 3) m: o_j."""
+        return np.array([bone.origin for bone in self.bones])
+
+    @cached_property
+    def shapes_by_axis(self) -> Array:
+        """(3, V, S) m: the blendshapes laid out for the Jacobian's inner loop."""
+        return np.ascontiguousarray(self.blendshapes.transpose(2, 1, 0))
+
     def landmark_points(self, names: tuple[str, ...] | None = None) -> SurfacePoints:
         """The surface points of the named landmarks (all by default), in the given order."""
         by_name = {landmark.name: landmark for landmark in self.landmarks}

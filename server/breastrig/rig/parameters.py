@@ -1,9 +1,9 @@
 """The unknowns of a fit: a point on a manifold, moved by `retract`.
 
-Maximal coordinates as in the paper (section 2.2): every bone has its own absolute rotation, translation
-and scale (nine degrees of freedom), and joints hold the bones together by constraints.  A tangent step
-has P = 9 B + S entries: for each bone [rotation vector (3, rad, applied from the left), translation (3, m),
-scale (3)], then the S shape weights.
+Maximal coordinates as in the paper (section 2.2): every bone has its own absolute rotation, translation and
+scale (nine degrees of freedom), and joints hold the bones together by constraints.  A tangent step has
+P = 9 B + S entries: for each bone [rotation vector (3, rad, in the bone's own axes: R <- R exp), translation
+(3, m), scale (3)], then the S shape weights.
 """
 
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class RigParameters:
         bones = len(self.rotations)
         moves = step[: BONE_DOFS * bones].reshape(bones, BONE_DOFS)
         return RigParameters(
-            rotations=exp_so3(moves[:, 0:3]) @ self.rotations,
+            rotations=self.rotations @ exp_so3(moves[:, 0:3]),
             translations=self.translations + moves[:, 3:6],
             scales=self.scales + moves[:, 6:9],
             weights=self.weights + step[BONE_DOFS * bones :],

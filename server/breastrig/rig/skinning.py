@@ -1,32 +1,96 @@
-"""Equation 3 of the paper: blendshapes, then linear blend skinning.
+"""Equation 3 of the paper: blendshapes, then linear blend skinning, and its derivative.
 
-M_i = Σ_j w_ij ( R_j S_j Q_jᵀ (B_i(α) − o_j) + T_j ),   B(α) = v + Σ_k α_k b_k     (2)
+    M_i = Σ_j w_ij ( R_j S_j Q_jᵀ (B_i(α) − o_j) + T_j ),   B(α) = v + Σ_k α_k b_k     (2)
+
+`Posed` keeps what posing computes, because the Jacobian needs the same pieces.  The Jacobian is never
+formed as (3V, P): a term asks for rows dᵀ ∂M_i/∂x with its own direction d per vertex (a plane's normal, an
+axis), and each row is assembled from the structure.  With u = Q_jᵀ(B − o_j), p = S_j u, e = R_jᵀ d and
+A_i = Σ_j w_ij R_j S_j Q_jᵀ:
+
+    ∂/∂ω_j = w_ij p × e     ∂/∂T_j = w_ij d     ∂/∂s_j = w_ij e ∘ u     ∂/∂α_k = (A_iᵀ d) · b_ik
 """
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Integers
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import RigParameters
+from breastrig.rig.parameters import BONE_DOFS, RigParameters
 
 
 def shaped(rig: Rig, weights: Array) -> Array:
     """(V, 3) m: equation 2, the template with its blendshapes, unposed."""
-    return np.asarray(rig.template + np.tensordot(weights, rig.blendshapes, axes=1))
+    return np.asarray(rig.template + (weights @ rig.blendshapes.reshape(len(weights), -1)).reshape(-1, 3))
 
 
 def bone_matrices(rig: Rig, x: RigParameters) -> tuple[Array, Array]:
     """((B, 3, 3), (B, 3) m): the affine map of each bone, b -> A_j b + t_j."""
-    rest = np.array([bone.rotation for bone in rig.bones])
-    origins = np.array([bone.origin for bone in rig.bones])
-    linear = (x.rotations * x.scales[:, None, :]) @ rest.transpose(0, 2, 1)
-    return linear, x.translations - np.einsum("bij,bj->bi", linear, origins)
+    linear = (x.rotations * x.scales[:, None, :]) @ rig.rest_rotations.transpose(0, 2, 1)
+    return linear, x.translations - np.einsum("bij,bj->bi", linear, rig.rest_origins)
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """A rig in one pose, with the pieces its derivative shares."""
+
+    rig: Rig
+    x: RigParameters
+
+    @cached_property
+    def shaped(self) -> Array:
+        """(V, 3) m, unposed."""
+        return shaped(self.rig, self.x.weights)
+
+    @cached_property
+    def _blended(self) -> Array:
+        """(V, 12): the blended affine map of each vertex, row-major linear part then offset."""
+        linear, offset = bone_matrices(self.rig, self.x)
+        return np.asarray(self.rig.skin_weights @ np.concatenate([linear.reshape(-1, 9), offset], axis=1))
+
+    @cached_property
+    def linear(self) -> Array:
+        """(V, 3, 3): A_i, the blended linear map of each vertex."""
+        return self._blended[:, :9].reshape(-1, 3, 3)
+
+    @cached_property
+    def vertices(self) -> Array:
+        """(V, 3) m: equation 3."""
+        return np.asarray((self.linear @ self.shaped[:, :, None])[:, :, 0] + self._blended[:, 9:])
+
+    def rows(self, chosen: Integers, directions: Array) -> Array:
+        """(M, P): directionsᵀ ∂M/∂x for M chosen vertices with one direction (M, 3) each."""
+        rig, x = self.rig, self.x
+        bones = len(rig.bones)
+        result = np.zeros((len(chosen), x.dof))
+        points = self.shaped[chosen]
+        rest = rig.rest_rotations.transpose(1, 0, 2).reshape(3, -1)  # (3, 3B), columns are all local axes
+        local = points @ rest - np.einsum("bij,bi->bj", rig.rest_rotations, rig.rest_origins).ravel()
+        along = directions @ x.rotations.transpose(1, 0, 2).reshape(3, -1)
+        u = local.reshape(-1, bones, 3)
+        e = along.reshape(-1, bones, 3)
+        p = u * x.scales
+        weight = rig.skin_weights[chosen][:, :, None]
+        we = weight * e
+        blocks = result[:, : BONE_DOFS * bones].reshape(-1, bones, BONE_DOFS)
+        blocks[:, :, 0] = p[:, :, 1] * we[:, :, 2] - p[:, :, 2] * we[:, :, 1]
+        blocks[:, :, 1] = p[:, :, 2] * we[:, :, 0] - p[:, :, 0] * we[:, :, 2]
+        blocks[:, :, 2] = p[:, :, 0] * we[:, :, 1] - p[:, :, 1] * we[:, :, 0]
+        blocks[:, :, 3:6] = weight * directions[:, None, :]
+        blocks[:, :, 6:9] = we * u
+        pulled = np.einsum("mij,mi->mj", self.linear[chosen], directions)  # A_iᵀ d
+        shapes = rig.shapes_by_axis
+        np.einsum("ma,ams->ms", pulled, shapes[:, chosen], out=result[:, BONE_DOFS * bones :])
+        return result
+
+
+@lru_cache(maxsize=8)
+def posed(rig: Rig, x: RigParameters) -> Posed:
+    """The same `Posed` for all terms that look at the same (immutable, compared by identity) parameters."""
+    return Posed(rig, x)
 
 
 def pose(rig: Rig, x: RigParameters) -> Array:
     """(V, 3) m: equation 3."""
-    linear, offset = bone_matrices(rig, x)
-    bones = len(rig.bones)
-    blended = rig.skin_weights @ np.concatenate([linear.reshape(bones, 9), offset], axis=1)  # (V, 12)
-    points = shaped(rig, x.weights)
-    return np.asarray(np.einsum("vij,vj->vi", blended[:, :9].reshape(-1, 3, 3), points) + blended[:, 9:])
+    return Posed(rig, x).vertices

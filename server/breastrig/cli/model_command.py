@@ -1,0 +1,45 @@
+"""`breastrig model info|check|build`: describe a rig, prove it sound, build ours from its sources."""
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+from breastrig.core.errors import BadInput
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.check import check_rig, describe_rig
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("model", help="describe, check or build the model", description=__doc__)
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    for name, what, run in (
+        ("info", "bones, shapes, landmarks and drawings of a rig", info),
+        ("check", "every rule that a rig must keep, one line each", check),
+    ):
+        action = actions.add_parser(name, help=what)
+        action.add_argument("--model", type=Path, metavar="GLB", help="another rig than the package's torso")
+        action.set_defaults(run=run)
+    actions.add_parser("build", help="build the torso from its sources (source checkout only)").set_defaults(run=build)
+
+
+def info(options: argparse.Namespace) -> int:
+    """Prints a description."""
+    print(describe_rig(read_rig(options.model or default_rig_path())))
+    return 0
+
+
+def check(options: argparse.Namespace) -> int:
+    """Prints one line a rule; exit code 2 when one is broken."""
+    findings = check_rig(read_rig(options.model or default_rig_path()))
+    for finding in findings:
+        print(f"{'ok ' if finding.ok else 'BAD'} {finding.name}: {finding.detail}")
+    return 0 if all(finding.ok for finding in findings) else 2
+
+
+def build(_options: argparse.Namespace) -> int:
+    """Runs the build script beside the built model."""
+    script = default_rig_path().parent.parent / "build.py"
+    if not script.is_file():
+        raise BadInput("The model is built in a source checkout only; clone the repository and call this there.")
+    return subprocess.run([sys.executable, str(script)], check=False).returncode

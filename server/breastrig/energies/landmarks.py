@@ -1,0 +1,38 @@
+"""Distance of the model's landmarks to the picked points (E_L, equation 9).
+
+r_l = (Σ_c β_lc M_c(x) − q_l) / σ_l, all three axes; a landmark is a surface point with barycentric
+coordinates β of its triangle's corners c.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.least_squares.problem import Linearisation
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import posed
+
+
+@dataclass(frozen=True, eq=False)
+class Landmarks:
+    rig: Rig
+    points: SurfacePoints  # (L) on the model
+    targets: Array  # (L, 3) m, picked on the scan
+    sigma: Array  # (L,) m, expected error of each pick
+    name: str = "landmarks"
+
+    def residual(self, x: RigParameters) -> Array:
+        """(3L,), axis by axis"""
+        gap = self.points.positions(posed(self.rig, x).vertices, self.rig.faces) - self.targets
+        return np.asarray((gap / self.sigma[:, None]).T.ravel())
+
+    def linearise(self, x: RigParameters) -> Linearisation:
+        """(3L,), (3L, P)"""
+        body = posed(self.rig, x)
+        corners = self.rig.faces[self.points.faces].ravel()  # (3L,)
+        weight = (self.points.barycentric / self.sigma[:, None]).ravel()[:, None]
+        rows = [body.rows(corners, weight * axis).reshape(len(self.points), 3, -1).sum(axis=1) for axis in np.eye(3)]
+        return Linearisation(self.residual(x), np.concatenate(rows))

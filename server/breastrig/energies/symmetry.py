@@ -1,0 +1,53 @@
+"""Left like right: softly, so that what one side does not show follows the other, and asymmetry stays free.
+
+r = (α_k − α_mirror(k))/σ for each pair of shapes and (s_j − s_mirror(j))/σ_s for each pair of bones.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.least_squares.problem import Linearisation
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import BONE_DOFS, RigParameters
+
+
+@dataclass(frozen=True, eq=False)
+class Symmetry:
+    rig: Rig
+    shape_sigma: float  # expected left-right difference of a weight, in the shape's own sigmas
+    scale_sigma: float  # expected left-right difference of a scale
+    name: str = "symmetry"
+
+    @cached_property
+    def _pairs(self) -> tuple[list[tuple[int, int, float]], list[tuple[int, int]]]:
+        rig = self.rig
+        shape_index = {name: k for k, name in enumerate(rig.shape_names)}
+        bone_index = {name: j for j, name in enumerate(rig.bone_names)}
+        shapes = [(k, shape_index[s.mirror], s.sigma) for k, s in enumerate(rig.shapes) if k < shape_index[s.mirror]]
+        bones = [(j, bone_index[b.mirror]) for j, b in enumerate(rig.bones) if j < bone_index[b.mirror]]
+        return shapes, bones
+
+    def residual(self, x: RigParameters) -> Array:
+        """(M,)"""
+        shapes, bones = self._pairs
+        weights = [(x.weights[a] - x.weights[b]) / (self.shape_sigma * sigma) for a, b, sigma in shapes]
+        scales = [(x.scales[a] - x.scales[b]) / self.scale_sigma for a, b in bones]
+        return np.concatenate([np.asarray(weights, dtype=np.float64), *scales])
+
+    def linearise(self, x: RigParameters) -> Linearisation:
+        """(M,), (M, P)"""
+        shapes, bones = self._pairs
+        first = x.dof - len(x.weights)
+        jacobian = np.zeros((len(shapes) + 3 * len(bones), x.dof))
+        for row, (a, b, sigma) in enumerate(shapes):
+            jacobian[row, first + a] = 1.0 / (self.shape_sigma * sigma)
+            jacobian[row, first + b] = -1.0 / (self.shape_sigma * sigma)
+        for pair, (a, b) in enumerate(bones):
+            for axis in range(3):
+                row = len(shapes) + 3 * pair + axis
+                jacobian[row, BONE_DOFS * a + 6 + axis] = 1.0 / self.scale_sigma
+                jacobian[row, BONE_DOFS * b + 6 + axis] = -1.0 / self.scale_sigma
+        return Linearisation(self.residual(x), jacobian)

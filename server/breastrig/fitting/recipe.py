@@ -1,0 +1,101 @@
+"""How a fit goes, as data: stages, priors, stop rule.  Preset files are TOML beside this module.
+
+Every expected size (sigma) has a unit; the paper's compliance λ of a term is its σ² (equations 8 and 9).
+A pair [start, end] is run through geometrically over the stage's iterations.
+"""
+
+import tomllib
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from breastrig.core.errors import BadSettings, unknown_name
+
+Positive = Annotated[float, Field(gt=0.0)]
+Range = tuple[Positive, Positive]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Stop(_Part):
+    distance_change_m: Positive  # converged when the mean distance changes by less than this
+    patience: Annotated[int, Field(ge=1)]  # so many iterations in a row
+
+
+class Joints(_Part):
+    rotation_sigma: Positive | None = None  # rad, the same for all joints; else the rig's own
+    translation_sigma: Annotated[float, Field(ge=0.0)] | None = None  # m; 0 is a hard joint; else the rig's own
+    rotation_factor: Positive = 1.0
+    translation_factor: Annotated[float, Field(ge=0.0)] = 1.0
+
+
+class Scales(_Part):
+    sigma: Positive
+    neighbour_sigma: Positive | None = None
+    symmetry_sigma: Positive | None = None
+
+
+class Shapes(_Part):
+    constraint: Literal["simplex", "box", "free"]
+    sigma: Positive | None = None  # the same for all shapes; else the rig's own times the factor
+    factor: Positive = 1.0
+    symmetry_sigma: Positive | None = None  # in each shape's own sigmas
+    standing_gravity_factor: Positive = 1.0  # sigma of gravity shapes in a standing scan
+    supine_gravity_mean: float = 0.0  # expected weight of gravity shapes in a supine scan
+
+
+class Stage(_Part):
+    name: str
+    iterations: Annotated[int, Field(ge=1, le=500)]
+    method: Literal["rays", "tree", "nearest_vertex"]
+    max_distance: Range  # m
+    max_angle: Positive  # rad
+    reject_border: bool = True
+    data_sigma: Range  # m, point to plane
+    along_sigma: Range | None = None  # m, point to point; absent: slide freely
+    landmark_sigma: Range  # m
+    kernel: Literal["none", "huber", "geman_mcclure", "tukey"] = "none"
+    kernel_scale: Range = (1.0, 1.0)  # m, distance at which the kernel starts to let go
+    free_shapes: tuple[Literal["body", "soft", "gravity"], ...] = ("body", "soft", "gravity")
+    free_scales: bool = True
+
+
+class Recipe(_Part):
+    name: str
+    description: str
+    damping: Positive  # in units of the priors' information
+    stop: Stop
+    joints: Joints
+    scales: Scales
+    shapes: Shapes
+    stages: Annotated[tuple[Stage, ...], Field(min_length=1)]
+
+    @property
+    def iterations_limit(self) -> int:
+        return sum(stage.iterations for stage in self.stages)
+
+
+def preset_names() -> tuple[str, ...]:
+    """The presets that ship with the package."""
+    folder = resources.files("breastrig.fitting") / "presets"
+    return tuple(sorted(Path(str(item)).stem for item in folder.iterdir() if item.name.endswith(".toml")))
+
+
+def load_recipe(name_or_file: str | Path) -> Recipe:
+    """A preset by name, or a TOML file of the same form; BadSettings says what is wrong with it."""
+    if str(name_or_file) in preset_names():
+        text = (resources.files("breastrig.fitting") / "presets" / f"{name_or_file}.toml").read_text("utf-8")
+    elif Path(name_or_file).suffix == ".toml" and Path(name_or_file).is_file():
+        text = Path(name_or_file).read_text("utf-8")
+    else:
+        raise BadSettings(unknown_name("preset", str(name_or_file), preset_names()))
+    try:
+        return Recipe.model_validate(tomllib.loads(text))
+    except (tomllib.TOMLDecodeError, ValidationError) as error:
+        first = str(error.errors()[0]["msg"]) if isinstance(error, ValidationError) else str(error)
+        where = ".".join(map(str, error.errors()[0]["loc"])) if isinstance(error, ValidationError) else "the file"
+        raise BadSettings(f"The preset {name_or_file} cannot be used: {where}: {first}.") from error

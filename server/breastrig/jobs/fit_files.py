@@ -1,0 +1,156 @@
+"""What a finished fit leaves on disk (paragraph 5 of the specification)."""
+
+import json
+import os
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from breastrig import __version__
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BadInput
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.drawings.on_scan import ScanLine
+from breastrig.geometry.rotations import quaternion_from_rotation
+from breastrig.gltf.replay import fitted_glb
+from breastrig.jobs.events import Iterated
+from breastrig.least_squares.newton import Status
+from breastrig.report.distances import SurfaceDistances, landmark_summary_mm, summary_mm, surface_summary_mm
+from breastrig.rig.model import ModelDrawing, Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import pose
+from breastrig.scan.scan import Scan
+
+
+@dataclass(frozen=True, eq=False)
+class FitOutcome:
+    """All that is known at the end of a fit; parameters are in the scan's frame, metres."""
+
+    scan: Scan
+    rig: Rig
+    stance: str
+    stance_reason: str
+    preset: str
+    parameters: RigParameters
+    history: tuple[RigParameters, ...]
+    times_s: tuple[float, ...]
+    log: tuple[Iterated, ...]
+    status: Status
+    timing_s: dict[str, float]
+    distances: SurfaceDistances
+    landmarks: dict[str, Array]  # picked, m
+    drawing: ModelDrawing | None
+    lines: tuple[ScanLine, ...]  # in the frame shifted by `centre`
+    centre: Array  # (3,) m
+    notes: tuple[str, ...]
+
+
+def _rounded(values: Array, digits: int = 6) -> list[float]:
+    return [round(float(value), digits) for value in np.asarray(values).ravel()]
+
+
+def result_json(outcome: FitOutcome, vertices: Array) -> dict[str, object]:
+    """The document breastrig/result@1; vertices (V, 3) m are the fitted model's."""
+    rig, x, scan = outcome.rig, outcome.parameters, outcome.scan
+    per_unit = scan.metres_per_unit
+    model_points = rig.landmark_points().positions(vertices, rig.faces)
+    model_landmarks = dict(zip(rig.landmark_names, model_points, strict=True))
+    quaternions = quaternion_from_rotation(x.rotations)
+    return {
+        "schema": "breastrig/result@1",
+        "notice": LIMITS_OF_USE,
+        "scan": {
+            "vertices": len(scan.vertices),
+            "triangles": len(scan.faces),
+            "unit": scan.unit,
+            "unit_reason": scan.unit_reason,
+            "sha256": scan.sha256,
+        },
+        "model": {
+            "name": rig.name,
+            "sha256": rig.sha256,
+            "vertices": len(rig.template),
+            "bones": len(rig.bones),
+            "blendshapes": len(rig.shapes),
+        },
+        "stance": outcome.stance,
+        "stance_reason": outcome.stance_reason,
+        "preset": outcome.preset,
+        "converged": outcome.status is Status.CONVERGED,
+        "stop_reason": outcome.status.value,
+        "iterations": outcome.log[-1].iteration,
+        "timing_s": {name: round(seconds, 4) for name, seconds in outcome.timing_s.items()},
+        "surface_distance_mm": surface_summary_mm(outcome.distances.model),
+        "scan_to_model_mm": summary_mm(outcome.distances.scan),
+        "landmark_distance_mm": landmark_summary_mm(model_landmarks, outcome.landmarks),
+        "landmarks": {name: _rounded(place / per_unit) for name, place in model_landmarks.items()},
+        "parameters": {
+            "bones": [
+                {
+                    "name": name,
+                    "rotation_xyzw": _rounded(quaternions[j], 9),
+                    "translation_m": _rounded(x.translations[j], 9),
+                    "scale": _rounded(x.scales[j], 9),
+                }
+                for j, name in enumerate(rig.bone_names)
+            ],
+            "blendshapes": dict(zip(rig.shape_names, _rounded(x.weights, 9), strict=True)),
+        },
+        "notes": list(outcome.notes),
+        "versions": {"breastrig": __version__}
+        | {name: version(name) for name in ("numpy", "scipy", "trimesh")},
+    }
+
+
+def drawing_json(outcome: FitOutcome) -> dict[str, object]:
+    """The drawing on the scan, in the scan's frame and unit."""
+    return {
+        "schema": "breastrig/drawing@1",
+        "name": outcome.drawing.name if outcome.drawing else None,
+        "unit": outcome.scan.unit,
+        "notice": LIMITS_OF_USE,
+        "shapes": [
+            {
+                "name": line.name,
+                "closed": line.closed,
+                "color": line.color,
+                "points": [_rounded(p) for p in (line.points + outcome.centre) / outcome.scan.metres_per_unit],
+                "bridged": line.bridged.tolist(),
+            }
+            for line in outcome.lines
+        ],
+    }
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Whole or not at all."""
+    partial = path.with_name(path.name + ".part")
+    partial.write_bytes(content)
+    os.replace(partial, path)
+
+
+def _json(document: object) -> bytes:
+    return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
+
+
+def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
+    """Writes the five files and returns result.json's document; BadInput when the folder cannot be written."""
+    vertices = pose(outcome.rig, outcome.parameters)
+    mesh = trimesh.Trimesh(vertices / outcome.scan.metres_per_unit, outcome.rig.faces, process=False)
+    ply = mesh.export(file_type="ply", include_attributes=False)
+    glb = fitted_glb(outcome.rig, outcome.history, outcome.times_s, outcome.drawing, {"preset": outcome.preset})
+    result = result_json(outcome, vertices)
+    log = "".join(event.model_dump_json(exclude={"nodes"}) + "\n" for event in outcome.log)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        _write(folder / "fitted.ply", ply)
+        _write(folder / "fitted.glb", glb)
+        _write(folder / "drawing.json", _json(drawing_json(outcome)))
+        _write(folder / "fit.log.jsonl", log.encode())
+        _write(folder / "result.json", _json(result))
+    except OSError as error:
+        raise BadInput(f"The folder {folder} cannot be written ({error.strerror}); choose another with -o.") from error
+    return result

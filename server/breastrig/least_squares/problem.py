@@ -1,0 +1,56 @@
+"""What a least-squares problem is made of.
+
+Energy E(x) = ½ Σ_terms |r(x)|², every residual divided by its expected size, so that 1 means one standard
+deviation.  Constraints g(x) are held in compliant form with Lagrange multipliers λ:
+
+    [ H   Cᵀ ] [ d ]     [ −∇E ]
+    [ C  −K  ] [ λ ]  =  [ −g  ]        K = diag(compliance); 0 is a hard constraint
+
+which for K > 0 equals adding ½ gᵀ K⁻¹ g to the energy, yet stays well conditioned as K -> 0
+(Tournier et al., Stable constrained dynamics, 2015; reference 30 of the paper).
+"""
+
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+from breastrig.core.arrays import Array
+
+X_contra = TypeVar("X_contra", contravariant=True)
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """A residual and its derivative at one point."""
+
+    residual: Array  # (M,)
+    jacobian: Array  # (M, P) with respect to the tangent step
+
+
+class ResidualTerm(Protocol[X_contra]):
+    """One source of residuals."""
+
+    @property
+    def name(self) -> str: ...
+
+    def residual(self, x: X_contra) -> Array:
+        """(M,) in standard deviations."""
+
+    def linearise(self, x: X_contra) -> Linearisation:
+        """The same residual with its Jacobian."""
+
+
+class Constraint(Protocol[X_contra]):
+    """Equations g(x) = 0, each with a compliance (0 is hard)."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def compliance(self) -> Array:
+        """(C,) in the square of the equation's unit."""
+
+    def residual(self, x: X_contra) -> Array:
+        """(C,) the violation g."""
+
+    def linearise(self, x: X_contra) -> Linearisation:
+        """g and its Jacobian."""

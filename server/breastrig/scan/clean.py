@@ -1,0 +1,80 @@
+"""From what the scanner wrote to what can be fitted: one function a step, each returns new arrays.
+
+The scan itself is never changed on disk; drawings are projected on the cleaned surface, which is a part of it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from breastrig.core.arrays import Array, Integers
+from breastrig.core.errors import BadScan
+from breastrig.scan.scan import Scan
+
+MIN_TRIANGLES = 200  # fewer cannot show a torso
+FRAGMENT_SHARE = 0.02  # pieces smaller than this share of the largest are dust
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A cleaned scan."""
+
+    vertices: Array  # (V, 3) m
+    faces: Integers  # (F, 3)
+    notes: tuple[str, ...]
+
+
+def welded(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
+    """Vertices at the same place (to 1 µm) become one: STL and split OBJ files repeat them."""
+    keys = np.round(vertices * 1e6).astype(np.int64)
+    _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    if len(first) == len(vertices):
+        return vertices, faces
+    return vertices[first], inverse.ravel()[faces].astype(np.int64)
+
+
+def without_degenerate(vertices: Array, faces: Integers) -> Integers:
+    """Triangles with an area."""
+    a, b, c = (vertices[faces[:, i]] for i in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return faces[area > 1e-12]
+
+
+def without_fragments(vertices: Array, faces: Integers) -> tuple[Integers, int]:
+    """Pieces of at least FRAGMENT_SHARE of the largest (by triangles), and how many others were dropped."""
+    i, j = faces[:, [0, 1, 2]].ravel(), faces[:, [1, 2, 0]].ravel()
+    graph = sp.coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(len(vertices), len(vertices)))
+    _, labels = connected_components(graph, directed=False)
+    piece = labels[faces[:, 0]]
+    sizes = np.bincount(piece)
+    kept = sizes >= FRAGMENT_SHARE * sizes.max()
+    return faces[kept[piece]], int((sizes > 0).sum() - kept.sum())
+
+
+def compact(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
+    """Only the vertices that a triangle uses."""
+    used = np.zeros(len(vertices), dtype=np.bool_)
+    used[faces] = True
+    index = np.cumsum(used) - 1
+    return vertices[used], index[faces].astype(np.int64)
+
+
+def clean(scan: Scan) -> Surface:
+    """The part of a scan that can be fitted, with one sentence for each thing that was done."""
+    vertices, faces = welded(np.asarray(scan.vertices, dtype=np.float64), np.asarray(scan.faces, dtype=np.int64))
+    notes = []
+    solid = without_degenerate(vertices, faces)
+    if len(solid) < len(faces):
+        notes.append(f"{len(faces) - len(solid)} triangles without area were left out.")
+    if not len(solid):
+        raise BadScan("The scan has no triangle with an area; export it again as a mesh.")
+    faces, dropped = without_fragments(vertices, solid)
+    if dropped:
+        notes.append(f"{dropped} small loose pieces were left out.")
+    if len(faces) < MIN_TRIANGLES:
+        raise BadScan(
+            f"The scan has only {len(faces)} usable triangles; at least {MIN_TRIANGLES} are needed to show a torso."
+        )
+    return Surface(*compact(vertices, faces), tuple(notes))

@@ -1,0 +1,105 @@
+"""Which way a scan looks and whether the patient stands or lies: proposals with a reason, never decisions.
+
+A depth camera that goes round the front sees mostly surfaces that face it, so the mean normal of the scan
+points to the front.  A lying patient is scanned from above with the table: one large plane behind everything
+else, facing the camera.  Up is the scanner's +Y where that is across the front, else the longer extent.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Integers
+from breastrig.geometry.normals import face_areas, face_normals
+
+SAMPLE = 8000  # triangles looked at: enough for a mean and a plane
+PLANE_BIN = 0.01  # m, thickness of a table with the scanner's noise
+TABLE_SHARE = 0.06  # of the scanned area in one plane 2 cm thick; what tells a table from a chest is what lies behind
+BEHIND_SHARE = 0.06  # of the area may lie behind a table (noise, its edge)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A proposed body frame in the scan's own axes, and a proposed stance."""
+
+    up: Array  # (3,) unit, to the head
+    front: Array  # (3,) unit, perpendicular to up
+    confidence: float  # 0..1
+    reason: str
+    stance: str  # standing | supine
+    stance_reason: str
+
+    @property
+    def rotation(self) -> Array:
+        """(3, 3): columns are the patient's left, up and front in the scan's axes."""
+        return np.column_stack([np.cross(self.up, self.front), self.up, self.front])
+
+
+def _directions(count: int) -> Array:
+    """(count, 3) evenly spread unit vectors (Fibonacci lattice)."""
+    k = np.arange(count) + 0.5
+    z, angle = 1.0 - 2.0 * k / count, np.pi * (1.0 + np.sqrt(5.0)) * k
+    r = np.sqrt(1.0 - z * z)
+    return np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=1)
+
+
+def table_plane(centres: Array, normals: Array, areas: Array) -> tuple[Array, float, float] | None:
+    """(normal, offset in m, share of the area) of a table behind the body, or None.
+
+    centres, normals (M, 3) and areas (M,) of triangles.
+    """
+    total = areas.sum()
+    best: tuple[float, Array, float] | None = None
+    for direction in _directions(300):
+        facing = normals @ direction > 0.94  # 20 degrees
+        if areas[facing].sum() < TABLE_SHARE * total:
+            continue
+        mean = (normals[facing] * areas[facing, None]).sum(axis=0)
+        mean /= np.linalg.norm(mean)
+        facing = normals @ mean > 0.94
+        heights = centres[facing] @ mean
+        bins = np.floor((heights - heights.min()) / PLANE_BIN).astype(np.int64)
+        share = np.bincount(bins, weights=areas[facing])
+        share = share + np.append(share[1:], 0.0)
+        peak = int(share.argmax())
+        if best is None or share[peak] > best[0]:
+            best = (float(share[peak]), mean, float(heights.min() + (peak + 1) * PLANE_BIN))
+    if best is None or best[0] < TABLE_SHARE * total:
+        return None
+    behind = areas[centres @ best[1] < best[2] - 2 * PLANE_BIN].sum()
+    return (best[1], best[2], best[0] / total) if behind < BEHIND_SHARE * total else None
+
+
+def propose_frame(vertices: Array, faces: Integers) -> Frame:
+    """A proposal for (V, 3) m vertices and (F, 3) triangles."""
+    stride = max(1, len(faces) // SAMPLE)
+    chosen = faces[::stride]
+    normals, areas = face_normals(vertices, chosen), face_areas(vertices, chosen)
+    centres = vertices[chosen].mean(axis=1)
+    table = table_plane(centres, normals, areas)
+    if table is not None:
+        front, stance = table[0], "supine"
+        stance_reason = f"{100 * table[2]:.0f} % of the scan lies in one plane behind the body: a table."
+        reason = "The front is where the table faces"
+        confidence = 0.7
+    else:
+        mean = (normals * areas[:, None]).sum(axis=0) / areas.sum()
+        strength = float(np.linalg.norm(mean))
+        front, stance = (mean / strength, "standing") if strength > 0.05 else (np.array([0.0, 0.0, 1.0]), "standing")
+        stance_reason = "There is no table in the scan."
+        reason = "The front is where most of the scanned skin faces" if strength > 0.05 else "The scan shows all sides"
+        confidence = min(0.8, 2.0 * strength)
+    across = np.array([0.0, 1.0, 0.0]) - front[1] * front
+    if np.linalg.norm(across) > 0.35:
+        up = across / np.linalg.norm(across)
+        reason += ", up is the scanner's own."
+    else:
+        flat = centres - centres.mean(axis=0)
+        flat = flat - np.outer(flat @ front, front)
+        _, _, axes = np.linalg.svd(flat * np.sqrt(areas)[:, None], full_matrices=False)
+        up = axes[0] - (axes[0] @ front) * front
+        up = up / np.linalg.norm(up) * (1.0 if up[2] <= 0.0 else -1.0)
+        reason += ", up is the longer extent; check it."
+        confidence *= 0.5
+    front = front - (front @ up) * up
+    return Frame(up, front / np.linalg.norm(front), round(confidence, 2), reason, stance, stance_reason)

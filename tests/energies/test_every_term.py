@@ -1,0 +1,74 @@
+"""Every residual term and constraint, against finite differences, at random poses of a toy rig."""
+
+import pkgutil
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.gradient_check import assert_jacobian_matches_finite_differences
+from helpers.random_pose import random_parameters
+
+import breastrig.energies
+from breastrig.correspondence.match import Correspondences
+from breastrig.energies.joint_rest import JointRest
+from breastrig.energies.landmarks import Landmarks
+from breastrig.energies.point_to_plane import PointToPlane
+from breastrig.energies.point_to_point import PointToPoint
+from breastrig.energies.scale_prior import ScalePrior
+from breastrig.energies.shape_prior import ShapePrior
+from breastrig.energies.symmetry import Symmetry
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters, rest_parameters
+
+
+def matches(rig: Rig, rng: np.random.Generator) -> Correspondences:
+    chosen = rng.choice(len(rig.template), 40, replace=False)
+    normals = rng.normal(size=(40, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return Correspondences(chosen, rig.template[chosen] + 0.02 * rng.normal(size=(40, 3)), normals, np.zeros(40))
+
+
+TERMS: dict[str, Callable[[Rig, np.random.Generator], Any]] = {
+    "point_to_plane": lambda rig, rng: PointToPlane(rig, matches(rig, rng), rng.uniform(0.1, 1, 40), 0.003),
+    "point_to_point": lambda rig, rng: PointToPoint(rig, matches(rig, rng), rng.uniform(0.1, 1, 40), 0.01),
+    "landmarks": lambda rig, rng: Landmarks(
+        rig, rig.landmark_points(), rng.normal(size=(len(rig.landmarks), 3)), rng.uniform(0.002, 0.01, len(rig.landmarks))
+    ),
+    "scale_prior": lambda rig, _: ScalePrior(rig, 0.1, 0.05),
+    "shape_prior": lambda rig, rng: ShapePrior(rng.uniform(0.1, 1, len(rig.shapes)), rng.normal(size=len(rig.shapes))),
+    "symmetry": lambda rig, _: Symmetry(rig, 0.5, 0.02),
+    "joint_rest": lambda rig, rng: JointRest(rig, rig.joints, 0.2 * rng.normal(size=(len(rig.joints), 3))),
+}
+
+
+def test_no_term_is_forgotten() -> None:
+    assert {module.name for module in pkgutil.iter_modules(breastrig.energies.__path__)} == set(TERMS)
+
+
+@pytest.mark.parametrize("name", TERMS)
+@pytest.mark.parametrize("seed", range(3))
+def test_the_jacobian_matches_finite_differences(name: str, seed: int, toy_rig: Rig) -> None:
+    rng = np.random.default_rng(seed)
+    term = TERMS[name](toy_rig, rng)
+    assert_jacobian_matches_finite_differences(term, toy_rig, random_parameters(toy_rig, rng))
+
+
+@pytest.mark.parametrize("name", ["shape_prior", "scale_prior", "symmetry", "joint_rest"])
+def test_a_rig_at_rest_costs_nothing(name: str, toy_rig: Rig) -> None:
+    rest = rest_parameters(toy_rig)
+    term = {
+        "shape_prior": ShapePrior(np.ones(len(toy_rig.shapes)), np.zeros(len(toy_rig.shapes))),
+        "scale_prior": ScalePrior(toy_rig, 0.1, 0.05),
+        "symmetry": Symmetry(toy_rig, 0.5, 0.02),
+        "joint_rest": JointRest(toy_rig, toy_rig.joints),
+    }[name]
+    np.testing.assert_allclose(term.residual(rest), 0.0, atol=1e-12)
+
+
+def test_a_rigid_move_of_the_whole_rig_strains_no_joint(toy_rig: Rig) -> None:
+    rng = np.random.default_rng(4)
+    rest: RigParameters = rest_parameters(toy_rig)
+    turned = random_parameters(toy_rig, rng).rotations[0]
+    moved = rest.moved(turned, rng.normal(size=3))
+    np.testing.assert_allclose(JointRest(toy_rig, toy_rig.joints).residual(moved), 0.0, atol=1e-9)

@@ -1,0 +1,19 @@
+// The page is built to dist/, which the service serves at "/".  While developing, Vite serves the sources and
+// passes /api on to a running service (BREASTRIG_SERVICE, by default the port of `make serve`).
+import { defineConfig } from "vitest/config";
+
+const service = process.env.BREASTRIG_SERVICE ?? "http://127.0.0.1:8321";
+
+export default defineConfig({
+  base: "./",
+  server: { host: "127.0.0.1", port: 5173, proxy: { "/api": service, "/healthz": service } },
+  build: {
+    target: "es2022",
+    // The page's policy is default-src 'self': nothing may be inlined as a data: address.
+    assetsInlineLimit: 0,
+    // three.js is one library of that size; splitting it would only add round trips.
+    chunkSizeWarningLimit: 1000,
+    modulePreload: { polyfill: false },
+  },
+  test: { include: ["test/**/*.test.ts"], environment: "node" },
+});
