@@ -1,0 +1,92 @@
+"""Buffers, views and accessors: numpy arrays in, glTF bytes out.
+
+pygltflib holds the document (its classes know the field names and leave out what is empty); the bytes are
+laid out here.  One view per accessor, each aligned to four bytes, no interleaving, no sparse accessors (some
+viewers flicker with them).  The same input gives the same bytes: no dates, no hashes, keys in pygltflib's order.
+"""
+
+from typing import Any
+
+import numpy as np
+import pygltflib
+from pygltflib import GLTF2
+
+from breastrig import __version__
+from breastrig.core.glb import pack_glb
+from breastrig.core.notice import LIMITS_OF_USE
+
+GENERATOR = f"BreastRig {__version__}"
+COMPONENT_TYPES = {
+    np.dtype(np.uint8): pygltflib.UNSIGNED_BYTE,
+    np.dtype(np.uint16): pygltflib.UNSIGNED_SHORT,
+    np.dtype(np.uint32): pygltflib.UNSIGNED_INT,
+    np.dtype(np.float32): pygltflib.FLOAT,
+}
+ELEMENT_TYPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
+
+
+def new_document(extras: dict[str, Any] | None = None) -> GLTF2:
+    """An empty glTF 2.0 document that says who wrote it and for what it may be used."""
+    document = GLTF2(asset=pygltflib.Asset(generator=GENERATOR, extras={"notice": LIMITS_OF_USE, **(extras or {})}))
+    document.scene = 0
+    document.scenes = [pygltflib.Scene(nodes=[])]
+    return document
+
+
+def append(items: list[Any], item: Any) -> int:
+    """Adds `item` to one of the document's lists and returns its index."""
+    items.append(item)
+    return len(items) - 1
+
+
+class BufferWriter:
+    """Grows one buffer of a document, accessor by accessor."""
+
+    def __init__(self, document: GLTF2, uri: str | None = None) -> None:
+        self._document = document
+        self._chunks: list[bytes] = []
+        self._length = 0
+        self._buffer = append(document.buffers, pygltflib.Buffer(byteLength=0, uri=uri))
+
+    def add_bytes(self, data: bytes, target: int | None = None) -> int:
+        """Appends raw bytes (padded to four) and returns the index of their buffer view."""
+        view = pygltflib.BufferView(buffer=self._buffer, byteOffset=self._length, byteLength=len(data), target=target)
+        padded = data + b"\0" * (-len(data) % 4)
+        self._chunks.append(padded)
+        self._length += len(padded)
+        self._document.buffers[self._buffer].byteLength = self._length
+        return append(self._document.bufferViews, view)
+
+    def add(
+        self, array: np.ndarray[Any, Any], *, target: int | None = None, bounds: bool = False, normalized: bool = False
+    ) -> int:
+        """Appends (N, ...) uint8, uint16, uint32 or float32 numbers and returns the index of their accessor."""
+        data = np.ascontiguousarray(array)
+        element = data.shape[1:]
+        if element == (4, 4):
+            data = np.ascontiguousarray(data.transpose(0, 2, 1))  # glTF stores matrices column by column
+        accessor = pygltflib.Accessor(
+            bufferView=self.add_bytes(data.astype(data.dtype.newbyteorder("<")).tobytes(), target),
+            componentType=COMPONENT_TYPES[data.dtype],
+            count=len(data),
+            type=ELEMENT_TYPES[element],
+            normalized=normalized,
+        )
+        if bounds:
+            rows = data.reshape(len(data), -1)
+            accessor.min, accessor.max = rows.min(axis=0).tolist(), rows.max(axis=0).tolist()
+        return append(self._document.accessors, accessor)
+
+    def content(self) -> bytes:
+        """All bytes of the buffer so far."""
+        return b"".join(self._chunks)
+
+
+def to_gltf(document: GLTF2) -> bytes:
+    """The document as JSON text, its buffers elsewhere."""
+    return str(document.gltf_to_json(separators=(",", ":"), indent=None)).encode()
+
+
+def to_glb(document: GLTF2, buffer: BufferWriter) -> bytes:
+    """The document and its only buffer in one .glb."""
+    return pack_glb(to_gltf(document), buffer.content())

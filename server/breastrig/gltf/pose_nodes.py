@@ -1,0 +1,48 @@
+"""Rig parameters in glTF's own words: translation, rotation, scale and weights of named nodes.
+
+Bone j's node carries its rotation and translation relative to the parent bone; its leaf child `<bone>_scale`
+carries the scale and is the skin's joint, so that no scale is inherited and any set of bone frames is exact:
+world(<bone>_scale) = T_j R_j S_j.  The root bone is absolute, in the scan's frame.  The live stream, the
+.gltf of an iteration and the animation all speak through this one function.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.geometry.rotations import quaternion_from_rotation
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
+
+DECIMALS = 7  # 0.1 µm and 0.1 µrad: under the float32 accuracy of the vertices
+
+
+def scale_node(bone: str) -> str:
+    """Name of the leaf node that carries the scale of `bone`."""
+    return f"{bone}_scale"
+
+
+def node_poses(rig: Rig, x: RigParameters) -> list[dict[str, Any]]:
+    """One dictionary per node: name and those of translation (m), rotation (x y z w), scale, weights it has."""
+    poses: list[dict[str, Any]] = []
+    for index, bone in enumerate(rig.bones):
+        rotation, translation = x.rotations[index], x.translations[index]
+        if bone.parent is not None:
+            base = x.rotations[bone.parent].T
+            rotation, translation = base @ rotation, base @ (translation - x.translations[bone.parent])
+        poses.append(
+            {
+                "name": bone.name,
+                "translation": _rounded(translation),
+                "rotation": _rounded(quaternion_from_rotation(rotation)),
+            }
+        )
+        poses.append({"name": scale_node(bone.name), "scale": _rounded(x.scales[index])})
+    poses.append({"name": rig.name, "weights": _rounded(x.weights)})
+    return poses
+
+
+def _rounded(values: Array) -> list[float]:
+    """Plain floats with seven decimals; no negative zero, which would make equal poses differ in bytes."""
+    return [float(value) for value in np.round(values, DECIMALS) + 0.0]

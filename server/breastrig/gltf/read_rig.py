@@ -1,0 +1,335 @@
+"""torso.glb + torso.json + drawings/*.json -> Rig: ours, or anybody's in the same form.
+
+The .glb gives what everyone's tools can edit (template, faces, uv, shapes, skin weights, rest frames), the
+side file the rest; they meet by names.  Rest frames come from the inverse bind matrices, so the pose in which
+the file was saved does not matter.  A joint node named `<bone>_scale` stands for its parent, the bone (our
+layout, see pose_nodes.py); any other joint node is the bone itself.  This checks that the files agree;
+`breastrig model check` judges whether the rig is a good one.
+"""
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from pydantic import ValidationError
+
+import breastrig
+from breastrig.core.arrays import Array, Integers
+from breastrig.core.errors import BadModel
+from breastrig.core.glb import split_glb
+from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.gltf.accessors import GltfArrays, entry
+from breastrig.gltf.side_file import DrawingFile, FilePart, RigFile, SurfacePointEntry
+from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, ModelDrawing, Rig, Shape
+
+TRIANGLES = 4
+ORTHONORMAL = 1e-4  # largest deviation of QᵀQ from the identity before a rest frame counts as scaled
+UNIT_SUM = 1e-3  # largest deviation of skin and barycentric weights from 1 before they count as wrong
+BARYCENTRIC_OUTSIDE = 0.05  # how far a surface point may lie outside its triangle
+
+File = TypeVar("File", bound=FilePart)
+
+
+def default_rig_path() -> Path:
+    """The model that comes with BreastRig: from the installed wheel, else from the source checkout."""
+    package = Path(breastrig.__file__).parent
+    installed = package / "assets" / "model" / "torso.glb"
+    return installed if installed.exists() else package.parents[1] / "model_assets" / "built" / "torso.glb"
+
+
+def read_rig(glb: Path) -> Rig:
+    """Reads `glb`, the .json of the same name and drawings/*.json beside it; BadModel says what is wrong."""
+    files = {"glb": glb, "json": glb.with_suffix(".json")}
+    data = {kind: _bytes(path) for kind, path in files.items()}
+    drawing_paths = sorted(glb.parent.glob("drawings/*.json"))
+    drawings = [_bytes(path) for path in drawing_paths]
+    side = _parsed(RigFile, data["json"], files["json"].name)
+    try:
+        mesh = _SkinnedMesh(*split_glb(data["glb"]))
+    except (ValueError, KeyError, TypeError, IndexError, AttributeError, MemoryError) as error:
+        raise BadModel(f"{glb.name} cannot be used as a model: {_reason(error)}.") from error
+    rig = _assembled(
+        side,
+        mesh,
+        tuple(
+            _drawing(_parsed(DrawingFile, text, path.name), path.name, len(mesh.faces))
+            for text, path in zip(drawings, drawing_paths, strict=True)
+        ),
+        hashlib.sha256(b"".join([data["glb"], data["json"], *drawings])).hexdigest(),
+    )
+    return rig
+
+
+class _SkinnedMesh:
+    """The .glb's part, by names; ValueError with the end of a sentence."""
+
+    def __init__(self, document: dict[str, Any], binary: bytes) -> None:
+        arrays = GltfArrays(document, binary)
+        nodes = document.get("nodes", [])
+        found = [node for node in nodes if "mesh" in node and "skin" in node]
+        meshes = {node["mesh"] for node in found}
+        if len(meshes) != 1:
+            raise ValueError(f"it needs exactly one mesh with a skin and has {len(meshes)}")
+        mesh = entry(document, "meshes", found[0]["mesh"])
+        if len(mesh["primitives"]) != 1:
+            raise ValueError("its mesh has several materials, a model's mesh needs exactly one")
+        primitive = mesh["primitives"][0]
+        if primitive.get("mode", TRIANGLES) != TRIANGLES:
+            raise ValueError("its mesh is not made of triangles")
+        attributes = primitive["attributes"]
+        if "JOINTS_1" in attributes:
+            raise ValueError("its vertices hang on more than four bones, prune them to four")
+        self.template: Array = arrays.read(attributes["POSITION"])
+        count = len(self.template)
+        self.faces = self._faces(arrays, primitive)
+        self.uv = arrays.read(attributes["TEXCOORD_0"]) if "TEXCOORD_0" in attributes else np.zeros((count, 2))
+        targets = primitive.get("targets", [])
+        self.shapes: list[Array] = [
+            arrays.read(target["POSITION"]) if "POSITION" in target else np.zeros((count, 3)) for target in targets
+        ]
+        self.shape_names: list[str] = list((mesh.get("extras") or {}).get("targetNames", []))
+        if len(self.shape_names) != len(self.shapes):
+            raise ValueError(
+                f"it has {len(self.shapes)} shapes but {len(self.shape_names)} names in mesh.extras.targetNames"
+            )
+        skin = entry(document, "skins", found[0]["skin"])
+        self.bone_names = _bone_names(nodes, skin["joints"])
+        self.skin_weights = self._weights(arrays, attributes)
+        self.inverse_bind = (
+            arrays.read(skin["inverseBindMatrices"])
+            if "inverseBindMatrices" in skin
+            else np.tile(np.eye(4), (len(self.bone_names), 1, 1))
+        )
+        self._check(count)
+
+    def _faces(self, arrays: GltfArrays, primitive: dict[str, Any]) -> Integers:
+        count = len(self.template)
+        flat = arrays.read(primitive["indices"]) if "indices" in primitive else np.arange(count)
+        if flat.ndim != 1 or flat.size == 0 or flat.size % 3 or flat.max() >= count:
+            raise ValueError("its triangles are empty or name vertices that do not exist")
+        return np.asarray(flat.reshape(-1, 3), np.int64)
+
+    def _weights(self, arrays: GltfArrays, attributes: dict[str, Any]) -> Array:
+        joints = arrays.read(attributes["JOINTS_0"])
+        values = arrays.read(attributes["WEIGHTS_0"])
+        if joints.shape != values.shape or joints.shape != (len(self.template), 4):
+            raise ValueError("its skin weights do not fit its vertices")
+        if joints.max() >= len(self.bone_names):
+            raise ValueError("its skin weights name bones that do not exist")
+        if values.min() < 0 or np.abs(values.sum(axis=1) - 1.0).max() > UNIT_SUM:
+            raise ValueError("the skin weights of its vertices do not sum to 1")
+        weights = np.zeros((len(values), len(self.bone_names)))
+        np.add.at(weights, (np.arange(len(values))[:, None], joints), values)
+        return np.asarray(weights / weights.sum(axis=1, keepdims=True))
+
+    def _check(self, count: int) -> None:
+        shapes = {
+            "positions": (self.template.shape, (count, 3)),
+            "texture coordinates": (self.uv.shape, (count, 2)),
+            "inverse bind matrices": (self.inverse_bind.shape, (len(self.bone_names), 4, 4)),
+        }
+        for what, (found, wanted) in shapes.items():
+            if found != wanted:
+                raise ValueError(f"its {what} have the shape {found} instead of {wanted}")
+        for name, shape in zip(self.shape_names, self.shapes, strict=True):
+            if shape.shape != (count, 3):
+                raise ValueError(f'its shape "{name}" does not fit its vertices')
+        for values in (self.template, self.uv, self.inverse_bind, *self.shapes):
+            if not np.isfinite(values).all():
+                raise ValueError("it contains numbers that are not finite")
+
+
+def _bone_names(nodes: list[dict[str, Any]], joints: list[int]) -> list[str]:
+    parents = {child: index for index, node in enumerate(nodes) for child in node.get("children", [])}
+    names = []
+    for joint in joints:
+        name = nodes[joint].get("name", "")
+        above = nodes[parents[joint]].get("name") if joint in parents else None
+        names.append(above if above is not None and name == f"{above}_scale" else name)
+    if len(set(names)) != len(names):
+        raise ValueError("two of its bones have the same name")
+    return names
+
+
+def _assembled(side: RigFile, mesh: _SkinnedMesh, drawings: tuple[ModelDrawing, ...], sha256: str) -> Rig:
+    vertices, faces = len(mesh.template), len(mesh.faces)
+    names = _unique("bone", [bone.name for bone in side.bones])
+    _same_names("bone", names, mesh.bone_names, mesh.skin_weights)
+    _same_names("shape", _unique("shape", [shape.name for shape in side.shapes]), mesh.shape_names)
+    _unique("landmark", [landmark.name for landmark in side.landmarks])
+    _unique("drawing", [drawing.name for drawing in drawings])
+    columns = [mesh.bone_names.index(name) for name in names]
+    shapes = {shape.name: shape for shape in side.shapes}
+    landmark_names = [landmark.name for landmark in side.landmarks]
+    for landmark in side.landmarks:
+        _check_point(landmark, faces, f'Landmark "{landmark.name}"')
+        _known("landmark", landmark.mirror, landmark_names)
+    return Rig(
+        name=side.name,
+        template=mesh.template,
+        faces=mesh.faces,
+        uv=mesh.uv,
+        blendshapes=np.array(mesh.shapes).reshape(-1, vertices, 3),
+        skin_weights=mesh.skin_weights[:, columns],
+        bones=tuple(_bone(side, index, names, mesh.inverse_bind[columns[index]]) for index in range(len(names))),
+        joints=tuple(
+            Joint(
+                parent=_known("bone", joint.parent, names),
+                child=_known("bone", joint.child, names),
+                anchor=np.array(joint.anchor),
+                rotation_sigma=joint.rotation_sigma,
+                translation_sigma=joint.translation_sigma,
+                rotation_limit=joint.rotation_limit,
+            )
+            for joint in side.joints
+        ),
+        shapes=tuple(_shape(shapes, name, mesh.shape_names) for name in mesh.shape_names),
+        landmarks=tuple(
+            Landmark(
+                name=landmark.name,
+                label=landmark.label,
+                latin=landmark.latin,
+                definition=landmark.definition,
+                easy=landmark.easy,
+                mirror=landmark.mirror,
+                face=landmark.face,
+                barycentric=np.array(landmark.barycentric),
+            )
+            for landmark in side.landmarks
+        ),
+        drawings=drawings,
+        mirror_vertices=_indices(side.symmetry.vertices, vertices, "symmetry.vertices", vertices),
+        regions={name: _indices(chosen, vertices, f"region {name}") for name, chosen in side.regions.items()},
+        sha256=sha256,
+    )
+
+
+def _bone(side: RigFile, index: int, names: list[str], inverse_bind: Array) -> Bone:
+    bone = side.bones[index]
+    parent = None if bone.parent is None else _known("bone", bone.parent, names)
+    if parent is not None and parent >= index:
+        raise BadModel(f'Bone "{bone.name}" stands before its parent "{bone.parent}"; list parents first.')
+    turned = inverse_bind[:3, :3]
+    if np.abs(turned @ turned.T - np.eye(3)).max() > ORTHONORMAL or np.linalg.det(turned) < 0:
+        raise BadModel(
+            f'The rest frame of bone "{bone.name}" is scaled or mirrored; apply the armature\'s scale before export.'
+        )
+    left, _, right = np.linalg.svd(turned)
+    rotation = (left @ right).T  # the nearest rotation: float32 rounding is taken out
+    if any(low > high for low, high in zip(bone.scale_min, bone.scale_max, strict=True)):
+        raise BadModel(f'The scale limits of bone "{bone.name}" are the wrong way round.')
+    _known("bone", bone.mirror, names)
+    return Bone(
+        name=bone.name,
+        parent=parent,
+        origin=-rotation @ inverse_bind[:3, 3],
+        rotation=rotation,
+        scale_min=np.array(bone.scale_min),
+        scale_max=np.array(bone.scale_max),
+        mirror=bone.mirror,
+    )
+
+
+def _shape(shapes: dict[str, Any], name: str, names: list[str]) -> Shape:
+    shape = shapes[name]
+    if shape.min > shape.max:
+        raise BadModel(f'The range of shape "{name}" is the wrong way round.')
+    _known("shape", shape.mirror, names)
+    return Shape(
+        name=name,
+        kind=shape.kind,
+        min=shape.min,
+        max=shape.max,
+        sigma=shape.sigma,
+        mirror=shape.mirror,
+        label=shape.label,
+    )
+
+
+def _drawing(drawing: DrawingFile, file: str, faces: int) -> ModelDrawing:
+    for shape in drawing.shapes:
+        for point in shape.surface_points:
+            _check_point(point, faces, f'Shape "{shape.name}" of {file}')
+    _unique(f"shape of {file}", [shape.name for shape in drawing.shapes])
+    return ModelDrawing(
+        name=drawing.name,
+        label=drawing.label or drawing.name,
+        shapes=tuple(
+            DrawnShape(
+                name=shape.name,
+                label=shape.label or shape.name,
+                closed=shape.closed,
+                color=shape.color,
+                points=SurfacePoints(
+                    np.array([point.face for point in shape.surface_points], np.int64),
+                    np.array([point.barycentric for point in shape.surface_points]),
+                ),
+            )
+            for shape in drawing.shapes
+        ),
+    )
+
+
+def _check_point(point: SurfacePointEntry, faces: int, what: str) -> None:
+    if point.face >= faces:
+        raise BadModel(f"{what} lies on triangle {point.face}, the mesh has only {faces}.")
+    if abs(sum(point.barycentric) - 1.0) > UNIT_SUM or min(point.barycentric) < -BARYCENTRIC_OUTSIDE:
+        raise BadModel(f"{what} has a point outside its triangle; barycentric weights must be positive and sum to 1.")
+
+
+def _indices(indices: list[int], below: int, what: str, length: int | None = None) -> Integers:
+    result = np.array(indices, np.int64)
+    if length is not None and len(result) != length:
+        raise BadModel(f"The side file's {what} has {len(result)} entries, the mesh has {length} vertices.")
+    if result.size and result.max() >= below:
+        raise BadModel(f"The side file's {what} names vertices that the mesh does not have.")
+    result.flags.writeable = False
+    return result
+
+
+def _unique(what: str, names: list[str]) -> list[str]:
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise BadModel(f'Two entries share the {what} name "{twice[0]}"; names must be unique.')
+    return names
+
+
+def _known(what: str, name: str, names: list[str]) -> int:
+    if name not in names:
+        raise BadModel(f'The side file names a {what} "{name}" that does not exist; known are: {", ".join(names)}.')
+    return names.index(name)
+
+
+def _same_names(what: str, side: list[str], mesh: list[str], weights: Array | None = None) -> None:
+    missing = [name for name in side if name not in mesh]
+    if missing:
+        raise BadModel(f'The side file lists the {what} "{missing[0]}", which the .glb does not have.')
+    for index, name in enumerate(mesh):
+        if name not in side and (weights is None or weights[:, index].any()):
+            raise BadModel(f'The .glb has the {what} "{name}", which the side file does not list.')
+
+
+def _parsed(kind: type[File], text: bytes, file: str) -> File:
+    try:
+        return kind.model_validate(json.loads(text))
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_context=False)[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise BadModel(f"{file} is not a file of this model: {where}: {first['msg']}.") from error
+    except (ValueError, RecursionError) as error:
+        raise BadModel(f"{file} is not a JSON file.") from error
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise BadModel(
+            f"The model file {path.name} cannot be read; a model is a .glb with a .json beside it."
+        ) from error
+
+
+def _reason(error: BaseException) -> str:
+    return str(error) if type(error) is ValueError else "its glTF structure is broken"
