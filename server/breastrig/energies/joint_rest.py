@@ -11,10 +11,11 @@ bones' scales, as the paper's section 2.2 asks ("a rigid point attached to the s
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.rotations import exp_so3, hat, log_so3, right_jacobian_inverse
 from breastrig.least_squares.problem import Linearisation
 from breastrig.rig.model import Joint, Rig
@@ -34,41 +35,52 @@ class JointRest:
         rows = [[j.translation_sigma**2] * 3 + [j.rotation_sigma**2] * 3 for j in self.joints]
         return np.asarray(rows, dtype=np.float64).ravel()
 
-    def _gap(self, joint: Joint, x: RigParameters) -> tuple[Array, Array, Array]:
-        """gap in world axes, and the anchor in each bone's own axes before scaling"""
+    @cached_property
+    def _arms(self) -> tuple[Integers, Integers, Array, Array, Array, Array]:
+        """(J,) parents and children, (J, 3, 3) their rest axes, (J, 3) m the anchor in each one's own axes."""
         rig = self.rig
-        u_p = rig.rest_rotations[joint.parent].T @ (joint.anchor - rig.rest_origins[joint.parent])
-        u_c = rig.rest_rotations[joint.child].T @ (joint.anchor - rig.rest_origins[joint.child])
-        at_p = x.rotations[joint.parent] @ (x.scales[joint.parent] * u_p) + x.translations[joint.parent]
-        at_c = x.rotations[joint.child] @ (x.scales[joint.child] * u_c) + x.translations[joint.child]
-        return at_c - at_p, u_p, u_c
+        p, c = (np.array([getattr(j, end) for j in self.joints], dtype=np.int64) for end in ("parent", "child"))
+        anchors = np.array([j.anchor for j in self.joints]).reshape(-1, 3)
+        q_p, q_c = rig.rest_rotations[p], rig.rest_rotations[c]
+        u_p = np.einsum("jab,ja->jb", q_p, anchors - rig.rest_origins[p])
+        u_c = np.einsum("jab,ja->jb", q_c, anchors - rig.rest_origins[c])
+        return p, c, q_p, q_c, u_p, u_c
+
+    def _parts(self, x: RigParameters) -> tuple[Array, Array, Array]:
+        """(J, 3) gap in world axes, (J, 3) turn, (J, 3, 3) world to parent's rest axes."""
+        p, c, q_p, q_c, u_p, u_c = self._arms
+        r_p, r_c = x.rotations[p], x.rotations[c]
+        at_p = np.einsum("jab,jb->ja", r_p, x.scales[p] * u_p) + x.translations[p]
+        at_c = np.einsum("jab,jb->ja", r_c, x.scales[c] * u_c) + x.translations[c]
+        into_parent = q_p @ r_p.transpose(0, 2, 1)
+        relative = into_parent @ r_c @ q_c.transpose(0, 2, 1)
+        if len(self.rest):
+            relative = exp_so3(self.rest).transpose(0, 2, 1) @ relative
+        return at_c - at_p, log_so3(relative), into_parent
 
     def residual(self, x: RigParameters) -> Array:
         """(6J,)"""
-        return self.linearise(x).residual
+        gap, turn, into_parent = self._parts(x)
+        return np.concatenate([np.einsum("jab,jb->ja", into_parent, gap), turn], axis=1).ravel()
 
     def linearise(self, x: RigParameters) -> Linearisation:
         """(6J,), (6J, P)"""
-        rig = self.rig
-        rest = exp_so3(self.rest) if len(self.rest) else np.tile(np.eye(3), (len(self.joints), 1, 1))
-        residual = np.zeros((len(self.joints), 6))
-        jacobian = np.zeros((len(self.joints), 6, x.dof))
-        for row, joint in enumerate(self.joints):
-            p, c = joint.parent, joint.child
-            q_p, q_c = rig.rest_rotations[p], rig.rest_rotations[c]
-            r_p, r_c = x.rotations[p], x.rotations[c]
-            into_parent = q_p @ r_p.T  # G_pᵀ
-            gap, u_p, u_c = self._gap(joint, x)
-            turn = log_so3(rest[row].T @ into_parent @ r_c @ q_c.T)
-            residual[row, :3], residual[row, 3:] = into_parent @ gap, turn
-            parent, child = (jacobian[row, :, BONE_DOFS * j : BONE_DOFS * (j + 1)] for j in (p, c))
-            parent[:3, 0:3] = q_p @ hat(r_p.T @ gap) + into_parent @ r_p @ hat(x.scales[p] * u_p)
-            parent[:3, 3:6] = -into_parent
-            parent[:3, 6:9] = -into_parent @ r_p * u_p
-            child[:3, 0:3] = -into_parent @ r_c @ hat(x.scales[c] * u_c)
-            child[:3, 3:6] = into_parent
-            child[:3, 6:9] = into_parent @ r_c * u_c
-            inverse = right_jacobian_inverse(turn)
-            child[3:, 0:3] = inverse @ q_c
-            parent[3:, 0:3] = -inverse @ q_c @ r_c.T @ r_p
-        return Linearisation(residual.ravel(), jacobian.reshape(-1, x.dof))
+        p, c, q_p, q_c, u_p, u_c = self._arms
+        r_p, r_c = x.rotations[p], x.rotations[c]
+        gap, turn, into_parent = self._parts(x)
+        inverse = right_jacobian_inverse(turn)
+        local_gap = np.einsum("jba,jb->ja", r_p, gap)
+        parent, child = np.zeros((2, len(p), 6, BONE_DOFS))
+        parent[:, :3, 0:3] = q_p @ (hat(local_gap) + hat(x.scales[p] * u_p))
+        parent[:, :3, 3:6] = -into_parent
+        parent[:, :3, 6:9] = -q_p * u_p[:, None, :]
+        child[:, :3, 0:3] = -into_parent @ r_c @ hat(x.scales[c] * u_c)
+        child[:, :3, 3:6] = into_parent
+        child[:, :3, 6:9] = (into_parent @ r_c) * u_c[:, None, :]
+        child[:, 3:, 0:3] = inverse @ q_c
+        parent[:, 3:, 0:3] = -inverse @ q_c @ r_c.transpose(0, 2, 1) @ r_p
+        jacobian = np.zeros((len(p), 6, x.dof))
+        for row in range(len(p)):
+            jacobian[row, :, BONE_DOFS * p[row] : BONE_DOFS * (p[row] + 1)] = parent[row]
+            jacobian[row, :, BONE_DOFS * c[row] : BONE_DOFS * (c[row] + 1)] = child[row]
+        return Linearisation(self.residual(x), jacobian.reshape(-1, x.dof))
