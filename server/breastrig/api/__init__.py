@@ -1,1 +1,1 @@
-"""HTTP: the only place which imports Flask."""
+"""HTTP: the only floor that knows Flask."""

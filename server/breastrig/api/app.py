@@ -1,0 +1,51 @@
+"""The Flask application: blueprints, guards, errors.  It owns no process and no thread; `service` does."""
+
+from typing import Any
+
+from apiflask import APIFlask
+
+from breastrig import __version__
+from breastrig.api.config import Config
+from breastrig.api.current import KEY, Behind
+from breastrig.api.docs import docs
+from breastrig.api.errors import register_errors
+from breastrig.api.events import events
+from breastrig.api.fits import fits
+from breastrig.api.meta import meta
+from breastrig.api.model_library import ModelLibrary
+from breastrig.api.models import models
+from breastrig.api.openapi import finish_document
+from breastrig.api.page import page
+from breastrig.api.scans import scans
+from breastrig.api.security import register_security
+from breastrig.jobs.service import Service
+
+
+def create_app(config: Config, service: Service) -> APIFlask:
+    """The application around a service, which the caller starts and stops."""
+    app = _bare_app()
+    app.config["MAX_CONTENT_LENGTH"] = config.uploads.file_bytes
+    app.extensions[KEY] = Behind(config, service, ModelLibrary(config.model))
+    register_errors(app)
+    register_security(app, config)
+    return app
+
+
+def openapi_document() -> dict[str, Any]:
+    """The API's description; needs no service."""
+    document = _bare_app().spec
+    assert isinstance(document, dict)
+    return document
+
+
+def _bare_app() -> APIFlask:
+    app = APIFlask(
+        "breastrig.api", title="BreastRig", version=__version__, spec_path=None, docs_path=None, static_folder=None
+    )
+    app.config["AUTO_SERVERS"] = False
+    app.json.sort_keys = False  # type: ignore[attr-defined]
+    app.url_map.strict_slashes = True
+    for blueprint in (scans, fits, events, models, meta, docs, page):
+        app.register_blueprint(blueprint)
+    app.spec_processor(finish_document)
+    return app

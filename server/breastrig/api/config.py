@@ -1,0 +1,56 @@
+"""What the service is told at its start.  Listening beyond this machine needs a token, or it refuses."""
+
+import ipaddress
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from breastrig.core.errors import BadSettings
+from breastrig.jobs.limits import UploadLimits
+
+TOKEN_VARIABLE = "BREASTRIG_TOKEN"
+TOKEN_LENGTH = 16  # characters, at least; shorter ones can be guessed
+
+
+@dataclass(frozen=True)
+class Config:
+    host: str = "127.0.0.1"
+    token: str | None = None  # bearer token that every call below /api must carry; None for none
+    model: Path | None = None  # the rig's .glb; None for the packaged one
+    web: Path | None = None  # folder of the built page; None for the packaged one
+    examples: Path | None = None  # folder of the example patient; None for the packaged one
+    uploads: UploadLimits = UploadLimits()
+    json_bytes: int = 1_000_000  # largest JSON body; twelve landmarks need 1 kB
+    heartbeat_s: float = 15.0  # proxies close a silent stream after 30 to 60 s
+    streams: int = 24  # open event streams; each holds one thread of the server
+
+    @property
+    def allowed_hosts(self) -> frozenset[str] | None:
+        """Names that a request may call this server by; None for any, when the token protects it."""
+        if not is_loopback(self.host):
+            return None
+        return frozenset({"localhost", "127.0.0.1", "::1", self.host.lower()})
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only programs on this machine can reach that address."""
+    if host.lower() == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def read_token(host: str, environment: Mapping[str, str] = os.environ) -> str | None:
+    """The bearer token from the environment.  Raises BadSettings when `host` needs one and there is none."""
+    token = environment.get(TOKEN_VARIABLE, "").strip() or None
+    if token is not None and len(token) < TOKEN_LENGTH:
+        raise BadSettings(f"{TOKEN_VARIABLE} is too short; give it at least {TOKEN_LENGTH} random characters.")
+    if token is None and not is_loopback(host):
+        raise BadSettings(
+            f"Listening on {host} would show patients' scans to the network; set {TOKEN_VARIABLE} to a secret of at "
+            f"least {TOKEN_LENGTH} characters, or listen on 127.0.0.1."
+        )
+    return token

@@ -1,0 +1,87 @@
+"""Every error as RFC 9457 problem details: the only place that turns an error into a status."""
+
+import json
+from http import HTTPStatus
+from typing import Any
+
+from apiflask import APIFlask, HTTPError
+from flask import Response, request
+from pydantic import ValidationError
+from werkzeug.exceptions import HTTPException
+
+from breastrig.core import errors
+
+STATUS: tuple[tuple[type[errors.BreastRigError], int], ...] = (  # the first that fits counts
+    (errors.NotFound, 404),
+    (errors.Conflict, 409),
+    (errors.TooLarge, 413),
+    (errors.BadModel, 503),  # the model is the service's own, the caller cannot mend it
+    (errors.BreastRigError, 422),
+)
+SENTENCES = {
+    400: "The request cannot be understood; check that its body is complete and well-formed.",
+    404: "There is nothing at this address; /api/docs lists what there is.",
+    405: "This address does not take {method}; /api/docs lists what it takes.",
+    413: "The request is larger than this service takes.",
+    415: "The request's content type is not the one that this address takes.",
+    500: "Something went wrong inside BreastRig; the server's log says what.",
+}
+
+
+def problem(status: int, detail: str, *, headers: Any = (), fields: list[dict[str, str]] | None = None) -> Response:
+    """One problem-details answer; `detail` is one sentence."""
+    body: dict[str, Any] = {"type": "about:blank", "title": _title(status), "status": status, "detail": detail}
+    if fields:
+        body["errors"] = fields
+    response = Response(json.dumps(body), status, mimetype="application/problem+json")
+    for name, value in dict(headers).items():
+        response.headers[name] = value
+    response.headers["Cache-Control"] = "no-store"
+    return response
+
+
+def register_errors(app: APIFlask) -> None:
+    app.register_error_handler(errors.BreastRigError, _breastrig_error)
+    app.register_error_handler(HTTPError, _validation_error)
+    app.register_error_handler(HTTPException, _http_error)
+    app.register_error_handler(RecursionError, _too_deep)
+
+
+def _title(status: int) -> str:
+    try:
+        return HTTPStatus(status).phrase
+    except ValueError:
+        return "Error"
+
+
+def _breastrig_error(error: errors.BreastRigError) -> Response:
+    status = next(status for kind, status in STATUS if isinstance(error, kind))
+    return problem(status, str(error))
+
+
+def _http_error(error: HTTPException) -> Response:
+    """Errors of Flask itself, and `abort` with a sentence of ours; the catch-all comes here as a 500."""
+    status = error.code or 500
+    ours = error.description if getattr(error, "ours", False) else None
+    detail = ours or SENTENCES.get(status, error.name + ".").format(method=request.method)
+    headers = {name: value for name, value in error.get_headers() if name.lower() not in ("content-type",)}
+    return problem(status, detail, headers=headers)
+
+
+def _validation_error(error: HTTPError) -> Response:
+    """A body or query that does not have the documented shape."""
+    fields: list[dict[str, str]] = []
+    if isinstance(error.__cause__, ValidationError):
+        for found in error.__cause__.errors(include_url=False, include_context=False, include_input=False):
+            name = ".".join(str(part) for part in found["loc"])[:200]
+            fields.append({"field": name, "message": found["msg"][:300]})
+    if not fields:
+        return problem(error.status_code, SENTENCES.get(error.status_code, f"{error.message}."))
+    first = fields[0]
+    where = f"{first['field']}: " if first["field"] else ""
+    more = f" ({len(fields) - 1} more)" if len(fields) > 1 else ""
+    return problem(error.status_code, f"{where}{first['message'].rstrip('.')}{more}.", fields=fields[:50])
+
+
+def _too_deep(_error: RecursionError) -> Response:
+    return problem(400, "The request's JSON is nested too deeply.")

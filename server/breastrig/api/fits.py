@@ -1,0 +1,161 @@
+"""Fits: ask for one, look at it, cancel it, fetch what it made."""
+
+from apiflask import APIBlueprint
+from flask import Response
+
+from breastrig.api import wire
+from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answer, file_answer, file_of
+from breastrig.api.current import behind
+from breastrig.api.landmark_check import check_landmarks
+from breastrig.core.errors import BadDrawing, BadSettings, Conflict, NotFound, unknown_name
+from breastrig.jobs.iteration_file import iteration_gltf
+from breastrig.fitting.recipe import preset_names
+from breastrig.storage.fits import FitRow, get_fit
+from breastrig.storage.scans import get_landmarks, get_scan
+
+FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it live, fetch the results."}
+
+fits = APIBlueprint("fits", __name__, url_prefix="/api/fits", tag=FITS_TAG)
+
+MEDIA_TYPES = {"result.json": JSON, "fitted.glb": GLB, "fitted.ply": BINARY, "drawing.json": JSON}
+
+
+@fits.post("")
+@fits.input(wire.FitRequest)
+@fits.output(wire.FitAccepted, status_code=202, description="The fit waits for a worker")
+@fits.doc(operation_id="startFit", responses={404: "No such scan"})
+def start_fit(json_data: wire.FitRequest) -> tuple[wire.FitAccepted, int, dict[str, str]]:
+    """Fit the model to a scan"""
+    here = behind()
+    storage = here.service.storage
+    scan = get_scan(storage, json_data.scan)
+    model = here.models.default()
+    presets = preset_names()
+    if json_data.preset not in presets:
+        raise BadSettings(unknown_name("preset", json_data.preset, presets))
+    if json_data.drawing is not None and json_data.drawing not in model.rig.drawing_names:
+        raise BadDrawing(unknown_name("drawing", json_data.drawing, model.rig.drawing_names))
+    landmarks = json_data.landmarks
+    if landmarks is None:
+        landmarks = get_landmarks(storage, scan.id)
+    check_landmarks(landmarks, scan, model)
+    fit_id = here.service.add_fit(
+        scan_id=scan.id,
+        stance=json_data.stance,
+        preset=json_data.preset,
+        drawing=json_data.drawing,
+        landmarks_mm=landmarks,
+    )
+    links = fit_links(fit_id)
+    return wire.FitAccepted(id=fit_id, links=links), 202, {"Location": links.self}
+
+
+@fits.get("/<fit_id>")
+@fits.output(wire.Fit)
+@fits.doc(operation_id="getFit")
+def show_fit(fit_id: str) -> wire.Fit:
+    """State and last numbers of a fit"""
+    return fit_answer(get_fit(behind().service.storage, fit_id))
+
+
+@fits.post("/<fit_id>/cancel")
+@fits.output(wire.Fit, status_code=202)
+@fits.doc(operation_id="cancelFit", responses={409: "It has already ended otherwise"})
+def cancel_fit(fit_id: str) -> tuple[wire.Fit, int]:
+    """Stop a fit
+
+    A fit that is already cancelled stays so; one that is done or failed gives 409.
+    """
+    return fit_answer(behind().service.cancel_fit(fit_id)), 202
+
+
+@fits.get("/<fit_id>/iterations/<int:iteration>.gltf")
+@fits.doc(operation_id="getIteration", responses={200: file_of(GLTF, "One iteration, complete")})
+def show_iteration(fit_id: str, iteration: int) -> Response:
+    """Iteration K as a complete glTF with the drawing
+
+    Its buffers are the model's immutable files.
+    """
+    here = behind()
+    fit = get_fit(here.service.storage, fit_id)
+    model = here.models.default()
+    content = iteration_gltf(
+        here.service.storage, fit, iteration, model.rig, model.buffer_link, model.drawing_link(fit.drawing)
+    )
+    return bytes_answer(content, GLTF, PERSONAL)
+
+
+@fits.get("/<fit_id>/result.json")
+@fits.output(wire.ResultFile, description="Numbers and parameters")
+@fits.doc(operation_id="getResult", responses={409: "Not done"})
+def show_result(fit_id: str) -> Response:
+    """result.json, as the command line writes it"""
+    return _result_file(fit_id, "result.json")
+
+
+@fits.get("/<fit_id>/fitted.glb")
+@fits.doc(operation_id="getFittedGlb", responses={200: file_of(GLB, "The posed rig"), 409: "Not done"})
+def show_fitted_glb(fit_id: str) -> Response:
+    """The posed rig with drawing and replay, glTF"""
+    return _result_file(fit_id, "fitted.glb")
+
+
+@fits.get("/<fit_id>/fitted.ply")
+@fits.doc(operation_id="getFittedPly", responses={200: file_of(BINARY, "The posed surface"), 409: "Not done"})
+def show_fitted_ply(fit_id: str) -> Response:
+    """The posed model in the scan's frame and unit, PLY"""
+    return _result_file(fit_id, "fitted.ply")
+
+
+@fits.get("/<fit_id>/drawing.json")
+@fits.output(wire.DrawingFile, description="Polylines on the scan")
+@fits.doc(operation_id="getDrawing", responses={409: "Not done"})
+def show_drawing(fit_id: str) -> Response:
+    """The drawing on the scan's surface, in the scan's frame and unit"""
+    return _result_file(fit_id, "drawing.json")
+
+
+def _result_file(fit_id: str, name: str) -> Response:
+    storage = behind().service.storage
+    fit = get_fit(storage, fit_id)
+    if fit.state != "done":
+        raise Conflict(
+            f"This fit has no results: it is {fit.state}."
+            if fit.ended
+            else f"This fit is still {fit.state}; its results come when it is done."
+        )
+    path = storage.folders.fit(fit_id) / name
+    if not path.is_file():
+        raise NotFound(f"This fit has no {name}.")
+    return file_answer(path, MEDIA_TYPES[name], PERSONAL, download_as=name)
+
+
+def fit_links(fit_id: str) -> wire.FitLinks:
+    place = f"/api/fits/{fit_id}"
+    return wire.FitLinks(
+        self=place,
+        events=f"{place}/events",
+        result=f"{place}/result.json",
+        fitted_glb=f"{place}/fitted.glb",
+        fitted_ply=f"{place}/fitted.ply",
+        drawing=f"{place}/drawing.json",
+        cancel=f"{place}/cancel",
+    )
+
+
+def fit_answer(row: FitRow) -> wire.Fit:
+    """The stored row as the API shows it."""
+    return wire.Fit(
+        id=row.id,
+        scan=row.scan,
+        state=row.state,
+        created_at=row.created_at,
+        stance=row.stance,
+        preset=row.preset,
+        drawing=row.drawing,
+        last_event=row.last_event,
+        iterations=row.iterations,
+        numbers=row.numbers,
+        reason=row.reason,
+        links=fit_links(row.id),
+    )

@@ -1,0 +1,22 @@
+"""Landmarks are checked at the door: known names, and points that can be meant for this scan."""
+
+from breastrig.api.model_library import ServedModel
+from breastrig.core.errors import BadLandmarks, unknown_name
+from breastrig.storage.scans import Points, ScanRow
+
+REACH_M = 0.25  # a landmark may lie in a hole or beside the seen part, but not further out than this
+
+
+def check_landmarks(points_mm: Points, scan: ScanRow, model: ServedModel) -> None:
+    """Raises BadLandmarks with a sentence."""
+    names = model.rig.landmark_names
+    low, high = scan.facts["bounds_m"]["min"], scan.facts["bounds_m"]["max"]
+    for name, point in points_mm.items():
+        if name not in names:
+            raise BadLandmarks(unknown_name("landmark", name, names))
+        outside = max(max(a - x / 1000, x / 1000 - b) for x, a, b in zip(point, low, high, strict=True))
+        if outside > REACH_M:
+            raise BadLandmarks(
+                f"{name} lies {outside:.2f} m outside of the scan; landmarks are millimetres in the scan's own frame, "
+                f"and this scan was read in {scan.facts['unit']}."
+            )

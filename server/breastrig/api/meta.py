@@ -1,0 +1,78 @@
+"""Who we are, whether we live, and what there is to try."""
+
+from apiflask import APIBlueprint
+
+from breastrig import __version__
+from breastrig.api import wire
+from breastrig.api.current import behind
+from breastrig.api.scans import scan_answer
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.fitting.recipe import preset_names
+
+meta = APIBlueprint("meta", __name__, tag={"name": "meta", "description": "Version, limits, examples."})
+
+
+@meta.get("/healthz")
+@meta.output(wire.Health)
+@meta.doc(operation_id="health")
+def health() -> wire.Health:
+    """Answers when the service runs"""
+    return wire.Health(status="ok")
+
+
+@meta.get("/api/meta")
+@meta.output(wire.Meta)
+@meta.doc(operation_id="getMeta")
+def about() -> wire.Meta:
+    """Version, limits of use, limits of size, the model"""
+    here = behind()
+    rig = here.models.default().rig
+    uploads = here.config.uploads
+    return wire.Meta(
+        name="BreastRig",
+        version=__version__,
+        notice=LIMITS_OF_USE,
+        limits=wire.Limits(upload_bytes=uploads.file_bytes, triangles=uploads.triangles),
+        units=list(wire.UNITS),
+        model=wire.ModelSummary(
+            name=rig.name,
+            sha256=rig.sha256,
+            vertices=len(rig.template),
+            bones=len(rig.bones),
+            blendshapes=len(rig.shapes),
+        ),
+        landmarks=[
+            wire.LandmarkInfo(
+                name=landmark.name,
+                label=landmark.label,
+                latin=landmark.latin,
+                definition=landmark.definition,
+                easy=landmark.easy,
+                mirror=landmark.mirror,
+            )
+            for landmark in rig.landmarks
+        ],
+        presets=list(preset_names()),
+        drawings=[wire.DrawingInfo(name=drawing.name, label=drawing.label) for drawing in rig.drawings],
+    )
+
+
+@meta.get("/api/examples")
+@meta.output(wire.Examples)
+@meta.doc(operation_id="listExamples")
+def list_examples() -> wire.Examples:
+    """The example patient's scans"""
+    entries = [wire.ExampleEntry(name=example.name, label=example.label) for example in behind().service.examples()]
+    return wire.Examples(examples=entries)
+
+
+@meta.post("/api/examples/<name>")
+@meta.output(wire.ExampleScan, status_code=201, description="The example was read and stored as a scan")
+@meta.doc(operation_id="openExample")
+def open_example(name: str) -> tuple[wire.ExampleScan, int, dict[str, str]]:
+    """Open an example as if it had been uploaded"""
+    row, points_mm = behind().service.add_example(name)
+    scan = scan_answer(row)
+    landmarks = wire.LandmarkFile(landmarks=points_mm)
+    answer = wire.ExampleScan(**scan.model_dump(), example_landmarks=landmarks)
+    return answer, 201, {"Location": scan.links.self}

@@ -1,0 +1,82 @@
+"""The model as the service hands it out: read once, when it is first asked for."""
+
+import json
+import threading
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from breastrig.gltf.iterate import drawing_buffer, model_buffer
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import ModelDrawing, Rig
+
+
+@dataclass(frozen=True, eq=False)
+class ServedModel:
+    """One rig with the bytes that belong to it."""
+
+    rig: Rig
+    glb: bytes
+    side: dict[str, Any]  # the side file as it is on disk
+
+    @cached_property
+    def side_json(self) -> bytes:
+        """The side file with the drawings and the order of the morph targets merged in."""
+        merged = {
+            **self.side,
+            "shape_names": list(self.rig.shape_names),
+            "drawings": [_drawing(drawing) for drawing in self.rig.drawings],
+        }
+        return json.dumps(merged, separators=(",", ":")).encode()
+
+    @cached_property
+    def buffer(self) -> bytes:
+        return model_buffer(self.rig)
+
+    @cached_property
+    def drawing_buffers(self) -> dict[str, bytes]:
+        return {drawing.name: drawing_buffer(self.rig, drawing) for drawing in self.rig.drawings}
+
+    @property
+    def buffer_link(self) -> str:
+        return f"/api/models/{self.rig.sha256}/torso.bin"
+
+    def drawing_link(self, name: str | None) -> str | None:
+        return None if name is None else f"/api/models/{self.rig.sha256}/drawings/{name}.bin"
+
+
+class ModelLibrary:
+    """Reads the rig at `path` (None: the packaged one) when it is first needed."""
+
+    def __init__(self, path: Path | None = None) -> None:
+        self._path = path
+        self._lock = threading.Lock()
+        self._model: ServedModel | None = None
+
+    def default(self) -> ServedModel:
+        """Raises BadModel with a sentence when the model is missing or broken."""
+        with self._lock:
+            if self._model is None:
+                glb = self._path or default_rig_path()
+                rig = read_rig(glb)
+                side = json.loads(glb.with_suffix(".json").read_text(encoding="utf-8"))
+                self._model = ServedModel(rig, glb.read_bytes(), side)
+            return self._model
+
+
+def _drawing(drawing: ModelDrawing) -> dict[str, Any]:
+    shapes = [
+        {
+            "name": shape.name,
+            "label": shape.label,
+            "closed": shape.closed,
+            "color": shape.color,
+            "surface_points": [
+                {"face": int(face), "barycentric": [float(weight) for weight in weights]}
+                for face, weights in zip(shape.points.faces, shape.points.barycentric, strict=True)
+            ],
+        }
+        for shape in drawing.shapes
+    ]
+    return {"name": drawing.name, "label": drawing.label, "shapes": shapes}

@@ -1,0 +1,90 @@
+"""Turns APIFlask's document into the one that is published.
+
+* nested models keep their own name (APIFlask calls them Outer.Inner, one copy for each use),
+* a field that may be left out is optional, not "null by default",
+* every error is a problem-details answer,
+* results are described as the service sends them.
+"""
+
+from typing import Any
+
+from breastrig.api import wire
+from breastrig.core.notice import LIMITS_OF_USE
+
+REFERENCE = "#/components/schemas/"
+ERROR_STATUS = range(400, 600)
+
+
+def finish_document(document: dict[str, Any]) -> dict[str, Any]:
+    """The published document."""
+    schemas = document["components"]["schemas"]
+    document["components"]["schemas"] = _named_once(schemas)
+    document = _renamed(document)
+    schemas = document["components"]["schemas"]
+    for unwanted in ("HTTPError", "ValidationError"):
+        schemas.pop(unwanted, None)
+    schemas["Problem"] = wire.Problem.model_json_schema(ref_template=REFERENCE + "{model}")
+    schemas.update(_renamed(schemas["Problem"].pop("$defs", {})))
+    for schema in schemas.values():
+        _drop_null_defaults(schema)
+    for methods in document["paths"].values():
+        for operation in methods.values():
+            _describe_errors(operation)
+            if "requestBody" in operation:
+                operation["requestBody"]["required"] = True
+    document["components"]["securitySchemes"] = {"token": {"type": "http", "scheme": "bearer"}}
+    document["security"] = [{}, {"token": []}]
+    document["info"]["description"] = LIMITS_OF_USE
+    document["tags"] = list({tag["name"]: tag for tag in document["tags"]}.values())  # two blueprints may share one
+    document["components"]["schemas"] = dict(sorted(schemas.items()))
+    document["paths"] = dict(sorted(document["paths"].items()))
+    return {"openapi": document.pop("openapi"), **document}
+
+
+def _named_once(schemas: dict[str, Any]) -> dict[str, Any]:
+    """Outer.Inner becomes Inner.  Raises when two different models share a name."""
+    result: dict[str, Any] = {}
+    for name, schema in schemas.items():
+        short = name.rsplit(".", 1)[-1]
+        plain = _renamed(schema)
+        if result.setdefault(short, plain) != plain:
+            raise ValueError(f"two different models are called {short}")
+    return result
+
+
+def _renamed(node: Any) -> Any:
+    """The same document with short names in its references."""
+    if isinstance(node, dict):
+        return {key: _short(value) if key == "$ref" else _renamed_value(key, value) for key, value in node.items()}
+    if isinstance(node, list):
+        return [_renamed(item) for item in node]
+    return node
+
+
+def _renamed_value(key: str, value: Any) -> Any:
+    if key == "mapping" and isinstance(value, dict):  # of a discriminator: plain reference strings
+        return {name: _short(reference) for name, reference in value.items()}
+    return _renamed(value)
+
+
+def _short(reference: str) -> str:
+    return REFERENCE + reference.rsplit("/", 1)[-1].rsplit(".", 1)[-1]
+
+
+def _drop_null_defaults(node: Any) -> None:
+    if isinstance(node, dict):
+        if "default" in node and node["default"] is None:
+            del node["default"]
+        for value in node.values():
+            _drop_null_defaults(value)
+    elif isinstance(node, list):
+        for value in node:
+            _drop_null_defaults(value)
+
+
+def _describe_errors(operation: dict[str, Any]) -> None:
+    content = {"application/problem+json": {"schema": {"$ref": REFERENCE + "Problem"}}}
+    for status, answer in operation["responses"].items():
+        if int(status) in ERROR_STATUS:
+            answer["content"] = content
+    operation["responses"]["default"] = {"description": "Any other error", "content": content}

@@ -1,0 +1,44 @@
+"""The built page, and the page that says how to build it."""
+
+from pathlib import Path
+
+from flask import Blueprint, Response, send_from_directory
+
+from breastrig.api.answers import CHECK_AGAIN, FOR_EVER
+from breastrig.api.current import behind
+from breastrig.core.assets import asset_folder
+
+page = Blueprint("page", __name__)
+
+NOT_BUILT = """<!doctype html>
+<html lang="en"><meta charset="utf-8"><title>BreastRig</title>
+<h1>The page is not built</h1>
+<p>The service runs, but this copy holds no page: run <code>make serve</code> in the checkout, or install the wheel.</p>
+<p>Scripts can use it all the same: <a href="/api/docs">the API</a>.</p>
+</html>
+"""
+
+
+@page.get("/")
+def index() -> Response:
+    """The page; its address never changes, so the browser asks each time."""
+    folder = _folder()
+    if not (folder / "index.html").is_file():
+        return Response(NOT_BUILT, 503, mimetype="text/html", headers={"Cache-Control": "no-store"})
+    return _file(folder, "index.html", CHECK_AGAIN)
+
+
+@page.get("/<path:name>")
+def asset(name: str) -> Response:
+    """A file of the page; those below assets/ carry their hash in their name."""
+    return _file(_folder(), name, FOR_EVER if name.startswith("assets/") else CHECK_AGAIN)
+
+
+def _folder() -> Path:
+    return behind().config.web or asset_folder("web")
+
+
+def _file(folder: Path, name: str, caching: str) -> Response:
+    response = send_from_directory(folder, name)
+    response.headers["Cache-Control"] = caching
+    return response

@@ -1,0 +1,329 @@
+"""The JSON shapes that page, scripts and service share; the source of openapi.json and of the page's types.
+
+Requests forbid unknown fields, so that a misspelt name is answered with a sentence and not ignored.
+Landmarks are always millimetres in the scan's own frame; everything else in space is metres, and its name or
+description says so.
+"""
+
+from typing import Annotated, Literal
+
+from apiflask.fields import UploadFile
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+
+from breastrig.jobs.events import FitEvent
+
+Units = Literal["auto", "m", "dm", "cm", "mm", "in"]
+StanceWish = Literal["auto", "standing", "supine"]
+StanceName = Literal["standing", "supine"]
+FitState = Literal["queued", "running", "done", "failed", "cancelled"]
+Point = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
+Three = Annotated[list[float], Field(min_length=3, max_length=3)]
+Name = Annotated[str, Field(min_length=1, max_length=100)]
+
+UNITS: tuple[Units, ...] = ("auto", "m", "dm", "cm", "mm", "in")
+
+
+class Wire(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class ScanUpload(Wire):
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+    file: UploadFile = Field(description="PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image")
+    units: Units = Field("auto", description="unit of the file's numbers; auto decides from the size and says so")
+
+
+class Bounds(Wire):
+    min: Three
+    max: Three
+
+
+class Frame(Wire):
+    """How the body seems to lie in the scan's own axes; a proposal for the camera."""
+
+    up: Three = Field(description="unit vector towards the head")
+    front: Three = Field(description="unit vector towards the patient's front")
+    confidence: float = Field(ge=0, le=1)
+    reason: str
+
+
+class Stance(Wire):
+    proposed: StanceName
+    reason: str
+
+
+class ScanLinks(Wire):
+    self: str
+    mesh: str
+    landmarks: str
+
+
+class Scan(Wire):
+    id: str
+    unit: Literal["m", "dm", "cm", "mm", "in"] = Field(description="unit that the file was read in")
+    unit_reason: str
+    vertices: int
+    triangles: int
+    bounds_m: Bounds = Field(description="metres, the scan's own axes")
+    colours: Literal["none", "vertex", "texture"]
+    notes: list[str] = Field(description="what reading found, one sentence each")
+    frame: Frame
+    stance: Stance
+    created_at: str = Field(description="ISO 8601, UTC")
+    links: ScanLinks
+
+
+class LandmarkFile(Wire):
+    """The landmark file of the command line as well; here the unit is always mm."""
+
+    schema_: Literal["breastrig/landmarks@1"] = Field("breastrig/landmarks@1", alias="schema")
+    unit: Literal["mm"] = "mm"
+    landmarks: dict[Name, Point] = Field(description="millimetres, the scan's own frame", max_length=200)
+
+
+class FitRequest(Wire):
+    scan: Name = Field(description="id of the scan")
+    stance: StanceWish = "auto"
+    preset: Name = "default"
+    drawing: Name | None = Field("lumpectomy", description="null for none")
+    landmarks: dict[Name, Point] | None = Field(
+        None, max_length=200, description="millimetres, the scan's own frame; by default those stored with the scan"
+    )
+
+
+class FitLinks(Wire):
+    self: str
+    events: str
+    result: str
+    fitted_glb: str
+    fitted_ply: str
+    drawing: str
+    cancel: str
+
+
+class FitAccepted(Wire):
+    id: str
+    links: FitLinks
+
+
+class IterationNumbers(Wire):
+    """An iterated event without its nodes."""
+
+    iteration: int
+    stage: str
+    energy: float
+    mean_distance_mm: float
+    landmark_distance_mm: float | None
+    coverage: float
+    elapsed_s: float
+
+
+class Fit(Wire):
+    id: str
+    scan: str
+    state: FitState
+    created_at: str = Field(description="ISO 8601, UTC")
+    stance: StanceWish = Field(description="as asked for; once started, as decided")
+    preset: str
+    drawing: str | None
+    last_event: int = Field(description="number of the last stored event, 0 before the first")
+    iterations: int = Field(description="number of iterated events so far")
+    numbers: IterationNumbers | None = Field(description="of the last iteration")
+    reason: str | None = Field(description="why it failed or was cancelled")
+    links: FitLinks
+
+
+class EventRecord(Wire):
+    id: int = Field(description="number of the event, from 1; the stream's `id:`")
+    event: FitEvent
+
+
+class EventPage(Wire):
+    events: list[EventRecord]
+    state: FitState
+
+
+class EventQuery(Wire):
+    after: int = Field(0, ge=0, le=2**31, description="send only events with a greater number")
+
+
+class ExampleEntry(Wire):
+    name: str
+    label: str
+
+
+class Examples(Wire):
+    examples: list[ExampleEntry]
+
+
+class ExampleScan(Scan):
+    example_landmarks: LandmarkFile = Field(description="the example's own picks; offered, not stored")
+
+
+class Limits(Wire):
+    upload_bytes: int
+    triangles: int
+
+
+class ModelSummary(Wire):
+    name: str
+    sha256: str
+    vertices: int
+    bones: int
+    blendshapes: int
+
+
+class LandmarkInfo(Wire):
+    name: str
+    label: str
+    latin: str
+    definition: str
+    easy: bool = Field(description="easy to see on a scan without colour")
+    mirror: str = Field(description="name of the landmark on the other side, its own when it lies in the middle")
+
+
+class DrawingInfo(Wire):
+    name: str
+    label: str
+
+
+class Meta(Wire):
+    name: Literal["BreastRig"]
+    version: str
+    notice: str
+    limits: Limits
+    units: list[str]
+    model: ModelSummary
+    landmarks: list[LandmarkInfo]
+    presets: list[str]
+    drawings: list[DrawingInfo]
+
+
+class Health(Wire):
+    status: Literal["ok"]
+
+
+class SurfacePoint(Wire):
+    face: int
+    barycentric: Three
+
+
+class ModelDrawnShape(Wire):
+    name: str
+    label: str
+    closed: bool
+    color: str
+    surface_points: list[SurfacePoint]
+
+
+class ModelDrawing(Wire):
+    name: str
+    label: str
+    shapes: list[ModelDrawnShape]
+
+
+class ModelSide(BaseModel):
+    """The model's side file with the drawings merged in; further fields as in the file."""
+
+    model_config = ConfigDict(extra="allow")
+    name: str
+    shape_names: list[str] = Field(description="in the order of the mesh's morph targets")
+    drawings: list[ModelDrawing]
+
+
+class FieldError(Wire):
+    field: str
+    message: str
+
+
+class Problem(Wire):
+    """RFC 9457 problem details."""
+
+    type: str
+    title: str
+    status: int
+    detail: str = Field(description="one sentence: what is wrong, what to do")
+    errors: list[FieldError] | None = Field(None, description="each field that was refused")
+
+
+class Document(BaseModel):
+    """A file that another part of BreastRig writes; here only to describe it, so it may hold more."""
+
+    model_config = ConfigDict(extra="allow")
+
+
+class Distances(Document):
+    mean: float | None
+    std: float | None
+    max: float | None
+    p95: float | None
+
+
+class SurfaceDistances(Distances):
+    coverage: float = Field(description="share of the model's vertices with an accepted pair")
+
+
+class LandmarkDistances(Document):
+    mean: float | None
+    std: float | None
+    max: float | None
+    min: float | None
+    each: dict[str, float]
+
+
+class ResultScan(Document):
+    vertices: int
+    triangles: int
+    unit: str
+    sha256: str
+
+
+class ResultBone(Document):
+    name: str
+    rotation_xyzw: list[float]
+    translation_m: list[float]
+    scale: list[float]
+
+
+class ResultParameters(Document):
+    bones: list[ResultBone]
+    blendshapes: dict[str, float]
+
+
+class ResultFile(Document):
+    """result.json; also the `result` of a done event."""
+
+    schema_: Literal["breastrig/result@1"] = Field(alias="schema")
+    scan: ResultScan
+    model: ModelSummary
+    stance: StanceName
+    preset: str
+    converged: bool
+    stop_reason: str
+    iterations: int
+    timing_s: dict[str, float]
+    surface_distance_mm: SurfaceDistances
+    scan_to_model_mm: Distances
+    landmark_distance_mm: LandmarkDistances
+    landmarks: dict[str, Three] = Field(description="of the fitted model, in the scan's frame and unit")
+    parameters: ResultParameters
+    notes: list[str]
+    versions: dict[str, str]
+
+
+class DrawnShape(Document):
+    name: str
+    closed: bool
+    color: str | None = None
+    points: list[Three] = Field(description="on the scan's surface, in the scan's frame and unit")
+    bridged: list[bool] | None = Field(
+        None, description="true where the scan has a hole and the model carries the line"
+    )
+
+
+class DrawingFile(Document):
+    """drawing.json"""
+
+    schema_: Literal["breastrig/drawing@1"] = Field(alias="schema")
+    unit: str
+    shapes: list[DrawnShape]

@@ -1,0 +1,96 @@
+"""The worker's side of one fit: claim it, run it, store each event before anyone can see it.
+
+Whatever goes wrong becomes the story's last event with a sentence, unless the story has been ended from outside
+(cancelled, deleted): then the worker just stops.
+"""
+
+import logging
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from breastrig.core.errors import BreastRigError, Conflict, NotFound
+from breastrig.jobs.events import Event, Failed
+from breastrig.jobs.run_fit import FitJob
+from breastrig.storage.events import append
+from breastrig.storage.fits import FitRow, claim_fit
+from breastrig.storage.scans import get_scan
+from breastrig.storage.storage import Storage
+
+Runner = Callable[[FitJob], Iterator[Event]]
+
+log = logging.getLogger(__name__)
+
+
+class _Over(Exception):
+    """The story has been ended by someone else."""
+
+
+def carry_out(root: Path, fit_id: str, runner: Runner, model: Path | None) -> None:
+    """Runs the queued fit to its end; does nothing when it is no longer queued.
+
+    Holds the fit's folder before the claim, so that whoever has ended the fit can wait until nothing more is
+    written into it.
+    """
+    storage = Storage(root)
+    try:
+        with storage.folders.held(storage.folders.fit(fit_id)):
+            fit = claim_fit(storage, fit_id)
+            if fit is not None:
+                _run(storage, fit, runner, model)
+    except FileNotFoundError:
+        log.info("fit %s was deleted before it ran", fit_id)
+    except _Over:
+        pass
+    finally:
+        storage.close()
+
+
+def _run(storage: Storage, fit: FitRow, runner: Runner, model: Path | None) -> None:
+    try:
+        job = fit_job(storage, fit, model)
+        with closing(runner(job)) as story:  # type: ignore[type-var]
+            for event in story:
+                store(storage, fit.id, event)
+    except BreastRigError as error:
+        store(storage, fit.id, Failed(reason=str(error)))
+    except MemoryError:
+        store(storage, fit.id, Failed(reason="The fit needed more memory than it may use; give a smaller scan."))
+    except _Over:
+        raise
+    except Exception:
+        log.exception("fit %s broke", fit.id)
+        store(storage, fit.id, Failed(reason="The fit broke for a reason inside BreastRig; the server's log says it."))
+
+
+def fit_job(storage: Storage, fit: FitRow, model: Path | None) -> FitJob:
+    """What the runner is told.  The unit is the one that was decided, and shown, at the upload."""
+    scan = get_scan(storage, fit.scan)
+    return FitJob(
+        scan=storage.folders.uploaded(scan.id, scan.file_type),
+        out=storage.folders.fit(fit.id),
+        landmarks_mm=fit.landmarks_mm,
+        units=scan.facts["unit"],
+        file_type=scan.file_type,
+        stance=fit.stance,
+        preset=fit.preset,
+        drawing=fit.drawing,
+        model=model,
+    )
+
+
+def store(storage: Storage, fit_id: str, event: Event) -> int:
+    """Appends one event; its number.  Raises _Over when the story has ended or is gone."""
+    try:
+        return append(storage, fit_id, event_json(event))
+    except (NotFound, Conflict) as error:
+        raise _Over from error
+
+
+def event_json(event: Event) -> dict[str, Any]:
+    """The event as it is stored and sent; a node names only what changes."""
+    body = event.model_dump(mode="json")
+    if "nodes" in body:
+        body["nodes"] = [{key: value for key, value in node.items() if value is not None} for node in body["nodes"]]
+    return body

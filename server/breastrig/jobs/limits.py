@@ -1,0 +1,28 @@
+"""How much a worker process may use.  Each number has its reason; none is a promise about speed."""
+
+import os
+from dataclasses import dataclass, field
+
+GIB = 2**30
+
+
+@dataclass(frozen=True)
+class UploadLimits:
+    file_bytes: int = 400_000_000  # a scanner's OBJ with 4K texture has 50 MB; far beyond it is no torso scan
+    triangles: int = 2_000_000  # scanners give 20,000 to 200,000; a fit gains nothing beyond
+    memory_bytes: int = 6 * GIB  # address space: 1 GiB libraries, and ten times the largest file as arrays
+    cpu_s: int = 120  # 2 million triangles of text take about 20 s
+    wall_s: float = 180.0
+    workers: int = 2
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
+
+
+@dataclass(frozen=True)
+class FitLimits:
+    workers: int = field(default_factory=lambda: max(1, min(8, _cores())))  # one fit keeps one core busy
+    memory_bytes: int = 6 * GIB  # address space; a fit touches about 0.5 GiB
+    wall_s: float = 120.0  # a fit takes about a second; a slow machine with a huge scan may take many
+    grace_s: float = 10.0  # how long a stopping server waits for running fits

@@ -1,0 +1,82 @@
+"""Worker processes that can be timed out and killed, one task each.
+
+A process carries out one task and is replaced: nothing of one patient's data is left for the next task, a task
+that is killed can never take another one with it, and limits of memory and CPU time hold for each task alone.
+That is cheap because a fork server has imported everything once: the next process is ready, waiting, when the
+task arrives.
+
+Tried and dropped: long-lived workers.  When a task is cancelled at the moment at which it ends, Pebble may kill
+the process that has already begun the next one.
+"""
+
+import multiprocessing
+import resource
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+from pebble import ProcessFuture, ProcessPool
+from threadpoolctl import threadpool_limits
+
+PRELOAD = ("__main__", "breastrig.jobs.carry_out", "breastrig.jobs.read_upload", "breastrig.jobs.run_fit")
+
+
+class Processes:
+    """A pool that survives the loss of any of its processes."""
+
+    def __init__(self, workers: int, *, memory_bytes: int, cpu_s: int | None = None) -> None:
+        self.workers = workers
+        self._limits = (memory_bytes, cpu_s)
+        self._lock = threading.Lock()
+        self._stopped = False
+        self._context = multiprocessing.get_context("forkserver")
+        self._context.set_forkserver_preload(list(PRELOAD))
+        self._pool = self._new_pool()
+
+    def warm_up(self) -> None:
+        """Starts the processes and waits until one has answered."""
+        self.schedule(_nothing, (), timeout=60.0).result()
+
+    def schedule(self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float) -> "ProcessFuture[Any]":
+        """Runs `function(*args)` in a process of its own.  Both must be importable there by name.
+
+        The future ends with the result, the function's own exception, TimeoutError, or an OSError or RuntimeError
+        when the process died; `cancel` kills the process.
+        """
+        with self._lock:
+            if self._stopped:
+                raise RuntimeError("the processes are stopped")
+            try:
+                return self._pool.schedule(function, args, timeout=timeout)
+            except RuntimeError:  # an idle process was killed from outside, which breaks the pool
+                self._end_pool()
+                self._pool = self._new_pool()
+                return self._pool.schedule(function, args, timeout=timeout)
+
+    def stop(self) -> None:
+        """Kills what still runs and waits until it is gone."""
+        with self._lock:
+            self._stopped = True
+            self._end_pool()
+
+    def _new_pool(self) -> ProcessPool:
+        return ProcessPool(self.workers, max_tasks=1, initializer=_limit, initargs=self._limits, context=self._context)
+
+    def _end_pool(self) -> None:
+        self._pool.stop()
+        with suppress(RuntimeError):
+            self._pool.join()
+
+
+def _limit(memory_bytes: int, cpu_s: int | None) -> None:
+    """In the child, before its task."""
+    resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a core dump would hold a patient's scan
+    if cpu_s is not None:
+        resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))
+    threadpool_limits(1)  # more BLAS threads are slower at this size, and fits would fight over the cores
+
+
+def _nothing() -> None:
+    pass

@@ -1,0 +1,153 @@
+"""Which fit runs when.  The queue is the table of fits; this only keeps the workers busy with its oldest rows.
+
+A fit leaves the table's queue when a worker claims it, so a server that dies loses nothing: at the next start
+queued fits run, and a fit that was running is failed with a sentence.  It is not run again, because its story
+has begun and stories are never rewritten.
+"""
+
+import logging
+import threading
+import time
+from concurrent.futures import TimeoutError as FutureTimeout
+from pathlib import Path
+from typing import Any
+
+from breastrig.core.errors import Conflict, NotFound
+from breastrig.jobs.carry_out import Runner, carry_out, event_json
+from breastrig.jobs.events import Cancelled, Event, Failed
+from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.processes import Processes
+from breastrig.storage.events import append
+from breastrig.storage.fits import FitRow, fits_in_state, get_fit, next_queued
+from breastrig.storage.storage import Storage
+
+STARTS = 3  # a process may die before it has claimed its fit; then the fit is started again, so often at most
+KILL_S = 10.0  # Pebble asks a process to end, and after 3 s makes it
+STOPPED = "The server was stopped while this fit ran; start the fit again."
+DIED = "The fit's process ended unexpectedly, perhaps for want of memory; start the fit again or give a smaller scan."
+SILENT = "The fit ended without a result; this is an error inside BreastRig."
+
+log = logging.getLogger(__name__)
+
+
+class FitQueue:
+    """Starts, watches and stops fits.  All methods may be called from any thread."""
+
+    def __init__(
+        self, storage: Storage, processes: Processes, limits: FitLimits, runner: Runner, model: Path | None
+    ) -> None:
+        self._storage = storage
+        self._processes = processes
+        self._limits = limits
+        self._runner = runner
+        self._model = model
+        self._lock = threading.RLock()
+        self._running: dict[str, Any] = {}  # fit id -> future
+        self._starts: dict[str, int] = {}
+        self._stopping = False
+
+    def recover(self) -> tuple[int, int]:
+        """After a start: fails the fits that were running, starts those that waited.  (failed, waiting)."""
+        interrupted = fits_in_state(self._storage, "running")
+        for fit_id in interrupted:
+            self._end(fit_id, Failed(reason=STOPPED))
+        waiting = len(fits_in_state(self._storage, "queued"))
+        self.wake()
+        return len(interrupted), waiting
+
+    def wake(self) -> None:
+        """Gives free workers the oldest waiting fits."""
+        with self._lock:
+            while not self._stopping and len(self._running) < self._processes.workers:
+                fit_id = next_queued(self._storage, set(self._running))
+                if fit_id is None:
+                    return
+                self._start(fit_id)
+
+    def cancel(self, fit_id: str) -> FitRow:
+        """Ends the fit and kills its process.  Raises NotFound, or Conflict when it is done or failed."""
+        try:
+            append(self._storage, fit_id, event_json(Cancelled()))
+        except Conflict:
+            fit = get_fit(self._storage, fit_id)
+            if fit.state != "cancelled":
+                raise
+        self._kill(fit_id)
+        return get_fit(self._storage, fit_id)
+
+    def drop(self, fit_ids: list[str]) -> None:
+        """Ends fits that are about to be deleted, or already are, and waits until their processes are dead."""
+        for fit_id in fit_ids:
+            self._end(fit_id, Cancelled(reason="The scan was deleted."))
+            self._kill(fit_id)
+        for fit_id in fit_ids:
+            if not self._storage.folders.wait_until_free(self._storage.folders.fit(fit_id), KILL_S):
+                log.error("the process of fit %s does not end", fit_id)
+
+    def stop(self) -> None:
+        """Waits a little for running fits, then kills them; waiting fits stay in the table."""
+        with self._lock:
+            self._stopping = True
+            running = dict(self._running)
+        deadline = time.monotonic() + self._limits.grace_s
+        for future in running.values():
+            try:
+                future.exception(timeout=max(0.0, deadline - time.monotonic()))
+            except (FutureTimeout, OSError, RuntimeError):
+                continue
+            except BaseException:  # noqa: BLE001 - cancelled: nothing to wait for
+                continue
+        self._processes.stop()
+        for fit_id in fits_in_state(self._storage, "running"):
+            self._end(fit_id, Failed(reason=STOPPED))
+
+    def _start(self, fit_id: str) -> None:
+        self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
+        args = (self._storage.root, fit_id, self._runner, self._model)
+        future = self._processes.schedule(carry_out, args, timeout=self._limits.wall_s)
+        self._running[fit_id] = future
+        future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
+
+    def _on_end(self, fit_id: str, future: Any) -> None:
+        """In Pebble's thread, or in the thread that cancelled."""
+        try:
+            with self._lock:
+                self._running.pop(fit_id, None)
+                if self._stopping:
+                    return
+            if not future.cancelled():
+                self._settle(fit_id, future.exception())
+            self.wake()
+        except Exception:
+            log.exception("after the end of fit %s", fit_id)
+
+    def _settle(self, fit_id: str, error: BaseException | None) -> None:
+        """Makes sure that the fit has an end."""
+        try:
+            fit = get_fit(self._storage, fit_id)
+        except NotFound:  # deleted in the meantime
+            self._starts.pop(fit_id, None)
+            return
+        if not fit.ended:
+            if isinstance(error, TimeoutError):
+                self._end(fit_id, Failed(reason=f"The fit took longer than {self._limits.wall_s:g} s and was stopped."))
+            elif fit.state == "queued" and self._starts[fit_id] < STARTS:
+                return
+            else:
+                log.error("fit %s ended without an end: %r", fit_id, error)
+                self._end(fit_id, Failed(reason=SILENT if error is None else DIED))
+        self._starts.pop(fit_id, None)
+
+    def _end(self, fit_id: str, event: Event) -> None:
+        try:
+            append(self._storage, fit_id, event_json(event))
+        except (NotFound, Conflict):
+            pass  # it has ended otherwise in the meantime
+
+    def _kill(self, fit_id: str) -> None:
+        with self._lock:
+            future = self._running.get(fit_id)
+        if future is not None:
+            future.cancel()
+        else:
+            self.wake()

@@ -1,0 +1,58 @@
+"""The worker's side of one upload: read it, say what it is, write the mesh for display.
+
+An upload is hostile until it has been read.  This runs in a process of its own with limits of memory and time,
+and gives back nothing but numbers and sentences.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from breastrig.core.errors import BadScan, TooLarge
+from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.orient import propose_frame
+from breastrig.scan.read import read_scan
+
+
+@dataclass(frozen=True)
+class UploadJob:
+    scan: Path  # the uploaded bytes; the suffix tells the type
+    units: str
+    mesh: Path  # where the mesh for display is written
+    triangles: int  # at most
+
+
+def read_upload(job: UploadJob) -> dict[str, Any]:
+    """The facts of the scan, ready for JSON.  Raises BadScan or TooLarge with a sentence."""
+    try:
+        return _read(job)
+    except MemoryError as error:
+        raise BadScan("Reading this scan needs more memory than it may use; give a smaller file.") from error
+    except RecursionError as error:
+        raise BadScan("This scan's file is nested too deeply to be read.") from error
+
+
+def _read(job: UploadJob) -> dict[str, Any]:
+    scan = read_scan(job.scan, job.scan.suffix.lstrip("."), job.units)
+    if len(scan.faces) > job.triangles:
+        raise TooLarge(
+            f"This scan has {len(scan.faces):,} triangles, more than the {job.triangles:,} allowed; simplify it first."
+        )
+    frame = propose_frame(scan.vertices, scan.faces)
+    job.mesh.write_bytes(mesh_glb(scan.vertices, scan.faces))
+    return {
+        "unit": scan.unit,
+        "unit_reason": scan.unit_reason,
+        "vertices": len(scan.vertices),
+        "triangles": len(scan.faces),
+        "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},
+        "colours": "none",
+        "notes": list(scan.notes),
+        "frame": {
+            "up": [float(x) for x in frame.up],
+            "front": [float(x) for x in frame.front],
+            "confidence": float(frame.confidence),
+            "reason": frame.reason,
+        },
+        "stance": {"proposed": frame.stance, "reason": frame.stance_reason},
+    }

@@ -1,0 +1,198 @@
+"""What the HTTP floor needs done: scans kept, fits run, stories told.
+
+    with Service(storage, runner).started() as service: ...
+
+owns two pools of processes (uploads, fits), the queue and the bell; `started` starts all and leaves nothing
+running.
+"""
+
+import hashlib
+import json
+import logging
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+from breastrig.core.assets import asset_folder
+from breastrig.core.errors import BadScan, NotFound, unknown_name
+from breastrig.jobs.carry_out import Runner
+from breastrig.jobs.follow import Bell, Heartbeat, follow
+from breastrig.jobs.limits import FitLimits, UploadLimits
+from breastrig.jobs.processes import Processes
+from breastrig.jobs.queue import FitQueue
+from breastrig.jobs.read_upload import UploadJob, read_upload
+from breastrig.jobs.run_fit import run_fit
+from breastrig.storage import scans as scan_rows
+from breastrig.storage.events import StoredEvent
+from breastrig.storage.fits import FitRow, add_fit, fit_ids, fits_of_scan
+from breastrig.storage.folders import new_id
+from breastrig.storage.scans import Points, ScanRow
+from breastrig.storage.storage import Storage, utc_now
+
+CHUNK = 2**20
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Example:
+    name: str
+    label: str
+    scan: Path
+    landmarks: Path
+
+
+class Service:
+    """One data folder at work."""
+
+    def __init__(
+        self,
+        storage: Storage,
+        *,
+        runner: Runner = run_fit,
+        model: Path | None = None,
+        examples: Path | None = None,
+        uploads: UploadLimits | None = None,
+        fits: FitLimits | None = None,
+        streams: int = 24,
+    ) -> None:
+        self.storage = storage
+        self.streams = threading.BoundedSemaphore(streams)  # each open stream holds a thread of the server
+        self._uploads = uploads or UploadLimits()
+        fit_limits = fits or FitLimits()
+        self._readers = Processes(
+            self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s
+        )
+        self._workers = Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes)
+        self._queue = FitQueue(storage, self._workers, fit_limits, runner, model)
+        self._bell = Bell(storage)
+        self._examples = examples
+
+    @contextmanager
+    def started(self) -> Iterator["Service"]:
+        """Holds the data folder, starts the processes, takes up what an earlier server left; stops all at the end."""
+        self.storage.root.mkdir(mode=0o700, parents=True, exist_ok=True)
+        with self.storage.exclusive():
+            self.storage.prepare()
+            self._clean()
+            try:
+                self._readers.warm_up()
+                self._workers.warm_up()
+                self._bell.start()
+                failed, waiting = self._queue.recover()
+                if failed or waiting:
+                    log.warning("after the restart: %d fits failed, %d wait for a worker", failed, waiting)
+                yield self
+            finally:
+                self._bell.stop()
+                self._queue.stop()
+                self._readers.stop()
+                self.storage.close()
+
+    def add_scan(self, source: IO[bytes], file_type: str, units: str) -> ScanRow:
+        """Keeps and reads an upload.  Raises BadScan or TooLarge with a sentence, and then keeps nothing."""
+        scan_id = new_id()
+        folders = self.storage.folders
+        folders.make(folders.scan(scan_id))
+        try:
+            sha256 = _keep(source, folders.uploaded(scan_id, file_type))
+            job = UploadJob(folders.uploaded(scan_id, file_type), units, folders.mesh(scan_id), self._uploads.triangles)
+            facts = self._read(job)
+            row = ScanRow(scan_id, utc_now(), file_type, sha256, facts)
+            scan_rows.add_scan(self.storage, row)
+        except BaseException:
+            folders.remove(folders.scan(scan_id))
+            raise
+        return row
+
+    def delete_scan(self, scan_id: str) -> None:
+        """Removes the scan, its landmarks and its fits: rows and files.  No such scan is no error."""
+        self._queue.drop(fits_of_scan(self.storage, scan_id))
+        gone = scan_rows.delete_scan(self.storage, scan_id)
+        self._queue.drop(gone)  # a fit may have been asked for in between
+        folders = self.storage.folders
+        folders.remove(folders.scan(scan_id), *(folders.fit(fit_id) for fit_id in gone))
+        self._bell.ring()
+
+    def examples(self) -> tuple[Example, ...]:
+        """The packaged example scans, in the order standing, supine, others."""
+        folder = self._examples or asset_folder("example")
+        names = sorted(scan.parent.name for scan in folder.glob("*/scan.ply"))
+        return tuple(
+            Example(name, f"Example patient, {name}", folder / name / "scan.ply", folder / name / "landmarks.json")
+            for name in names
+        )
+
+    def add_example(self, name: str) -> tuple[ScanRow, Points]:
+        """Opens an example like an upload; also its landmarks in mm.  Raises NotFound."""
+        examples = {example.name: example for example in self.examples()}
+        if not examples:
+            raise NotFound("This copy of BreastRig holds no examples.")
+        if name not in examples:
+            raise NotFound(unknown_name("example", name, tuple(examples)))
+        example = examples[name]
+        with example.scan.open("rb") as source:
+            row = self.add_scan(source, "ply", "auto")
+        return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
+
+    def add_fit(self, *, scan_id: str, stance: str, preset: str, drawing: str | None, landmarks_mm: Points) -> str:
+        """Puts a fit into the queue; its id.  Raises NotFound when the scan is gone."""
+        fit_id = new_id()
+        folder = self.storage.folders.fit(fit_id)
+        self.storage.folders.make(folder)
+        try:
+            add_fit(
+                self.storage,
+                fit_id=fit_id,
+                scan_id=scan_id,
+                created_at=utc_now(),
+                stance=stance,
+                preset=preset,
+                drawing=drawing,
+                landmarks_mm=landmarks_mm,
+            )
+        except BaseException:
+            self.storage.folders.remove(folder)
+            raise
+        self._queue.wake()
+        return fit_id
+
+    def cancel_fit(self, fit_id: str) -> FitRow:
+        """Raises NotFound, or Conflict when the fit is done or failed."""
+        return self._queue.cancel(fit_id)
+
+    def follow(
+        self, fit_id: str, after: int, heartbeat_s: float, gone: Callable[[], bool] | None = None
+    ) -> Iterator[StoredEvent | Heartbeat]:
+        """The fit's events above `after`, as they come."""
+        return follow(self.storage, self._bell, fit_id, after, heartbeat_s, gone)
+
+    def _read(self, job: UploadJob) -> dict[str, object]:
+        try:
+            facts: dict[str, object] = self._readers.schedule(read_upload, (job,), self._uploads.wall_s).result()
+        except TimeoutError as error:
+            raise BadScan(
+                f"Reading this scan took longer than {self._uploads.wall_s:g} s; simplify it first."
+            ) from error
+        except (OSError, RuntimeError) as error:
+            log.warning("the process that read an upload died: %r", error)
+            raise BadScan("Reading this scan needs more memory or time than it may use; simplify it first.") from error
+        return facts
+
+    def _clean(self) -> None:
+        self.storage.folders.remove_strangers(scan_rows.scan_ids(self.storage), fit_ids(self.storage))
+
+
+def _keep(source: IO[bytes], path: Path) -> str:
+    """Writes the bytes to the file; their sha256.  Raises BadScan when there are none."""
+    digest = hashlib.sha256()
+    with path.open("xb") as target:
+        while chunk := source.read(CHUNK):
+            digest.update(chunk)
+            target.write(chunk)
+        if target.tell() == 0:
+            raise BadScan("This file is empty; export the scan again.")
+    return digest.hexdigest()

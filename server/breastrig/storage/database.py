@@ -1,0 +1,65 @@
+"""One SQLAlchemy engine, with two kinds of transaction.
+
+SQLite by default: write-ahead log (readers never wait for the writer), a long busy timeout, foreign keys on,
+deleted rows overwritten.  A writing transaction takes the write lock at its start (`BEGIN IMMEDIATE`), because a
+transaction that reads first and writes later can be refused by SQLite without any waiting.  Reading
+transactions take no lock, so that any number of open streams does not slow the workers down.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import Connection, Engine, create_engine, event
+
+from breastrig.storage.schema import metadata
+
+BUSY_TIMEOUT_S = 30.0  # far above the longest writing transaction (a few ms), so that only a hung disk shows
+
+
+class Database:
+    """Opens connections; safe to share between threads, to be opened again in every process."""
+
+    def __init__(self, file: Path) -> None:
+        self.engine: Engine = create_engine(f"sqlite:///{file}", connect_args={"timeout": BUSY_TIMEOUT_S})
+        event.listen(self.engine, "connect", _set_up_connection)
+        event.listen(self.engine, "begin", _begin)
+
+    def create_tables(self) -> None:
+        """Adds the tables that are missing."""
+        with self.writing() as connection:
+            metadata.create_all(connection)
+
+    @contextmanager
+    def reading(self) -> Iterator[Connection]:
+        """A transaction that sees one state of the database and changes nothing."""
+        with self.engine.connect() as connection:
+            yield connection
+
+    @contextmanager
+    def writing(self) -> Iterator[Connection]:
+        """A transaction that holds the write lock from its start; commits at the end, or undoes all on an error."""
+        with self.engine.connect().execution_options(breastrig_writes=True) as connection, connection.begin():
+            yield connection
+
+    def forget_deleted(self) -> None:
+        """Empties the write-ahead log, so that no deleted row is left in any file."""
+        with self.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
+            connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)")
+
+    def close(self) -> None:
+        self.engine.dispose()
+
+
+def _set_up_connection(connection: Any, _record: Any) -> None:
+    connection.isolation_level = None  # the driver opens no transaction of its own; _begin does
+    cursor = connection.cursor()
+    for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON", "secure_delete=ON"):
+        cursor.execute(f"PRAGMA {pragma}")
+    cursor.close()
+
+
+def _begin(connection: Connection) -> None:
+    writes = connection.get_execution_options().get("breastrig_writes", False)
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")

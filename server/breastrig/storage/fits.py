@@ -1,0 +1,132 @@
+"""Rows of fits.  The table is also the queue: the oldest queued row is the next to run."""
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Row, func, insert, select, update
+
+from breastrig.core.errors import NotFound
+from breastrig.storage import schema
+from breastrig.storage.scans import Points
+from breastrig.storage.storage import Storage
+
+ENDED = frozenset({"done", "failed", "cancelled"})
+
+
+@dataclass(frozen=True)
+class FitRow:
+    id: str
+    scan: str
+    created_at: str
+    state: str  # queued, running, done, failed, cancelled
+    stance: str
+    preset: str
+    drawing: str | None
+    landmarks_mm: Points
+    last_event: int
+    iterations: int
+    numbers: dict[str, Any] | None  # the last iterated event without its nodes
+    reason: str | None
+
+    @property
+    def ended(self) -> bool:
+        return self.state in ENDED
+
+
+def add_fit(
+    storage: Storage,
+    *,
+    fit_id: str,
+    scan_id: str,
+    created_at: str,
+    stance: str,
+    preset: str,
+    drawing: str | None,
+    landmarks_mm: Points,
+) -> None:
+    """Puts a fit at the end of the queue.  Raises NotFound when the scan is gone."""
+    with storage.database.writing() as connection:
+        if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is None:
+            raise NotFound("There is no such scan; it may have been deleted.")
+        place = connection.execute(select(func.coalesce(func.max(schema.fits.c.place), 0) + 1)).scalar_one()
+        values = {
+            "id": fit_id,
+            "place": place,
+            "scan": scan_id,
+            "created_at": created_at,
+            "state": "queued",
+            "stance": stance,
+            "preset": preset,
+            "drawing": drawing,
+            "landmarks_mm": json.dumps(landmarks_mm),
+            "last_event": 0,
+            "iterations": 0,
+        }
+        connection.execute(insert(schema.fits).values(values))
+
+
+def get_fit(storage: Storage, fit_id: str) -> FitRow:
+    """Raises NotFound."""
+    with storage.database.reading() as connection:
+        row = connection.execute(select(schema.fits).where(schema.fits.c.id == fit_id)).one_or_none()
+    if row is None:
+        raise NotFound("There is no such fit; it may have been deleted.")
+    return _fit_row(row)
+
+
+def claim_fit(storage: Storage, fit_id: str) -> FitRow | None:
+    """Turns a queued fit into a running one; None when it is no longer queued."""
+    with storage.database.writing() as connection:
+        statement = (
+            update(schema.fits)
+            .where(schema.fits.c.id == fit_id, schema.fits.c.state == "queued")
+            .values(state="running")
+            .returning(schema.fits)
+        )
+        row = connection.execute(statement).one_or_none()
+    return None if row is None else _fit_row(row)
+
+
+def next_queued(storage: Storage, besides: set[str]) -> str | None:
+    """The oldest queued fit that is not among `besides`."""
+    with storage.database.reading() as connection:
+        query = (
+            select(schema.fits.c.id)
+            .where(schema.fits.c.state == "queued", schema.fits.c.id.not_in(besides))
+            .order_by(schema.fits.c.place)
+            .limit(1)
+        )
+        return connection.execute(query).scalar_one_or_none()
+
+
+def fits_in_state(storage: Storage, state: str) -> list[str]:
+    with storage.database.reading() as connection:
+        return list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.state == state)).scalars())
+
+
+def fits_of_scan(storage: Storage, scan_id: str) -> list[str]:
+    with storage.database.reading() as connection:
+        return list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.scan == scan_id)).scalars())
+
+
+def fit_ids(storage: Storage) -> set[str]:
+    with storage.database.reading() as connection:
+        return set(connection.execute(select(schema.fits.c.id)).scalars())
+
+
+def _fit_row(row: Row[Any]) -> FitRow:
+    return FitRow(
+        id=row.id,
+        scan=row.scan,
+        created_at=row.created_at,
+        state=row.state,
+        stance=row.stance,
+        preset=row.preset,
+        drawing=row.drawing,
+        landmarks_mm=json.loads(row.landmarks_mm),
+        last_event=row.last_event,
+        iterations=row.iterations,
+        numbers=None if row.numbers is None else json.loads(row.numbers),
+        reason=row.reason,
+    )

@@ -1,0 +1,58 @@
+"""The tables.  Deleting a scan deletes all rows that hang on it.
+
+`events` is append-only and the single source of truth about a fit; the fit's own row repeats the last state for
+quick answers and is only ever written in the same transaction as the event.
+"""
+
+from sqlalchemy import Column, ForeignKey, Index, Integer, MetaData, String, Table, Text, UniqueConstraint
+
+metadata = MetaData()
+
+scans = Table(
+    "scans",
+    metadata,
+    Column("id", String(32), primary_key=True),
+    Column("created_at", String(32), nullable=False),  # ISO 8601, UTC
+    Column("file_type", String(8), nullable=False),  # ply, obj, stl, glb or zip
+    Column("sha256", String(64), nullable=False),  # of the uploaded bytes
+    Column("facts", Text, nullable=False),  # JSON, what reading found
+)
+
+landmarks = Table(
+    "landmarks",
+    metadata,
+    Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
+    Column("points_mm", Text, nullable=False),  # JSON, {name: [x, y, z]}, scan frame
+)
+
+fits = Table(
+    "fits",
+    metadata,
+    Column("id", String(32), primary_key=True),
+    Column("place", Integer, nullable=False, unique=True),  # order of arrival
+    Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column("created_at", String(32), nullable=False),
+    Column("state", String(16), nullable=False, index=True),  # queued, running, done, failed, cancelled
+    Column("stance", String(16), nullable=False),
+    Column("preset", String(100), nullable=False),
+    Column("drawing", String(100)),
+    Column("landmarks_mm", Text, nullable=False),  # JSON, as they were when the fit was asked for
+    Column("last_event", Integer, nullable=False, default=0),
+    Column("iterations", Integer, nullable=False, default=0),
+    Column("numbers", Text),  # JSON, the last iterated event without its nodes
+    Column("reason", Text),
+)
+
+events = Table(
+    "events",
+    metadata,
+    Column("position", Integer, primary_key=True, autoincrement=True),  # over all fits; tells that something is new
+    Column("fit", String(32), ForeignKey("fits.id", ondelete="CASCADE"), nullable=False),
+    Column("number", Integer, nullable=False),  # from 1 within the fit
+    Column("kind", String(16), nullable=False),
+    Column("json", Text, nullable=False),
+    UniqueConstraint("fit", "number"),
+    sqlite_autoincrement=True,  # a position is never used twice, even after a delete
+)
+
+Index("events_of_kind", events.c.fit, events.c.kind)
