@@ -33,7 +33,10 @@ TERMS: dict[str, Callable[[Rig, np.random.Generator], Any]] = {
     "point_to_plane": lambda rig, rng: PointToPlane(rig, matches(rig, rng), rng.uniform(0.1, 1, 40), 0.003),
     "point_to_point": lambda rig, rng: PointToPoint(rig, matches(rig, rng), rng.uniform(0.1, 1, 40), 0.01),
     "landmarks": lambda rig, rng: Landmarks(
-        rig, rig.landmark_points(), rng.normal(size=(len(rig.landmarks), 3)), rng.uniform(0.002, 0.01, len(rig.landmarks))
+        rig,
+        rig.landmark_points(),
+        rng.normal(size=(len(rig.landmarks), 3)),
+        rng.uniform(0.002, 0.01, len(rig.landmarks)),
     ),
     "scale_prior": lambda rig, _: ScalePrior(rig, 0.1, 0.05),
     "shape_prior": lambda rig, rng: ShapePrior(rng.uniform(0.1, 1, len(rig.shapes)), rng.normal(size=len(rig.shapes))),

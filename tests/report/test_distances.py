@@ -1,0 +1,40 @@
+"""The reported numbers on surfaces whose distance is known."""
+
+import numpy as np
+from helpers.surfaces import sphere
+
+from breastrig.correspondence.target import ScanTarget
+from breastrig.report.distances import landmark_summary_mm, summary_mm, surface_distances, surface_summary_mm
+
+
+def test_two_spheres_are_as_far_apart_as_their_radii_both_ways() -> None:
+    outer, faces = sphere(0.103, 5)
+    target = ScanTarget(*sphere(0.1, 5))
+    distances = surface_distances(target, outer, faces)
+    model, scan = surface_summary_mm(distances.model), summary_mm(distances.scan)
+    assert model["coverage"] == 1.0
+    for summary in (model, scan):
+        assert abs(summary["mean"] - 3.0) < 0.05
+        assert abs(summary["max"] - 3.0) < 0.1
+        assert summary["std"] < 0.05
+        assert abs(summary["p95"] - 3.0) < 0.1
+
+
+def test_what_the_scan_does_not_show_has_no_distance() -> None:
+    vertices, faces = sphere(0.1, 5)
+    front = faces[(vertices[faces][:, :, 2] > 0.0).all(axis=1)]
+    distances = surface_distances(ScanTarget(vertices, front), vertices, faces)
+    assert np.isnan(distances.model[vertices[:, 2] < -0.03]).all()
+    assert np.isfinite(distances.model[vertices[:, 2] > 0.03]).all()
+
+
+def test_nothing_measured_is_none_and_not_zero() -> None:
+    assert summary_mm(np.full(3, np.nan)) == {"mean": None, "std": None, "max": None, "p95": None}
+    assert landmark_summary_mm({}, {})["mean"] is None
+
+
+def test_landmark_distances_are_named() -> None:
+    model = {"a": np.zeros(3), "b": np.array([0.0, 0.0, 0.001])}
+    picked = {"a": np.array([0.0, 0.003, 0.0]), "b": np.array([0.0, 0.0, 0.002])}
+    summary = landmark_summary_mm(model, picked)
+    assert summary == {"mean": 2.0, "std": 1.0, "max": 3.0, "min": 1.0, "each": {"a": 3.0, "b": 1.0}}
