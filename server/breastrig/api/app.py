@@ -12,12 +12,12 @@ from breastrig.api.errors import register_errors
 from breastrig.api.events import events
 from breastrig.api.fits import fits
 from breastrig.api.meta import meta
-from breastrig.api.model_library import ModelLibrary
 from breastrig.api.models import models
 from breastrig.api.openapi import finish_document
 from breastrig.api.page import page
 from breastrig.api.scans import scans
 from breastrig.api.security import register_security
+from breastrig.api.served_model import serve_model
 from breastrig.jobs.service import Service
 
 
@@ -25,7 +25,7 @@ def create_app(config: Config, service: Service) -> APIFlask:
     """The application around a service, which the caller starts and stops."""
     app = _bare_app()
     app.config["MAX_CONTENT_LENGTH"] = config.uploads.file_bytes
-    app.extensions[KEY] = Behind(config, service, ModelLibrary(config.model))
+    app.extensions[KEY] = Behind(config, service, serve_model(config.model))
     register_errors(app)
     register_security(app, config)
     return app

@@ -3,7 +3,7 @@
 import ipaddress
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from breastrig.core.errors import BadSettings
@@ -20,7 +20,7 @@ class Config:
     model: Path | None = None  # the rig's .glb; None for the packaged one
     web: Path | None = None  # folder of the built page; None for the packaged one
     examples: Path | None = None  # folder of the example patient; None for the packaged one
-    uploads: UploadLimits = UploadLimits()
+    uploads: UploadLimits = field(default_factory=UploadLimits)
     json_bytes: int = 1_000_000  # largest JSON body; twelve landmarks need 1 kB
     heartbeat_s: float = 15.0  # proxies close a silent stream after 30 to 60 s
     streams: int = 24  # open event streams; each holds one thread of the server

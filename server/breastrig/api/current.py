@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from flask import current_app
 
 from breastrig.api.config import Config
-from breastrig.api.model_library import ModelLibrary
+from breastrig.api.served_model import ServedModel
 from breastrig.jobs.service import Service
 
 KEY = "breastrig"
@@ -15,7 +15,7 @@ KEY = "breastrig"
 class Behind:
     config: Config
     service: Service
-    models: ModelLibrary
+    model: ServedModel
 
 
 def behind() -> Behind:

@@ -8,8 +8,8 @@ from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answe
 from breastrig.api.current import behind
 from breastrig.api.landmark_check import check_landmarks
 from breastrig.core.errors import BadDrawing, BadSettings, Conflict, NotFound, unknown_name
-from breastrig.jobs.iteration_file import iteration_gltf
 from breastrig.fitting.recipe import preset_names
+from breastrig.jobs.iteration_file import iteration_gltf
 from breastrig.storage.fits import FitRow, get_fit
 from breastrig.storage.scans import get_landmarks, get_scan
 
@@ -29,7 +29,7 @@ def start_fit(json_data: wire.FitRequest) -> tuple[wire.FitAccepted, int, dict[s
     here = behind()
     storage = here.service.storage
     scan = get_scan(storage, json_data.scan)
-    model = here.models.default()
+    model = here.model
     presets = preset_names()
     if json_data.preset not in presets:
         raise BadSettings(unknown_name("preset", json_data.preset, presets))
@@ -78,7 +78,7 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
     """
     here = behind()
     fit = get_fit(here.service.storage, fit_id)
-    model = here.models.default()
+    model = here.model
     content = iteration_gltf(
         here.service.storage, fit, iteration, model.rig, model.buffer_link, model.drawing_link(fit.drawing)
     )

@@ -1,6 +1,6 @@
 """Landmarks are checked at the door: known names, and points that can be meant for this scan."""
 
-from breastrig.api.model_library import ServedModel
+from breastrig.api.served_model import ServedModel
 from breastrig.core.errors import BadLandmarks, unknown_name
 from breastrig.storage.scans import Points, ScanRow
 

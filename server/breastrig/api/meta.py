@@ -26,7 +26,7 @@ def health() -> wire.Health:
 def about() -> wire.Meta:
     """Version, limits of use, limits of size, the model"""
     here = behind()
-    rig = here.models.default().rig
+    rig = here.model.rig
     uploads = here.config.uploads
     return wire.Meta(
         name="BreastRig",

@@ -6,6 +6,7 @@
 * results are described as the service sends them.
 """
 
+import json
 from typing import Any
 
 from breastrig.api import wire
@@ -39,6 +40,11 @@ def finish_document(document: dict[str, Any]) -> dict[str, Any]:
     document["components"]["schemas"] = dict(sorted(schemas.items()))
     document["paths"] = dict(sorted(document["paths"].items()))
     return {"openapi": document.pop("openapi"), **document}
+
+
+def openapi_bytes(document: dict[str, Any]) -> bytes:
+    """The document as it is sent and committed."""
+    return (json.dumps(document, indent=1, ensure_ascii=False) + "\n").encode()
 
 
 def _named_once(schemas: dict[str, Any]) -> dict[str, Any]:

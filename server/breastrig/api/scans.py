@@ -86,7 +86,7 @@ def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile) -> wire.Landma
     """
     here = behind()
     row = get_scan(here.service.storage, scan_id)
-    check_landmarks(json_data.landmarks, row, here.models.default())
+    check_landmarks(json_data.landmarks, row, here.model)
     put_landmarks(here.service.storage, scan_id, json_data.landmarks)
     return json_data
 

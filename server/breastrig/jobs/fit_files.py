@@ -100,8 +100,7 @@ def result_json(outcome: FitOutcome, vertices: Array) -> dict[str, object]:
             "blendshapes": dict(zip(rig.shape_names, _rounded(x.weights, 9), strict=True)),
         },
         "notes": list(outcome.notes),
-        "versions": {"breastrig": __version__}
-        | {name: version(name) for name in ("numpy", "scipy", "trimesh")},
+        "versions": {"breastrig": __version__} | {name: version(name) for name in ("numpy", "scipy", "trimesh")},
     }
 
 

@@ -7,8 +7,8 @@ has begun and stories are never rewritten.
 
 import logging
 import threading
-import time
-from concurrent.futures import TimeoutError as FutureTimeout
+from concurrent.futures import wait
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -89,14 +89,7 @@ class FitQueue:
         with self._lock:
             self._stopping = True
             running = dict(self._running)
-        deadline = time.monotonic() + self._limits.grace_s
-        for future in running.values():
-            try:
-                future.exception(timeout=max(0.0, deadline - time.monotonic()))
-            except (FutureTimeout, OSError, RuntimeError):
-                continue
-            except BaseException:  # noqa: BLE001 - cancelled: nothing to wait for
-                continue
+        wait(running.values(), timeout=self._limits.grace_s)
         self._processes.stop()
         for fit_id in fits_in_state(self._storage, "running"):
             self._end(fit_id, Failed(reason=STOPPED))
@@ -139,10 +132,8 @@ class FitQueue:
         self._starts.pop(fit_id, None)
 
     def _end(self, fit_id: str, event: Event) -> None:
-        try:
+        with suppress(NotFound, Conflict):  # it may have ended otherwise in the meantime
             append(self._storage, fit_id, event_json(event))
-        except (NotFound, Conflict):
-            pass  # it has ended otherwise in the meantime
 
     def _kill(self, fit_id: str) -> None:
         with self._lock:

@@ -92,6 +92,10 @@ class Service:
                 self._readers.stop()
                 self.storage.close()
 
+    def end_streams(self) -> None:
+        """Ends every open story, so that the server's threads are free to go."""
+        self._bell.stop()
+
     def add_scan(self, source: IO[bytes], file_type: str, units: str) -> ScanRow:
         """Keeps and reads an upload.  Raises BadScan or TooLarge with a sentence, and then keeps nothing."""
         scan_id = new_id()

@@ -1,7 +1,6 @@
-"""The model as the service hands it out: read once, when it is first asked for."""
+"""The model as the service hands it out: read once, when the service starts."""
 
 import json
-import threading
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -46,23 +45,11 @@ class ServedModel:
         return None if name is None else f"/api/models/{self.rig.sha256}/drawings/{name}.bin"
 
 
-class ModelLibrary:
-    """Reads the rig at `path` (None: the packaged one) when it is first needed."""
-
-    def __init__(self, path: Path | None = None) -> None:
-        self._path = path
-        self._lock = threading.Lock()
-        self._model: ServedModel | None = None
-
-    def default(self) -> ServedModel:
-        """Raises BadModel with a sentence when the model is missing or broken."""
-        with self._lock:
-            if self._model is None:
-                glb = self._path or default_rig_path()
-                rig = read_rig(glb)
-                side = json.loads(glb.with_suffix(".json").read_text(encoding="utf-8"))
-                self._model = ServedModel(rig, glb.read_bytes(), side)
-            return self._model
+def serve_model(path: Path | None = None) -> ServedModel:
+    """Reads the rig at `path` (None: the packaged one).  Raises BadModel with a sentence."""
+    glb = path or default_rig_path()
+    rig = read_rig(glb)
+    return ServedModel(rig, glb.read_bytes(), json.loads(glb.with_suffix(".json").read_text(encoding="utf-8")))
 
 
 def _drawing(drawing: ModelDrawing) -> dict[str, Any]:

@@ -1,0 +1,77 @@
+"""`breastrig serve`: the service and its page, until Ctrl-C or SIGTERM."""
+
+import argparse
+import logging
+import os
+import signal
+import sys
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from breastrig.api.app import create_app
+from breastrig.api.config import TOKEN_VARIABLE, Config, is_loopback, read_token
+from breastrig.api.wsgi_server import listen
+from breastrig.core.notice import RESEARCH_USE_ONLY
+from breastrig.jobs.service import Service
+from breastrig.storage.storage import Storage, default_data_folder
+
+PORT = 8321
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("serve", help="serve the page and the HTTP API", description=__doc__)
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        help=f"address to listen on (default %(default)s); any but this machine's own needs {TOKEN_VARIABLE}",
+    )
+    parser.add_argument("--port", type=int, default=PORT, help="port to listen on (default %(default)s; 0: a free one)")
+    parser.add_argument(
+        "--data", type=Path, metavar="DIR", help=f"where scans and fits are kept (default {_default()})"
+    )
+    parser.add_argument("--model", type=Path, metavar="GLB", help="another rig than the package's torso")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Serves until it is told to stop.  Raises BadSettings or BadModel when it cannot start."""
+    logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    for noisy in ("waitress", "waitress.queue", "trimesh", "PIL"):
+        logging.getLogger(noisy).setLevel(logging.ERROR)
+    config = Config(host=options.host, token=read_token(options.host), model=options.model)
+    storage = Storage((options.data or default_data_folder()).expanduser().absolute())
+    service = Service(storage, model=config.model, uploads=config.uploads, streams=config.streams)
+    app = create_app(config, service)
+    server = listen(app, options.host, options.port, config.uploads.file_bytes)
+    try:
+        with service.started():
+            _stop_on_signals(service)
+            shown = f"[{options.host}]" if ":" in options.host else options.host
+            print(f"BreastRig is ready: http://{shown}:{server.effective_port}/   (Ctrl-C stops it)", flush=True)
+            print(RESEARCH_USE_ONLY, flush=True)
+            if not is_loopback(options.host):
+                print(f"Every call must carry the bearer token of {TOKEN_VARIABLE}.", flush=True)
+            server.run()
+    finally:
+        server.task_dispatcher.shutdown()
+        server.close()
+    return 0
+
+
+def _stop_on_signals(service: Service) -> None:
+    """The first signal ends the streams and leaves the server's loop; later ones do not disturb the tidying up."""
+
+    def stop(_number: int, _frame: FrameType | None) -> Any:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
+        service.end_streams()
+        sys.exit(0)
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, stop)
+
+
+def _default() -> str:
+    """The default data folder as a person would write it."""
+    return str(default_data_folder()).replace(os.path.expanduser("~"), "~", 1)

@@ -1,0 +1,115 @@
+"""Runners that stand in for run_fit in tests of queue and API: same events, same files, no numerics to wait for.
+
+They live in a module of their own because worker processes import them by name.  Poses are the toy rig's.
+"""
+
+import json
+import os
+import signal
+import time
+from collections.abc import Iterator
+
+import numpy as np
+from helpers.toy_rig import toy_rig
+
+from breastrig.core.errors import FitFailed
+from breastrig.gltf.pose_nodes import node_poses
+from breastrig.jobs.events import Done, Event, Iterated, NodePose, Started
+from breastrig.jobs.run_fit import FitJob
+from breastrig.rig.parameters import RigParameters, rest_parameters
+
+ITERATIONS = 4
+
+
+def parameters_at(iteration: int) -> RigParameters:
+    """The toy rig moved along and shaped a little more with each iteration."""
+    rest = rest_parameters(toy_rig())
+    weights = np.full(len(rest.weights), 0.01 * iteration)
+    x = RigParameters(rest.rotations, rest.translations, rest.scales * (1 + 0.001 * iteration), weights)
+    return x.moved(np.eye(3), np.array([0.01 * iteration, 0.0, 0.0]))
+
+
+def started(job: FitJob) -> Started:
+    return Started(
+        stance="standing" if job.stance == "auto" else job.stance,
+        stance_reason="A test said so.",
+        preset=job.preset,
+        model_sha256="0" * 64,
+        drawing=job.drawing,
+        iterations_limit=ITERATIONS,
+    )
+
+
+def iterated(iteration: int) -> Iterated:
+    return Iterated(
+        iteration=iteration,
+        stage="all",
+        energy=10.0 - iteration,
+        mean_distance_mm=5.0 - iteration,
+        landmark_distance_mm=None,
+        coverage=0.9,
+        elapsed_s=0.01 * iteration,
+        nodes=[NodePose.model_validate(node) for node in node_poses(toy_rig(), parameters_at(iteration))],
+    )
+
+
+def quick(job: FitJob) -> Iterator[Event]:
+    """A whole fit with its files."""
+    yield started(job)
+    for iteration in range(ITERATIONS):
+        yield iterated(iteration)
+    result = {"schema": "breastrig/result@1", "iterations": ITERATIONS - 1, "landmarks_given": job.landmarks_mm}
+    for name in ("fitted.glb", "fitted.ply"):
+        (job.out / name).write_bytes(name.encode())
+    (job.out / "drawing.json").write_text('{"schema": "breastrig/drawing@1", "unit": "mm", "shapes": []}')
+    (job.out / "result.json").write_text(json.dumps(result))
+    yield Done(result=result)
+
+
+def patient(job: FitJob) -> Iterator[Event]:
+    """Iterates every 20 ms for ten seconds."""
+    yield started(job)
+    for iteration in range(500):
+        yield iterated(iteration)
+        (job.out / "partial").write_text(str(iteration))
+        time.sleep(0.02)
+
+
+def hanging(job: FitJob) -> Iterator[Event]:
+    """Never comes back by itself."""
+    yield started(job)
+    while True:
+        time.sleep(1)
+
+
+def failing(job: FitJob) -> Iterator[Event]:
+    yield started(job)
+    raise FitFailed("The model found no skin near it; place three landmarks.")
+
+
+def broken(job: FitJob) -> Iterator[Event]:
+    yield started(job)
+    raise ZeroDivisionError("an error of ours")
+
+
+def dying(job: FitJob) -> Iterator[Event]:
+    """The whole process is killed, as for want of memory."""
+    yield started(job)
+    os.kill(os.getpid(), signal.SIGKILL)
+    yield iterated(0)
+
+
+def greedy(job: FitJob) -> Iterator[Event]:
+    """Asks for more memory than any limit allows."""
+    yield started(job)
+    bytearray(2**45)
+
+
+def silent(job: FitJob) -> Iterator[Event]:
+    """Forgets to end."""
+    yield started(job)
+
+
+def mostly_patient(job: FitJob) -> Iterator[Event]:
+    """The preset chooses: "paper" is patient, everything else quick."""
+    return patient(job) if job.preset == "paper" else quick(job)

@@ -1,0 +1,33 @@
+"""Waiting for other processes without sleeping longer than needed."""
+
+import time
+from collections.abc import Callable
+
+from breastrig.jobs.service import Service
+from breastrig.storage.events import StoredEvent
+from breastrig.storage.fits import FitRow, get_fit
+
+PATIENCE_S = 20.0  # a loaded machine; nothing waits that long when all is well
+
+
+def until(true: Callable[[], bool], what: str) -> None:
+    """Returns as soon as `true()` is; fails after PATIENCE_S."""
+    deadline = time.monotonic() + PATIENCE_S
+    while not true():
+        assert time.monotonic() < deadline, f"waited in vain for: {what}"
+        time.sleep(0.005)
+
+
+def ask_for_fit(service: Service, scan_id: str, preset: str = "default") -> str:
+    return service.add_fit(scan_id=scan_id, stance="auto", preset=preset, drawing=None, landmarks_mm={})
+
+
+def ended(service: Service, fit_id: str) -> FitRow:
+    """The fit once it has ended."""
+    until(lambda: get_fit(service.storage, fit_id).ended, f"the end of fit {fit_id}")
+    return get_fit(service.storage, fit_id)
+
+
+def story(service: Service, fit_id: str, after: int = 0) -> list[StoredEvent]:
+    """The whole stream to its end, without heartbeats."""
+    return [event for event in service.follow(fit_id, after, 5.0) if isinstance(event, StoredEvent)]

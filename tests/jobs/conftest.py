@@ -1,0 +1,45 @@
+"""A data folder, and services around it with runners of the test's choice."""
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+
+import pytest
+
+from breastrig.jobs.carry_out import Runner
+from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.service import Service
+from breastrig.storage.folders import new_id
+from breastrig.storage.scans import ScanRow, add_scan
+from breastrig.storage.storage import Storage, utc_now
+
+FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
+MakeService = Callable[..., AbstractContextManager[Service]]
+
+
+@pytest.fixture
+def storage(tmp_path: Path) -> Iterator[Storage]:
+    storage = Storage(tmp_path / "data")
+    storage.prepare()
+    yield storage
+    storage.close()
+
+
+@pytest.fixture
+def scan_id(storage: Storage) -> str:
+    scan_id = new_id()
+    storage.folders.make(storage.folders.scan(scan_id))
+    storage.folders.uploaded(scan_id, "ply").write_bytes(b"ply")
+    add_scan(storage, ScanRow(scan_id, utc_now(), "ply", "ab" * 32, FACTS))
+    return scan_id
+
+
+@pytest.fixture
+def serving(storage: Storage) -> MakeService:
+    """`with serving(runner) as service:`, with two workers and short patience."""
+
+    def make(runner: Runner, **limits: float) -> AbstractContextManager[Service]:
+        fits = FitLimits(**{"workers": 2, "wall_s": 30.0, "grace_s": 0.2, **limits})
+        return Service(Storage(storage.root), runner=runner, fits=fits).started()
+
+    return make

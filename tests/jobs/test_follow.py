@@ -1,0 +1,87 @@
+import threading
+import time
+
+from helpers import fake_fit
+from helpers.rows import add_waiting_fit
+from helpers.waiting import ask_for_fit, story, until
+
+from breastrig.jobs.follow import Bell, Heartbeat, follow
+from breastrig.storage.events import append
+from breastrig.storage.scans import delete_scan
+from breastrig.storage.storage import Storage
+
+
+def test_everyone_who_listens_hears_the_same(serving, scan_id: str) -> None:
+    with serving(fake_fit.quick) as service:
+        fit_id = ask_for_fit(service, scan_id)
+        heard: dict[int, list[int]] = {}
+
+        def listen(number: int) -> None:
+            heard[number] = [event.number for event in story(service, fit_id)]
+
+        threads = [threading.Thread(target=listen, args=(number,)) for number in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert heard == {number: [1, 2, 3, 4, 5, 6] for number in range(8)}
+
+
+def test_a_stored_event_is_heard_within_a_tenth_of_a_second(storage: Storage, scan_id: str) -> None:
+    add_waiting_fit(storage, scan_id, "fit")
+    bell = Bell(storage)
+    bell.start()
+    try:
+        times: list[float] = []
+
+        def listen() -> None:
+            for _event in follow(storage, bell, "fit", 0, 60.0):
+                times.append(time.monotonic())
+
+        thread = threading.Thread(target=listen)
+        thread.start()
+        until(lambda: bell._waiting == 1, "the listener")
+        stored = time.monotonic()
+        append(storage, "fit", {"kind": "failed", "reason": "so it is"})
+        thread.join()
+        assert times[0] - stored < 0.1
+    finally:
+        bell.stop()
+
+
+def test_a_silent_stream_beats(storage: Storage, scan_id: str) -> None:
+    add_waiting_fit(storage, scan_id, "fit")
+    bell = Bell(storage)
+    bell.start()
+    try:
+        stream = follow(storage, bell, "fit", 0, 0.01)
+        assert isinstance(next(stream), Heartbeat)
+        assert isinstance(next(stream), Heartbeat)
+        stream.close()
+    finally:
+        bell.stop()
+
+
+def test_a_stream_ends_when_the_fit_is_deleted(storage: Storage, scan_id: str) -> None:
+    add_waiting_fit(storage, scan_id, "fit")
+    bell = Bell(storage)
+    bell.start()
+    try:
+        thread = threading.Thread(target=lambda: list(follow(storage, bell, "fit", 0, 60.0)))
+        thread.start()
+        until(lambda: bell._waiting == 1, "the listener")
+        delete_scan(storage, scan_id)
+        bell.ring()
+        thread.join(timeout=5)
+        assert not thread.is_alive()
+    finally:
+        bell.stop()
+
+
+def test_a_stream_ends_when_the_bell_stops_or_the_viewer_leaves(storage: Storage, scan_id: str) -> None:
+    add_waiting_fit(storage, scan_id, "fit")
+    bell = Bell(storage)
+    bell.start()
+    assert list(follow(storage, bell, "fit", 0, 60.0, gone=lambda: True)) == []
+    bell.stop()
+    assert list(follow(storage, bell, "fit", 0, 60.0)) == []

@@ -1,0 +1,71 @@
+import threading
+from pathlib import Path
+
+import pytest
+from sqlalchemy import insert, select
+from sqlalchemy.exc import IntegrityError
+
+from breastrig.storage import schema
+from breastrig.storage.storage import Storage
+
+LANDMARKS_OF_NOBODY = {"scan": "nobody", "points_mm": "{}"}
+
+
+def test_the_log_is_written_ahead_and_foreign_keys_hold(storage: Storage) -> None:
+    with storage.database.reading() as connection:
+        pragmas = {
+            name: connection.exec_driver_sql(f"PRAGMA {name}").scalar_one()
+            for name in ("journal_mode", "foreign_keys", "busy_timeout", "secure_delete")
+        }
+    assert pragmas == {"journal_mode": "wal", "foreign_keys": 1, "busy_timeout": 30000, "secure_delete": 1}
+
+
+def test_rows_that_point_nowhere_are_refused(storage: Storage) -> None:
+    with pytest.raises(IntegrityError), storage.database.writing() as connection:
+        connection.execute(insert(schema.landmarks).values(LANDMARKS_OF_NOBODY))
+
+
+def test_an_error_undoes_the_whole_transaction(storage: Storage, scan_id: str) -> None:
+    with pytest.raises(RuntimeError), storage.database.writing() as connection:
+        connection.execute(insert(schema.landmarks).values(scan=scan_id, points_mm="{}"))
+        raise RuntimeError
+    with storage.database.reading() as connection:
+        assert connection.execute(select(schema.landmarks)).all() == []
+
+
+def test_a_reader_does_not_wait_for_a_writer(storage: Storage, scan_id: str) -> None:
+    with storage.database.writing() as writer:
+        writer.execute(insert(schema.landmarks).values(scan=scan_id, points_mm="{}"))
+        with storage.database.reading() as reader:
+            assert reader.execute(select(schema.landmarks)).all() == []
+
+
+def test_writers_wait_for_each_other(storage: Storage, scan_id: str) -> None:
+    steps: list[str] = []
+    inside = threading.Event()
+
+    def second() -> None:
+        inside.wait()
+        with storage.database.writing():
+            steps.append("second")
+
+    thread = threading.Thread(target=second)
+    thread.start()
+    with storage.database.writing():
+        inside.set()
+        thread.join(timeout=0.1)
+        steps.append("first")
+    thread.join()
+    assert steps == ["first", "second"]
+
+
+def test_preparing_twice_changes_nothing(storage: Storage, scan_id: str) -> None:
+    again = Storage(storage.root)
+    again.prepare()
+    with again.database.reading() as connection:
+        assert connection.execute(select(schema.scans.c.id)).scalars().all() == [scan_id]
+    again.close()
+
+
+def test_only_the_owner_can_look_into_the_data_folder(storage: Storage, tmp_path: Path) -> None:
+    assert (tmp_path / "data").stat().st_mode & 0o077 == 0

@@ -1,0 +1,41 @@
+import pytest
+from helpers.rows import add_waiting_fit
+
+from breastrig.core.errors import NotFound
+from breastrig.storage.events import append
+from breastrig.storage.fits import get_fit
+from breastrig.storage.scans import delete_scan, get_landmarks, get_scan, put_landmarks, scan_ids
+from breastrig.storage.storage import Storage
+
+
+def test_a_scan_comes_back_as_it_was_stored(storage: Storage, scan_id: str) -> None:
+    row = get_scan(storage, scan_id)
+    assert (row.file_type, row.facts["unit"]) == ("ply", "mm")
+    assert scan_ids(storage) == {scan_id}
+
+
+def test_an_unknown_scan_is_not_found(storage: Storage) -> None:
+    with pytest.raises(NotFound, match="no such scan"):
+        get_scan(storage, "nobody")
+    with pytest.raises(NotFound, match="no such scan"):
+        put_landmarks(storage, "nobody", {})
+    assert delete_scan(storage, "nobody") == []
+
+
+def test_landmarks_replace_those_before(storage: Storage, scan_id: str) -> None:
+    assert get_landmarks(storage, scan_id) == {}
+    put_landmarks(storage, scan_id, {"nipple_L": [1.0, 2.0, 3.0]})
+    put_landmarks(storage, scan_id, {"nipple_R": [1.0, 2.0, 3.0]})
+    assert get_landmarks(storage, scan_id) == {"nipple_R": [1.0, 2.0, 3.0]}
+
+
+def test_deleting_a_scan_leaves_no_row_and_no_byte_of_it(storage: Storage, scan_id: str) -> None:
+    put_landmarks(storage, scan_id, {"a_landmark_with_a_rare_name": [1.0, 2.0, 3.0]})
+    add_waiting_fit(storage, scan_id, "fit-1")
+    append(storage, "fit-1", {"kind": "failed", "reason": "a reason with a rare word: xylophone"})
+    assert delete_scan(storage, scan_id) == ["fit-1"]
+    with pytest.raises(NotFound):
+        get_fit(storage, "fit-1")
+    left = b"".join(path.read_bytes() for path in storage.root.glob("breastrig.sqlite3*"))
+    for trace in (b"a_landmark_with_a_rare_name", b"xylophone", b"scan-1", b"fit-1"):
+        assert trace not in left

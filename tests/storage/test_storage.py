@@ -1,0 +1,59 @@
+import os
+from pathlib import Path
+
+import pytest
+
+from breastrig.core.errors import BadSettings
+from breastrig.storage.storage import Storage, default_data_folder, utc_now
+
+
+def test_a_second_server_on_the_same_folder_is_refused(storage: Storage) -> None:
+    other = Storage(storage.root)
+    with storage.exclusive(), pytest.raises(BadSettings, match="Another BreastRig server"), other.exclusive():
+        pass
+    with other.exclusive():
+        pass
+    other.close()
+
+
+def test_a_folder_that_cannot_be_made_gives_a_sentence(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    storage = Storage(tmp_path / "file" / "data")
+    with pytest.raises(BadSettings, match="cannot be created"):
+        storage.prepare()
+
+
+def test_the_default_folder_follows_the_xdg_rules(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    assert default_data_folder() == tmp_path / "breastrig"
+    monkeypatch.setenv("XDG_DATA_HOME", "not/absolute")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert default_data_folder() == tmp_path / ".local" / "share" / "breastrig"
+
+
+def test_the_time_says_that_it_is_utc() -> None:
+    assert utc_now().endswith("Z")
+    assert len(utc_now()) == len("2026-01-01T00:00:00.000Z")
+
+
+def test_folders_without_a_row_are_removed(storage: Storage) -> None:
+    for kind, name in (("scans", "known"), ("scans", "stranger"), ("fits", "stranger")):
+        folder = storage.root / kind / name
+        folder.mkdir()
+        (folder / "file").write_bytes(b"x")
+    storage.folders.remove_strangers({"known"}, set())
+    assert os.listdir(storage.root / "scans") == ["known"]
+    assert os.listdir(storage.root / "fits") == []
+    assert os.listdir(storage.root / "rubbish") == []
+
+
+def test_a_folder_that_a_process_writes_into_is_waited_for(storage: Storage) -> None:
+    folder = storage.folders.fit("busy")
+    folder.mkdir()
+    with storage.folders.held(folder):
+        assert not storage.folders.wait_until_free(folder, 0.02)
+    assert storage.folders.wait_until_free(folder, 0.02)
+    storage.folders.remove(folder)
+    assert storage.folders.wait_until_free(folder, 0.02)
+    with pytest.raises(FileNotFoundError), storage.folders.held(folder):
+        pass
