@@ -11,7 +11,6 @@ import numpy as np
 from breastrig.geometry.rotations import exp_so3
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, ModelDrawing, Rig, Shape
-from breastrig.rig.parameters import RigParameters, rest_parameters
 
 SEGMENTS, RINGS = 12, 17
 HEIGHT = 0.5  # m
@@ -73,20 +72,6 @@ def toy_rig() -> Rig:
         },
         sha256="0" * 64,
     )
-
-
-def random_parameters(rig: Rig, seed: int, size: float = 1.0) -> RigParameters:
-    """Parameters with open joints, turned bones, non-uniform scales and shapes, far from the body frame."""
-    random = np.random.default_rng(seed)
-    rest = rest_parameters(rig)
-    bones = len(rig.bones)
-    own = RigParameters(
-        rotations=rest.rotations @ exp_so3(0.3 * size * random.standard_normal((bones, 3))),
-        translations=rest.translations + 0.01 * size * random.standard_normal((bones, 3)),
-        scales=1.0 + 0.25 * size * random.uniform(-1.0, 1.0, (bones, 3)),
-        weights=size * random.uniform(0.0, 1.0, len(rig.shapes)),
-    )
-    return own.moved(exp_so3(random.standard_normal(3)), random.uniform(-1.0, 1.0, 3))
 
 
 def _tube() -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -78,7 +78,8 @@ class GltfArrays:
         if stride < size or len(data) < stride * (count - 1) + size:
             raise ValueError("an accessor reaches beyond the end of its buffer")
         rows = np.lib.stride_tricks.as_strided(np.frombuffer(data, np.uint8), (count, size), (stride, 1))
-        return np.ascontiguousarray(rows).view(dtype.newbyteorder("<")).reshape(count, *shape).astype(dtype)
+        values: NDArray[Any] = np.ascontiguousarray(rows).view(dtype.newbyteorder("<")).reshape(count, *shape)
+        return values.astype(dtype)
 
 
 def entry(document: dict[str, Any], kind: str, index: Any) -> dict[str, Any]:

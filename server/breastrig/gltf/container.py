@@ -5,6 +5,7 @@ laid out here.  One view per accessor, each aligned to four bytes, no interleavi
 viewers flicker with them).  The same input gives the same bytes: no dates, no hashes, keys in pygltflib's order.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,13 @@ COMPONENT_TYPES = {
     np.dtype(np.float32): pygltflib.FLOAT,
 }
 ELEMENT_TYPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
+
+
+@dataclass
+class Node(pygltflib.Node):  # type: ignore[misc]
+    """A node that can carry blendshape weights, which pygltflib's own lacks."""
+
+    weights: list[float] | None = None
 
 
 def new_document(extras: dict[str, Any] | None = None) -> GLTF2:

@@ -15,8 +15,8 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import ValidationError
 
-import breastrig
 from breastrig.core.arrays import Array, Integers
+from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadModel
 from breastrig.core.glb import split_glb
 from breastrig.geometry.surface_points import SurfacePoints
@@ -34,9 +34,7 @@ File = TypeVar("File", bound=FilePart)
 
 def default_rig_path() -> Path:
     """The model that comes with BreastRig: from the installed wheel, else from the source checkout."""
-    package = Path(breastrig.__file__).parent
-    installed = package / "assets" / "model" / "torso.glb"
-    return installed if installed.exists() else package.parents[1] / "model_assets" / "built" / "torso.glb"
+    return asset_folder("model") / "torso.glb"
 
 
 def read_rig(glb: Path) -> Rig:

@@ -16,7 +16,7 @@ from pygltflib import GLTF2, Attributes
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadModel
 from breastrig.geometry.normals import vertex_normals
-from breastrig.gltf.container import BufferWriter, append
+from breastrig.gltf.container import BufferWriter, Node, append
 from breastrig.gltf.pose_nodes import node_poses, scale_node
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
@@ -38,11 +38,14 @@ def add_skinned_rig(document: GLTF2, buffer: BufferWriter, rig: Rig) -> SkinnedN
     """Adds the rig to an empty document: mesh, material, bones, skin; poses are set by `set_pose`."""
     if sum(bone.parent is None for bone in rig.bones) != 1:
         raise BadModel("A model needs exactly one bone without a parent.")
+    names = [rig.name, *rig.bone_names, *(scale_node(name) for name in rig.bone_names)]
+    if len(set(names)) != len(names):
+        raise BadModel("The names of the model, its bones and their scale nodes must all differ.")
     mesh = append(document.meshes, _mesh(document, buffer, rig))
-    nodes = {rig.name: append(document.nodes, pygltflib.Node(name=rig.name, mesh=mesh, skin=0))}
+    nodes = {rig.name: append(document.nodes, Node(name=rig.name, mesh=mesh, skin=0))}
     for bone in rig.bones:
-        nodes[bone.name] = append(document.nodes, pygltflib.Node(name=bone.name))
-        nodes[scale_node(bone.name)] = append(document.nodes, pygltflib.Node(name=scale_node(bone.name)))
+        nodes[bone.name] = append(document.nodes, Node(name=bone.name))
+        nodes[scale_node(bone.name)] = append(document.nodes, Node(name=scale_node(bone.name)))
     roots = [nodes[rig.name]]
     for bone in rig.bones:
         node = document.nodes[nodes[bone.name]]

@@ -1,0 +1,81 @@
+"""Adds a drawing to a document that holds the skinned rig: node `drawing_<name>`, one primitive per shape.
+
+The node uses the rig's skin and has the rig's morph targets, so the same pose moves it.  Each primitive's
+extras name the shape and keep its surface points' colour; the material is unlit: a pen's line has no shading.
+"""
+
+import numpy as np
+import pygltflib
+from pygltflib import GLTF2, Attributes
+
+from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.gltf.container import BufferWriter, Node, append
+from breastrig.gltf.ribbon import Ribbon, ribbon
+from breastrig.gltf.skinned import SkinnedNodes, as_float32, joints_and_weights
+from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
+
+UNLIT = "KHR_materials_unlit"
+
+
+def drawing_node(name: str) -> str:
+    """Name of the node that carries the drawing called `name`."""
+    return f"drawing_{name}"
+
+
+def add_drawing(document: GLTF2, buffer: BufferWriter, skinned: SkinnedNodes, rig: Rig, drawing: ModelDrawing) -> None:
+    """Adds the drawing's node; nothing when the drawing has no line."""
+    search = ClosestPointSearch(rig.template, rig.faces)
+    ribbons = [(shape, ribbon(rig, search, shape)) for shape in drawing.shapes]
+    primitives = [_primitive(document, buffer, shape, lines) for shape, lines in ribbons if lines is not None]
+    if not primitives:
+        return
+    mesh = pygltflib.Mesh(
+        name=drawing_node(drawing.name), primitives=primitives, extras={"targetNames": list(rig.shape_names)}
+    )
+    node = Node(name=mesh.name, mesh=append(document.meshes, mesh), skin=skinned.skin)
+    skinned.nodes[mesh.name] = append(document.nodes, node)
+    document.scenes[0].nodes.append(skinned.nodes[mesh.name])
+    document.extensionsUsed = [UNLIT]
+
+
+def _primitive(document: GLTF2, buffer: BufferWriter, shape: DrawnShape, lines: Ribbon) -> pygltflib.Primitive:
+    on_vertices = pygltflib.ARRAY_BUFFER
+    joints, weights = joints_and_weights(lines.skin_weights)
+    attributes = Attributes(
+        POSITION=buffer.add(as_float32(lines.positions), target=on_vertices, bounds=True),
+        JOINTS_0=buffer.add(joints, target=on_vertices),
+        WEIGHTS_0=buffer.add(weights, target=on_vertices),
+    )
+    indices = buffer.add(lines.faces.ravel().astype(np.uint32), target=pygltflib.ELEMENT_ARRAY_BUFFER)
+    targets = [
+        Attributes(POSITION=buffer.add(as_float32(moves), target=on_vertices, bounds=True))
+        for moves in lines.blendshapes
+    ]
+    return pygltflib.Primitive(
+        attributes=attributes,
+        indices=indices,
+        material=_ink(document, shape.color),
+        targets=targets,
+        extras={"name": shape.name, "label": shape.label, "closed": shape.closed},
+    )
+
+
+def _ink(document: GLTF2, color: str) -> int:
+    """The material of that colour, made once."""
+    name = f"ink_{color.lstrip('#').lower()}"
+    for index, material in enumerate(document.materials):
+        if material.name == name:
+            return index
+    srgb = np.array([int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)])
+    linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    ink = pygltflib.Material(
+        name=name,
+        doubleSided=True,
+        pbrMetallicRoughness=pygltflib.PbrMetallicRoughness(
+            baseColorFactor=[*(round(float(value), 4) for value in linear), 1.0],
+            metallicFactor=0.0,
+            roughnessFactor=1.0,
+        ),
+        extensions={UNLIT: {}},
+    )
+    return append(document.materials, ink)

@@ -1,0 +1,94 @@
+"""A static mesh as .glb: the scan for the page, with its colours or its texture.
+
+Colours and textures of scans are sRGB; glTF takes vertex colours as linear light, so they are converted, with
+16 bits where 8 would show bands.  Texture coordinates come with their origin at the lower left (as in OBJ)
+and are turned over for glTF.
+"""
+
+from typing import Any
+
+import numpy as np
+import pygltflib
+from numpy.typing import NDArray
+from pygltflib import GLTF2, Attributes
+
+from breastrig.core.arrays import Array, Integers
+from breastrig.geometry.normals import vertex_normals
+from breastrig.gltf.container import BufferWriter, Node, append, new_document, to_glb
+from breastrig.gltf.skinned import as_float32
+
+GREY = [0.55, 0.57, 0.60, 1.0]  # linear RGB of a cool matte grey
+WHITE = [1.0, 1.0, 1.0, 1.0]  # lets colours and textures through
+ROUGHNESS = 0.9
+IMAGE_TYPES = {b"\xff\xd8\xff": "image/jpeg", b"\x89PN": "image/png"}
+
+
+def mesh_glb(
+    vertices: Array,
+    faces: Integers,
+    normals: Array | None = None,
+    colours: NDArray[np.uint8] | None = None,
+    uv: Array | None = None,
+    texture: bytes | None = None,
+    extras: dict[str, Any] | None = None,
+) -> bytes:
+    """A .glb of (V, 3) m vertices and (F, 3) triangles.
+
+    normals (V, 3) unit, computed when absent; colours (V, 3 or 4) uint8 sRGB; uv (V, 2) with the origin at the
+    lower left and texture, the bytes of a PNG or JPEG, go together and win over colours.
+    """
+    document = new_document(extras)
+    buffer = BufferWriter(document)
+    on_vertices = pygltflib.ARRAY_BUFFER
+    unit = vertex_normals(vertices, faces) if normals is None else normals
+    attributes = Attributes(
+        POSITION=buffer.add(as_float32(vertices), target=on_vertices, bounds=True),
+        NORMAL=buffer.add(as_float32(unit), target=on_vertices),
+    )
+    material = _matte(GREY)
+    if uv is not None and texture is not None:
+        attributes.TEXCOORD_0 = buffer.add(as_float32(uv * [1.0, -1.0] + [0.0, 1.0]), target=on_vertices)
+        material = _matte(WHITE, _texture(document, buffer, texture))
+    elif colours is not None:
+        attributes.COLOR_0 = buffer.add(_linear(colours), target=on_vertices, normalized=True)
+        material = _matte(WHITE)
+    index_type = np.uint16 if len(vertices) < np.iinfo(np.uint16).max else np.uint32
+    primitive = pygltflib.Primitive(
+        attributes=attributes,
+        indices=buffer.add(faces.ravel().astype(index_type), target=pygltflib.ELEMENT_ARRAY_BUFFER),
+        material=append(document.materials, material),
+    )
+    mesh = append(document.meshes, pygltflib.Mesh(name="mesh", primitives=[primitive]))
+    document.scenes[0].nodes = [append(document.nodes, Node(name="mesh", mesh=mesh))]
+    return to_glb(document, buffer)
+
+
+def _linear(colours: NDArray[np.uint8]) -> NDArray[np.uint16]:
+    """(V, 4) linear light of (V, 3 or 4) sRGB, opaque."""
+    srgb = np.arange(256) / 255.0
+    table = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    levels = np.round(table * np.iinfo(np.uint16).max).astype(np.uint16)
+    result = np.full((len(colours), 4), np.iinfo(np.uint16).max, np.uint16)
+    result[:, :3] = levels[colours[:, :3]]
+    return result
+
+
+def _texture(document: GLTF2, buffer: BufferWriter, image: bytes) -> pygltflib.TextureInfo:
+    source = append(
+        document.images, pygltflib.Image(mimeType=IMAGE_TYPES[image[:3]], bufferView=buffer.add_bytes(image))
+    )
+    sampler = append(
+        document.samplers,
+        pygltflib.Sampler(magFilter=pygltflib.LINEAR, minFilter=pygltflib.LINEAR_MIPMAP_LINEAR),
+    )
+    return pygltflib.TextureInfo(index=append(document.textures, pygltflib.Texture(sampler=sampler, source=source)))
+
+
+def _matte(color: list[float], texture: pygltflib.TextureInfo | None = None) -> pygltflib.Material:
+    return pygltflib.Material(
+        name="scan",
+        doubleSided=True,  # a scan is an open sheet
+        pbrMetallicRoughness=pygltflib.PbrMetallicRoughness(
+            baseColorFactor=color, metallicFactor=0.0, roughnessFactor=ROUGHNESS, baseColorTexture=texture
+        ),
+    )

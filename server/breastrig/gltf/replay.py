@@ -1,0 +1,90 @@
+"""The whole fit in one .glb: the fitted model with its drawing, and how it got there as an animation.
+
+The nodes stand in the last pose, so a viewer that ignores animations shows the result.  The animation has one
+key for each iterate; keys are at least KEY_SPACING apart, because a fit is faster than the eye, and the true
+times are kept in the animation's extras.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pygltflib
+from numpy.typing import NDArray
+from pygltflib import GLTF2
+
+from breastrig.core.arrays import Array
+from breastrig.gltf.container import BufferWriter, append, new_document, to_glb
+from breastrig.gltf.drawing_node import add_drawing
+from breastrig.gltf.pose_nodes import node_poses
+from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, set_pose
+from breastrig.rig.model import ModelDrawing, Rig
+from breastrig.rig.parameters import RigParameters
+
+KEY_SPACING = 0.06  # s, the pace at which the page plays iterations at most
+
+
+def fitted_glb(
+    rig: Rig,
+    iterates: Sequence[RigParameters],
+    times_s: Sequence[float],
+    drawing: ModelDrawing | None,
+    extras: dict[str, Any],
+) -> bytes:
+    """The rig posed by the last of the iterates (scan frame, m), with the animation "registration".
+
+    `times_s` are the iterates' times since the start; `extras` join the notice in asset.extras.
+    """
+    document = new_document(extras)
+    buffer = BufferWriter(document)
+    skinned = add_skinned_rig(document, buffer, rig)
+    if drawing is not None:
+        add_drawing(document, buffer, skinned, rig, drawing)
+    set_pose(document, skinned, rig, iterates[-1])
+    document.animations = [_animation(document, buffer, skinned, rig, iterates, np.asarray(times_s, np.float64))]
+    return to_glb(document, buffer)
+
+
+def _animation(
+    document: GLTF2,
+    buffer: BufferWriter,
+    skinned: SkinnedNodes,
+    rig: Rig,
+    iterates: Sequence[RigParameters],
+    times: Array,
+) -> pygltflib.Animation:
+    animation = pygltflib.Animation(
+        name="registration", extras={"elapsed_s": [round(float(time), 4) for time in times]}
+    )
+    keys = buffer.add(_spaced(times).astype(np.float32), bounds=True)
+    poses = [node_poses(rig, x) for x in iterates]
+
+    def animate(nodes: list[int], path: str, values: NDArray[np.float32]) -> None:
+        output = buffer.add(values)
+        sampler = append(animation.samplers, pygltflib.AnimationSampler(input=keys, output=output))
+        for node in nodes:
+            target = pygltflib.AnimationChannelTarget(node=node, path=path)
+            animation.channels.append(pygltflib.AnimationChannel(sampler=sampler, target=target))
+
+    for index, pose in enumerate(poses[0]):
+        for path in ("translation", "rotation", "scale"):
+            if path in pose:
+                values = np.array([key[index][path] for key in poses], np.float32)
+                animate([skinned.nodes[pose["name"]]], path, _one_hemisphere(values) if path == "rotation" else values)
+        if pose.get("weights"):
+            moving = [node for node, entry in enumerate(document.nodes) if entry.mesh is not None]
+            animate(moving, "weights", np.concatenate([key[index]["weights"] for key in poses]).astype(np.float32))
+    return animation
+
+
+def _spaced(times: Array) -> Array:
+    """Times from 0 whose steps are at least KEY_SPACING."""
+    steps = np.maximum(np.diff(times), KEY_SPACING)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _one_hemisphere(quaternions: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(K, 4) with signs such that each key is on the short way from the one before."""
+    dots = np.einsum("ki,ki->k", quaternions[1:], quaternions[:-1])
+    signs = np.cumprod(np.concatenate([[1.0], np.where(dots < 0, -1.0, 1.0)]))
+    return (quaternions * signs[:, None]).astype(np.float32)
