@@ -30,11 +30,12 @@ def info(options: argparse.Namespace) -> int:
 
 
 def check(options: argparse.Namespace) -> int:
-    """Prints one line a rule; exit code 2 when one is broken."""
+    """Prints one line a rule; exit code 2 when one is broken that is more than advice."""
     findings = check_rig(read_rig(options.model or default_rig_path()))
     for finding in findings:
-        print(f"{'ok ' if finding.ok else 'BAD'} {finding.name}: {finding.detail}")
-    return 0 if all(finding.ok for finding in findings) else 2
+        mark = "ok " if finding.ok else {"error": "BAD", "advice": "tip"}[finding.severity]
+        print(f"{mark} {finding.name}: {finding.detail}")
+    return 0 if all(finding.ok or finding.severity == "advice" for finding in findings) else 2
 
 
 def build(_options: argparse.Namespace) -> int:
