@@ -1,7 +1,35 @@
-// The service's words under the names that the page uses.  The shapes themselves are in types.gen.ts.
-export interface Problem {
-  type?: string;
-  title: string;
-  status: number;
-  detail?: string;
-}
+// The service's words under the names that the page uses; the shapes themselves are generated.
+import type * as wire from "./types.gen";
+
+export type {
+  DrawingFile,
+  DrawnShape,
+  Fit,
+  FitLinks,
+  FitRequest,
+  Iterated,
+  LandmarkFile,
+  Meta,
+  NodePose,
+  Problem,
+  Scan,
+  Started,
+  SurfacePoint,
+} from "./types.gen";
+
+export type Vector = [number, number, number];
+export type Unit = wire.Scan["unit"];
+export type UnitChoice = wire.ScanUpload["units"] & string;
+export type Stance = wire.ResultFile["stance"];
+export type StanceChoice = wire.Fit["stance"];
+export type Frame = Pick<wire.Frame, "up" | "front">;
+/** A scan from the example also brings the example's landmarks. */
+export type ExampleScan = wire.Scan & Partial<Pick<wire.ExampleScan, "example_landmarks">>;
+export type Example = wire.ExampleEntry;
+export type LandmarkDefinition = wire.LandmarkInfo;
+export type ModelShape = wire.ModelDrawnShape;
+export type Result = wire.ResultFile;
+export type Ended = Pick<wire.Failed, "reason">;
+export type Done = { result: Result };
+/** The side file has more; the page needs where the model's landmarks are. */
+export type ModelSide = wire.ModelSide & { landmarks: (LandmarkDefinition & wire.SurfacePoint)[] };

@@ -1,0 +1,120 @@
+// Running a fit: start, follow its events, cancel; the story is the same when the page is opened late or again.
+import type { Client } from "../api/client";
+import { followFit, type Handlers } from "../api/events";
+import type { FitLinks, StanceChoice } from "../api/types";
+import { type FitState, pickCount, type Session } from "../state/session";
+import type { Store } from "../state/store";
+import { text } from "../text";
+import { formatMm } from "../units";
+import type { Player } from "./playback";
+import { messageOf, withProblem } from "./problems";
+
+export function fitActions(store: Store<Session>, client: Client, player: Player) {
+  let stopFollowing: () => void = () => undefined;
+
+  function stop(): void {
+    stopFollowing();
+    player.pause();
+  }
+
+  const change = (part: Partial<FitState>, more: Partial<Session> = {}): void =>
+    store.set((state) => (state.fit ? { ...more, fit: { ...state.fit, ...part } } : more));
+
+  function follow(id: string, links: FitLinks, drawingName: string | null, picks: FitState["picks"]): void {
+    stop();
+    const fit: FitState = {
+      id,
+      links,
+      state: "running",
+      started: null,
+      iterations: [],
+      shown: -1,
+      playing: true,
+      result: null,
+      drawing: null,
+      drawingName,
+      reason: null,
+      isConnected: true,
+      picks,
+    };
+    store.set({ fit, step: "fit", active: null, overlay: "both", isStarting: false, announcement: text.fit.announceStarted });
+    stopFollowing = followFit(links.events, { handlers, onConnection: (isConnected) => change({ isConnected }) });
+  }
+
+  const handlers: Handlers = {
+    started: ({ body }) => change({ started: body, drawingName: body.drawing }),
+    iterated: ({ body }) => {
+      const fit = store.get().fit;
+      if (!fit) return;
+      const before = fit.iterations.at(-1);
+      const more = before?.stage === body.stage ? {} : { announcement: text.fit.announceStage(body.stage) };
+      change({ iterations: [...fit.iterations, body] }, more);
+      player.follow();
+    },
+    done: ({ body }) => {
+      const announcement = text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean));
+      change({ state: "done", result: body.result }, { step: "result", announcement });
+      player.follow();
+      void fetchDrawing();
+    },
+    failed: ({ body }) => {
+      change({ state: "failed", reason: body.reason });
+      store.set((state) => withProblem(state, "fit", body.reason));
+    },
+    cancelled: ({ body }) => change({ state: "cancelled", reason: body.reason }, { announcement: text.fit.cancelled }),
+  };
+
+  async function fetchDrawing(): Promise<void> {
+    const fit = store.get().fit;
+    if (!fit || fit.drawingName === null) return;
+    try {
+      const drawing = await client.drawing(fit.links.drawing);
+      if (store.get().fit?.id === fit.id) change({ drawing });
+    } catch (error) {
+      store.set((state) => withProblem(state, "fit", messageOf(error)));
+    }
+  }
+
+  return {
+    stop,
+
+    async start(): Promise<void> {
+      const { scan, picks, stance, preset, drawing } = store.get();
+      if (!scan || store.get().isStarting) return;
+      store.set((state) => ({ isStarting: true, active: null, step: "fit", ...withProblem(state, "fit", null) }));
+      try {
+        const landmarks = { ...picks.present };
+        const { id, links } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, landmarks });
+        if (store.get().scan?.info.id !== scan.info.id) return;
+        follow(id, links, drawing || null, picks.present);
+      } catch (error) {
+        store.set((state) => ({ isStarting: false, ...withProblem(state, "fit", messageOf(error)) }));
+      }
+    },
+
+    /** The fit that the address names, from its first event. */
+    async open(id: string): Promise<void> {
+      try {
+        const fit = await client.fit(id);
+        const picks = store.get().picks.present;
+        follow(fit.id, fit.links, fit.drawing, pickCount(store.get()) > 0 ? picks : null);
+      } catch (error) {
+        store.set((state) => withProblem(state, "fit", messageOf(error)));
+      }
+    },
+
+    async cancel(): Promise<void> {
+      const fit = store.get().fit;
+      if (fit?.state !== "running") return;
+      try {
+        await client.cancel(fit.links.cancel);
+      } catch (error) {
+        store.set((state) => withProblem(state, "fit", messageOf(error)));
+      }
+    },
+
+    chooseStance: (stance: StanceChoice): void => store.set({ stance }),
+    choosePreset: (preset: string): void => store.set({ preset }),
+    chooseDrawing: (drawing: string): void => store.set({ drawing }),
+  };
+}

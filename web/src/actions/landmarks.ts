@@ -1,0 +1,124 @@
+// Placing landmarks: each change is one step of the undo history and is saved with the scan soon after.
+import type { Client } from "../api/client";
+import type { Scan, Vector } from "../api/types";
+import { record, redo, undo } from "../state/history";
+import { readLandmarks, UnreadableLandmarks } from "../state/landmarkFiles";
+import { nextMissing, type Picks, withoutPick, withPick } from "../state/landmarks";
+import type { Session } from "../state/session";
+import type { Store } from "../state/store";
+import { text } from "../text";
+import { messageOf, withProblem } from "./problems";
+import { picksOf } from "./scan";
+
+const PAUSE_MS = 400; // a run of quick clicks is one save
+
+export function landmarkActions(store: Store<Session>, client: Client) {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+
+  const list = () => store.get().meta?.landmarks ?? [];
+  const labelOf = (name: string | null): string | null => list().find((entry) => entry.name === name)?.label ?? name;
+
+  async function save(scan: Scan, picks: Picks): Promise<void> {
+    store.set({ saving: "saving" });
+    try {
+      await client.saveLandmarks(scan, { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks } });
+      store.set((state) =>
+        state.picks.present === picks ? { saving: "saved", ...withProblem(state, "landmarks", null) } : {},
+      );
+    } catch (error) {
+      store.set((state) => ({ saving: "unsaved", ...withProblem(state, "landmarks", messageOf(error)) }));
+    }
+  }
+
+  function saveSoon(): void {
+    const scan = store.get().scan?.info;
+    if (!scan) return;
+    clearTimeout(timer);
+    store.set({ saving: "unsaved" });
+    timer = setTimeout(() => void saveNow(scan), PAUSE_MS);
+  }
+
+  async function saveNow(scan = store.get().scan?.info): Promise<void> {
+    const state = store.get();
+    if (scan && state.scan?.info.id === scan.id) await save(scan, state.picks.present);
+  }
+
+  function change(picks: Picks, more: Partial<Session> = {}): void {
+    store.set((state) => ({ ...more, picks: record(state.picks, picks) }));
+    saveSoon();
+  }
+
+  return {
+    /** The click that places the wanted landmark, and goes on to the next one. */
+    place(point: Vector): void {
+      const state = store.get();
+      const name = state.active;
+      if (name === null) return;
+      const picks = withPick(state.picks.present, name, point);
+      const skipped = new Set([...state.skipped].filter((other) => other !== name));
+      const active = nextMissing(list(), picks, skipped, name);
+      change(picks, {
+        active,
+        skipped,
+        announcement: text.landmarks.announcePlaced(labelOf(name) ?? "", labelOf(active)),
+      });
+    },
+
+    want(name: string | null): void {
+      store.set({ active: name, ...(name === null ? {} : { step: "landmarks" as const, overlay: "both" as const }) });
+    },
+
+    wantNext(): void {
+      const state = store.get();
+      if (!state.scan) return;
+      const name = nextMissing(list(), state.picks.present, state.skipped, state.active);
+      if (name !== null) this.want(name);
+    },
+
+    skip(): void {
+      const state = store.get();
+      if (state.active === null) return;
+      const skipped = new Set([...state.skipped, state.active]);
+      store.set({ skipped, active: nextMissing(list(), state.picks.present, skipped, state.active) });
+    },
+
+    remove: (name: string): void => change(withoutPick(store.get().picks.present, name)),
+    clear: (): void => change({}, { active: null, skipped: new Set() }),
+
+    undo(): void {
+      if (store.get().picks.past.length === 0) return;
+      store.set((state) => ({ picks: undo(state.picks), announcement: text.landmarks.announceUndone }));
+      saveSoon();
+    },
+
+    redo(): void {
+      if (store.get().picks.future.length === 0) return;
+      store.set((state) => ({ picks: redo(state.picks), announcement: text.landmarks.announceRedone }));
+      saveSoon();
+    },
+
+    useExample(): void {
+      const example = store.get().scan?.example;
+      if (!example) return;
+      const picks = picksOf(example);
+      const announcement = text.landmarks.announceImported(Object.keys(picks).length);
+      change(picks, { active: null, step: "landmarks", announcement });
+    },
+
+    async importFile(file: File): Promise<void> {
+      const scan = store.get().scan;
+      if (!scan) return;
+      try {
+        const picks = readLandmarks(await file.text(), scan.info.unit, list());
+        const announcement = text.landmarks.announceImported(Object.keys(picks).length);
+        store.set((state) => withProblem(state, "landmarks", null));
+        change({ ...store.get().picks.present, ...picks }, { active: null, announcement });
+      } catch (error) {
+        const message = error instanceof UnreadableLandmarks ? error.message : messageOf(error);
+        store.set((state) => withProblem(state, "landmarks", message));
+      }
+    },
+
+    saveNow: (): Promise<void> => saveNow(),
+  };
+}

@@ -1,0 +1,120 @@
+// Bringing a scan in: from a file, from the example, from the address; and turning it upright.
+import { ApiError, type Client } from "../api/client";
+import type { ExampleScan, Frame, LandmarkFile, Scan, UnitChoice } from "../api/types";
+import { tidyFrame, turned, type Turn } from "../state/frame";
+import { startHistory } from "../state/history";
+import type { Picks } from "../state/landmarks";
+import type { Session } from "../state/session";
+import type { Store } from "../state/store";
+import { text } from "../text";
+import { mmFrom } from "../units";
+import { messageOf, withProblem } from "./problems";
+
+const READABLE = /\.(ply|obj|stl|glb|zip)$/i;
+
+export function scanActions(store: Store<Session>, client: Client, stopFit: () => void) {
+  let generation = 0; // the scan asked for last wins over slower, earlier ones
+
+  /** Shows `info` as the page's scan; everything that belonged to the one before is dropped. */
+  async function adopt(info: ExampleScan, title: string, file: File | null, own: Frame | null, mine: number): Promise<void> {
+    const [mesh, saved] = await Promise.all([client.mesh(info), client.landmarks(info).catch(() => null)]);
+    if (mine !== generation) return;
+    stopFit();
+    store.set((state) => ({
+      loading: null,
+      scan: {
+        info,
+        title,
+        mesh,
+        file,
+        frame: tidyFrame(own ?? info.frame),
+        frameIsOurs: own !== null,
+        example: info.example_landmarks ?? null,
+      },
+      picks: startHistory<Picks>(saved ? picksOf(saved) : {}),
+      skipped: new Set<string>(),
+      active: null,
+      saving: "saved",
+      fit: null,
+      step: "scan",
+      overlay: "both",
+      stance: "auto",
+      view: { name: "front", asked: state.view.asked + 1 },
+      problems: {},
+    }));
+  }
+
+  async function bring(title: string, ask: () => Promise<{ info: ExampleScan; file: File | null; own: Frame | null }>): Promise<boolean> {
+    const mine = ++generation;
+    store.set((state) => ({ loading: { phase: "preparing", share: 0, title }, ...withProblem(state, "scan", null) }));
+    try {
+      const { info, file, own } = await ask();
+      if (mine === generation) await adopt(info, title, file, own, mine);
+      return mine === generation;
+    } catch (error) {
+      if (mine === generation) {
+        const gone = error instanceof ApiError && error.status === 404;
+        store.set((state) => ({ loading: null, ...withProblem(state, "scan", gone ? text.errors.noScan : messageOf(error)) }));
+      }
+      return false;
+    }
+  }
+
+  return {
+    upload(file: File, units: UnitChoice = store.get().units): Promise<boolean> {
+      if (!READABLE.test(file.name)) {
+        store.set((state) => withProblem(state, "scan", text.errors.notAScan(file.name)));
+        return Promise.resolve(false);
+      }
+      const title = text.top.uploaded;
+      store.set({ units });
+      return bring(title, async () => {
+        const mine = generation;
+        const progress = (share: number): void => {
+          const phase = share < 1 ? "sending" : "preparing";
+          if (mine === generation) store.set({ loading: { phase, share, title } });
+        };
+        progress(0);
+        return { info: await client.upload(file, units, progress), file, own: null };
+      });
+    },
+
+    takeExample(name: string): Promise<boolean> {
+      const label = store.get().examples.find((example) => example.name === name)?.label ?? name;
+      return bring(text.top.example(label), async () => ({ info: await client.importExample(name), file: null, own: null }));
+    },
+
+    /** The scan that the address names. */
+    open(scan: string, own: Frame | null): Promise<boolean> {
+      return bring(text.top.uploaded, async () => ({ info: await client.scan(scan), file: null, own }));
+    },
+
+    turn(turn: Turn): void {
+      store.set((state) =>
+        state.scan
+          ? {
+              scan: { ...state.scan, frame: turned(state.scan.frame, turn), frameIsOurs: true },
+              view: { name: "front", asked: state.view.asked + 1 },
+            }
+          : {},
+      );
+    },
+
+    /** Back to the empty page; the scan itself stays with the service. */
+    leave(): void {
+      generation += 1;
+      stopFit();
+      store.set({ scan: null, fit: null, loading: null, picks: startHistory<Picks>({}), active: null, step: "scan", problems: {} });
+    },
+
+    chooseUnits: (units: UnitChoice): void => store.set({ units }),
+    showColours: (showColours: boolean): void => store.set({ showColours }),
+  };
+}
+
+/** A landmark file's points in millimetres. */
+export function picksOf(file: LandmarkFile, scan?: Scan): Picks {
+  const unit = file.unit ?? scan?.unit ?? "mm";
+  const entries = Object.entries(file.landmarks);
+  return Object.fromEntries(entries.map(([name, [x, y, z]]) => [name, [mmFrom(x, unit), mmFrom(y, unit), mmFrom(z, unit)]]));
+}

@@ -1,0 +1,36 @@
+// Keeps the address and the state in step: reads it once when the page opens and whenever a person changes it,
+// writes it when another scan or fit is shown.
+import type { Actions } from "./actions";
+import { fromHash, toHash } from "./state/address";
+import type { Session } from "./state/session";
+import type { Store } from "./state/store";
+
+function hashOf(state: Session): string {
+  const frame = state.scan?.frameIsOurs ? state.scan.frame : null;
+  return toHash({ scan: state.scan?.info.id ?? null, fit: state.fit?.id ?? null, frame });
+}
+
+export async function followAddress(store: Store<Session>, actions: Actions): Promise<void> {
+  let isOpening = false;
+
+  async function open(): Promise<void> {
+    const { scan, fit, frame } = fromHash(location.hash);
+    const state = store.get();
+    if (scan === null || (scan === state.scan?.info.id && fit === (state.fit?.id ?? null))) return;
+    isOpening = true; // what is not there yet must not be wiped from the address
+    try {
+      const isThere = scan === state.scan?.info.id || (await actions.scan.open(scan, frame));
+      if (isThere && fit !== null) await actions.fit.open(fit);
+    } finally {
+      isOpening = false;
+    }
+  }
+
+  await open();
+  addEventListener("hashchange", () => void open());
+  store.subscribe((state) => {
+    const wanted = hashOf(state);
+    if (isOpening || wanted === location.hash) return;
+    history.replaceState(null, "", wanted === "" ? location.pathname : wanted);
+  });
+}

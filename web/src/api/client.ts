@@ -1,0 +1,100 @@
+// One function per route.  Whatever goes wrong becomes an ApiError whose message a person can act on.
+import { text } from "../text";
+import type {
+  DrawingFile,
+  Example,
+  ExampleScan,
+  Fit,
+  FitRequest,
+  LandmarkFile,
+  Meta,
+  ModelSide,
+  Problem,
+  Result,
+  Scan,
+  UnitChoice,
+} from "./types";
+
+export class ApiError extends Error {
+  constructor(
+    message: string,
+    readonly status: number,
+  ) {
+    super(message);
+  }
+}
+
+/** The service's own sentence where it sent one. */
+function problemOf(status: number, body: string): ApiError {
+  try {
+    const problem = JSON.parse(body) as Partial<Problem>;
+    const sentence = problem.detail ?? problem.title;
+    if (sentence) return new ApiError(sentence, status);
+  } catch {
+    // not JSON: a proxy or a crash answered, and its page would help nobody
+  }
+  return new ApiError(status === 413 ? text.errors.tooLarge : text.errors.refused(status), status);
+}
+
+async function ask(path: string, request: RequestInit = {}): Promise<Response> {
+  let answer: Response;
+  try {
+    answer = await fetch(path, request);
+  } catch {
+    throw new ApiError(text.errors.noService, 0);
+  }
+  if (!answer.ok) throw problemOf(answer.status, await answer.text());
+  return answer;
+}
+
+async function askJson<Body>(path: string, method = "GET", body?: unknown): Promise<Body> {
+  const request: RequestInit = { method };
+  if (body !== undefined) {
+    request.body = JSON.stringify(body);
+    request.headers = { "Content-Type": "application/json" };
+  }
+  return (await (await ask(path, request)).json()) as Body;
+}
+
+const bytes = async (path: string): Promise<ArrayBuffer> => (await ask(path)).arrayBuffer();
+const id = encodeURIComponent;
+
+export const client = {
+  meta: () => askJson<Meta>("/api/meta"),
+  examples: async () => (await askJson<{ examples: Example[] }>("/api/examples")).examples,
+  importExample: (name: string) => askJson<ExampleScan>(`/api/examples/${id(name)}`, "POST"),
+  modelGlb: () => bytes("/api/models/torso.glb"),
+  modelSide: () => askJson<ModelSide>("/api/models/torso.json"),
+  scan: (scan: string) => askJson<ExampleScan>(`/api/scans/${id(scan)}`),
+  mesh: (scan: Scan) => bytes(scan.links.mesh),
+  landmarks: (scan: Scan) => askJson<LandmarkFile>(scan.links.landmarks),
+  saveLandmarks: (scan: Scan, file: LandmarkFile) => askJson<LandmarkFile>(scan.links.landmarks, "PUT", file),
+  startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links">>("/api/fits", "POST", request),
+  fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
+  cancel: (link: string) => askJson<Fit>(link, "POST"),
+  result: (link: string) => askJson<Result>(link),
+  drawing: (link: string) => askJson<DrawingFile>(link),
+  upload,
+};
+
+export type Client = typeof client;
+
+/** Sends a scan; `progress` gets the share that has left this machine (fetch cannot tell, hence XMLHttpRequest). */
+function upload(file: File, units: UnitChoice, progress: (share: number) => void): Promise<Scan> {
+  return new Promise((resolve, reject) => {
+    const form = new FormData();
+    form.append("units", units);
+    form.append("file", file);
+    const request = new XMLHttpRequest();
+    request.open("POST", "/api/scans");
+    request.upload.onprogress = (event) => {
+      if (event.lengthComputable) progress(event.loaded / event.total);
+    };
+    request.onload = () => {
+      if (request.status >= 200 && request.status < 300) resolve(JSON.parse(request.responseText) as Scan);
+      else reject(problemOf(request.status, request.responseText));
+    };
+    request.onerror = () => reject(new ApiError(text.errors.noService, 0));
+    request.send(form);
+  });
+}

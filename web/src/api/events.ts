@@ -1,0 +1,81 @@
+// A fit's events as they come: typed, in order, each once, whatever the connection does.
+// EventSource resumes by itself after a break; when it gives up (the service answered with an error), we open a
+// new one after a while and ask for the events after the last that we saw.
+import type { Done, Ended, Iterated, Started } from "./types";
+
+interface Bodies {
+  started: Started;
+  iterated: Iterated;
+  done: Done;
+  failed: Ended;
+  cancelled: Ended;
+}
+
+export type Kind = keyof Bodies;
+export type FitEvent<K extends Kind = Kind> = { [P in K]: { kind: P; id: number; body: Bodies[P] } }[K];
+/** A missing kind does not compile. */
+export type Handlers = { [K in Kind]: (event: FitEvent<K>) => void };
+
+export function dispatch<K extends Kind>(handlers: Handlers, event: FitEvent<K>): void {
+  handlers[event.kind](event);
+}
+
+const IS_LAST: Record<Kind, boolean> = { started: false, iterated: false, done: true, failed: true, cancelled: true };
+const KINDS = Object.keys(IS_LAST) as Kind[];
+const PATIENCE_MS = 2000;
+const CLOSED = 2; // EventSource.CLOSED, which does not exist where the unit tests run
+
+export interface Source {
+  readonly readyState: number;
+  onopen: ((event: Event) => void) | null;
+  onerror: ((event: Event) => void) | null;
+  addEventListener(kind: string, listener: (event: MessageEvent<string>) => void): void;
+  close(): void;
+}
+
+export interface Following {
+  handlers: Handlers;
+  onConnection?: (isConnected: boolean) => void;
+  open?: (url: string) => Source;
+  later?: (action: () => void, milliseconds: number) => void;
+}
+
+/** Follows the events behind `url` until the last; the returned function stops at once. */
+export function followFit(url: string, following: Following): () => void {
+  const open = following.open ?? ((address) => new EventSource(address) as Source);
+  const later = following.later ?? ((action, ms) => void setTimeout(action, ms));
+  let seen = 0;
+  let isOver = false;
+  let source: Source | null = null;
+
+  const stop = (): void => {
+    isOver = true;
+    source?.close();
+  };
+
+  const connect = (): void => {
+    if (isOver) return;
+    const current = open(seen === 0 ? url : `${url}?after=${seen}`);
+    source = current;
+    current.onopen = () => following.onConnection?.(true);
+    current.onerror = () => {
+      if (isOver) return;
+      following.onConnection?.(false);
+      if (current.readyState !== CLOSED) return; // it tries again by itself
+      current.close();
+      later(connect, PATIENCE_MS);
+    };
+    for (const kind of KINDS) current.addEventListener(kind, (message) => receive(kind, message));
+  };
+
+  const receive = <K extends Kind>(kind: K, message: MessageEvent<string>): void => {
+    const id = Number(message.lastEventId);
+    if (isOver || id <= seen) return; // told again after a reconnection
+    seen = id;
+    if (IS_LAST[kind]) stop();
+    dispatch(following.handlers, { kind, id, body: JSON.parse(message.data) as Bodies[K] } as FitEvent<K>);
+  };
+
+  connect();
+  return stop;
+}

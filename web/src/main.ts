@@ -1,0 +1,52 @@
+// The wiring plan: makes store, actions, panels and viewer, and tells each of them when the state changed.
+import "./styles/tokens.css";
+import "./styles/base.css";
+import "./styles/layout.css";
+import "./styles/panels.css";
+import "./styles/viewer.css";
+import { createActions } from "./actions";
+import { messageOf, withProblem } from "./actions/problems";
+import { client } from "./api/client";
+import { followAddress } from "./address";
+import { createPage } from "./panels/Page";
+import { listenToKeys } from "./keyboard";
+import { initialSession, type Place, type Session } from "./state/session";
+import { createStore } from "./state/store";
+import { openViewer } from "./viewer";
+
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+const prefersStill = (): boolean => still.matches;
+
+const store = createStore<Session>(initialSession);
+const actions = createActions(store, client, prefersStill);
+const dismiss = (place: Place): void => store.set((state) => withProblem(state, place, null));
+
+const page = createPage(actions, dismiss);
+document.body.append(...page.elements);
+store.subscribe(page.update);
+openViewer(store, actions, page.stage, prefersStill);
+listenToKeys(store, actions);
+void begin();
+
+async function begin(): Promise<void> {
+  try {
+    const [meta, examples] = await Promise.all([client.meta(), client.examples()]);
+    const preset = meta.presets.includes("default") ? "default" : (meta.presets[0] ?? "default");
+    const drawing = meta.drawings.some((each) => each.name === "lumpectomy") ? "lumpectomy" : (meta.drawings[0]?.name ?? "");
+    store.set({ meta, examples, preset, drawing });
+  } catch (error) {
+    store.set((state) => withProblem(state, "service", messageOf(error)));
+    return;
+  }
+  void loadModel();
+  await followAddress(store, actions);
+}
+
+async function loadModel(): Promise<void> {
+  try {
+    const [glb, side] = await Promise.all([client.modelGlb(), client.modelSide()]);
+    store.set({ model: { glb, side } });
+  } catch (error) {
+    store.set((state) => withProblem(state, "model", messageOf(error)));
+  }
+}

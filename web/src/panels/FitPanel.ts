@@ -1,0 +1,51 @@
+// Step 3: the few choices before a fit, and what goes on during one.
+import type { Actions } from "../actions";
+import type { StanceChoice } from "../api/types";
+import { el, setText, show } from "../dom";
+import { ENOUGH } from "../state/landmarks";
+import { isFitting, pickCount, type Session, shownIteration } from "../state/session";
+import { text } from "../text";
+import { button, problem, select } from "./controls";
+import type { Panel } from "./Panel";
+
+export function createFitPanel(actions: Actions, dismiss: () => void): Panel {
+  const stance = select<StanceChoice>(text.fit.stance, actions.fit.chooseStance);
+  const drawing = select<string>(text.fit.drawing, actions.fit.chooseDrawing);
+  const preset = select<string>(text.fit.preset, actions.fit.choosePreset);
+  const hint = el("p", { class: "look-here", hidden: true });
+  const progress = el("progress", { max: 1, "aria-label": text.fit.running });
+  const phase = el("p", { class: "phase" });
+  const retrying = el("p", { class: "look-here", hidden: true }, text.fit.retrying);
+  const cancel = button(text.fit.cancel, () => void actions.fit.cancel(), "quiet outlined wide");
+  const running = el("div", { class: "running", hidden: true }, phase, progress, retrying, cancel);
+  const cancelled = el("p", { class: "muted", hidden: true }, text.fit.cancelled);
+  const notes = el("div", { class: "reasons" });
+  const wrong = problem(dismiss);
+  const element = el("div", { class: "panel" }, wrong.element, drawing.element, stance.element, preset.element, hint, running, cancelled, notes);
+  return {
+    element,
+    update(state: Session): void {
+      const { fit, meta } = state;
+      const busy = isFitting(state);
+      const stances = (["auto", "standing", "supine"] as const).map((value) => ({ value, label: text.scan.stances[value] }));
+      stance.set(stances, state.stance);
+      drawing.set((meta?.drawings ?? []).map(({ name, label }) => ({ value: name, label })), state.drawing);
+      preset.set((meta?.presets ?? []).map((name) => ({ value: name, label: text.fit.presets[name] ?? name })), state.preset);
+      for (const each of [stance, drawing, preset]) each.enable(!busy);
+      const count = pickCount(state);
+      show(hint, !busy && count < ENOUGH);
+      setText(hint, count === 0 ? text.fit.noLandmarks : text.fit.fewLandmarks(count));
+      show(running, busy);
+      const shown = shownIteration(fit);
+      setText(phase, shown ? `${text.fit.stage}: ${shown.stage}` : fit?.started ? text.fit.running : text.fit.waiting);
+      const limit = fit?.started?.iterations_limit ?? 0;
+      if (shown && limit > 0) progress.value = Math.min(1, shown.iteration / limit);
+      else progress.removeAttribute("value");
+      show(retrying, fit !== null && !fit.isConnected);
+      show(cancelled, fit?.state === "cancelled");
+      const sentences = [...new Set([fit?.started?.stance_reason ?? "", ...(fit?.started?.notes ?? [])])].filter((each) => each !== "");
+      setText(notes, sentences.join(" "));
+      wrong.set(state.problems.fit);
+    },
+  };
+}

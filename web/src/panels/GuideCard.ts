@@ -1,0 +1,50 @@
+// The instruction on the canvas while a landmark is being placed: what, on which side, how to find it, a picture.
+import type { Actions } from "../actions";
+import { el, setText, show } from "../dom";
+import { sideOf } from "../state/landmarks";
+import type { Session } from "../state/session";
+import { text } from "../text";
+import { button } from "./controls";
+import { plainLabel } from "./LandmarkPanel";
+import type { Panel } from "./Panel";
+
+export interface GuideCard extends Panel {
+  readonly canvas: HTMLCanvasElement;
+  readonly light: HTMLElement;
+}
+
+export function createGuideCard(actions: Actions): GuideCard {
+  const canvas = el("canvas", { class: "model-picture", role: "img", "aria-label": text.landmarks.guideCaption });
+  const light = el("span", { class: "lit-point", hidden: true });
+  const name = el("h3", {});
+  const side = el("span", { class: "chip" });
+  const latin = el("p", { class: "latin muted" });
+  const definition = el("p", {});
+  const skip = button(text.landmarks.skip, () => actions.landmarks.skip(), "quiet outlined");
+  const stop = button(text.landmarks.stop, () => actions.landmarks.want(null));
+  const element = el(
+    "section",
+    { class: "guide", hidden: true, "aria-live": "polite" },
+    el("div", { class: "picture" }, canvas, light),
+    el("div", { class: "guide-words" }, el("div", { class: "guide-head" }, name, side), latin, definition),
+    el("div", { class: "buttons" }, skip, stop),
+    el("p", { class: "muted small" }, text.landmarks.how),
+  );
+  return {
+    element,
+    canvas,
+    light,
+    update(state: Session): void {
+      const wanted = state.meta?.landmarks.find((entry) => entry.name === state.active);
+      show(element, wanted !== undefined);
+      if (!wanted) return;
+      setText(name, plainLabel(wanted.label));
+      const where = sideOf(wanted.name);
+      setText(side, text.landmarks.sides[where]);
+      side.className = `chip side-${where}`;
+      light.className = `lit-point side-${where}`;
+      setText(latin, wanted.latin);
+      setText(definition, wanted.definition);
+    },
+  };
+}

@@ -1,0 +1,32 @@
+// The keyboard and the mouse, on one card.
+import type { Actions } from "../actions";
+import { el } from "../dom";
+import type { Session } from "../state/session";
+import { text } from "../text";
+import { iconButton } from "./controls";
+import type { Panel } from "./Panel";
+
+const table = (rows: readonly (readonly string[])[]): HTMLElement =>
+  el("dl", { class: "keys" }, ...rows.map(([key = "", what = ""]) => el("div", {}, el("dt", {}, el("kbd", {}, key)), el("dd", {}, what))));
+
+export function createHelpDialog(actions: Actions): Panel {
+  const close = (): void => actions.page.help(false);
+  const element = el(
+    "dialog",
+    { class: "help", "aria-labelledby": "help-title", onclose: close },
+    el("div", { class: "dialog-head" }, el("h2", { id: "help-title" }, text.help.title), iconButton("close", text.close, close)),
+    table(text.help.keys),
+    table(text.help.mouse),
+    el("p", { class: "muted small" }, text.noticeLong),
+  );
+  element.addEventListener("click", (event) => {
+    if (event.target === element) close();
+  });
+  return {
+    element,
+    update(state: Session): void {
+      if (state.isHelpOpen && !element.open) element.showModal();
+      if (!state.isHelpOpen && element.open) element.close();
+    },
+  };
+}

@@ -1,0 +1,114 @@
+// Step 2: the ordered list.  A row shows what it is, on which side, whether it is placed; pressing it (re-)places it.
+import type { Actions } from "../actions";
+import type { LandmarkDefinition } from "../api/types";
+import { el, fill, icon, saveFile, setText, show } from "../dom";
+import { toCsv, toJson } from "../state/landmarkFiles";
+import { onWrongSide, sideOf } from "../state/landmarks";
+import type { Session } from "../state/session";
+import { text } from "../text";
+import { button, fileButton, iconButton, problem } from "./controls";
+import type { Panel } from "./Panel";
+
+/** The label without its side, which a chip beside it says louder. */
+export function plainLabel(label: string): string {
+  const plain = label.replace(/[\s,(]*\b(the\s+)?(patient['’]s\s+)?(left|right)\b(\s+side)?\)?/i, "").trim();
+  return plain === "" ? label : plain.charAt(0).toUpperCase() + plain.slice(1);
+}
+
+export function createLandmarkPanel(actions: Actions, dismiss: () => void): Panel {
+  const rows = el("ol", { class: "landmarks" });
+  const undo = iconButton("undo", text.landmarks.undo, () => actions.landmarks.undo());
+  const redo = iconButton("redo", text.landmarks.redo, () => actions.landmarks.redo());
+  const saved = el("span", { class: "saved muted" });
+  const again = button(text.landmarks.again, () => void actions.landmarks.saveNow(), "link");
+  const wrong = problem(dismiss);
+  const example = button(text.landmarks.useExample, () => actions.landmarks.useExample(), "quiet outlined wide");
+  let state: Session | null = null;
+  const file = fileButton(text.landmarks.importFile, ".json,.csv,.txt", "quiet", (chosen) => void actions.landmarks.importFile(chosen));
+  file.querySelector("input")!.id = "landmark-file";
+  file.title = text.landmarks.importHint;
+  const json = button(text.landmarks.exportJson, () => state && saveFile("landmarks.json", toJson(state.picks.present), "application/json"), "quiet", "download");
+  const csv = button(
+    text.landmarks.exportCsv,
+    () => state?.scan && saveFile("landmarks.csv", toCsv(state.picks.present, state.scan.info.unit), "text/csv"),
+    "quiet",
+    "download",
+  );
+  json.title = text.landmarks.exportHint("JSON");
+  csv.title = text.landmarks.exportHint("CSV");
+  const warning = el("p", { class: "look-here", hidden: true });
+  const element = el(
+    "div",
+    { class: "panel" },
+    wrong.element,
+    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again),
+    rows,
+    warning,
+    example,
+    el("div", { class: "toolbar" }, file, el("span", { class: "spring" }), json, csv),
+  );
+  const made = new Map<string, ReturnType<typeof makeRow>>();
+  return {
+    element,
+    update(session: Session): void {
+      state = session;
+      const list = session.meta?.landmarks ?? [];
+      fill(rows, list.map((entry) => entry.name), () => {
+        made.clear();
+        for (const entry of list) made.set(entry.name, makeRow(entry, made.size + 1, actions));
+        return [...made.values()].map((each) => each.element);
+      });
+      const wrongSide = session.scan ? onWrongSide(session.picks.present, session.scan.frame) : new Set<string>();
+      for (const [name, each] of made) each.update(session, wrongSide.has(name));
+      const first = list.find((entry) => wrongSide.has(entry.name));
+      setText(warning, first ? text.landmarks.wrongSide(first.label) : "");
+      show(warning, first !== undefined);
+      undo.disabled = session.picks.past.length === 0;
+      redo.disabled = session.picks.future.length === 0;
+      const isEmpty = Object.keys(session.picks.present).length === 0;
+      json.disabled = csv.disabled = isEmpty;
+      setText(saved, isEmpty && session.saving === "saved" ? "" : text.landmarks[session.saving]);
+      wrong.set(session.problems.landmarks);
+      show(again, session.saving === "unsaved" && session.problems.landmarks !== undefined);
+      show(example, Boolean(session.scan?.example));
+    },
+  };
+}
+
+function makeRow(entry: LandmarkDefinition, number: number, actions: Actions) {
+  const side = sideOf(entry.name);
+  const status = el("span", { class: "visually-hidden" });
+  const chip = side === "middle" ? null : el("span", { class: `chip side-${side}` }, text.landmarks.sides[side]);
+  const place = el(
+    "button",
+    {
+      type: "button",
+      class: "landmark-name",
+      title: `${entry.latin}\n${entry.definition}`,
+      onclick: () => actions.landmarks.want(entry.name),
+    },
+    el("span", { class: `mark side-${side}` }, el("span", {}, String(number))),
+    el("span", { class: "label-text" }, plainLabel(entry.label)),
+    chip,
+    status,
+  );
+  const remove = iconButton("close", text.landmarks.remove(entry.label), () => actions.landmarks.remove(entry.name));
+  const tick = icon("check");
+  const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, tick, remove);
+  return {
+    element,
+    update(state: Session, isWrong: boolean): void {
+      const isPlaced = entry.name in state.picks.present;
+      const isSkipped = state.skipped.has(entry.name) && !isPlaced;
+      const isActive = state.active === entry.name;
+      if (isActive && !element.classList.contains("is-active")) element.scrollIntoView({ block: "nearest" });
+      element.classList.toggle("is-placed", isPlaced);
+      element.classList.toggle("is-skipped", isSkipped);
+      element.classList.toggle("is-active", isActive);
+      element.classList.toggle("is-wrong", isWrong);
+      place.setAttribute("aria-pressed", String(isActive));
+      show(remove, isPlaced);
+      setText(status, isPlaced ? text.landmarks.placed : isSkipped ? text.landmarks.skippedState : text.landmarks.missing);
+    },
+  };
+}

@@ -1,0 +1,89 @@
+// Puts the panels in their places.
+import type { Actions } from "../actions";
+import { el, setText, show } from "../dom";
+import type { Place, Session } from "../state/session";
+import { text } from "../text";
+import { problem } from "./controls";
+import { createEmptyState } from "./EmptyState";
+import { createFitPanel } from "./FitPanel";
+import { createGuideCard } from "./GuideCard";
+import { createHelpDialog } from "./HelpDialog";
+import { createLandmarkPanel } from "./LandmarkPanel";
+import { createNumbersPanel } from "./NumbersPanel";
+import { createResultPanel } from "./ResultPanel";
+import { createScanPanel } from "./ScanPanel";
+import { createSteps } from "./Steps";
+import { createTimeline } from "./TimelinePanel";
+import { createTopBar } from "./TopBar";
+import { createViewBar } from "./ViewBar";
+
+/** What the viewer needs of the page. */
+export interface Stage {
+  host: HTMLElement;
+  canvas: HTMLCanvasElement;
+  overlay: HTMLElement;
+  picture: HTMLCanvasElement;
+  light: HTMLElement;
+}
+
+export function createPage(actions: Actions, dismiss: (place: Place) => void) {
+  const canvas = el("canvas", { class: "view", "aria-label": text.view.canvas, tabindex: 0 });
+  const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
+  const guide = createGuideCard(actions);
+  const viewBar = createViewBar(actions);
+  const empty = createEmptyState(actions, dismiss);
+  const model = problem(() => dismiss("model"));
+  const graphics = el("p", { class: "no-graphics", role: "alert", hidden: true });
+  const host = el("main", { class: "stage" }, canvas, overlay, guide.element, viewBar.element, empty.element, model.element, graphics);
+  const veil = el("div", { class: "drop-veil", hidden: true }, el("p", {}, text.empty.drop));
+  host.append(veil);
+  acceptDrops(host, veil, actions);
+
+  const steps = createSteps(actions, {
+    scan: createScanPanel(actions, () => dismiss("scan")),
+    landmarks: createLandmarkPanel(actions, () => dismiss("landmarks")),
+    fit: createFitPanel(actions, () => dismiss("fit")),
+    result: createResultPanel(),
+  });
+  const numbers = createNumbersPanel();
+  const timeline = createTimeline(actions);
+  const help = createHelpDialog(actions);
+  const top = createTopBar(actions);
+  const version = el("span", { class: "muted" });
+  const live = el("p", { class: "visually-hidden", role: "status", "aria-live": "polite" });
+  const footer = el("footer", { class: "footer" }, el("strong", {}, text.notice), el("span", { class: "spring" }), version);
+  const panels = [top, steps, guide, viewBar, empty, numbers, timeline, help];
+
+  return {
+    elements: [top.element, steps.element, host, numbers.element, timeline.element, footer, help.element, live],
+    stage: { host, canvas, overlay, picture: guide.canvas, light: guide.light } satisfies Stage,
+    update(state: Session): void {
+      document.documentElement.dataset.theme = state.theme;
+      document.body.classList.toggle("is-empty", state.scan === null);
+      document.body.classList.toggle("has-timeline", (state.fit?.iterations.length ?? 0) > 0);
+      host.classList.toggle("is-placing", state.active !== null);
+      for (const panel of panels) panel.update(state);
+      model.set(state.problems.model);
+      show(graphics, state.graphics !== "ok");
+      setText(graphics, state.graphics === "absent" ? text.errors.noGraphics : state.graphics === "lost" ? text.errors.graphicsLost : "");
+      setText(version, state.meta ? text.version(state.meta.version) : "");
+      setText(live, state.announcement);
+    },
+  };
+}
+
+/** A scan may be dropped anywhere on the canvas, also over one that is already there. */
+function acceptDrops(host: HTMLElement, veil: HTMLElement, actions: Actions): void {
+  const hasFile = (event: DragEvent): boolean => event.dataTransfer?.types.includes("Files") ?? false;
+  addEventListener("dragover", (event) => hasFile(event) && event.preventDefault()); // else the browser opens the file
+  addEventListener("drop", (event) => {
+    event.preventDefault();
+    show(veil, false);
+  });
+  host.addEventListener("dragenter", (event) => show(veil, hasFile(event)));
+  veil.addEventListener("dragleave", () => show(veil, false));
+  host.addEventListener("drop", (event) => {
+    const file = event.dataTransfer?.files[0];
+    if (file) void actions.scan.upload(file);
+  });
+}

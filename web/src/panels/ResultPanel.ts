@@ -1,0 +1,33 @@
+// Step 4: the drawing's parts and the files to take away.
+import { el, fill, icon, setText, show } from "../dom";
+import type { Session } from "../state/session";
+import { text } from "../text";
+import type { Panel } from "./Panel";
+
+export function createResultPanel(): Panel {
+  const shapes = el("ul", { class: "shapes" });
+  const note = el("p", { class: "muted small" });
+  const files = el("ul", { class: "files" });
+  const drawing = el("div", {}, el("p", { class: "label" }, text.result.drawing), shapes, note);
+  const downloads = el("div", {}, el("p", { class: "label" }, text.result.files), files);
+  const element = el("div", { class: "panel" }, drawing, downloads);
+  return {
+    element,
+    update(state: Session): void {
+      const fit = state.fit;
+      const isDone = fit?.state === "done";
+      show(downloads, isDone);
+      const model = state.model?.side.drawings.find((each) => each.name === fit?.drawingName);
+      const names = fit?.drawing?.shapes.map((shape) => model?.shapes.find((each) => each.name === shape.name)?.label ?? shape.name) ?? [];
+      fill(shapes, names, () => names.map((name) => el("li", {}, el("span", { class: "stroke", "aria-hidden": "true" }), name)));
+      const hasBridges = fit?.drawing?.shapes.some((shape) => shape.bridged?.includes(true)) ?? false;
+      setText(note, fit && fit.drawingName === null ? text.result.noDrawing : hasBridges ? text.result.shapeNote : "");
+      if (!fit) return;
+      fill(files, fit.id, () =>
+        text.result.downloads.map(({ key, name, what }) =>
+          el("li", {}, el("a", { href: fit.links[key], download: name }, icon("download"), el("span", {}, name)), el("span", { class: "muted" }, what)),
+        ),
+      );
+    },
+  };
+}

@@ -1,0 +1,46 @@
+// The bottom: every iteration again, by slider or as a replay.
+import type { Actions } from "../actions";
+import { el, icon, setText, show } from "../dom";
+import { type Session, shownIteration } from "../state/session";
+import { text } from "../text";
+import { formatMm } from "../units";
+import type { Panel } from "./Panel";
+
+export function createTimeline(actions: Actions): Panel {
+  const slider = el("input", {
+    type: "range",
+    min: 0,
+    step: 1,
+    id: "iteration",
+    oninput: () => actions.player.seek(Number(slider.value)),
+  });
+  const position = el("output", { class: "position", for: "iteration" });
+  const mean = el("span", { class: "mean muted" });
+  const words = el("span", {});
+  const play = el("button", { type: "button", class: "button quiet outlined", id: "replay", onclick: () => actions.player.toggle() });
+  const element = el("section", { class: "timeline", "aria-label": text.timeline.label, hidden: true }, el("label", { for: "iteration" }, text.timeline.label), slider, position, mean, play);
+  let drawn: boolean | null = null;
+  return {
+    element,
+    update(state: Session): void {
+      const { fit } = state;
+      const last = (fit?.iterations.length ?? 0) - 1;
+      show(element, last >= 0);
+      if (!fit || last < 0) return;
+      slider.max = String(last);
+      slider.value = String(Math.max(0, fit.shown));
+      slider.disabled = last === 0;
+      const shown = shownIteration(fit);
+      const end = fit.iterations.at(-1);
+      setText(position, text.timeline.position(String(shown?.iteration ?? 0), String(end?.iteration ?? 0)));
+      slider.setAttribute("aria-valuetext", position.textContent ?? "");
+      setText(mean, shown ? text.timeline.mean(formatMm(shown.mean_distance_mm)) : "");
+      play.disabled = last === 0;
+      if (drawn !== fit.playing) {
+        drawn = fit.playing;
+        setText(words, fit.playing ? text.timeline.pause : text.timeline.replay);
+        play.replaceChildren(icon(fit.playing ? "pause" : "play"), words);
+      }
+    },
+  };
+}

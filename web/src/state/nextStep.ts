@@ -1,0 +1,27 @@
+// The one primary button: what the person would do next, from the state alone.
+import { ENOUGH, nextMissing } from "./landmarks";
+import { isFitting, pickCount, type Session } from "./session";
+
+export type NextStep =
+  | { kind: "none" }
+  | { kind: "place"; landmark: string; isArmed: boolean }
+  | { kind: "fit"; again: boolean; landmarks: number }
+  | { kind: "save" };
+
+const picksChanged = (state: Session): boolean =>
+  state.fit?.picks !== null && state.fit?.picks !== undefined && state.fit.picks !== state.picks.present;
+
+export function nextStep(state: Session): NextStep {
+  if (!state.scan || state.loading || isFitting(state)) return { kind: "none" };
+  const landmarks = pickCount(state);
+  if (state.step === "landmarks") {
+    const list = state.meta?.landmarks ?? [];
+    const landmark = state.active ?? nextMissing(list, state.picks.present, state.skipped);
+    if (landmark !== null) return { kind: "place", landmark, isArmed: state.active !== null };
+  }
+  if (state.fit && state.fit.state === "done" && !picksChanged(state)) return { kind: "save" };
+  if (state.fit) return { kind: "fit", again: true, landmarks };
+  if (state.step === "fit" || landmarks >= ENOUGH) return { kind: "fit", again: false, landmarks };
+  const first = nextMissing(state.meta?.landmarks ?? [], state.picks.present, state.skipped);
+  return first === null ? { kind: "fit", again: false, landmarks } : { kind: "place", landmark: first, isArmed: false };
+}

@@ -1,0 +1,116 @@
+// The whole state of the page as one type, and how it starts.
+import type {
+  DrawingFile,
+  Example,
+  FitLinks,
+  Frame,
+  Iterated,
+  LandmarkFile,
+  Meta,
+  ModelSide,
+  Result,
+  Scan,
+  StanceChoice,
+  Started,
+  UnitChoice,
+} from "../api/types";
+import { type History, startHistory } from "./history";
+import type { Picks } from "./landmarks";
+
+export type Step = "scan" | "landmarks" | "fit" | "result";
+export type Overlay = "scan" | "both" | "model";
+export type ViewName = "front" | "left" | "right" | "back" | "top";
+export type Theme = "system" | "light" | "dark";
+
+/** Where on the page something can go wrong: the message is shown there. */
+export type Place = "service" | "scan" | "landmarks" | "fit" | "model";
+
+export interface ScanState {
+  readonly info: Scan;
+  readonly title: string;
+  readonly mesh: ArrayBuffer; // glTF binary, metres, the scan's own axes
+  readonly frame: Frame;
+  readonly frameIsOurs: boolean; // the person turned it
+  readonly file: File | null; // kept, so that another unit needs no second choosing
+  readonly example: LandmarkFile | null;
+}
+
+export interface FitState {
+  readonly id: string;
+  readonly links: FitLinks;
+  readonly state: "running" | "done" | "failed" | "cancelled";
+  readonly started: Started | null;
+  readonly iterations: readonly Iterated[];
+  readonly shown: number; // index into iterations; -1 before the first
+  readonly playing: boolean;
+  readonly result: Result | null;
+  readonly drawing: DrawingFile | null; // on the scan's surface
+  readonly drawingName: string | null;
+  readonly reason: string | null;
+  readonly isConnected: boolean;
+  readonly picks: Picks | null; // that it was started with; null when it came from the address
+}
+
+export interface Session {
+  readonly meta: Meta | null;
+  readonly examples: readonly Example[];
+  readonly model: { readonly glb: ArrayBuffer; readonly side: ModelSide } | null;
+  readonly step: Step;
+  readonly loading: { readonly phase: "sending" | "preparing"; readonly share: number; readonly title: string } | null;
+  readonly scan: ScanState | null;
+  readonly showColours: boolean;
+  readonly picks: History<Picks>;
+  readonly skipped: ReadonlySet<string>;
+  readonly active: string | null; // the landmark that the next click places
+  readonly saving: "saved" | "saving" | "unsaved";
+  readonly units: UnitChoice;
+  readonly stance: StanceChoice;
+  readonly preset: string;
+  readonly drawing: string;
+  readonly fit: FitState | null;
+  readonly isStarting: boolean; // the request for a fit is under way
+  readonly overlay: Overlay;
+  readonly view: { readonly name: ViewName; readonly asked: number };
+  readonly theme: Theme;
+  readonly graphics: "ok" | "absent" | "lost";
+  readonly isHelpOpen: boolean;
+  readonly problems: Readonly<Partial<Record<Place, string>>>;
+  readonly announcement: string; // for the live region
+}
+
+export const initialSession: Session = {
+  meta: null,
+  examples: [],
+  model: null,
+  step: "scan",
+  loading: null,
+  scan: null,
+  showColours: true,
+  picks: startHistory<Picks>({}),
+  skipped: new Set(),
+  active: null,
+  saving: "saved",
+  units: "auto",
+  stance: "auto",
+  preset: "default",
+  drawing: "lumpectomy",
+  fit: null,
+  isStarting: false,
+  overlay: "both",
+  view: { name: "front", asked: 0 },
+  theme: "system",
+  graphics: "ok",
+  isHelpOpen: false,
+  problems: {},
+  announcement: "",
+};
+
+export const isFitting = (state: Session): boolean => state.isStarting || state.fit?.state === "running";
+
+/** The iteration that is on the screen. */
+export const shownIteration = (fit: FitState | null): Iterated | null => fit?.iterations[fit.shown] ?? null;
+
+/** True when the last iteration is on the screen and there will be no other. */
+export const isAtRest = (fit: FitState): boolean => fit.state !== "running" && fit.shown === fit.iterations.length - 1;
+
+export const pickCount = (state: Session): number => Object.keys(state.picks.present).length;

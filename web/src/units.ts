@@ -1,0 +1,31 @@
+// The only place where metres become millimetres, and numbers become text.
+import type { Unit } from "./api/types";
+
+const MM_IN: Record<Unit, number> = { m: 1000, dm: 100, cm: 10, mm: 1, in: 25.4 };
+
+export const mmFromMetres = (metres: number): number => metres * 1000;
+export const metresFromMm = (mm: number): number => mm / 1000;
+export const mmFrom = (value: number, unit: Unit): number => value * MM_IN[unit];
+export const toUnit = (mm: number, unit: Unit): number => mm / MM_IN[unit];
+export const isUnit = (text: unknown): text is Unit => typeof text === "string" && text in MM_IN;
+
+const grouped = new Intl.NumberFormat("en-GB");
+
+/** 61784 → "61,784". */
+export const formatCount = (count: number): string => grouped.format(count);
+
+const UNKNOWN = "–";
+
+/** Millimetres to one decimal, the most that the scanner and the fit are worth; hundredths below a tenth. */
+export function formatMm(mm: number | null | undefined): string {
+  if (mm === null || mm === undefined) return UNKNOWN;
+  return mm !== 0 && Math.abs(mm) < 0.1 ? mm.toFixed(2) : mm.toFixed(1);
+}
+
+export function formatSeconds(seconds: number | undefined): string {
+  if (seconds === undefined) return UNKNOWN;
+  return seconds < 10 ? seconds.toFixed(2) : seconds.toFixed(1);
+}
+export const formatPercent = (share: number): string => (100 * share).toFixed(0);
+export const formatCm = (metres: number): string => (metres * 100).toFixed(0);
+export const formatMegabytes = (bytes: number): string => (bytes / 1e6).toFixed(0);

@@ -1,0 +1,75 @@
+// The drawing where it belongs: on the model at every iteration, on the scan's own surface when the fit has ended.
+import { Vector3 } from "three";
+import type { DrawingFile, ModelShape } from "../api/types";
+import { isAtRest, type Session } from "../state/session";
+import { isUnit, metresFromMm, mmFrom } from "../units";
+import { FatLines, type Polyline } from "./FatLines";
+import type { ScanMesh } from "./ScanMesh";
+import { surfacePosition, type VertexAt } from "./surfacePoints";
+import type { TorsoModel } from "./TorsoModel";
+import type { Part, Viewer } from "./Viewer";
+
+const LIFT = 0.001; // metres off the skin
+
+export class Drawings implements Part {
+  private readonly lines = new FatLines();
+  private drawn: unknown[] = [];
+
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly scan: ScanMesh,
+    private readonly torso: TorsoModel,
+  ) {
+    viewer.body.add(this.lines.group);
+  }
+
+  update(state: Session): void {
+    const { palette } = this.viewer;
+    this.lines.paint(palette.line, palette["line-outline"]);
+    const fit = state.fit;
+    const isOnScan = fit?.drawing != null && isAtRest(fit) && state.overlay !== "model" && this.scan.bvh !== null;
+    const shapes = state.model?.side.drawings.find((drawing) => drawing.name === fit?.drawingName)?.shapes;
+    const vertexAt = this.torso.vertexAt;
+    const isOnModel = !isOnScan && fit !== null && fit.shown >= 0 && state.overlay !== "scan" && Boolean(shapes && vertexAt);
+    const source = isOnScan ? [fit.drawing, this.scan.bvh] : isOnModel ? [shapes, fit.iterations[fit.shown]] : [];
+    if (source.length === this.drawn.length && source.every((each, i) => each === this.drawn[i])) return;
+    this.drawn = source;
+    if (isOnScan) this.lines.set(onScan(fit.drawing!, this.scan));
+    else if (isOnModel) this.lines.set(onModel(shapes!, this.torso, vertexAt!));
+    else this.lines.set([]);
+    this.viewer.invalidate();
+  }
+}
+
+export function onModel(shapes: readonly ModelShape[], torso: TorsoModel, vertexAt: VertexAt): Polyline[] {
+  const index = torso.mesh!.geometry.index!.array;
+  const position = new Vector3();
+  const normal = new Vector3();
+  return shapes.map((shape) => {
+    const points = new Float32Array(3 * shape.surface_points.length);
+    shape.surface_points.forEach((point, i) => {
+      surfacePosition(point, index, vertexAt, position, normal);
+      position.addScaledVector(normal, LIFT).toArray(points, 3 * i);
+    });
+    return { points, isClosed: shape.closed, bridged: null };
+  });
+}
+
+function onScan(drawing: DrawingFile, scan: ScanMesh): Polyline[] {
+  const geometry = scan.mesh!.geometry;
+  const corners = [new Vector3(), new Vector3(), new Vector3()] as const;
+  const { unit } = drawing;
+  if (!isUnit(unit)) throw new Error(`the drawing has the unknown unit ${unit}`);
+  return drawing.shapes.map((shape) => {
+    const points = new Float32Array(3 * shape.points.length);
+    shape.points.forEach((at, i) => {
+      const [x, y, z] = at.map((value) => metresFromMm(mmFrom(value, unit)));
+      const point = new Vector3(x, y, z);
+      const face = scan.bvh!.closestPointToPoint(point)?.faceIndex ?? 0;
+      corners.forEach((corner, c) => corner.fromBufferAttribute(geometry.attributes.position!, geometry.index!.getX(3 * face + c)));
+      const normal = corners[1].clone().sub(corners[0]).cross(corners[2].clone().sub(corners[0])).normalize();
+      point.addScaledVector(normal, LIFT).toArray(points, 3 * i);
+    });
+    return { points, isClosed: shape.closed, bridged: shape.bridged ?? null };
+  });
+}

@@ -1,0 +1,44 @@
+// For browser tests, and for nobody else: a read-only look at what the page knows and where things are drawn.
+//   window.__breastrig.state()          the session, without its binary parts
+//   window.__breastrig.isReady()        the scan is drawn and can be picked on
+//   window.__breastrig.project([x,y,z]) page pixels of a point (scan's frame, mm) and whether the scan hides it
+//   window.__breastrig.pickAt(x, y)     point (scan's frame, mm) and triangle under page pixels, or null
+import { Vector3 } from "three";
+import type { Vector } from "../api/types";
+import type { Session } from "../state/session";
+import type { Store } from "../state/store";
+import { metresFromMm } from "../units";
+import { type Hit, isHidden, pickAt } from "./picking";
+import type { ScanMesh } from "./ScanMesh";
+import type { Viewer } from "./Viewer";
+
+interface Hook {
+  state(): Session;
+  isReady(): boolean;
+  frames(): number;
+  project(point: Vector): { x: number; y: number; hidden: boolean };
+  pickAt(x: number, y: number): Hit | null;
+}
+
+declare global {
+  interface Window {
+    readonly __breastrig?: Hook;
+  }
+}
+
+export function offerHook(store: Store<Session>, viewer: Viewer, scan: ScanMesh): void {
+  const hook: Hook = {
+    state: () => ({ ...store.get(), model: null }),
+    isReady: () => scan.mesh !== null,
+    frames: () => viewer.frames,
+    project(point) {
+      const at = new Vector3(...point.map(metresFromMm));
+      const box = viewer.host.getBoundingClientRect();
+      viewer.scene.updateMatrixWorld();
+      const { x, y } = viewer.toScreen(at);
+      return { x: x + box.left, y: y + box.top, hidden: isHidden(viewer, scan, at) };
+    },
+    pickAt: (x, y) => pickAt(viewer, scan, x, y),
+  };
+  Object.defineProperty(window, "__breastrig", { value: Object.freeze(hook) });
+}

@@ -1,0 +1,80 @@
+// Makes the 3D view and keeps it up to date; without WebGL the page says so and the rest of it goes on working.
+import type { Actions } from "../actions";
+import { withProblem } from "../actions/problems";
+import type { Stage } from "../panels/Page";
+import type { Session } from "../state/session";
+import type { Store } from "../state/store";
+import { text } from "../text";
+import { onClick } from "./clicks";
+import { Drawings } from "./Drawings";
+import { offerHook } from "./hook";
+import { LandmarkPins } from "./LandmarkPins";
+import { Loupe } from "./Loupe";
+import { ModelPicture } from "./ModelPicture";
+import { pickAt } from "./picking";
+import { Ruler } from "./Ruler";
+import { ScanMesh } from "./ScanMesh";
+import { SideLetters } from "./SideLetters";
+import { TorsoModel } from "./TorsoModel";
+import { type Part, Viewer } from "./Viewer";
+
+export function openViewer(store: Store<Session>, actions: Actions, stage: Stage, prefersStill: () => boolean): void {
+  let viewer: Viewer;
+  try {
+    viewer = new Viewer(stage.host, stage.canvas, stage.overlay, prefersStill);
+  } catch {
+    actions.page.graphics("absent");
+    return;
+  }
+  const ready = (place: "scan" | "model", words: string) => (error: unknown) => {
+    if (error !== null) store.set((state) => withProblem(state, place, words));
+    else updateAll(store.get());
+  };
+  const scan = new ScanMesh(viewer, ready("scan", text.errors.mesh));
+  const torso = new TorsoModel(viewer, ready("model", text.errors.model));
+  const parts: Part[] = [
+    scan,
+    torso,
+    new Drawings(viewer, scan, torso),
+    new LandmarkPins(viewer, scan),
+    new SideLetters(viewer),
+    new Ruler(viewer),
+    new Loupe(viewer, scan, stage.canvas),
+    new ModelPicture(viewer, torso, stage.picture, stage.light),
+  ];
+  const updateAll = (state: Session): void => {
+    for (const part of parts) part.update(state);
+    viewer.invalidate();
+  };
+
+  let theme: Session["theme"] | null = null;
+  let viewAsked = store.get().view.asked;
+  store.subscribe((state) => {
+    if (state.theme !== theme) {
+      theme = state.theme; // the page has put it on the document before: the colours can be read
+      viewer.repaint();
+    }
+    updateAll(state);
+    if (state.view.asked !== viewAsked) viewer.lookFrom(state.view.name);
+    viewAsked = state.view.asked;
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    viewer.repaint();
+    updateAll(store.get());
+  });
+
+  onClick(stage.canvas, (event) => {
+    const hit = store.get().active === null ? null : pickAt(viewer, scan, event.clientX, event.clientY);
+    if (hit) actions.landmarks.place(hit.point);
+  });
+  stage.canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  stage.canvas.addEventListener("webglcontextlost", (event) => {
+    event.preventDefault(); // asks the browser to bring it back
+    actions.page.graphics("lost");
+  });
+  stage.canvas.addEventListener("webglcontextrestored", () => {
+    actions.page.graphics("ok");
+    viewer.invalidate();
+  });
+  offerHook(store, viewer, scan);
+}

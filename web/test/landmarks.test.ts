@@ -1,0 +1,60 @@
+import { expect, test } from "vitest";
+import type { Frame, LandmarkDefinition } from "../src/api/types";
+import { readLandmarks, toCsv, toJson } from "../src/state/landmarkFiles";
+import { nextMissing, onWrongSide, type Picks, sideOf, withoutPick, withPick } from "../src/state/landmarks";
+
+const names = ["suprasternal_notch", "nipple_L", "nipple_R", "umbilicus"];
+const list = names.map((name) => ({ name, label: name, latin: "", definition: "", easy: true, mirror: name })) as LandmarkDefinition[];
+const upright: Frame = { up: [0, 1, 0], front: [0, 0, 1] };
+const picks: Picks = { suprasternal_notch: [1, 300, 40], nipple_L: [95, 120.5, 130], nipple_R: [-98, 118, 128] };
+
+test("the side of a landmark is in its name", () => {
+  expect(["nipple_L", "nipple_R", "umbilicus"].map(sideOf)).toEqual(["left", "right", "middle"]);
+});
+
+test("picks are changed without touching the ones before", () => {
+  const more = withPick(picks, "umbilicus", [0, -100, 90]);
+  expect(Object.keys(more)).toEqual(names);
+  expect(withoutPick(more, "umbilicus")).toEqual(picks);
+  expect("umbilicus" in picks).toBe(false);
+});
+
+test("the next landmark is the first open one after the last, round the end of the list", () => {
+  expect(nextMissing(list, {}, new Set())).toBe("suprasternal_notch");
+  expect(nextMissing(list, picks, new Set())).toBe("umbilicus");
+  expect(nextMissing(list, { umbilicus: [0, 0, 0] }, new Set(["suprasternal_notch"]), "umbilicus")).toBe("nipple_L");
+  expect(nextMissing(list, picks, new Set(["umbilicus"]))).toBeNull();
+});
+
+test("swapped sides are noticed, with and without a point on the midline", () => {
+  const swapped = { ...picks, nipple_L: picks.nipple_R!, nipple_R: picks.nipple_L! };
+  expect([...onWrongSide(picks, upright)]).toEqual([]);
+  expect([...onWrongSide(swapped, upright)].sort()).toEqual(["nipple_L", "nipple_R"]);
+  expect([...onWrongSide({ nipple_L: swapped.nipple_L, nipple_R: swapped.nipple_R }, upright)].length).toBe(2);
+  expect([...onWrongSide({ nipple_L: [-50, 0, 0] }, upright)]).toEqual([]); // alone it says nothing
+});
+
+test("landmark files come back as they were written", () => {
+  expect(readLandmarks(toJson(picks), "m", list)).toEqual(picks);
+  const again = readLandmarks(toCsv(picks, "m"), "m", list);
+  for (const [name, point] of Object.entries(picks)) point.forEach((mm, axis) => expect(again[name]![axis]).toBeCloseTo(mm, 4));
+});
+
+test("a JSON file without unit is in the scan's unit", () => {
+  const text = JSON.stringify({ landmarks: { nipple_L: [0.1, 0.2, 0.3] } });
+  expect(readLandmarks(text, "m", list).nipple_L).toEqual([100, 200, 300]);
+});
+
+test.each([
+  ["{ not json", "not valid JSON"],
+  ['{"landmarks": {"nose": [1, 2, 3]}}', "“nose” is not a landmark"],
+  ['{"landmarks": {"nipple_L": [1, null, 3]}}', "needs three numbers"],
+  ['{"landmarks": {"nipple_L": [1, 2]}}', "needs three numbers"],
+  ['{"unit": "feet", "landmarks": {}}', "“feet” is not known"],
+  ['{"points": []}', "holds no “landmarks”"],
+  ["name,x,y,z\nnipple_L,1,,3", "needs three numbers"],
+  ["name,x,y,z\nnipple_L,1,2,3,4", "needs three numbers"],
+  ["", "holds no landmarks"],
+])("a bad landmark file (%s) is refused with one sentence", (text, sentence) => {
+  expect(() => readLandmarks(text, "mm", list)).toThrow(sentence);
+});
