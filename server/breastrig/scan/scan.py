@@ -1,0 +1,40 @@
+"""A scan as it was read: the scanner's triangles in the scanner's own frame, in metres.
+
+Nothing is cleaned, turned or moved here, so whatever is found on it can be given back in the same frame.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from breastrig.core.arrays import Array, Integers, frozen
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """V vertices, F triangles."""
+
+    vertices: Array  # (V, 3) m, the scan's own frame
+    faces: Integers  # (F, 3)
+    unit: str  # of the file: m, dm, cm, mm or in
+    metres_per_unit: float
+    unit_reason: str  # one sentence
+    sha256: str  # of the file's bytes
+    notes: tuple[str, ...] = ()  # what reading found, one sentence each
+    colours: NDArray[np.uint8] | None = None  # (V, 3) sRGB
+    uv: Array | None = None  # (V, 2) origin at the lower left of the texture; only together with a texture
+    texture: bytes | None = None  # a JPEG without metadata
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "vertices", frozen(self.vertices))
+        object.__setattr__(self, "faces", frozen(self.faces, np.int64))
+        if self.colours is not None:
+            object.__setattr__(self, "colours", frozen(self.colours, np.uint8))
+        if self.uv is not None:
+            object.__setattr__(self, "uv", frozen(self.uv))
+
+    @property
+    def colour_kind(self) -> str:
+        """ "texture", "vertex" or "none"."""
+        return "texture" if self.texture is not None else "none" if self.colours is None else "vertex"
