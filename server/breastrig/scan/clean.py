@@ -39,7 +39,7 @@ def without_degenerate(vertices: Array, faces: Integers) -> Integers:
     """Triangles with an area."""
     a, b, c = (vertices[faces[:, i]] for i in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    return faces[area > 1e-12]
+    return np.asarray(faces[area > 1e-12])
 
 
 def without_fragments(vertices: Array, faces: Integers) -> tuple[Integers, int]:

@@ -1,0 +1,165 @@
+"""`breastrig fit` as a user calls it: the files it leaves, and one clear line for everything it refuses."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pygltflib
+import pytest
+import trimesh
+
+from breastrig.cli.main import main
+from breastrig.core.assets import asset_folder
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+
+EXAMPLE = asset_folder("example") / "standing"
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("fit")
+    code = main(["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(EXAMPLE / "landmarks.json"), "-o", str(out)])
+    assert code == 0
+    return out
+
+
+def document(folder: Path, name: str) -> dict:
+    return json.loads((folder / name).read_text())
+
+
+def test_the_five_files_are_there_and_nothing_else(fitted: Path) -> None:
+    names = {file.name for file in fitted.iterdir()}
+    assert names == {"result.json", "fitted.ply", "fitted.glb", "drawing.json", "fit.log.jsonl"}
+
+
+def test_the_result_keeps_its_contract_and_the_papers_floor(fitted: Path) -> None:
+    result = document(fitted, "result.json")
+    assert result["schema"] == "breastrig/result@1"
+    words = "scan model stance preset converged stop_reason iterations timing_s surface_distance_mm scan_to_model_mm"
+    assert set(result) >= {*words.split(), "landmark_distance_mm", "landmarks", "parameters", "versions"}
+    assert set(result["timing_s"]) == {"read", "prepare", "align", "solve", "total"}
+    assert set(result["surface_distance_mm"]) == {"mean", "std", "max", "p95", "coverage"}
+    assert result["surface_distance_mm"]["mean"] < 2.35
+    assert result["landmark_distance_mm"]["mean"] < 8.03
+    assert len(result["landmark_distance_mm"]["each"]) == 12
+    assert len(result["parameters"]["bones"]) == 9
+    assert len(result["parameters"]["blendshapes"]) == 55
+    assert result["stance"] == "standing"
+
+
+def test_the_fitted_surface_is_the_whole_model_in_the_scans_frame_and_unit(fitted: Path) -> None:
+    rig = read_rig(default_rig_path())
+    mesh = trimesh.load(fitted / "fitted.ply", process=False)
+    np.testing.assert_array_equal(mesh.faces, rig.faces)
+    result = document(fitted, "result.json")
+    scan = trimesh.load(EXAMPLE / "scan.ply", process=False)
+    assert np.linalg.norm(mesh.centroid - scan.centroid) < 0.3 * scan.scale
+    at = rig.landmark_points().positions(np.asarray(mesh.vertices, dtype=np.float64), rig.faces)
+    np.testing.assert_allclose(at, list(result["landmarks"].values()), atol=2e-6 * scan.scale)
+
+
+def test_the_drawing_lies_on_the_scan_or_says_that_it_does_not(fitted: Path) -> None:
+    drawing = document(fitted, "drawing.json")
+    assert drawing["schema"] == "breastrig/drawing@1"
+    assert drawing["unit"] == document(fitted, "result.json")["scan"]["unit"]
+    assert {shape["name"] for shape in drawing["shapes"]} == {"sternum_upper", "sternum_lower", "breast_L", "breast_R"}
+    scan = trimesh.load(EXAMPLE / "scan.ply", process=False)
+    for shape in drawing["shapes"]:
+        free = np.array(shape["points"])[~np.array(shape["bridged"])]
+        assert len(free) > 0.8 * len(shape["points"])
+        _, distance, _ = trimesh.proximity.closest_point_naive(scan, free[::40])
+        assert distance.max() < 1e-5
+
+
+def test_the_glb_holds_rig_drawing_and_one_key_per_iteration(fitted: Path) -> None:
+    gltf = pygltflib.GLTF2().load(str(fitted / "fitted.glb"))
+    (animation,) = gltf.animations
+    assert animation.name == "registration"
+    keys = {gltf.accessors[sampler.input].count for sampler in animation.samplers}
+    assert keys == {document(fitted, "result.json")["iterations"] + 1}
+    assert any(node.name.startswith("drawing_") for node in gltf.nodes)
+
+
+def test_the_log_has_one_line_per_iteration(fitted: Path) -> None:
+    lines = [json.loads(line) for line in (fitted / "fit.log.jsonl").read_text().splitlines()]
+    assert [line["iteration"] for line in lines] == list(range(document(fitted, "result.json")["iterations"] + 1))
+
+
+def test_two_runs_give_the_same_surface(fitted: Path, tmp_path: Path) -> None:
+    main(["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(EXAMPLE / "landmarks.json"), "-o", str(tmp_path)])
+    assert (tmp_path / "fitted.ply").read_bytes() == (fitted / "fitted.ply").read_bytes()
+
+
+def ply(vertices: np.ndarray, faces: np.ndarray) -> bytes:
+    return trimesh.Trimesh(vertices, faces, process=False).export(file_type="ply")
+
+
+def bad_files() -> dict[str, tuple[str, bytes]]:
+    scan = trimesh.load(EXAMPLE / "scan.ply", process=False)
+    holed = np.asarray(scan.vertices).copy()
+    holed[7] = np.nan
+    glb = scan.export(file_type="glb")
+    return {
+        "empty": ("scan.ply", b""),
+        "text": ("scan.ply", b"Dear surgeon, please find attached the scan.\n" * 20),
+        "one triangle": ("scan.ply", ply(np.eye(3), np.array([[0, 1, 2]]))),
+        "not a number": ("scan.ply", ply(holed, scan.faces)),
+        "truncated": ("scan.glb", glb[: len(glb) // 2]),
+        "points only": ("scan.ply", trimesh.PointCloud(scan.vertices).export(file_type="ply")),
+    }
+
+
+@pytest.mark.parametrize("case", ["empty", "text", "one triangle", "not a number", "truncated", "points only"])
+def test_a_bad_scan_gets_one_clear_line_and_exit_code_2(
+    case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name, content = bad_files()[case]
+    (tmp_path / name).write_bytes(content)
+    assert main(["fit", str(tmp_path / name), "-o", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("breastrig: ")
+    assert said.err.count("\n") == 1
+    assert "Traceback" not in said.err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (["--units", "mm"], "unit"),
+        (["--preset", "fast"], "preset"),
+        (["--drawing", "flower"], "drawing"),
+        (["--model", "none.glb"], "none.glb"),
+    ],
+)
+def test_a_wrong_option_is_named(
+    options: list[str], word: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["fit", str(EXAMPLE / "scan.ply"), *options, "-o", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert word in said
+    assert said.count("\n") == 1
+
+
+def test_landmarks_of_another_scan_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    landmarks = document(EXAMPLE, "landmarks.json")
+    landmarks["landmarks"] = {name: [9000.0, 0.0, 0.0] for name in landmarks["landmarks"]}
+    (tmp_path / "far.json").write_text(json.dumps(landmarks))
+    arguments = ["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(tmp_path / "far.json"), "-o", str(tmp_path / "o")]
+    assert main(arguments) == 2
+    assert "away from the scan" in capsys.readouterr().err
+
+
+def test_a_missing_file_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["fit", str(tmp_path / "nothing.ply"), "-o", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_usage_errors_exit_with_2_and_version_says_the_limits_of_use() -> None:
+    run = [sys.executable, "-m", "breastrig.cli.main"]
+    assert subprocess.run([*run, "fit"], capture_output=True, check=False).returncode == 2
+    version = subprocess.run([*run, "--version"], capture_output=True, text=True, check=True).stdout
+    assert "Research use only" in version
