@@ -193,14 +193,15 @@ def fit_iterates(task: FitTask) -> Iterator[FitIterate]:
         last_stage = stage is recipe.stages[-1]
         quiet = 0
         for step_number in range(stage.iterations):
-            progress = step_number / max(stage.iterations - 1, 1)
+            progress = min(step_number / max(stage.tighten - 1, 1), 1.0)
             vertices = posed(rig, x).vertices
             rules = MatchRules(
                 stage.method, _along(stage.max_distance, progress), stage.max_angle, reject_border=stage.reject_border
             )
             matches = match(task.target, vertices, normals_of(vertices), rules)
             mean = float(matches.distances.mean()) if len(matches.distances) else np.inf
-            quiet = quiet + 1 if abs(mean - previous) < recipe.stop.distance_change_m else 0
+            still = progress == 1.0 and abs(mean - previous) < recipe.stop.distance_change_m
+            quiet = quiet + 1 if still else 0
             previous = mean
             if last_stage and quiet >= recipe.stop.patience:
                 yield iterate(stage, matches, Status.CONVERGED)

@@ -1,7 +1,7 @@
 """How a fit goes, as data: stages, priors, stop rule.  Preset files are TOML beside this module.
 
 Every expected size (sigma) has a unit; the paper's compliance λ of a term is its σ² (equations 8 and 9).
-A pair [start, end] is run through geometrically over the stage's iterations.
+A pair [start, end] is run through geometrically while the stage tightens.
 """
 
 import tomllib
@@ -50,7 +50,8 @@ class Shapes(_Part):
 
 class Stage(_Part):
     name: str
-    iterations: Annotated[int, Field(ge=1, le=500)]
+    iterations: Annotated[int, Field(ge=1, le=500)]  # at most
+    tighten: Annotated[int, Field(ge=1, le=500)]  # iterations until every range is at its end; then it may converge
     method: Literal["rays", "tree", "nearest_vertex"]
     max_distance: Range  # m
     max_angle: Positive  # rad
