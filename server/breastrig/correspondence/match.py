@@ -72,7 +72,7 @@ def _by_rays(target: ScanTarget, points: Array, normals: Array, rules: MatchRule
 
 
 def _by_tree(target: ScanTarget, points: Array, rules: MatchRules) -> _Found:
-    closest = target.search.query(points, rules.candidates)
+    closest = target.search.query(points, rules.candidates, rules.max_distance + target.search.largest_reach)
     return _Found(closest.faces, closest.barycentric)
 
 

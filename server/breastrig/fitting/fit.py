@@ -132,6 +132,18 @@ def _onto_simplex(x: RigParameters) -> RigParameters:
     return RigParameters(x.rotations, x.translations, x.scales, weights)
 
 
+def _matches(task: FitTask, stage: Stage, progress: float, vertices: Array, normals: Array) -> Correspondences:
+    """Matches of this stage's share of the model's vertices."""
+    rules = MatchRules(
+        stage.method, _along(stage.max_distance, progress), stage.max_angle, reject_border=stage.reject_border
+    )
+    if stage.every == 1:
+        return match(task.target, vertices, normals, rules)
+    chosen = np.arange(0, len(vertices), stage.every)
+    found = match(task.target, vertices[chosen], normals[chosen], rules)
+    return replace(found, vertices=chosen[found.vertices])
+
+
 def _free(task: FitTask, stage: Stage, dof: int) -> Booleans:
     free = np.ones(dof, dtype=np.bool_)
     bones = len(task.rig.bones)
@@ -183,7 +195,7 @@ def fit_iterates(task: FitTask) -> Iterator[FitIterate]:
         if landmark_points is not None:
             gap = float(np.linalg.norm(landmark_points.positions(vertices, rig.faces) - picked, axis=1).mean())
         mean = float(matches.distances.mean()) if len(matches.distances) else float("nan")
-        coverage = len(matches.distances) / len(vertices)
+        coverage = len(matches.distances) * stage.every / len(vertices)
         return FitIterate(
             iteration, stage.name, x, energy, mean, coverage, gap, time.perf_counter() - began, status
         )
@@ -195,10 +207,7 @@ def fit_iterates(task: FitTask) -> Iterator[FitIterate]:
         for step_number in range(stage.iterations):
             progress = min(step_number / max(stage.tighten - 1, 1), 1.0)
             vertices = posed(rig, x).vertices
-            rules = MatchRules(
-                stage.method, _along(stage.max_distance, progress), stage.max_angle, reject_border=stage.reject_border
-            )
-            matches = match(task.target, vertices, normals_of(vertices), rules)
+            matches = _matches(task, stage, progress, vertices, normals_of(vertices))
             mean = float(matches.distances.mean()) if len(matches.distances) else np.inf
             still = progress == 1.0 and abs(mean - previous) < recipe.stop.distance_change_m
             quiet = quiet + 1 if still else 0
@@ -225,5 +234,5 @@ def fit_iterates(task: FitTask) -> Iterator[FitIterate]:
                 yield iterate(stage, matches, Status.STALLED)
                 return
     vertices = posed(rig, x).vertices
-    matches = match(task.target, vertices, normals_of(vertices), rules)
+    matches = _matches(task, stage, 1.0, vertices, normals_of(vertices))
     yield iterate(stage, matches, Status.OUT_OF_ITERATIONS)

@@ -53,6 +53,7 @@ class Stage(_Part):
     iterations: Annotated[int, Field(ge=1, le=500)]  # at most
     tighten: Annotated[int, Field(ge=1, le=500)]  # iterations until every range is at its end; then it may converge
     method: Literal["rays", "tree", "nearest_vertex"]
+    every: Annotated[int, Field(ge=1, le=20)] = 1  # match every so-manieth vertex only
     max_distance: Range  # m
     max_angle: Positive  # rad
     reject_border: bool = True

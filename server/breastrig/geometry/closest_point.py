@@ -66,18 +66,34 @@ class ClosestPointSearch:
     def __init__(self, vertices: Array, triangles: Integers) -> None:
         self.vertices, self.triangles = vertices, triangles
         self._corners = vertices[triangles]
-        self._tree = cKDTree(self._corners.mean(axis=1), balanced_tree=False, compact_nodes=False)
+        centroids = self._corners.mean(axis=1)
+        spans = np.linalg.norm(self._corners - centroids[:, None], axis=2).max(axis=1)
+        self.largest_reach = float(np.percentile(spans, 99))  # m, from a centroid to its corners; a few are freaks
+        self._tree = cKDTree(centroids, balanced_tree=False, compact_nodes=False)
 
-    def query(self, points: Array, candidates: int = 4) -> ClosestPoints:
-        """The closest point for each of (M, 3) points, the best of `candidates` nearest triangles."""
+    def query(self, points: Array, candidates: int = 4, reach: float = np.inf) -> ClosestPoints:
+        """The closest point for each of (M, 3) points, the best of `candidates` nearest triangles.
+
+        Points without a centroid within `reach` (m) get face -1 and distance inf: asking for less is faster.
+        """
         k = min(candidates, len(self.triangles))
-        _, near = self._tree.query(points, k=k)
+        _, near = self._tree.query(points, k=k, distance_upper_bound=reach)
         near = np.asarray(near).reshape(len(points), k)
-        flat = near.ravel()
-        corners = self._corners[flat]
-        repeated = np.repeat(points, k, axis=0)
-        barycentric = closest_barycentric(repeated, corners)
-        found = np.einsum("mc,mcd->md", barycentric, corners)
-        gaps = np.linalg.norm(found - repeated, axis=1).reshape(-1, k)
-        best = gaps.argmin(axis=1) + k * np.arange(len(points))
-        return ClosestPoints(flat[best], barycentric[best], found[best], gaps.ravel()[best])
+        query, column = np.nonzero(near < len(self.triangles))
+        faces = near[query, column]
+        barycentric = closest_barycentric(points[query], self._corners[faces])
+        found = np.einsum("mc,mcd->md", barycentric, self._corners[faces])
+        gaps = np.full((len(points), k), np.inf)
+        slot = np.zeros((len(points), k), dtype=np.int64)
+        gaps[query, column] = np.linalg.norm(found - points[query], axis=1)
+        slot[query, column] = np.arange(len(query))
+        best = gaps.argmin(axis=1)
+        rows = np.arange(len(points))
+        distances = gaps[rows, best]
+        hit = np.isfinite(distances)
+        chosen = slot[rows[hit], best[hit]]
+        result = ClosestPoints(
+            np.full(len(points), -1, dtype=np.int64), np.zeros((len(points), 3)), points.copy(), distances
+        )
+        result.faces[hit], result.barycentric[hit], result.points[hit] = faces[chosen], barycentric[chosen], found[chosen]
+        return result
