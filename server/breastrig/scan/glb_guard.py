@@ -2,7 +2,8 @@
 
 A .glb can name other files or addresses, hide its geometry in a compression whose decoded indices nobody
 checks, build a scene that contains itself, or claim arrays of any length.  All of that is refused here by
-reading the JSON alone; pictures that are neither JPEG nor PNG are taken out.
+reading the JSON alone; pictures that are neither JPEG nor PNG are taken out.  Vertex colours are given a
+name that the library hands through untouched, because it mixes up their number formats.
 """
 
 import base64
@@ -15,11 +16,15 @@ from breastrig.scan.limits import GLTF_NODES, TRIANGLES, VERTICES
 from breastrig.scan.texture import is_picture
 
 HARMLESS = ("KHR_materials_", "KHR_texture_transform", "KHR_lights_punctual", "EXT_materials_")
+HIDDEN_COLOURS = "_BREASTRIG_COLOUR"
 COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
 
 
 def guarded(data: bytes) -> tuple[bytes, tuple[str, ...]]:
-    """(the .glb, possibly without its pictures, notes).  BadScan or TooLarge with a sentence."""
+    """(the .glb, its vertex colours renamed, possibly without its pictures; notes).
+
+    Raises BadScan or TooLarge with a sentence.
+    """
     try:
         document, binary = split_glb(data)
         _check_extensions(document)
@@ -30,15 +35,17 @@ def guarded(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     except (ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError) as error:
         reason = str(error) if type(error) is ValueError else "its structure is broken"
         raise BadScan(f"This GLB file cannot be read: {reason}; export it again.") from error
-    if kept:
-        return data, ()
-    for key in ("images", "textures", "materials", "samplers"):
-        document.pop(key, None)
-    for mesh in document.get("meshes", []):
-        for primitive in mesh.get("primitives", []):
+    primitives = [primitive for mesh in document.get("meshes", []) for primitive in mesh["primitives"]]
+    for primitive in primitives:
+        if "COLOR_0" in primitive["attributes"]:
+            primitive["attributes"][HIDDEN_COLOURS] = primitive["attributes"].pop("COLOR_0")
+    if not kept:
+        for key in ("images", "textures", "materials", "samplers"):
+            document.pop(key, None)
+        for primitive in primitives:
             primitive.pop("material", None)
     note = "The texture is neither JPEG nor PNG, or damaged, and was left out."
-    return pack_glb(json.dumps(document).encode(), binary), (note,)
+    return pack_glb(json.dumps(document).encode(), binary), () if kept else (note,)
 
 
 def _check_extensions(document: dict[str, Any]) -> None:

@@ -23,7 +23,7 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.archive import COMPANIONS, unpacked
 from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import BINARY_STL_HEADER, BINARY_STL_TRIANGLE, file_type_of
-from breastrig.scan.glb_guard import guarded
+from breastrig.scan.glb_guard import HIDDEN_COLOURS, guarded
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES, VERTICES
 from breastrig.scan.scan import Scan
 from breastrig.scan.texture import is_picture, written_anew
@@ -90,6 +90,7 @@ class _Files(Resolver):  # type: ignore[misc]
     def __init__(self, files: Mapping[str, bytes]) -> None:
         self._files = files
         self._names = {name.lower(): name for name in files}
+        self.delivered = False  # a picture was asked for and given
         self.refused = False  # a picture that is none was asked for
         self.too_large: TooLarge | None = None  # kept, because the library swallows what is raised here
 
@@ -100,6 +101,7 @@ class _Files(Resolver):  # type: ignore[misc]
             return content
         try:
             if is_picture(content):
+                self.delivered = True
                 return content
         except TooLarge as error:
             self.too_large = error
@@ -159,7 +161,8 @@ def _parsed(data: bytes, kind: str, files: Mapping[str, bytes], texture: bool) -
             warnings.simplefilter("ignore")
             stream = trimesh.util.wrap_as_stream(data)
             scene = trimesh.load_scene(stream, file_type=kind, resolver=resolver, process=False)
-            _collect(scene, parts, kind, texture)
+            # where there is no picture the library makes one up, so what it has is believed only if we gave it
+            _collect(scene, parts, textured=texture and (resolver.delivered or kind == "glb"))
     except MemoryError as error:
         raise TooLarge("Reading this scan needs more memory than there is; simplify it first.") from error
     except BadInput:
@@ -200,7 +203,7 @@ def _check_announced_sizes(data: bytes, kind: str) -> None:
         raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
 
 
-def _collect(scene: trimesh.Scene, parts: _Parts, kind: str, texture: bool) -> None:
+def _collect(scene: trimesh.Scene, parts: _Parts, textured: bool) -> None:
     """Joins the scene's meshes, each where its node puts it, with the colours or the texture that all share."""
     meshes = []
     for node in scene.graph.nodes_geometry:
@@ -227,11 +230,13 @@ def _collect(scene: trimesh.Scene, parts: _Parts, kind: str, texture: bool) -> N
         offset += len(own)
     parts.vertices, parts.faces = np.concatenate(vertices), np.concatenate(faces)
     visuals = [mesh.visual for mesh, _ in meshes]
-    if texture and all(visual.kind == "texture" for visual in visuals):
+    linear = [mesh.vertex_attributes.get(HIDDEN_COLOURS) for mesh, _ in meshes]
+    if textured and all(visual.kind == "texture" for visual in visuals):
         _collect_texture(visuals, parts)
-    elif all(visual.kind == "vertex" for visual in visuals):
-        colours = np.concatenate([np.asarray(visual.vertex_colors)[:, :3] for visual in visuals])
-        parts.colours = _srgb(colours) if kind == "glb" else colours.astype(np.uint8)
+    if parts.texture is None and all(colours is not None for colours in linear):
+        parts.colours = np.concatenate([_srgb(np.asarray(colours)) for colours in linear])
+    elif parts.texture is None and all(visual.kind == "vertex" for visual in visuals):
+        parts.colours = np.concatenate([np.asarray(visual.vertex_colors)[:, :3] for visual in visuals])
 
 
 def _collect_texture(visuals: list[Any], parts: _Parts) -> None:
@@ -254,11 +259,12 @@ def _collect_texture(visuals: list[Any], parts: _Parts) -> None:
         parts.notes.append("The texture is damaged and was left out.")
 
 
-def _srgb(linear: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """sRGB of linear light, which glTF's vertex colours are."""
-    light = np.arange(256) / 255.0
-    table = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
-    return np.asarray(np.round(255.0 * table).astype(np.uint8)[linear])
+def _srgb(linear: NDArray[Any]) -> NDArray[np.uint8]:
+    """(V, 3) sRGB of linear light as glTF stores it: floats from 0 to 1, or whole numbers up to their maximum."""
+    full = 1.0 if linear.dtype.kind == "f" else float(np.iinfo(linear.dtype).max)
+    light = np.clip(np.nan_to_num(linear[:, :3].astype(np.float64) / full), 0.0, 1.0)
+    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
+    return np.asarray(np.round(255.0 * encoded).astype(np.uint8))
 
 
 def _corners_joined(vertices: Array, faces: Integers) -> tuple[Array, Integers]:

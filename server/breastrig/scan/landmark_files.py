@@ -1,0 +1,227 @@
+"""Landmark files, in and out: ours (JSON), CSV, MeshLab's picked points (.pp), 3D Slicer's markups (.mrk.json).
+
+All hold points in the scan's own frame.  Ours may name its unit; the others are read in the scan's unit,
+because the programs that write them show a mesh's numbers as they are: Slicer writes "mm" even when the mesh
+that it shows is in metres.
+
+Slicer's frame.  Slicer turns mesh files and markup files alike from LPS (x to the left, y to the back, z up)
+into RAS when it reads them and back when it writes: points stored as LPS, its default, are therefore in the
+numbers of the mesh file; points stored as RAS have x and y of the other sign.
+"""
+
+import csv
+import json
+import math
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BadLandmarks
+from breastrig.core.units import METRES_PER_UNIT
+
+SCHEMA = "breastrig/landmarks@1"
+SLICER_SCHEMA = (
+    "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/"
+    "markups-schema-v1.0.3.json#"
+)
+SLICER_TO_MESH = {"LPS": np.array([1.0, 1.0, 1.0]), "RAS": np.array([-1.0, -1.0, 1.0])}
+FILE_TYPES = ("json", "csv", "pp", "mrk.json")
+FORMATS = "a landmark file is JSON, CSV (name,x,y,z), MeshLab .pp or 3D Slicer .mrk.json"
+LIMIT_BYTES = 10_000_000
+LIMIT_POINTS = 1000
+LIMIT_NAME = 100  # characters
+
+
+def read_landmarks(source: Path | bytes, file_type: str | None = None) -> tuple[dict[str, Array], str | None]:
+    """({name: (3,) point in the scan's frame}, unit of the file or None for the scan's unit).
+
+    The kind of file is decided from its content; `file_type` (the name's ending) only words the error.  Names
+    are not compared with any model here.  Raises BadLandmarks with one sentence.
+    """
+    text = _text(source)
+    start = text.lstrip()[:1]
+    if start == "{":
+        pairs, unit = _from_json(text)
+    elif start == "<":
+        pairs, unit = _from_meshlab(text), None
+    else:
+        pairs, unit = _from_csv(text, file_type or (source.suffix if isinstance(source, Path) else "")), None
+    return _checked(pairs), unit
+
+
+def landmark_file(places: Mapping[str, Array], file_type: str = "json", unit: str | None = None) -> bytes:
+    """The bytes of a landmark file; file_type is one of FILE_TYPES.
+
+    `unit` is written into our JSON only: in the other kinds the points must be in the scan's unit.
+    """
+    points = {name: [float(value) for value in place] for name, place in places.items()}
+    if file_type == "json":
+        document: dict[str, Any] = {"schema": SCHEMA} | ({"unit": unit} if unit else {}) | {"landmarks": points}
+        return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
+    if file_type == "csv":
+        rows = ["name,x,y,z", *(",".join([name, *map(repr, point)]) for name, point in points.items())]
+        return ("\n".join(rows) + "\n").encode()
+    if file_type == "pp":
+        return _meshlab(points)
+    if file_type == "mrk.json":
+        return _slicer(points)
+    raise BadLandmarks(f'"{file_type}" is not a kind of landmark file; known are: {", ".join(FILE_TYPES)}.')
+
+
+def write_landmarks(path: Path, places: Mapping[str, Array], unit: str | None = None) -> None:
+    """Writes `path` in the kind that its name's ending asks for; see `landmark_file`."""
+    name = path.name.lower()
+    kind = "mrk.json" if name.endswith(".mrk.json") else path.suffix.lower().lstrip(".")
+    path.write_bytes(landmark_file(places, kind, unit))
+
+
+def _text(source: Path | bytes) -> str:
+    try:
+        size = len(source) if isinstance(source, bytes) else source.stat().st_size
+        if size > LIMIT_BYTES:
+            raise BadLandmarks(f"This landmark file is larger than {LIMIT_BYTES // 10**6} MB; {FORMATS}.")
+        data = source if isinstance(source, bytes) else source.read_bytes()
+        return data.decode("utf-8-sig")
+    except OSError as error:
+        raise BadLandmarks(
+            f"The landmark file {source!s} cannot be read ({error.strerror}); check the name."
+        ) from error
+    except UnicodeDecodeError as error:
+        raise BadLandmarks(f"This landmark file is not text; {FORMATS}.") from error
+
+
+def _from_json(text: str) -> tuple[list[tuple[str, Any]], str | None]:
+    try:
+        document = json.loads(text, object_pairs_hook=_Pairs)
+    except (ValueError, RecursionError) as error:
+        raise BadLandmarks("This landmark file is not valid JSON; export it again.") from error
+    if "markups" in document:
+        return _from_slicer(document), None
+    landmarks = document.get("landmarks")
+    if not isinstance(landmarks, _Pairs) or document.get("schema", SCHEMA) != SCHEMA:
+        raise BadLandmarks(f'This JSON is not a landmark file ("schema": "{SCHEMA}"); {FORMATS}.')
+    unit = document.get("unit")
+    if unit is not None and (not isinstance(unit, str) or unit not in METRES_PER_UNIT):
+        raise BadLandmarks(f"The unit of this landmark file is not known; use {', '.join(METRES_PER_UNIT)}.")
+    return landmarks.pairs, unit
+
+
+class _Pairs(dict[str, Any]):
+    """A JSON object that remembers names that came twice."""
+
+    def __init__(self, pairs: list[tuple[str, Any]]) -> None:
+        super().__init__(pairs)
+        self.pairs = pairs
+
+
+def _from_slicer(document: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    pairs: list[tuple[str, Any]] = []
+    try:
+        for markup in document["markups"]:
+            system = str(markup.get("coordinateSystem", "LPS"))
+            signs = SLICER_TO_MESH.get({"0": "RAS", "1": "LPS"}.get(system, system).upper())
+            if signs is None:
+                raise BadLandmarks(
+                    f'The coordinate system "{system[:20]}" of this markups file is neither LPS nor RAS.'
+                )
+            for point in markup["controlPoints"]:
+                if point.get("positionStatus", "defined") != "defined":
+                    continue  # a template's point that was not placed, or was skipped
+                pairs.append((point["label"], [a * b for a, b in zip(point["position"], signs, strict=True)]))
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise BadLandmarks("This 3D Slicer markups file is incomplete; save the point list again.") from error
+    return pairs
+
+
+def _from_meshlab(text: str) -> list[tuple[str, Any]]:
+    if "<!ENTITY" in text.upper():
+        raise BadLandmarks("This .pp file defines entities, which picked points never need; export it again.")
+    try:
+        root = ElementTree.fromstring(text)
+    except (ElementTree.ParseError, ValueError, RecursionError) as error:
+        raise BadLandmarks(f"This file is not valid XML; {FORMATS}.") from error
+    if root.tag != "PickedPoints":
+        raise BadLandmarks(f"This XML is not a MeshLab .pp file; {FORMATS}.")
+    return [
+        (point.get("name", ""), [point.get(axis, "") for axis in "xyz"])
+        for point in root.iter("point")
+        if point.get("active", "1") != "0"  # a template's point that was not picked
+    ]
+
+
+def _from_csv(text: str, file_type: str) -> list[tuple[str, Any]]:
+    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    if not lines:
+        raise BadLandmarks("This landmark file is empty; pick landmarks and export them again.")
+    separator = next((mark for mark in ";\t," if mark in lines[0]), None)
+    if separator is None:
+        named = f"This file is named {file_type} but" if file_type else "This file"
+        raise BadLandmarks(f"{named} holds no landmarks; {FORMATS}.")
+    try:
+        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
+    except csv.Error as error:
+        raise BadLandmarks(f"This CSV cannot be read; {FORMATS}.") from error
+    if [cell[:1].lower() for cell in rows[0][1:4]] == ["x", "y", "z"]:
+        rows = rows[1:]  # the header
+    if separator == ";":
+        rows = [[row[0], *(cell.replace(",", ".") for cell in row[1:])] for row in rows]  # 1,5 as spreadsheets write it
+    return [(row[0], row[1:]) for row in rows]
+
+
+def _checked(pairs: list[tuple[str, Any]]) -> dict[str, Array]:
+    if not pairs:
+        raise BadLandmarks("This landmark file holds no landmarks; pick some and export them again.")
+    if len(pairs) > LIMIT_POINTS:
+        raise BadLandmarks(f"This file holds {len(pairs):,} points, more than the {LIMIT_POINTS:,} allowed.")
+    places: dict[str, Array] = {}
+    for name, place in pairs:
+        if not isinstance(name, str) or not name.strip() or len(name) > LIMIT_NAME:
+            raise BadLandmarks("A landmark in this file has no proper name; give each point its landmark's name.")
+        name = name.strip()
+        if name in places:
+            raise BadLandmarks(f'The landmark "{name}" stands twice in this file; keep one.')
+        places[name] = np.array(_three_numbers(name, place))
+    return places
+
+
+def _three_numbers(name: str, place: Any) -> list[float]:
+    try:
+        if isinstance(place, str | bytes) or len(place) != 3 or any(isinstance(value, bool) for value in place):
+            raise TypeError
+        numbers = [float(value) for value in place]
+    except (TypeError, ValueError, OverflowError) as error:
+        raise BadLandmarks(f'The landmark "{name}" needs three numbers x, y, z.') from error
+    if not all(math.isfinite(value) for value in numbers):
+        raise BadLandmarks(f'The landmark "{name}" has a coordinate that is not a finite number; pick it again.')
+    return numbers
+
+
+def _meshlab(points: Mapping[str, list[float]]) -> bytes:
+    root = ElementTree.Element("PickedPoints")
+    for name, point in points.items():
+        axes = {axis: repr(value) for axis, value in zip("xyz", point, strict=True)}
+        ElementTree.SubElement(root, "point", {**axes, "active": "1", "name": name})
+    ElementTree.indent(root, " ")
+    return b"<!DOCTYPE PickedPoints>\n" + ElementTree.tostring(root) + b"\n"
+
+
+def _slicer(points: Mapping[str, list[float]]) -> bytes:
+    document = {
+        "@schema": SLICER_SCHEMA,
+        "markups": [
+            {
+                "type": "Fiducial",
+                "coordinateSystem": "LPS",
+                "coordinateUnits": "mm",
+                "controlPoints": [
+                    {"id": str(index + 1), "label": name, "position": point, "positionStatus": "defined"}
+                    for index, (name, point) in enumerate(points.items())
+                ],
+            }
+        ],
+    }
+    return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()

@@ -1,0 +1,112 @@
+"""Damaged and random bytes never do anything but raise BadInput with a sentence."""
+
+import numpy as np
+import pytest
+from helpers.scan_files import as_bytes, picture, textured_obj, tube, zipped
+from helpers.toy_rig import toy_rig
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from breastrig.core.errors import BadInput
+from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.landmark_files import landmark_file, read_landmarks
+from breastrig.scan.read import read_scan
+
+BOUNDED = settings(
+    max_examples=150, derandomize=True, deadline=None, database=None, suppress_health_check=list(HealthCheck)
+)
+SCANS = {kind: as_bytes(tube(), kind) for kind in ("ply", "obj", "stl", "stl_ascii", "glb")}
+SCANS["ply_ascii"] = tube().export(file_type="ply", encoding="ascii")
+SCANS["textured_glb"] = mesh_glb(toy_rig().template, toy_rig().faces, uv=toy_rig().uv, texture=picture())
+SCANS["zip"] = zipped({**textured_obj(), "skin.jpg": picture()})
+LANDMARKS = {
+    kind: landmark_file({"nipple_L": np.array([1.0, 2.5, -3.0]), "xiphoid": np.array([0.0, 1e-3, 9.0])}, kind, "mm")
+    for kind in ("json", "csv", "pp", "mrk.json")
+}
+
+
+@st.composite
+def damage(draw: st.DrawFn, length: int) -> list[tuple[str, int, bytes]]:
+    """A few edits, more of them near the beginning, where headers are."""
+    near = st.integers(0, min(length - 1, 600))
+    place = st.one_of(near, near, st.integers(0, length - 1))
+    edit = st.tuples(st.sampled_from(["set", "set", "insert", "cut", "end"]), place, st.binary(min_size=1, max_size=6))
+    return draw(st.lists(edit, min_size=1, max_size=6))
+
+
+def damaged(data: bytes, edits: list[tuple[str, int, bytes]]) -> bytes:
+    for what, place, content in edits:
+        if what == "set":
+            data = data[:place] + content + data[place + len(content) :]
+        elif what == "insert":
+            data = data[:place] + content + data[place:]
+        elif what == "cut":
+            data = data[:place] + data[place + len(content) :]
+        else:
+            data = data[: place + 1]
+    return data
+
+
+def is_sentence(error: BadInput) -> bool:
+    return str(error).endswith(".") and "\n" not in str(error)
+
+
+def refused_or_sound(data: bytes, named: str | None = None) -> None:
+    refused = None
+    try:
+        scan = read_scan(data, named, "m")
+    except BadInput as error:
+        refused = error
+    if refused is not None:
+        assert is_sentence(refused)
+        return
+    assert np.isfinite(scan.vertices).all()
+    assert scan.faces.min() >= 0
+    assert scan.faces.max() < len(scan.vertices)
+    assert scan.colours is None or scan.colours.shape == scan.vertices.shape
+    assert (scan.uv is None) == (scan.texture is None)
+
+
+@pytest.mark.parametrize("kind", SCANS)
+def test_a_damaged_scan_is_refused_or_sound(kind: str) -> None:
+    data = SCANS[kind]
+
+    @BOUNDED
+    @given(damage(len(data)))
+    def run(edits: list[tuple[str, int, bytes]]) -> None:
+        refused_or_sound(damaged(data, edits), kind.split("_")[0])
+
+    run()
+
+
+@BOUNDED
+@given(st.binary(max_size=300), st.sampled_from([None, "ply", "obj", "stl", "glb", "zip"]))
+def test_random_bytes_are_refused(data: bytes, named: str | None) -> None:
+    with pytest.raises(BadInput):
+        read_scan(data, named)
+
+
+@BOUNDED
+@given(st.sampled_from(sorted(LANDMARKS)), st.data())
+def test_a_damaged_landmark_file_is_refused_or_sound(kind: str, source: st.DataObject) -> None:
+    data = damaged(LANDMARKS[kind], source.draw(damage(len(LANDMARKS[kind]))))
+    refused = None
+    try:
+        places, _ = read_landmarks(data)
+    except BadInput as error:
+        refused = error
+    if refused is not None:
+        assert is_sentence(refused)
+        return
+    assert places
+    assert all(place.shape == (3,) and np.isfinite(place).all() for place in places.values())
+
+
+@BOUNDED
+@given(st.text(max_size=200))
+def test_random_text_is_no_landmark_file_or_a_sound_one(text: str) -> None:
+    try:
+        places, _ = read_landmarks(text.encode("utf-8", "surrogatepass"))
+    except BadInput:
+        return
+    assert all(np.isfinite(place).all() for place in places.values())

@@ -1,0 +1,331 @@
+"""Every bad file is refused with one plain sentence, and nothing is opened, fetched or filled on the way."""
+
+import base64
+import json
+import re
+import struct
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.scan_files import as_bytes, picture, ply_text, textured_obj, tube, zipped
+from helpers.toy_rig import toy_rig
+
+import breastrig.scan.read as read
+from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge
+from breastrig.core.glb import pack_glb, split_glb
+from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.read import read_scan
+
+
+def sentence(error: BaseException) -> str:
+    """The message, checked to be one sentence for a person."""
+    text = str(error)
+    assert "\n" not in text
+    assert text.endswith(".")
+    assert text[0].isupper() or text[0].isdigit() or text[0] == '"'
+    assert not re.search(r"Traceback|Error|0x|/tmp|numpy|trimesh", text)
+    return text
+
+
+def refused(data: bytes | Path, kind: type[BadInput] = BadScan, named: str | None = None, units: str = "auto") -> str:
+    with pytest.raises(BadInput) as caught:
+        read_scan(data, named, units)
+    assert type(caught.value) is kind
+    return sentence(caught.value)
+
+
+def changed_glb(change: Callable[[dict[str, Any]], None], data: bytes | None = None) -> bytes:
+    document, binary = split_glb(data or as_bytes(tube(), "glb"))
+    change(document)
+    return pack_glb(json.dumps(document).encode(), binary)
+
+
+FACES = toy_rig().faces
+
+
+def test_an_empty_file() -> None:
+    assert "empty" in refused(b"")
+
+
+@pytest.mark.parametrize("named", ["ply", "obj", "stl", "glb", "zip"])
+def test_a_text_file_with_the_ending_of_a_scan(named: str) -> None:
+    assert f".{named}" in refused(b"Dear surgeon,\nthis is not a scan.\n", named=named)
+
+
+def test_a_file_of_an_unknown_kind() -> None:
+    assert "not a PLY, OBJ, STL, GLB or zip" in refused(b"\x89HDF\r\n\x1a\n" + bytes(100))
+
+
+def test_a_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(BadScan, match="cannot be read"):
+        read_scan(tmp_path / "nothing.ply")
+
+
+def test_one_triangle() -> None:
+    vertices = np.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0]])
+    assert "only 1 triangle" in refused(ply_text(vertices, np.array([[0, 1, 2]])))
+
+
+@pytest.mark.parametrize("kind", ["ply", "obj"])
+def test_a_point_cloud(kind: str) -> None:
+    points = toy_rig().template
+    text = ply_text(points, np.zeros((0, 3), int))
+    if kind == "obj":
+        text = "\n".join("v {} {} {}".format(*point) for point in points).encode()
+    assert "triangle mesh" in refused(text)
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "-inf"])
+def test_vertices_that_are_not_finite(value: str) -> None:
+    vertices = toy_rig().template.copy()
+    vertices[17, 1] = float(value)
+    assert "1 vertices of this scan are not finite" in refused(ply_text(vertices, FACES))
+    stl = bytearray(as_bytes(tube(), "stl"))
+    stl[84 + 12 : 84 + 16] = struct.pack("<f", float(value))
+    assert "not finite" in refused(bytes(stl))
+
+
+@pytest.mark.parametrize("kind", ["ply", "stl", "glb"])
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.6, 0.99])
+def test_a_truncated_file(kind: str, share: float) -> None:
+    data = as_bytes(tube(), kind)
+    assert "cut off" in refused(data[: int(share * len(data))], named=kind)
+
+
+def test_triangles_that_name_missing_vertices() -> None:
+    for wrong in (len(toy_rig().template), -1):
+        faces = FACES.copy()
+        faces[5, 1] = wrong
+        refused(ply_text(toy_rig().template, faces))
+    lines = ["v {} {} {}".format(*vertex) for vertex in toy_rig().template] + ["f 1 2 999999"] * 300
+    refused("\n".join(lines).encode())
+
+
+@pytest.mark.parametrize("count", [10**7, 10**12, 10**30])
+def test_a_header_that_promises_more_than_the_file_holds(count: int) -> None:
+    for element in (b"vertex 204", b"face 384"):
+        name = element.split()[0]
+        data = as_bytes(tube(), "ply").replace(element, b"%s %d" % (name, count), 1)
+        with pytest.raises(BadInput) as caught:
+            read_scan(data)
+        sentence(caught.value)
+
+
+def test_over_the_triangle_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(read, "TRIANGLES", 300)
+    for kind in ("ply", "obj", "stl", "stl_ascii"):
+        assert "triangles allowed" in refused(as_bytes(tube(), kind), TooLarge)
+
+
+def test_a_glb_over_the_triangle_limit_by_repeating_one_mesh() -> None:
+    def repeat(document: dict[str, Any]) -> None:
+        index = next(node["mesh"] for node in document["nodes"] if "mesh" in node)
+        document["nodes"] = [{"mesh": index} for _ in range(9999)]
+        document["scenes"] = [{"nodes": list(range(9999))}]
+        document["accessors"][document["meshes"][index]["primitives"][0]["indices"]]["count"] = 3 * 600
+
+    assert "triangles allowed" in refused(changed_glb(repeat), TooLarge)
+
+
+def test_over_the_size_limit(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(read, "FILE_BYTES", 1000)
+    data = as_bytes(tube(), "ply")
+    assert "MB allowed" in refused(data, TooLarge)
+    (tmp_path / "scan.ply").write_bytes(data)
+    assert "MB allowed" in refused(tmp_path / "scan.ply", TooLarge)
+
+
+def test_a_glb_that_points_elsewhere() -> None:
+    for uri in ("file:///etc/passwd", "../secret.bin", "https://example.org/a.bin"):
+        assert "other files" in refused(
+            changed_glb(lambda d, uri=uri: d["buffers"].append({"byteLength": 4, "uri": uri}))
+        )
+        assert "other files" in refused(changed_glb(lambda d, uri=uri: d.update(images=[{"uri": uri}])))
+
+
+@pytest.mark.parametrize("name", ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"])
+def test_a_compressed_glb(name: str) -> None:
+    assert "without compression" in refused(changed_glb(lambda d: d.update(extensionsUsed=[name])))
+    assert "without compression" in refused(changed_glb(lambda d: d.update(extensionsRequired=[name])))
+
+
+def test_a_glb_that_needs_an_unknown_extension() -> None:
+    assert "extension" in refused(changed_glb(lambda d: d.update(extensionsRequired=["KHR_mesh_quantization"])))
+
+
+def test_a_gltf_with_its_data_elsewhere() -> None:
+    assert "one .glb" in refused(json.dumps({"asset": {"version": "2.0"}, "buffers": []}).encode(), named="gltf")
+
+
+def test_a_scene_that_contains_itself() -> None:
+    refused(changed_glb(lambda d: d.update(nodes=[{"children": [1]}, {"children": [0]}], scenes=[{"nodes": [0]}])))
+    refused(changed_glb(lambda d: d.update(nodes=[{"children": [0]}], scenes=[{"nodes": [0]}])))
+
+
+def test_a_glb_whose_arrays_claim_to_be_huge() -> None:
+    def grow(document: dict[str, Any]) -> None:
+        for accessor in document["accessors"]:
+            accessor["count"] = 10**11
+            accessor.pop("bufferView", None)
+
+    assert "triangles allowed" in refused(changed_glb(grow), TooLarge)
+    refused(changed_glb(lambda d: d["accessors"][0].update(count=-3)))
+    refused(changed_glb(lambda d: d["accessors"][0].update(count="many")))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [b"{", b"[]", b"null", b'{"meshes": 3}', b'{"nodes": [3]}', b"[" * 100_000, b'{"accessors": {}}', b"\xff\xfe"],
+)
+def test_a_glb_whose_json_is_nonsense(text: bytes) -> None:
+    refused(pack_glb(text, b""))
+
+
+def test_a_glb_of_another_version() -> None:
+    data = bytearray(as_bytes(tube(), "glb"))
+    data[4] = 1
+    assert "version 1" in refused(bytes(data))
+
+
+def bomb() -> bytes:
+    """A PNG of a few bytes that claims 100,000 x 100,000 pixels."""
+    data = picture("PNG")
+    return data[:16] + struct.pack(">II", 100_000, 100_000) + data[24:]
+
+
+def test_a_picture_with_too_many_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
+    import breastrig.scan.texture as texture
+
+    large = picture("PNG", (400, 300))
+    monkeypatch.setattr(texture, "IMAGE_PIXELS", 100_000)
+    rig = toy_rig()
+    assert "pixels" in refused(zipped({**textured_obj("a.png"), "a.png": large}), TooLarge)
+    assert "pixels" in refused(mesh_glb(rig.template, rig.faces, uv=rig.uv, texture=large), TooLarge)
+
+
+def test_a_picture_bomb_is_never_unpacked() -> None:
+    rig = toy_rig()
+    for data in (
+        zipped({**textured_obj("a.png"), "a.png": bomb()}),
+        mesh_glb(rig.template, rig.faces, uv=rig.uv, texture=bomb()),
+    ):
+        try:
+            assert read_scan(data).texture is None
+        except BadInput as error:
+            sentence(error)
+
+
+def test_a_damaged_picture_is_left_out_and_said() -> None:
+    rig = toy_rig()
+    damaged = picture()[:300]
+    for data in (
+        zipped({**textured_obj("a.jpg"), "a.jpg": damaged}),
+        mesh_glb(rig.template, rig.faces, uv=rig.uv, texture=damaged),
+    ):
+        scan = read_scan(data)
+        assert scan.texture is None
+        assert scan.uv is None
+        assert "left out" in scan.notes[0]
+
+
+def test_a_picture_hidden_in_a_data_address_is_checked_too() -> None:
+    uri = "data:image/png;base64," + base64.b64encode(b"GIF89a" + bytes(60)).decode()
+    scan = read_scan(changed_glb(lambda d: d.update(images=[{"uri": uri}], textures=[{"source": 0}])))
+    assert "left out" in scan.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("files", "word"),
+    [
+        ({}, "0 meshes"),
+        ({"a.ply": b"x", "b.obj": b"y"}, "2 meshes"),
+        ({"../a.ply": b"x"}, "folders"),
+        ({"scan/a.ply": b"x"}, "folders"),
+        ({"C:\\a.ply": b"x"}, "folders"),
+        ({"a.ply": b"x", "run.exe": b"y"}, "leave it out"),
+        ({"a.ply": b"x", "inner.zip": b"y"}, "leave it out"),
+        ({"a.ply": b"x", "A.PLY": b"y"}, "same name"),
+        ({"a.ply": b""}, "empty"),
+    ],
+)
+def test_a_zip_with_the_wrong_things_in_it(files: dict[str, bytes], word: str) -> None:
+    assert word in refused(zipped(files))
+
+
+def test_a_zip_with_too_much_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    import breastrig.scan.archive as archive
+
+    assert "files" in refused(zipped({f"{i}.jpg": b"x" for i in range(21)}), TooLarge)
+    assert "times" in refused(zipped({"a.obj": bytes(2_000_000)}), TooLarge)
+    monkeypatch.setattr(archive, "FILE_BYTES", 1000)
+    assert "unpacks" in refused(zipped({"a.ply": as_bytes(tube(), "ply")}), TooLarge)
+
+
+def test_a_damaged_zip() -> None:
+    data = zipped({"a.ply": as_bytes(tube(), "ply")})
+    assert "cut off" in refused(data[: len(data) // 2])
+    wrong = bytearray(data)
+    wrong[200] ^= 0xFF
+    refused(bytes(wrong))
+
+
+def test_a_zip_that_lies_about_its_sizes() -> None:
+    data = bytearray(zipped({"a.obj": b"v 0 0 0\n" * 1000}))
+    for mark, place in ((b"PK\x03\x04", 22), (b"PK\x01\x02", 24)):
+        start = data.find(mark) + place
+        data[start : start + 4] = struct.pack("<I", 100)
+    refused(bytes(data))
+
+
+def test_an_encrypted_zip(tmp_path: Path) -> None:
+    data = bytearray(zipped({"a.ply": as_bytes(tube(), "ply")}))
+    for mark, place in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        data[data.find(mark) + place] |= 1
+    assert "encrypted" in refused(bytes(data))
+
+
+def test_a_zip_of_a_zip_under_another_name() -> None:
+    inner = zipped({"a.ply": as_bytes(tube(), "ply")})
+    assert "another zip" in refused(zipped({"a.ply": inner}))
+
+
+@pytest.mark.parametrize("scale", [0.05, 1e4, 1e6, 1e-30])
+def test_a_scan_of_no_plausible_size(scale: float) -> None:
+    assert "no torso" in refused(as_bytes(tube(scale), "ply"))
+
+
+def test_a_scan_in_the_wrong_unit() -> None:
+    text = refused(as_bytes(tube(1000.0), "ply"), units="m")
+    assert "In metres" in text
+    assert "mm would fit" in text
+
+
+def test_a_scan_of_a_single_place() -> None:
+    refused(ply_text(np.zeros_like(toy_rig().template), FACES))
+    refused(ply_text(np.zeros_like(toy_rig().template), FACES), units="m")
+
+
+def test_coordinates_too_large_for_arithmetic() -> None:
+    refused(ply_text(toy_rig().template * 1e300, FACES))
+
+
+def test_an_unknown_unit() -> None:
+    assert "furlong" in refused(as_bytes(tube(), "ply"), BadSettings, units="furlong")
+
+
+def test_no_mesh_names_a_file_in_the_zip_that_is_no_companion() -> None:
+    files = textured_obj("model.obj")
+    assert read_scan(zipped(files)).texture is None
+
+
+def test_zipfile_is_asked_for_nothing_before_the_checks(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*_: object, **__: object) -> bytes:
+        raise AssertionError("an entry was unpacked before the archive was checked")
+
+    data = zipped({f"{i}.jpg": b"x" for i in range(21)})
+    monkeypatch.setattr(zipfile.ZipFile, "read", never)
+    refused(data, TooLarge)

@@ -1,0 +1,163 @@
+"""Landmark files of four kinds, in and out, and one sentence for each that cannot be used."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from breastrig.core.errors import BadLandmarks
+from breastrig.scan.landmark_files import FILE_TYPES, landmark_file, read_landmarks, write_landmarks
+
+PLACES = {
+    "nipple_L": np.array([102.25, -11.0, 1e-3]),
+    "nipple_R": np.array([-98.5, -12.125, 0.3]),
+    "umbilicus": np.array([0.1, 0.2, 1234.5678901]),
+}
+
+
+def same(found: dict[str, np.ndarray], wanted: dict[str, np.ndarray] = PLACES) -> bool:
+    return list(found) == list(wanted) and all(np.array_equal(found[name], wanted[name]) for name in wanted)
+
+
+@pytest.mark.parametrize("kind", FILE_TYPES)
+def test_each_kind_comes_back_exactly_as_it_was_written(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / f"picks.{kind}"
+    write_landmarks(path, PLACES, "mm")
+    for source in (path, path.read_bytes()):
+        places, unit = read_landmarks(source)
+        assert same(places)
+        assert unit == ("mm" if kind == "json" else None)
+
+
+def test_the_unit_is_optional() -> None:
+    assert read_landmarks(landmark_file(PLACES))[1] is None
+
+
+def test_our_json_is_the_one_of_the_specification() -> None:
+    document = json.loads(landmark_file({"xiphoid": np.array([1.0, 2.0, 3.0])}, "json", "mm"))
+    assert document == {"schema": "breastrig/landmarks@1", "unit": "mm", "landmarks": {"xiphoid": [1.0, 2.0, 3.0]}}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "name,x,y,z\nxiphoid,1.5,2,3\n",
+        "xiphoid,1.5,2,3",
+        "# picked by hand\n\nlabel, x, y, z\r\n xiphoid , 1.5 , 2 , 3 \r\n",
+        "xiphoid;1,5;2;3\n",
+        "Name\tX\tY\tZ\nxiphoid\t1.5\t2\t3\n",
+        '\ufeffname,x,y,z\n"xiphoid",1.5,2,3\n',
+    ],
+)
+def test_csv_as_people_and_spreadsheets_write_it(text: str) -> None:
+    assert same(read_landmarks(text.encode())[0], {"xiphoid": np.array([1.5, 2.0, 3.0])})
+
+
+def test_meshlab_points_that_were_not_picked_are_skipped() -> None:
+    text = b"""<!DOCTYPE PickedPoints>
+<PickedPoints>
+ <DocumentData><DataFileName name="scan.ply"/></DocumentData>
+ <point x="1.5" y="2" z="3" active="1" name="xiphoid"/>
+ <point x="0" y="0" z="0" active="0" name="umbilicus"/>
+</PickedPoints>"""
+    assert same(read_landmarks(text)[0], {"xiphoid": np.array([1.5, 2.0, 3.0])})
+
+
+def markups(system: str | None, status: str = "defined") -> bytes:
+    markup = {
+        "type": "Fiducial",
+        "coordinateUnits": "mm",
+        "controlPoints": [{"id": "1", "label": "xiphoid", "position": [1.5, 2.0, 3.0], "positionStatus": status}],
+    }
+    return json.dumps({"markups": [markup | ({"coordinateSystem": system} if system else {})]}).encode()
+
+
+@pytest.mark.parametrize(
+    ("system", "signs"),
+    [("LPS", [1, 1, 1]), (None, [1, 1, 1]), ("RAS", [-1, -1, 1]), ("0", [-1, -1, 1]), ("1", [1, 1, 1])],
+)
+def test_slicers_points_are_turned_into_the_frame_of_the_mesh_file(system: str | None, signs: list[int]) -> None:
+    places, unit = read_landmarks(markups(system))
+    np.testing.assert_array_equal(places["xiphoid"], np.array([1.5, 2.0, 3.0]) * signs)
+    assert unit is None
+
+
+def test_a_slicer_template_without_placed_points_holds_no_landmarks() -> None:
+    with pytest.raises(BadLandmarks, match="holds no landmarks"):
+        read_landmarks(markups("LPS", "undefined"))
+
+
+def ours(**landmarks: object) -> bytes:
+    return json.dumps({"schema": "breastrig/landmarks@1", "landmarks": landmarks}).encode()
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (b"", "empty"),
+        (b"\n\n", "empty"),
+        (b"just some text", "holds no landmarks"),
+        (b"\x89PNG\r\n\x1a\n\xff\xfe", "not text"),
+        (b"{", "not valid JSON"),
+        (b"[1, 2]", "x, y, z"),
+        (b"xiphoid,one,two,three", '"xiphoid" needs three numbers'),
+        (b'{"a": 1}', "not a landmark file"),
+        (b'{"schema": "breastrig/result@1", "landmarks": {"a": [1, 2, 3]}}', "not a landmark file"),
+        (b'{"landmarks": {"a": [1, 2, 3]}, "unit": "ft"}', "unit"),
+        (b'{"landmarks": {"a": [1, 2, 3]}, "unit": ["mm"]}', "unit"),
+        (b'{"landmarks": {"a": [1, 2, 3], "a": [1, 2, 4]}}', '"a" stands twice'),
+        (ours(), "holds no landmarks"),
+        (ours(a=[1, 2]), '"a" needs three numbers'),
+        (ours(a="123"), '"a" needs three numbers'),
+        (ours(a=None), '"a" needs three numbers'),
+        (ours(a=[1, 2, None]), '"a" needs three numbers'),
+        (ours(a=[1, 2, True]), '"a" needs three numbers'),
+        (ours(a=[1, 2, [3]]), '"a" needs three numbers'),
+        (ours(a=[1, 2, 10**400]), '"a" needs three numbers'),
+        (ours(a=[1, 2, float("nan")]), "not a finite number"),
+        (ours(a=[1, 2, float("inf")]), "not a finite number"),
+        (b'{"landmarks": {"": [1, 2, 3]}}', "no proper name"),
+        (ours(**{"a" * 101: [1, 2, 3]}), "no proper name"),
+        (b"name,x,y,z\nxiphoid,1,2\n", '"xiphoid" needs three numbers'),
+        (b"name,x,y,z\nxiphoid,1,2,3,4\n", '"xiphoid" needs three numbers'),
+        (b"name,x,y,z\nxiphoid,1,two,3\n", '"xiphoid" needs three numbers'),
+        (b"name,x,y,z\nxiphoid,1,nan,3\n", "not a finite number"),
+        (b"name,x,y,z\nxiphoid,1,2,3\nxiphoid,1,2,3\n", "stands twice"),
+        (b"name,x,y,z\n", "holds no landmarks"),
+        (b"<PickedPoints><point", "not valid XML"),
+        (b"<html></html>", "not a MeshLab"),
+        (b'<PickedPoints><point name="a" x="1" y="2"/></PickedPoints>', '"a" needs three numbers'),
+        (b'<PickedPoints><point x="1" y="2" z="3"/></PickedPoints>', "no proper name"),
+        (b'<!DOCTYPE P [<!ENTITY a "b">]><PickedPoints/>', "entities"),
+        (markups("IJK"), "neither LPS nor RAS"),
+        (b'{"markups": 3}', "incomplete"),
+        (b'{"markups": [{"controlPoints": [{"label": "a"}]}]}', "incomplete"),
+        (b'{"markups": [{"controlPoints": [{"label": "a", "position": [1, 2]}]}]}', "incomplete"),
+        (b'{"markups": []}', "holds no landmarks"),
+        (b"[" * 100_000, "holds no landmarks"),
+        (b'{"a":' * 100_000, "not valid JSON"),
+    ],
+)
+def test_a_bad_file_is_refused_with_one_sentence(data: bytes, words: str) -> None:
+    with pytest.raises(BadLandmarks) as caught:
+        read_landmarks(data)
+    text = str(caught.value)
+    assert words in text
+    assert "\n" not in text
+    assert text.endswith(".")
+
+
+def test_a_missing_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BadLandmarks, match="cannot be read"):
+        read_landmarks(tmp_path / "none.json")
+
+
+def test_too_many_points_are_refused() -> None:
+    with pytest.raises(BadLandmarks, match="more than the 1,000 allowed"):
+        read_landmarks("\n".join(f"p{i},1,2,3" for i in range(1001)).encode())
+
+
+def test_an_unknown_kind_cannot_be_written() -> None:
+    with pytest.raises(BadLandmarks, match="known are: json, csv, pp"):
+        landmark_file(PLACES, "docx")

@@ -1,0 +1,163 @@
+"""Scans of every kind are read whole, in metres, in their own frame."""
+
+import hashlib
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from helpers.scan_files import as_bytes, picture, textured_obj, tube, zipped
+from helpers.toy_rig import toy_rig
+
+from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.read import read_scan
+from breastrig.scan.texture import is_picture
+
+
+@pytest.mark.parametrize("kind", ["ply", "obj", "stl", "stl_ascii", "glb"])
+@pytest.mark.parametrize(("scale", "unit"), [(1.0, "m"), (1000.0, "mm")])
+def test_a_scan_is_read_in_metres_whatever_its_kind_and_unit(kind: str, scale: float, unit: str) -> None:
+    data = as_bytes(tube(scale), kind)
+    scan = read_scan(data)
+    rig = toy_rig()
+    assert scan.unit == unit
+    assert scan.faces.shape == rig.faces.shape
+    assert len(scan.vertices) == len(rig.template)
+    np.testing.assert_allclose(scan.vertices[scan.faces], rig.template[rig.faces], atol=1e-6)
+    assert scan.sha256 == hashlib.sha256(data).hexdigest()
+    assert not scan.vertices.flags.writeable
+    assert scan.colour_kind == "none"
+
+
+def test_the_kind_is_decided_by_the_content_not_by_the_name(tmp_path: Path) -> None:
+    path = tmp_path / "scan.obj"
+    path.write_bytes(as_bytes(tube(), "ply"))
+    assert len(read_scan(path).faces) == 384
+    assert len(read_scan(as_bytes(tube(), "stl"), "ply").faces) == 384
+
+
+def test_a_binary_stl_whose_title_begins_with_solid_is_not_taken_for_text() -> None:
+    data = as_bytes(tube(), "stl")
+    assert len(read_scan(b"solid".ljust(80) + data[80:]).faces) == 384
+
+
+def test_quads_become_triangles() -> None:
+    rig = toy_rig()
+    lines = ["v {} {} {}".format(*vertex) for vertex in rig.template]
+    lines += [
+        f"f {12 * r + k + 1} {12 * r + (k + 1) % 12 + 1} {12 * r + (k + 1) % 12 + 13} {12 * r + k + 13}"
+        for r in range(16)
+        for k in range(12)
+    ]
+    assert len(read_scan("\n".join(lines).encode()).faces) == 384
+
+
+@pytest.mark.parametrize("kind", ["ply", "obj"])
+def test_vertex_colours_are_kept(kind: str) -> None:
+    mesh = tube()
+    colours = np.random.default_rng(3).integers(0, 256, (len(mesh.vertices), 3)).astype(np.uint8)
+    mesh.visual = trimesh.visual.ColorVisuals(mesh, vertex_colors=colours)
+    scan = read_scan(as_bytes(mesh, kind))
+    assert scan.colour_kind == "vertex"
+    assert scan.colours is not None
+    assert np.abs(scan.colours.astype(int) - colours).max() <= 1
+
+
+def test_our_own_display_mesh_comes_back_with_the_same_colours() -> None:
+    rig = toy_rig()
+    colours = np.random.default_rng(4).integers(30, 256, (len(rig.template), 3)).astype(np.uint8)
+    scan = read_scan(mesh_glb(rig.template, rig.faces, colours=colours))
+    assert scan.colours is not None
+    assert np.abs(scan.colours.astype(int) - colours).max() <= 1
+
+
+@pytest.mark.parametrize("kind", ["JPEG", "PNG"])
+def test_a_zip_with_obj_material_and_picture_keeps_its_texture(kind: str) -> None:
+    name = "skin.jpg" if kind == "JPEG" else "skin.png"
+    scan = read_scan(zipped({**textured_obj(name), name: picture(kind), "Preview.jpg": picture()}))
+    assert scan.colour_kind == "texture"
+    assert scan.texture is not None
+    assert scan.uv is not None
+    assert is_picture(scan.texture)
+    assert b"Jane Doe" not in scan.texture
+    assert scan.uv.shape == (len(scan.vertices), 2)
+
+
+def test_texture_coordinates_stay_with_their_vertices() -> None:
+    scan = read_scan(zipped({**textured_obj(), "skin.jpg": picture()}))
+    rig = toy_rig()
+    assert scan.uv is not None
+    np.testing.assert_allclose(scan.uv[scan.faces], rig.uv[rig.faces], atol=1e-5)
+
+
+def test_the_texture_of_a_glb_survives_writing_and_reading() -> None:
+    rig = toy_rig()
+    scan = read_scan(mesh_glb(rig.template, rig.faces, uv=rig.uv, texture=picture()))
+    assert scan.colour_kind == "texture"
+    assert scan.uv is not None
+    np.testing.assert_allclose(scan.uv, rig.uv, atol=1e-6)
+
+
+def test_an_obj_on_disk_finds_its_material_beside_it(tmp_path: Path) -> None:
+    for name, content in {**textured_obj(), "skin.jpg": picture()}.items():
+        (tmp_path / name).write_bytes(content)
+    assert read_scan(tmp_path / "model.obj").colour_kind == "texture"
+    assert read_scan(tmp_path / "model.obj", texture=False).texture is None
+
+
+def test_an_obj_never_reaches_outside_its_folder(tmp_path: Path) -> None:
+    inside = tmp_path / "scan"
+    inside.mkdir()
+    (tmp_path / "secret.jpg").write_bytes(picture())
+    for name, content in textured_obj("../secret.jpg").items():
+        (inside / name).write_bytes(content)
+    assert read_scan(inside / "model.obj").texture is None
+    (inside / "secret.jpg").symlink_to(tmp_path / "secret.jpg")
+    assert read_scan(inside / "model.obj").texture is None
+
+
+def test_a_missing_material_leaves_a_plain_scan() -> None:
+    scan = read_scan(textured_obj()["model.obj"])
+    assert scan.colour_kind == "none"
+
+
+def test_a_picture_of_another_kind_is_left_out_and_said(tmp_path: Path) -> None:
+    scan = read_scan(zipped({**textured_obj("skin.png"), "skin.png": b"GIF89a" + bytes(50)}))
+    assert scan.texture is None
+    assert scan.notes == ("The texture is neither JPEG nor PNG, or damaged, and was left out.",)
+
+
+def test_what_the_finder_adds_to_a_zip_does_not_matter() -> None:
+    files = {"scan.ply": as_bytes(tube(), "ply"), "__MACOSX/._scan.ply": b"x", ".DS_Store": b"y"}
+    assert len(read_scan(zipped(files)).faces) == 384
+
+
+def test_meshes_of_a_glb_are_joined_where_their_nodes_put_them() -> None:
+    mesh = tube()
+    moved = trimesh.transformations.translation_matrix([0.0, 0.5, 0.0])
+    mirrored = np.diag([-1.0, 1.0, 1.0, 1.0])
+    scene = trimesh.Scene()
+    scene.add_geometry(mesh, transform=moved)
+    scene.add_geometry(mesh, transform=moved @ mirrored)
+    scan = read_scan(scene.export(file_type="glb"))
+    assert len(scan.faces) == 2 * 384
+    assert scan.vertices[:, 1].min() == pytest.approx(0.5, abs=1e-6)
+    volume = trimesh.Trimesh(scan.vertices, scan.faces, process=False)
+    outwards = np.einsum("fi,fi->f", volume.face_normals, volume.triangles_center * [1.0, 0.0, 1.0])
+    assert (outwards > 0).all()  # the mirrored copy is not inside out
+
+
+def test_a_scan_of_eighty_thousand_triangles_is_read_in_under_a_tenth_of_a_second() -> None:
+    mesh = tube()
+    for _ in range(4):
+        mesh = mesh.subdivide()
+    data = as_bytes(mesh, "ply")
+    assert len(mesh.faces) > 80_000
+    read_scan(data)
+    seconds = []
+    for _ in range(3):
+        start = time.perf_counter()
+        read_scan(data)
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 0.1
