@@ -10,13 +10,13 @@ import time
 from collections.abc import Iterator
 
 import numpy as np
-from helpers.toy_rig import toy_rig
 
 from breastrig.core.errors import FitFailed
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.jobs.events import Done, Event, Iterated, NodePose, Started
 from breastrig.jobs.run_fit import FitJob
 from breastrig.rig.parameters import RigParameters, rest_parameters
+from helpers.toy_rig import toy_rig
 
 ITERATIONS = 4
 

@@ -3,6 +3,7 @@ from pathlib import Path
 
 import pytest
 from helpers import fake_fit
+from helpers.rows import add_waiting_fit
 from helpers.waiting import ask_for_fit, ended, story, until
 
 from breastrig.core.errors import Conflict, NotFound
@@ -92,8 +93,6 @@ def test_after_a_restart_waiting_fits_run_and_running_ones_are_failed(serving, s
     interrupted, waiting = "interrupted", "waiting"
     for fit_id in (interrupted, waiting):
         storage.folders.make(storage.folders.fit(fit_id))
-        from helpers.rows import add_waiting_fit
-
         add_waiting_fit(storage, scan_id, fit_id)
     claim_fit(storage, interrupted)
     append(storage, interrupted, {"kind": "started", "stance": "standing"})
@@ -134,9 +133,10 @@ def test_deleting_a_scan_stops_its_fits_and_leaves_nothing(serving, storage: Sto
 
 def test_a_killed_idle_process_does_not_break_the_queue(serving, scan_id: str) -> None:
     with serving(fake_fit.quick) as service:
+        until(lambda: _alive(service), "all processes")
         for pid in list(service._workers._pool._pool_manager.worker_manager.workers):
             os.kill(pid, 9)
-        until(lambda: not service._workers._pool.active or _alive(service), "the pool to notice")
+        until(lambda: not service._workers._pool.active, "the pool to notice")
         assert ended(service, ask_for_fit(service, scan_id)).state == "done"
 
 

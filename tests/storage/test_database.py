@@ -26,9 +26,13 @@ def test_rows_that_point_nowhere_are_refused(storage: Storage) -> None:
 
 
 def test_an_error_undoes_the_whole_transaction(storage: Storage, scan_id: str) -> None:
-    with pytest.raises(RuntimeError), storage.database.writing() as connection:
-        connection.execute(insert(schema.landmarks).values(scan=scan_id, points_mm="{}"))
-        raise RuntimeError
+    def write_and_fail() -> None:
+        with storage.database.writing() as connection:
+            connection.execute(insert(schema.landmarks).values(scan=scan_id, points_mm="{}"))
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        write_and_fail()
     with storage.database.reading() as connection:
         assert connection.execute(select(schema.landmarks)).all() == []
 

@@ -14,7 +14,7 @@ from breastrig.api.fits import fits
 from breastrig.api.meta import meta
 from breastrig.api.models import models
 from breastrig.api.openapi import finish_document
-from breastrig.api.page import page
+from breastrig.api.page import PageFile, page
 from breastrig.api.scans import scans
 from breastrig.api.security import register_security
 from breastrig.api.served_model import serve_model
@@ -44,7 +44,8 @@ def _bare_app() -> APIFlask:
     )
     app.config["AUTO_SERVERS"] = False
     app.json.sort_keys = False  # type: ignore[attr-defined]
-    app.url_map.strict_slashes = True
+    app.url_map.merge_slashes = False  # an address has one spelling; no redirects
+    app.url_map.converters["page_file"] = PageFile
     for blueprint in (scans, fits, events, models, meta, docs, page):
         app.register_blueprint(blueprint)
     app.spec_processor(finish_document)

@@ -3,12 +3,21 @@
 from pathlib import Path
 
 from flask import Blueprint, Response, send_from_directory
+from werkzeug.routing import BaseConverter
 
 from breastrig.api.answers import CHECK_AGAIN, FOR_EVER
 from breastrig.api.current import behind
 from breastrig.core.assets import asset_folder
 
 page = Blueprint("page", __name__)
+
+
+class PageFile(BaseConverter):
+    """A path of the page; addresses of the API are never files of the page, so they keep their own errors."""
+
+    part_isolating = False
+    regex = r"(?!api(?:/|$)|healthz$)[^/].*?"
+
 
 NOT_BUILT = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>BreastRig</title>
@@ -28,7 +37,7 @@ def index() -> Response:
     return _file(folder, "index.html", CHECK_AGAIN)
 
 
-@page.get("/<path:name>")
+@page.get("/<page_file:name>")
 def asset(name: str) -> Response:
     """A file of the page; those below assets/ carry their hash in their name."""
     return _file(_folder(), name, FOR_EVER if name.startswith("assets/") else CHECK_AGAIN)

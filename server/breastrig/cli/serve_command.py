@@ -13,6 +13,8 @@ from breastrig.api.app import create_app
 from breastrig.api.config import TOKEN_VARIABLE, Config, is_loopback, read_token
 from breastrig.api.wsgi_server import listen
 from breastrig.core.notice import RESEARCH_USE_ONLY
+from breastrig.jobs.carry_out import Runner
+from breastrig.jobs.run_fit import run_fit
 from breastrig.jobs.service import Service
 from breastrig.storage.storage import Storage, default_data_folder
 
@@ -26,7 +28,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         default="127.0.0.1",
         help=f"address to listen on (default %(default)s); any but this machine's own needs {TOKEN_VARIABLE}",
     )
-    parser.add_argument("--port", type=int, default=PORT, help="port to listen on (default %(default)s; 0: a free one)")
+    parser.add_argument(
+        "--port", type=_port, default=PORT, help="port to listen on (default %(default)s; 0: a free one)"
+    )
     parser.add_argument(
         "--data", type=Path, metavar="DIR", help=f"where scans and fits are kept (default {_default()})"
     )
@@ -36,12 +40,17 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 
 def run(options: argparse.Namespace) -> int:
     """Serves until it is told to stop.  Raises BadSettings or BadModel when it cannot start."""
+    return serve(options, run_fit)
+
+
+def serve(options: argparse.Namespace, runner: Runner) -> int:
+    """The same with another way to carry out a fit."""
     logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
     for noisy in ("waitress", "waitress.queue", "trimesh", "PIL"):
         logging.getLogger(noisy).setLevel(logging.ERROR)
     config = Config(host=options.host, token=read_token(options.host), model=options.model)
     storage = Storage((options.data or default_data_folder()).expanduser().absolute())
-    service = Service(storage, model=config.model, uploads=config.uploads, streams=config.streams)
+    service = Service(storage, runner=runner, model=config.model, uploads=config.uploads, streams=config.streams)
     app = create_app(config, service)
     server = listen(app, options.host, options.port, config.uploads.file_bytes)
     try:
@@ -70,6 +79,12 @@ def _stop_on_signals(service: Service) -> None:
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, stop)
+
+
+def _port(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) < 65536):
+        raise argparse.ArgumentTypeError(f"{text} is not a port; use a number from 0 to 65535")
+    return int(text)
 
 
 def _default() -> str:

@@ -3,13 +3,15 @@
 import os
 from dataclasses import dataclass, field
 
+from breastrig.scan.limits import FILE_BYTES, TRIANGLES
+
 GIB = 2**30
 
 
 @dataclass(frozen=True)
 class UploadLimits:
-    file_bytes: int = 400_000_000  # a scanner's OBJ with 4K texture has 50 MB; far beyond it is no torso scan
-    triangles: int = 2_000_000  # scanners give 20,000 to 200,000; a fit gains nothing beyond
+    file_bytes: int = FILE_BYTES
+    triangles: int = TRIANGLES
     memory_bytes: int = 6 * GIB  # address space: 1 GiB libraries, and ten times the largest file as arrays
     cpu_s: int = 120  # 2 million triangles of text take about 20 s
     wall_s: float = 180.0

@@ -10,6 +10,7 @@ the process that has already begun the next one.
 """
 
 import multiprocessing
+import os
 import resource
 import threading
 from collections.abc import Callable
@@ -75,7 +76,16 @@ def _limit(memory_bytes: int, cpu_s: int | None) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a core dump would hold a patient's scan
     if cpu_s is not None:
         resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))
+    threading.Thread(target=_die_with_the_server, daemon=True).start()
     threadpool_limits(1)  # more BLAS threads are slower at this size, and fits would fight over the cores
+
+
+def _die_with_the_server() -> None:
+    """A server that is killed cannot stop its processes; each one notices by itself."""
+    server = multiprocessing.parent_process()
+    if server is not None:
+        server.join()
+        os._exit(1)
 
 
 def _nothing() -> None:

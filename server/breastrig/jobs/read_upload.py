@@ -39,14 +39,15 @@ def _read(job: UploadJob) -> dict[str, Any]:
             f"This scan has {len(scan.faces):,} triangles, more than the {job.triangles:,} allowed; simplify it first."
         )
     frame = propose_frame(scan.vertices, scan.faces)
-    job.mesh.write_bytes(mesh_glb(scan.vertices, scan.faces))
+    mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
+    job.mesh.write_bytes(mesh)
     return {
         "unit": scan.unit,
         "unit_reason": scan.unit_reason,
         "vertices": len(scan.vertices),
         "triangles": len(scan.faces),
         "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},
-        "colours": "none",
+        "colours": scan.colour_kind,
         "notes": list(scan.notes),
         "frame": {
             "up": [float(x) for x in frame.up],

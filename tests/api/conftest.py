@@ -1,0 +1,122 @@
+"""A service with fits that need no numerics, the toy rig as its model, the toy torso as its example."""
+
+import io
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from apiflask import APIFlask
+from flask.testing import FlaskClient
+from werkzeug.test import TestResponse
+
+from breastrig.api.app import create_app
+from breastrig.api.config import Config
+from breastrig.gltf.write_rig import write_rig
+from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.service import Service
+from breastrig.storage.storage import Storage
+from helpers import fake_fit
+from helpers.toy_rig import toy_rig
+from helpers.uploads import torso as torso_ply
+
+NIPPLE_MM = [70.0, 350.0, 120.0]
+
+
+class Client(FlaskClient):
+    """Reads every answer to its end and closes it, unless told otherwise."""
+
+    def open(self, *args: Any, buffered: bool = True, **kwargs: Any) -> TestResponse:
+        return super().open(*args, buffered=buffered, **kwargs)
+
+
+@pytest.fixture(scope="session")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("model")
+    write_rig(toy_rig(), folder)
+    return folder / "toy.glb"
+
+
+@pytest.fixture(scope="session")
+def examples(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("example")
+    (folder / "standing").mkdir()
+    (folder / "standing" / "scan.ply").write_bytes(torso_ply())
+    landmarks = {"schema": "breastrig/landmarks@1", "unit": "mm", "landmarks": {"nipple_L": NIPPLE_MM}}
+    (folder / "standing" / "landmarks.json").write_text(json.dumps(landmarks))
+    return folder
+
+
+@pytest.fixture(scope="session")
+def web(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("web")
+    (folder / "assets").mkdir()
+    (folder / "index.html").write_text("<!doctype html><title>the page</title>")
+    (folder / "assets" / "index-abc123.js").write_text("export {};")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def config(model: Path, examples: Path, web: Path) -> Config:
+    return Config(model=model, examples=examples, web=web, heartbeat_s=0.05)
+
+
+@pytest.fixture(scope="session")
+def service(tmp_path_factory: pytest.TempPathFactory, config: Config) -> Iterator[Service]:
+    storage = Storage(tmp_path_factory.mktemp("data"))
+    limits = FitLimits(workers=2, grace_s=0.1)
+    service = Service(
+        storage, runner=fake_fit.mostly_patient, model=config.model, examples=config.examples, fits=limits
+    )
+    with service.started():
+        yield service
+
+
+@pytest.fixture(scope="session")
+def app(config: Config, service: Service) -> APIFlask:
+    return testable(create_app(config, service))
+
+
+def testable(app: APIFlask) -> APIFlask:
+    app.test_client_class = Client
+    return app
+
+
+@pytest.fixture(scope="session")
+def client_for(service: Service) -> Callable[[Config], FlaskClient]:
+    """A client of another application around the same service."""
+    return lambda config: testable(create_app(config, service)).test_client()
+
+
+@pytest.fixture
+def client(app: APIFlask) -> FlaskClient:
+    return app.test_client()
+
+
+@pytest.fixture(scope="session")
+def torso() -> bytes:
+    return torso_ply()
+
+
+@pytest.fixture
+def scan_id(client: FlaskClient, torso: bytes) -> Iterator[str]:
+    """An uploaded scan, deleted at the end."""
+    answer = client.post("/api/scans", data={"file": (io.BytesIO(torso), "torso.ply")})
+    assert answer.status_code == 201, answer.json
+    assert answer.json is not None
+    scan_id = answer.json["id"]
+    yield scan_id
+    client.delete(f"/api/scans/{scan_id}")
+
+
+@pytest.fixture
+def fit_id(client: FlaskClient, service: Service, scan_id: str) -> str:
+    """A fit that is done."""
+    from helpers.waiting import ended
+
+    answer = client.post("/api/fits", json={"scan": scan_id, "drawing": "lumpectomy"})
+    assert answer.status_code == 202, answer.json
+    assert answer.json is not None
+    assert ended(service, answer.json["id"]).state == "done"
+    return answer.json["id"]

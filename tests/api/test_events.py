@@ -1,0 +1,104 @@
+import json
+
+import pytest
+from flask.testing import FlaskClient
+
+from breastrig.jobs.service import Service
+from helpers.problems import problem
+
+
+def parsed(stream: bytes) -> list[tuple[int, str, dict]]:
+    """(id, event, data) of each event of a stream."""
+    events = []
+    for block in stream.decode().split("\n\n"):
+        fields = dict(line.split(": ", 1) for line in block.splitlines() if not line.startswith(":"))
+        if "data" in fields:
+            events.append((int(fields["id"]), fields["event"], json.loads(fields["data"])))
+    return events
+
+
+def test_the_stream_tells_the_stored_story_and_closes(client: FlaskClient, fit_id: str) -> None:
+    answer = client.get(f"/api/fits/{fit_id}/events")
+    assert (answer.status_code, answer.mimetype) == (200, "text/event-stream")
+    assert answer.headers["Cache-Control"] == "no-store"
+    assert answer.headers["X-Accel-Buffering"] == "no"
+    assert answer.data.startswith(b"retry: 1000\n\n")
+    events = parsed(answer.data)
+    assert [(number, kind) for number, kind, _ in events] == [
+        (1, "started"),
+        (2, "iterated"),
+        (3, "iterated"),
+        (4, "iterated"),
+        (5, "iterated"),
+        (6, "done"),
+    ]
+    assert all(data["kind"] == kind for _, kind, data in events)
+    assert parsed(client.get(f"/api/fits/{fit_id}/events").data) == events
+
+
+def test_the_polling_twin_tells_the_same(client: FlaskClient, fit_id: str) -> None:
+    streamed = parsed(client.get(f"/api/fits/{fit_id}/events").data)
+    page = client.get(f"/api/fits/{fit_id}/events.json")
+    assert page.headers["Cache-Control"] == "no-store"
+    assert page.json["state"] == "done"
+    assert [(one["id"], one["event"]) for one in page.json["events"]] == [(n, data) for n, _, data in streamed]
+    rest = client.get(f"/api/fits/{fit_id}/events.json?after=4").json
+    assert [one["id"] for one in rest["events"]] == [5, 6]
+
+
+def test_a_stream_goes_on_where_it_was_left(client: FlaskClient, fit_id: str) -> None:
+    place = f"/api/fits/{fit_id}/events"
+    assert [e[0] for e in parsed(client.get(place, headers={"Last-Event-ID": "3"}).data)] == [4, 5, 6]
+    assert [e[0] for e in parsed(client.get(f"{place}?after=4").data)] == [5, 6]
+    assert [e[0] for e in parsed(client.get(f"{place}?after=1", headers={"Last-Event-ID": "5"}).data)] == [6]
+
+
+def test_who_has_heard_everything_is_told_not_to_come_back(client: FlaskClient, fit_id: str) -> None:
+    answer = client.get(f"/api/fits/{fit_id}/events", headers={"Last-Event-ID": "6"})
+    assert (answer.status_code, answer.data) == (204, b"")
+
+
+def test_a_node_names_only_what_it_changes(client: FlaskClient, fit_id: str) -> None:
+    nodes = client.get(f"/api/fits/{fit_id}/events.json").json["events"][1]["event"]["nodes"]
+    assert {frozenset(node) for node in nodes} == {
+        frozenset({"name", "translation", "rotation"}),
+        frozenset({"name", "scale"}),
+        frozenset({"name", "weights"}),
+    }
+
+
+@pytest.mark.parametrize("header", ["-1", "abc", "1.5", "٣", "9" * 40])
+def test_a_last_event_id_that_is_no_number_is_refused(client: FlaskClient, fit_id: str, header: str) -> None:
+    answer = client.get(f"/api/fits/{fit_id}/events", headers={"Last-Event-ID": header.encode().decode("latin-1")})
+    assert "Last-Event-ID" in problem(answer, 400)
+
+
+@pytest.mark.parametrize("after", ["-1", "abc", "", "9" * 40])
+def test_an_after_that_is_no_number_is_refused(client: FlaskClient, fit_id: str, after: str) -> None:
+    for place in ("events", "events.json"):
+        assert problem(client.get(f"/api/fits/{fit_id}/{place}?after={after}"), 422).startswith("after:")
+
+
+def test_a_running_fit_is_followed_with_heartbeats_until_it_is_cancelled(client: FlaskClient, scan_id: str) -> None:
+    fit_id = client.post("/api/fits", json={"scan": scan_id, "preset": "paper", "drawing": None}).json["id"]
+    answer = client.get(f"/api/fits/{fit_id}/events?after=1000", buffered=False)
+    stream = answer.iter_encoded()
+    chunks = [next(stream), next(stream)]
+    assert chunks == [b"retry: 1000\n\n", b": still here\n\n"]
+    answer.close()
+    client.post(f"/api/fits/{fit_id}/cancel")
+    assert parsed(client.get(f"/api/fits/{fit_id}/events").data)[-1][1] == "cancelled"
+
+
+def test_streams_leave_room_for_other_requests(client: FlaskClient, service: Service, fit_id: str) -> None:
+    taken = 0
+    while service.streams.acquire(blocking=False):
+        taken += 1
+    try:
+        assert "events.json" in problem(client.get(f"/api/fits/{fit_id}/events"), 503)
+        assert client.get(f"/api/fits/{fit_id}/events.json").status_code == 200
+    finally:
+        service.streams.release(taken)
+    for _ in range(3 * taken):  # a stream that ends, or is never begun, gives its place back
+        client.get(f"/api/fits/{fit_id}/events", buffered=False).close()
+    assert client.get(f"/api/fits/{fit_id}/events").status_code == 200

@@ -1,0 +1,163 @@
+import json
+
+import numpy as np
+import pytest
+from flask.testing import FlaskClient
+
+from breastrig.jobs.iteration_file import parameters_of
+from breastrig.jobs.service import Service
+from breastrig.storage.fits import get_fit
+from helpers import fake_fit
+from helpers.problems import problem
+from helpers.toy_rig import toy_rig
+from helpers.waiting import ended, until
+
+PERSONAL = "private, max-age=3600, immutable"
+
+
+def test_a_fit_is_accepted_carried_out_and_described(client: FlaskClient, service: Service, scan_id: str) -> None:
+    answer = client.post("/api/fits", json={"scan": scan_id, "drawing": "lumpectomy", "stance": "supine"})
+    assert answer.status_code == 202
+    fit_id, links = answer.json["id"], answer.json["links"]
+    assert answer.headers["Location"] == links["self"] == f"/api/fits/{fit_id}"
+    ended(service, fit_id)
+    fit = client.get(links["self"]).json
+    assert fit == {
+        "id": fit_id,
+        "scan": scan_id,
+        "state": "done",
+        "created_at": fit["created_at"],
+        "stance": "supine",
+        "preset": "default",
+        "drawing": "lumpectomy",
+        "last_event": 6,
+        "iterations": 4,
+        "numbers": {
+            "iteration": 3,
+            "stage": "all",
+            "energy": 7.0,
+            "mean_distance_mm": 2.0,
+            "landmark_distance_mm": None,
+            "coverage": 0.9,
+            "elapsed_s": 0.03,
+        },
+        "reason": None,
+        "links": links,
+    }
+
+
+def test_landmarks_come_from_the_scan_unless_they_are_given(
+    client: FlaskClient, service: Service, scan_id: str
+) -> None:
+    stored, given = {"nipple_L": [70.0, 350.0, 120.0]}, {"nipple_R": [-70.0, 350.0, 120.0]}
+    client.put(f"/api/scans/{scan_id}/landmarks", json={"landmarks": stored})
+    for body, expected in (({}, stored), ({"landmarks": given}, given), ({"landmarks": {}}, {})):
+        answer = client.post("/api/fits", json={"scan": scan_id, "drawing": None, **body})
+        ended(service, answer.json["id"])
+        assert client.get(answer.json["links"]["result"]).json["landmarks_given"] == expected
+
+
+@pytest.mark.parametrize(
+    ("body", "word"),
+    [
+        ({"preset": "best"}, '"best" is not a preset; known are: default, paper.'),
+        ({"drawing": "mona_lisa"}, '"mona_lisa" is not a drawing; known are: lumpectomy.'),
+        ({"stance": "sitting"}, "stance: Input should be 'auto', 'standing' or 'supine'."),
+        ({"landmarks": {"elbow": [0, 0, 0]}}, '"elbow" is not a landmark'),
+        ({"landmarks": {"nipple_L": [0, 0, 9000]}}, "nipple_L lies"),
+        ({"colour": "red"}, "colour: Extra inputs are not permitted."),
+        ({"scan": 7}, "scan: Input should be a valid string."),
+    ],
+)
+def test_a_fit_that_cannot_be_meant_is_refused(client: FlaskClient, scan_id: str, body, word: str) -> None:
+    assert word in problem(client.post("/api/fits", json={"scan": scan_id, "drawing": None, **body}), 422)
+
+
+def test_a_fit_of_no_scan_is_refused(client: FlaskClient) -> None:
+    assert "no such scan" in problem(client.post("/api/fits", json={"scan": "nobody"}), 404)
+    assert "scan: Field required" in problem(client.post("/api/fits", json={}), 422)
+
+
+@pytest.mark.parametrize(
+    ("name", "media_type"),
+    [
+        ("result.json", "application/json"),
+        ("fitted.glb", "model/gltf-binary"),
+        ("fitted.ply", "application/octet-stream"),
+        ("drawing.json", "application/json"),
+    ],
+)
+def test_results_are_files_with_an_etag_that_the_browser_may_keep(
+    client: FlaskClient, service: Service, fit_id: str, name: str, media_type: str
+) -> None:
+    answer = client.get(f"/api/fits/{fit_id}/{name}")
+    assert answer.status_code == 200
+    assert answer.data == (service.storage.folders.fit(fit_id) / name).read_bytes()
+    assert answer.mimetype == media_type
+    assert answer.headers["Cache-Control"] == PERSONAL
+    assert answer.headers["Content-Disposition"] == f"attachment; filename={name}"
+    again = client.get(f"/api/fits/{fit_id}/{name}", headers={"If-None-Match": answer.headers["ETag"]})
+    assert (again.status_code, again.data) == (304, b"")
+
+
+def test_an_iteration_is_a_complete_gltf_of_what_the_event_said(client: FlaskClient, fit_id: str) -> None:
+    answer = client.get(f"/api/fits/{fit_id}/iterations/2.gltf")
+    assert (answer.status_code, answer.mimetype) == (200, "model/gltf+json")
+    assert answer.headers["Cache-Control"] == PERSONAL
+    document = json.loads(answer.data)
+    buffers = [buffer["uri"] for buffer in document["buffers"]]
+    for uri, buffer in zip(buffers, document["buffers"], strict=True):
+        assert len(client.get(uri).data) == buffer["byteLength"]
+    events = client.get(f"/api/fits/{fit_id}/events.json").json["events"]
+    told = {node["name"]: node for node in events[3]["event"]["nodes"]}
+    nodes = {node.get("name"): node for node in document["nodes"]}
+    assert set(told) <= set(nodes)
+    for name, node in told.items():
+        for key in ("translation", "rotation", "scale", "weights"):
+            if key in node and key in nodes[name]:
+                assert np.allclose(node[key], nodes[name][key], atol=1e-6), (name, key)
+    again = client.get(f"/api/fits/{fit_id}/iterations/2.gltf", headers={"If-None-Match": answer.headers["ETag"]})
+    assert again.status_code == 304
+
+
+def test_the_parameters_behind_an_event_are_found_again() -> None:
+    expected = fake_fit.parameters_at(3)
+    found = parameters_of(toy_rig(), fake_fit.iterated(3))
+    for field in ("rotations", "translations", "scales", "weights"):
+        assert np.allclose(getattr(found, field), getattr(expected, field), atol=1e-6)
+
+
+def test_an_iteration_that_is_not_there_is_not_found(client: FlaskClient, fit_id: str) -> None:
+    assert "it has 4 so far" in problem(client.get(f"/api/fits/{fit_id}/iterations/4.gltf"), 404)
+    problem(client.get(f"/api/fits/{fit_id}/iterations/{10**30}.gltf"), 404)
+    problem(client.get(f"/api/fits/{fit_id}/iterations/-1.gltf"), 404)
+    problem(client.get("/api/fits/nobody/iterations/0.gltf"), 404)
+
+
+def test_a_running_fit_has_no_results_and_can_be_cancelled(client: FlaskClient, service: Service, scan_id: str) -> None:
+    fit_id = client.post("/api/fits", json={"scan": scan_id, "preset": "paper", "drawing": None}).json["id"]
+    until(lambda: get_fit(service.storage, fit_id).iterations > 0, "an iteration")
+    assert "still running" in problem(client.get(f"/api/fits/{fit_id}/result.json"), 409)
+    assert client.get(f"/api/fits/{fit_id}/iterations/0.gltf").status_code == 200
+    answer = client.post(f"/api/fits/{fit_id}/cancel")
+    assert (answer.status_code, answer.json["state"]) == (202, "cancelled")
+    assert answer.json["reason"] == "The fit was cancelled."
+    assert client.post(f"/api/fits/{fit_id}/cancel").status_code == 202
+    assert "it is cancelled" in problem(client.get(f"/api/fits/{fit_id}/result.json"), 409)
+
+
+def test_a_fit_that_is_done_is_not_cancelled(client: FlaskClient, fit_id: str) -> None:
+    assert "it is done" in problem(client.post(f"/api/fits/{fit_id}/cancel"), 409)
+
+
+def test_deleting_the_scan_deletes_its_fits(client: FlaskClient, service: Service, scan_id: str, fit_id: str) -> None:
+    client.delete(f"/api/scans/{scan_id}")
+    problem(client.get(f"/api/fits/{fit_id}"), 404)
+    problem(client.get(f"/api/fits/{fit_id}/result.json"), 404)
+    assert not service.storage.folders.fit(fit_id).exists()
+
+
+def test_unknown_fits_are_not_found(client: FlaskClient) -> None:
+    for place in ("", "/events", "/events.json", "/result.json", "/fitted.glb", "/fitted.ply", "/drawing.json"):
+        assert "no such fit" in problem(client.get(f"/api/fits/nobody{place}"), 404)
+    problem(client.post("/api/fits/nobody/cancel"), 404)

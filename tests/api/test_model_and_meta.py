@@ -1,0 +1,59 @@
+import json
+
+from flask.testing import FlaskClient
+
+from breastrig import __version__
+from breastrig.api.config import Config
+from breastrig.core.notice import LIMITS_OF_USE
+from helpers.problems import problem
+from helpers.toy_rig import toy_rig
+
+FOR_EVER = "public, max-age=31536000, immutable"
+
+
+def test_the_service_says_that_it_lives(client: FlaskClient) -> None:
+    answer = client.get("/healthz")
+    assert (answer.status_code, answer.json) == (200, {"status": "ok"})
+
+
+def test_meta_tells_version_limits_and_model(client: FlaskClient, config: Config) -> None:
+    meta = client.get("/api/meta").json
+    assert (meta["name"], meta["version"], meta["notice"]) == ("BreastRig", __version__, LIMITS_OF_USE)
+    assert meta["limits"] == {"upload_bytes": config.uploads.file_bytes, "triangles": config.uploads.triangles}
+    assert meta["units"] == ["auto", "m", "dm", "cm", "mm", "in"]
+    assert (meta["model"]["name"], meta["model"]["bones"], meta["model"]["blendshapes"]) == ("toy", 4, 4)
+    assert [landmark["name"] for landmark in meta["landmarks"]] == list(toy_rig().landmark_names)
+    assert all(set(one) == {"name", "label", "latin", "definition", "easy", "mirror"} for one in meta["landmarks"])
+    assert meta["presets"] == ["default", "paper"]
+    assert meta["drawings"] == [{"name": "lumpectomy", "label": "Lumpectomy (toy)"}]
+
+
+def test_the_model_is_the_file_on_disk(client: FlaskClient, config: Config) -> None:
+    answer = client.get("/api/models/torso.glb")
+    assert answer.data == config.model.read_bytes()
+    assert (answer.mimetype, answer.headers["Cache-Control"]) == ("model/gltf-binary", "no-cache")
+    assert client.get("/api/models/torso.glb", headers={"If-None-Match": answer.headers["ETag"]}).status_code == 304
+    part = client.get("/api/models/torso.glb", headers={"Range": "bytes=0-3"})
+    assert (part.status_code, part.data) == (206, b"glTF")
+
+
+def test_the_side_file_holds_drawings_and_the_order_of_shapes(client: FlaskClient, config: Config) -> None:
+    side = client.get("/api/models/torso.json").json
+    on_disk = json.loads(config.model.with_suffix(".json").read_text())
+    assert {key: side[key] for key in on_disk} == on_disk
+    assert side["shape_names"] == list(toy_rig().shape_names)
+    [drawing] = side["drawings"]
+    assert drawing["name"] == "lumpectomy"
+    assert [shape["closed"] for shape in drawing["shapes"]] == [False, True]
+    assert set(drawing["shapes"][0]["surface_points"][0]) == {"face", "barycentric"}
+
+
+def test_buffers_are_named_by_their_model_and_never_change(client: FlaskClient) -> None:
+    sha256 = client.get("/api/meta").json["model"]["sha256"]
+    for place in ("torso.bin", "drawings/lumpectomy.bin"):
+        answer = client.get(f"/api/models/{sha256}/{place}")
+        assert answer.status_code == 200
+        assert len(answer.data) > 100
+        assert answer.headers["Cache-Control"] == FOR_EVER
+        problem(client.get(f"/api/models/{'0' * 64}/{place}"), 404)
+    assert "mona_lisa" in problem(client.get(f"/api/models/{sha256}/drawings/mona_lisa.bin"), 404)

@@ -1,0 +1,216 @@
+"""The real thing over a socket: `breastrig serve` as a process, asked by httpx; only the numerics are stood in for."""
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+
+from helpers.waiting import until
+
+PROGRAM = Path(__file__).parents[1] / "helpers" / "serve_fake.py"
+
+
+@contextmanager
+def server(data: Path, model: Path, log: Path, **environment: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """(process, address) of a running server."""
+    with log.open("a") as errors:
+        process = subprocess.Popen(
+            [sys.executable, str(PROGRAM), "--port", "0", "--data", str(data), "--model", str(model)],
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+            env=os.environ | {"PYTHONPATH": str(PROGRAM.parents[1]), **environment},
+        )
+    assert process.stdout is not None
+    try:
+        line = process.stdout.readline()
+        found = re.search(r"http://\S+", line)
+        assert found, f"{line}\n{log.read_text()}"
+        yield process, found[0]
+    finally:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+
+
+def children(pid: int) -> set[int]:
+    """All processes below one."""
+    below: set[int] = set()
+    tasks = [pid]
+    while tasks:
+        try:
+            found = Path(f"/proc/{tasks[-1]}/task/{tasks.pop()}/children").read_text().split()
+        except FileNotFoundError:
+            continue
+        new = {int(one) for one in found} - below
+        below |= new
+        tasks.extend(new)
+    return below
+
+
+def alive(pids: set[int]) -> set[int]:
+    """Those that still run (a zombie does not)."""
+    running = set()
+    for pid in pids:
+        try:
+            state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        if state != "Z":
+            running.add(pid)
+    return running
+
+
+def story(client: httpx.Client, address: str, **headers: str) -> list[str]:
+    """The event blocks of a stream, to its end."""
+    with client.stream("GET", address, headers=headers) as answer:
+        assert answer.status_code == 200
+        return [block for block in "".join(answer.iter_text()).split("\n\n") if block.startswith("id:")]
+
+
+def test_a_scan_goes_in_and_the_fit_comes_out(tmp_path: Path, model: Path, torso: bytes) -> None:
+    data, log = tmp_path / "data", tmp_path / "log"
+    with server(data, model, log) as (process, address), httpx.Client(base_url=address, timeout=20) as client:
+        scan = client.post("/api/scans", files={"file": ("torso.ply", torso)}, data={"units": "auto"})
+        assert scan.status_code == 201
+        links = scan.json()["links"]
+        picked = {"landmarks": {"nipple_L": [70, 350, 120]}}
+        assert client.put(links["landmarks"], json=picked).status_code == 200
+        asked = time.monotonic()
+        fit = client.post("/api/fits", json={"scan": scan.json()["id"], "drawing": "lumpectomy"}).json()
+        blocks: list[str] = []
+        with client.stream("GET", fit["links"]["events"]) as answer:
+            for text in answer.iter_text():
+                if "event: iterated" in text and not any("iterated" in block for block in blocks):
+                    assert time.monotonic() - asked < 1.0
+                blocks.append(text)
+        live = [block for block in "".join(blocks).split("\n\n") if block.startswith("id:")]
+        assert [block.split("\n")[1] for block in live] == ["event: started", *["event: iterated"] * 4, "event: done"]
+        assert story(client, fit["links"]["events"]) == live
+        assert story(client, fit["links"]["events"], **{"Last-Event-ID": "4"}) == live[4:]
+        assert client.get(fit["links"]["events"], headers={"Last-Event-ID": "6"}).status_code == 204
+        for name in ("result", "fitted_glb", "fitted_ply", "drawing"):
+            answer = client.get(fit["links"][name])
+            assert answer.status_code == 200
+            assert client.get(fit["links"][name], headers={"If-None-Match": answer.headers["ETag"]}).status_code == 304
+        assert client.get(f"{fit['links']['self']}/iterations/3.gltf").json()["asset"]["version"] == "2.0"
+        below = children(process.pid)
+        assert below
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(timeout=20) == 0
+        until(lambda: not alive(below), "the end of all processes")
+    with server(data, model, log) as (_, address), httpx.Client(base_url=address, timeout=20) as client:
+        assert story(client, fit["links"]["events"]) == live
+        assert client.get(fit["links"]["self"]).json()["state"] == "done"
+    assert "Traceback" not in log.read_text()
+
+
+def test_a_server_that_is_killed_forgets_no_fit_and_leaves_no_process(
+    tmp_path: Path, model: Path, torso: bytes
+) -> None:
+    data, log = tmp_path / "data", tmp_path / "log"
+    with server(data, model, log) as (process, address), httpx.Client(base_url=address, timeout=20) as client:
+        scan_id = client.post("/api/scans", files={"file": ("torso.ply", torso)}).json()["id"]
+        body = {"scan": scan_id, "drawing": None}
+        done = client.post("/api/fits", json=body).json()["links"]
+        told = story(client, done["events"])
+        running = [client.post("/api/fits", json=body | {"preset": "paper"}).json()["links"] for _ in range(8)]
+        until(lambda: client.get(running[0]["self"]).json()["iterations"] > 0, "a running fit")
+        below = children(process.pid)
+        process.kill()
+        process.wait()
+        until(lambda: not alive(below), "the end of all processes")
+    with server(data, model, log) as (_, address), httpx.Client(base_url=address, timeout=20) as client:
+        assert story(client, done["events"]) == told
+        fits = [client.get(links["self"]).json() for links in running]
+        assert fits[0]["state"] == "failed"
+        assert fits[0]["reason"] == "The server was stopped while this fit ran; start the fit again."
+        assert {fit["state"] for fit in fits} <= {"failed", "queued", "running"}
+        assert fits[-1]["state"] in ("queued", "running")
+        for links in running:
+            client.post(links["cancel"])
+    assert "Traceback" not in log.read_text()
+
+
+def test_a_viewer_who_leaves_gives_the_thread_back(tmp_path: Path, model: Path, torso: bytes) -> None:
+    with (
+        server(tmp_path / "data", model, tmp_path / "log") as (_, address),
+        httpx.Client(base_url=address, timeout=20) as client,
+    ):
+        scan_id = client.post("/api/scans", files={"file": ("torso.ply", torso)}).json()["id"]
+        fit = client.post("/api/fits", json={"scan": scan_id, "drawing": None, "preset": "paper"}).json()["links"]
+        until(lambda: client.get(fit["self"]).json()["iterations"] > 0, "a running fit")
+        for _ in range(40):  # more than there are places
+            with client.stream("GET", f"{fit['events']}?after=100000") as answer:
+                if answer.status_code == 503:
+                    break
+                next(answer.iter_text())
+
+        def free() -> bool:
+            with client.stream("GET", f"{fit['events']}?after=100000") as answer:
+                return answer.status_code == 200
+
+        until(free, "a free place")
+        client.post(fit["cancel"])
+
+
+def test_broken_http_is_answered_with_problem_details(tmp_path: Path, model: Path) -> None:
+    with server(tmp_path / "data", model, tmp_path / "log") as (_, address):
+        port = int(address.rstrip("/").rsplit(":", 1)[1])
+        for request, status in (
+            (b"GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: x\r\n\r\n", b"400"),
+            (b"POST /api/scans HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9000000000\r\n\r\n", b"413"),
+        ):
+            with socket.create_connection(("127.0.0.1", port), timeout=10) as connection:
+                connection.sendall(request)
+                answer = b""
+                while chunk := connection.recv(65536):
+                    answer += chunk
+            assert answer.startswith(b"HTTP/1.1 " + status)
+            assert b"application/problem+json" in answer
+            assert b"Content-Security-Policy: default-src 'self'" in answer or b"Content-security-policy" in answer
+
+
+@pytest.mark.parametrize(
+    ("arguments", "environment", "sentence"),
+    [
+        (["--host", "0.0.0.0"], {}, "set BREASTRIG_TOKEN"),
+        (["--host", "0.0.0.0"], {"BREASTRIG_TOKEN": "short"}, "too short"),
+        (["--host", "nowhere.invalid"], {"BREASTRIG_TOKEN": "long enough to be a secret"}, "is not an address"),
+        (["--model", "nothing.glb"], {}, "nothing.glb cannot be read"),
+    ],
+)
+def test_a_server_that_cannot_start_says_why_in_one_line(
+    tmp_path: Path, model: Path, arguments: list[str], environment: dict[str, str], sentence: str
+) -> None:
+    answer = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "breastrig.cli.main",
+            "serve",
+            "--data",
+            str(tmp_path),
+            "--model",
+            str(model),
+            *arguments,
+        ],
+        capture_output=True,
+        text=True,
+        env={key: value for key, value in os.environ.items() if key != "BREASTRIG_TOKEN"} | environment,
+        check=False,
+        timeout=60,
+    )
+    assert answer.returncode == 2
+    assert sentence in answer.stderr
+    assert len(answer.stderr.splitlines()) == 1
+    assert answer.stdout == ""

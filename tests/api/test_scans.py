@@ -1,0 +1,179 @@
+import io
+import json
+import re
+import struct
+
+import numpy as np
+import pytest
+from flask.testing import FlaskClient
+
+from breastrig.jobs.service import Service
+from helpers.problems import problem
+from helpers.scan_files import ply_text
+from helpers.uploads import torso as torso_ply
+
+
+def upload(client: FlaskClient, content: bytes, name: str = "scan.ply", **fields: str):
+    return client.post("/api/scans", data={"file": (io.BytesIO(content), name), **fields})
+
+
+def test_an_upload_says_what_was_read(client: FlaskClient, torso: bytes) -> None:
+    answer = upload(client, torso, "Jane Doe.ply")
+    assert answer.status_code == 201
+    scan = answer.json
+    assert scan["unit"] == "m"
+    assert scan["unit_reason"].endswith(".")
+    assert (scan["vertices"], scan["triangles"]) == (3120, 6144)
+    assert np.allclose(scan["bounds_m"]["min"][1], 0.0, atol=1e-6)
+    assert np.allclose(scan["bounds_m"]["max"][1], 0.5, atol=1e-6)
+    assert scan["colours"] == "none"
+    assert np.allclose(np.linalg.norm(scan["frame"]["up"]), 1.0)
+    assert np.allclose(np.dot(scan["frame"]["up"], scan["frame"]["front"]), 0.0, atol=1e-6)
+    assert scan["stance"]["proposed"] in ("standing", "supine")
+    assert answer.headers["Location"] == scan["links"]["self"] == f"/api/scans/{scan['id']}"
+    assert len(scan["id"]) == 22
+    assert client.get(scan["links"]["self"]).json == scan
+    assert client.delete(scan["links"]["self"]).status_code == 204
+
+
+def test_the_unit_that_was_asked_for_is_used(client: FlaskClient) -> None:
+    answer = upload(client, torso_ply(1000.0), units="mm")
+    assert answer.json["unit"] == "mm"
+    assert np.allclose(answer.json["bounds_m"]["max"][1], 0.5, atol=1e-6)
+
+
+def test_no_file_name_is_kept_anywhere(client: FlaskClient, service: Service, torso: bytes) -> None:
+    upload(client, torso, "Erika Mustermann 1970.ply")
+    for path in service.storage.root.rglob("*"):
+        assert "Mustermann" not in path.name
+        assert path.is_dir() or b"Mustermann" not in path.read_bytes()
+
+
+def test_the_mesh_for_display_is_a_glb_that_the_browser_may_keep(client: FlaskClient, scan_id: str) -> None:
+    answer = client.get(f"/api/scans/{scan_id}/mesh.glb")
+    assert answer.status_code == 200
+    assert answer.mimetype == "model/gltf-binary"
+    assert answer.data[:4] == b"glTF"
+    assert answer.headers["Cache-Control"] == "private, max-age=3600, immutable"
+    again = client.get(f"/api/scans/{scan_id}/mesh.glb", headers={"If-None-Match": answer.headers["ETag"]})
+    assert (again.status_code, again.data) == (304, b"")
+    part = client.get(f"/api/scans/{scan_id}/mesh.glb", headers={"Range": "bytes=0-3"})
+    assert (part.status_code, part.data) == (206, b"glTF")
+
+
+def test_delete_removes_everything_and_may_be_repeated(client: FlaskClient, service: Service, torso: bytes) -> None:
+    scan_id = upload(client, torso).json["id"]
+    for _ in range(2):
+        assert client.delete(f"/api/scans/{scan_id}").status_code == 204
+    for place in ("", "/mesh.glb", "/landmarks"):
+        assert "no such scan" in problem(client.get(f"/api/scans/{scan_id}{place}"), 404)
+    assert not service.storage.folders.scan(scan_id).exists()
+
+
+ONE_TRIANGLE = ply_text(np.eye(3), np.array([[0, 1, 2]]))
+ONE_NUMBER = re.compile(rb"(?<=end_header\n)\S+")
+BAD_FILES = {
+    "empty": (b"", "scan.ply"),
+    "text named .ply": (b"Dear colleague,\nplease find the scan attached.\n", "scan.ply"),
+    "one triangle": (ONE_TRIANGLE, "scan.ply"),
+    "NaN vertices": (ONE_NUMBER.sub(b"nan", torso_ply()), "scan.ply"),
+    "infinite vertices": (ONE_NUMBER.sub(b"inf", torso_ply()), "scan.ply"),
+    "truncated GLB": (b"glTF" + struct.pack("<II", 2, 100000) + b"\x10\0\0\0JSON{", "scan.glb"),
+    "GLB of noise": (b"glTF" + bytes(range(256)) * 20, "scan.glb"),
+    "truncated PLY": (torso_ply()[:20000], "scan.ply"),
+    "points without triangles": (ply_text(np.eye(3), np.zeros((0, 3), int)), "scan.ply"),
+    "faces beyond the vertices": (ply_text(np.eye(3), np.array([[0, 1, 9]])), "scan.ply"),
+    "OBJ of nothing": (b"# nothing\n", "scan.obj"),
+    "STL that promises more": (bytes(80) + struct.pack("<I", 10**6) + bytes(100), "scan.stl"),
+    "zip of noise": (b"PK\3\4" + bytes(100), "scan.zip"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_FILES)
+def test_a_bad_file_gives_one_sentence_and_leaves_nothing(client: FlaskClient, service: Service, case: str) -> None:
+    before = set((service.storage.root / "scans").iterdir())
+    content, name = BAD_FILES[case]
+    assert len(problem(upload(client, content, name), 422)) > 20
+    assert set((service.storage.root / "scans").iterdir()) == before
+
+
+def test_a_scan_in_the_wrong_unit_is_refused(client: FlaskClient) -> None:
+    problem(upload(client, torso_ply(), units="mm"), 422)  # half a millimetre tall
+    problem(upload(client, torso_ply(1000.0), units="m"), 422)  # half a kilometre tall
+
+
+def test_too_many_triangles_are_refused(client: FlaskClient, service: Service, monkeypatch) -> None:
+    from dataclasses import replace
+
+    monkeypatch.setattr(service, "_uploads", replace(service._uploads, triangles=1000))
+    assert "6,144 triangles" in problem(upload(client, torso_ply()), 413)
+
+
+@pytest.mark.parametrize("name", ["scan.exe", "scan", "scan.ply.txt", ".ply", "../../etc/passwd"])
+def test_a_file_of_another_kind_is_refused_by_its_name(client: FlaskClient, torso: bytes, name: str) -> None:
+    assert "PLY, OBJ, STL, GLB" in problem(upload(client, torso, name), 415)
+
+
+def test_a_form_without_a_file_is_refused(client: FlaskClient) -> None:
+    sentence = problem(client.post("/api/scans", data={"units": "mm"}, content_type="multipart/form-data"), 422)
+    assert "file" in sentence
+    text_in_place_of_the_file = {"file": "just text"}
+    problem(client.post("/api/scans", data=text_in_place_of_the_file, content_type="multipart/form-data"), 422)
+
+
+def test_an_unknown_unit_is_refused_with_the_known_ones(client: FlaskClient, torso: bytes) -> None:
+    sentence = problem(upload(client, torso, units="furlong"), 422)
+    assert sentence.startswith("units:")
+    assert "'mm'" in sentence
+
+
+def test_landmarks_are_kept(client: FlaskClient, scan_id: str) -> None:
+    place = f"/api/scans/{scan_id}/landmarks"
+    empty = {"schema": "breastrig/landmarks@1", "unit": "mm", "landmarks": {}}
+    assert client.get(place).json == empty
+    picked = {**empty, "landmarks": {"nipple_L": [70.0, 350.0, 120.5]}}
+    answer = client.put(place, json=picked)
+    assert (answer.status_code, answer.json) == (200, picked)
+    assert client.get(place).json == picked
+    assert client.put(place, json={"landmarks": {}}).json == empty
+
+
+@pytest.mark.parametrize(
+    ("body", "word"),
+    [
+        ({"landmarks": {"elbow": [0, 0, 0]}}, '"elbow" is not a landmark; known are: suprasternal_notch'),
+        ({"landmarks": {"nipple_L": [0, 0]}}, "landmarks.nipple_L"),
+        ({"landmarks": {"nipple_L": [0, 0, "a"]}}, "landmarks.nipple_L.2"),
+        ({"landmarks": {"nipple_L": [0, 0, 9000]}}, "nipple_L lies 8.8"),
+        ({"landmarks": {"nipple_L": [0, 0, 0]}, "unit": "cm"}, "unit"),
+        ({"landmark": {}}, "landmarks: Field required (1 more)"),
+        ([], "valid"),
+        ("null", "valid"),
+    ],
+)
+def test_landmarks_that_cannot_be_meant_are_refused(client: FlaskClient, scan_id: str, body, word: str) -> None:
+    assert word in problem(client.put(f"/api/scans/{scan_id}/landmarks", json=body), 422)
+
+
+def test_landmarks_that_are_not_finite_are_refused(client: FlaskClient, scan_id: str) -> None:
+    body = json.dumps({"landmarks": {"nipple_L": [0, 0, float("nan")]}})
+    answer = client.put(f"/api/scans/{scan_id}/landmarks", data=body, content_type="application/json")
+    assert "finite" in problem(answer, 422)
+
+
+def test_unknown_scans_are_not_found(client: FlaskClient) -> None:
+    for method, place in (("get", ""), ("get", "/mesh.glb"), ("get", "/landmarks")):
+        problem(getattr(client, method)(f"/api/scans/nobody{place}"), 404)
+    problem(client.put("/api/scans/nobody/landmarks", json={"landmarks": {}}), 404)
+
+
+def test_the_example_opens_like_an_upload(client: FlaskClient) -> None:
+    assert client.get("/api/examples").json == {
+        "examples": [{"name": "standing", "label": "Example patient, standing"}]
+    }
+    answer = client.post("/api/examples/standing")
+    assert answer.status_code == 201
+    assert answer.json["example_landmarks"]["landmarks"] == {"nipple_L": [70.0, 350.0, 120.0]}
+    assert client.get(answer.json["links"]["landmarks"]).json["landmarks"] == {}
+    assert client.get(answer.json["links"]["mesh"]).data[:4] == b"glTF"
+    assert '"lying" is not a example' in problem(client.post("/api/examples/lying"), 404)
