@@ -8,11 +8,11 @@ import numpy as np
 import pygltflib
 from pygltflib import GLTF2, Attributes
 
-from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.container import BufferWriter, Node, append
-from breastrig.gltf.ribbon import Ribbon, ribbon
-from breastrig.gltf.skinned import SkinnedNodes, as_float32, joints_and_weights
-from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
+from breastrig.gltf.ribbon import Ribbon, exact_in, ribbons
+from breastrig.gltf.skinned import SkinnedNodes, as_float32
+from breastrig.rig.model import ModelDrawing, Rig
+from breastrig.rig.parameters import RigParameters
 
 UNLIT = "KHR_materials_unlit"
 
@@ -22,15 +22,24 @@ def drawing_node(name: str) -> str:
     return f"drawing_{name}"
 
 
-def add_drawing(document: GLTF2, buffer: BufferWriter, skinned: SkinnedNodes, rig: Rig, drawing: ModelDrawing) -> None:
-    """Adds the drawing's node; nothing when the drawing has no line."""
-    search = ClosestPointSearch(rig.template, rig.faces)
-    ribbons = [(shape, ribbon(rig, search, shape)) for shape in drawing.shapes]
-    primitives = [_primitive(document, buffer, shape, lines) for shape, lines in ribbons if lines is not None]
-    if not primitives:
+def add_drawing(
+    document: GLTF2,
+    buffer: BufferWriter,
+    skinned: SkinnedNodes,
+    rig: Rig,
+    drawing: ModelDrawing,
+    exact_pose: RigParameters | None = None,
+) -> None:
+    """Adds the drawing's node; nothing when the drawing has no line.  It is exact in `exact_pose`, if given."""
+    lines = ribbons(rig, drawing)
+    if exact_pose is not None:
+        lines = tuple(exact_in(rig, line, exact_pose) for line in lines)
+    if not lines:
         return
     mesh = pygltflib.Mesh(
-        name=drawing_node(drawing.name), primitives=primitives, extras={"targetNames": list(rig.shape_names)}
+        name=drawing_node(drawing.name),
+        primitives=[_primitive(document, buffer, line) for line in lines],
+        extras={"targetNames": list(rig.shape_names)},
     )
     node = Node(name=mesh.name, mesh=append(document.meshes, mesh), skin=skinned.skin)
     skinned.nodes[mesh.name] = append(document.nodes, node)
@@ -38,25 +47,24 @@ def add_drawing(document: GLTF2, buffer: BufferWriter, skinned: SkinnedNodes, ri
     document.extensionsUsed = [UNLIT]
 
 
-def _primitive(document: GLTF2, buffer: BufferWriter, shape: DrawnShape, lines: Ribbon) -> pygltflib.Primitive:
+def _primitive(document: GLTF2, buffer: BufferWriter, line: Ribbon) -> pygltflib.Primitive:
     on_vertices = pygltflib.ARRAY_BUFFER
-    joints, weights = joints_and_weights(lines.skin_weights)
     attributes = Attributes(
-        POSITION=buffer.add(as_float32(lines.positions), target=on_vertices, bounds=True),
-        JOINTS_0=buffer.add(joints, target=on_vertices),
-        WEIGHTS_0=buffer.add(weights, target=on_vertices),
+        POSITION=buffer.add(as_float32(line.positions), target=on_vertices, bounds=True),
+        JOINTS_0=buffer.add(line.joints, target=on_vertices),
+        WEIGHTS_0=buffer.add(line.weights, target=on_vertices),
     )
-    indices = buffer.add(lines.faces.ravel().astype(np.uint32), target=pygltflib.ELEMENT_ARRAY_BUFFER)
+    indices = buffer.add(line.faces.ravel().astype(np.uint32), target=pygltflib.ELEMENT_ARRAY_BUFFER)
     targets = [
         Attributes(POSITION=buffer.add(as_float32(moves), target=on_vertices, bounds=True))
-        for moves in lines.blendshapes
+        for moves in line.blendshapes
     ]
     return pygltflib.Primitive(
         attributes=attributes,
         indices=indices,
-        material=_ink(document, shape.color),
+        material=_ink(document, line.shape.color),
         targets=targets,
-        extras={"name": shape.name, "label": shape.label, "closed": shape.closed},
+        extras={"name": line.shape.name, "label": line.shape.label, "closed": line.shape.closed},
     )
 
 

@@ -1,6 +1,7 @@
 """The whole fit in one .glb: the fitted model with its drawing, and how it got there as an animation.
 
-The nodes stand in the last pose, so a viewer that ignores animations shows the result.  The animation has one
+The nodes stand in the last pose, in which the drawing is exact, so a viewer that ignores animations shows the
+result.  The animation has one
 key for each iterate; keys are at least KEY_SPACING apart, because a fit is faster than the eye, and the true
 times are kept in the animation's extras.
 """
@@ -39,7 +40,7 @@ def fitted_glb(
     buffer = BufferWriter(document)
     skinned = add_skinned_rig(document, buffer, rig)
     if drawing is not None:
-        add_drawing(document, buffer, skinned, rig, drawing)
+        add_drawing(document, buffer, skinned, rig, drawing, exact_pose=iterates[-1])
     set_pose(document, skinned, rig, iterates[-1])
     document.animations = [_animation(document, buffer, skinned, rig, iterates, np.asarray(times_s, np.float64))]
     return to_glb(document, buffer)
