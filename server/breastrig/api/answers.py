@@ -41,4 +41,5 @@ def bytes_answer(content: bytes, media_type: str, caching: str) -> Response:
     response = Response(content, mimetype=media_type)
     response.set_etag(hashlib.sha256(content).hexdigest()[:32])
     response.headers["Cache-Control"] = caching
-    return response.make_conditional(request, accept_ranges=True, complete_length=len(content))
+    response.make_conditional(request, accept_ranges=True, complete_length=len(content))
+    return response

@@ -36,7 +36,7 @@ def append(storage: Storage, fit_id: str, event: dict[str, Any]) -> int:
             raise NotFound("There is no such fit; it may have been deleted.")
         if fit.state in ENDED:
             raise Conflict(f"This fit has already ended: it is {fit.state}.")
-        number = fit.last_event + 1
+        number = int(fit.last_event) + 1
         connection.execute(insert(schema.events).values(fit=fit_id, number=number, kind=kind, json=text))
         changes = {"last_event": number, **_changes(event)}
         connection.execute(update(schema.fits).where(schema.fits.c.id == fit_id).values(changes))

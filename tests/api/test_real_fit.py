@@ -1,0 +1,67 @@
+"""The whole way with the real registration and the packaged model: upload, landmarks, fit, story, files."""
+
+import io
+import json
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from flask.testing import FlaskClient
+from helpers.scan_files import ply_text
+from helpers.waiting import ended
+
+from breastrig.api.app import create_app
+from breastrig.api.config import Config
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.service import Service
+from breastrig.storage.storage import Storage
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, FlaskClient]]:
+    service = Service(Storage(tmp_path_factory.mktemp("real")), fits=FitLimits(workers=1, grace_s=0.1))
+    with service.started():
+        yield service, create_app(Config(), service).test_client()
+
+
+def fitted(service: Service, client: FlaskClient, scan: dict, landmarks: dict) -> dict:
+    """result.json of a fit that is checked on its way."""
+    assert client.put(scan["links"]["landmarks"], json={"landmarks": landmarks}).status_code == 200
+    links = client.post("/api/fits", json={"scan": scan["id"]}).json["links"]
+    fit = ended(service, links["self"].rsplit("/", 1)[1])
+    assert fit.state == "done", fit.reason
+    events = client.get(links["events"] + ".json").json["events"]
+    kinds = [one["event"]["kind"] for one in events]
+    assert kinds == ["started", *["iterated"] * fit.iterations, "done"]
+    assert [one["event"]["iteration"] for one in events[1:-1]] == list(range(fit.iterations))
+    last = client.get(f"{links['self']}/iterations/{fit.iterations - 1}.gltf")
+    assert last.status_code == 200
+    told = {node["name"]: node for node in events[-2]["event"]["nodes"]}
+    for node in json.loads(last.data)["nodes"]:
+        for key in ("translation", "rotation", "scale", "weights"):
+            if key in told.get(node.get("name"), {}) and key in node:
+                assert np.allclose(node[key], told[node["name"]][key], atol=2e-6)
+    for name in ("fitted_glb", "fitted_ply", "drawing"):
+        with client.get(links[name]) as answer:
+            assert answer.status_code == 200
+            assert len(answer.data) > 1000
+    with client.get(links["result"]) as answer:
+        result = answer.json
+    assert events[-1]["event"]["result"] == result
+    return result
+
+
+def test_the_model_itself_as_a_scan_in_millimetres_is_fitted(real: tuple[Service, FlaskClient]) -> None:
+    service, client = real
+    rig = read_rig(default_rig_path())
+    upload = {"file": (io.BytesIO(ply_text(np.round(1000 * rig.template, 4), rig.faces)), "scan.ply")}
+    scan = client.post("/api/scans", data=upload).json
+    assert scan["unit"] == "mm"
+    points = 1000 * rig.landmark_points().positions(rig.template, rig.faces)
+    landmarks = {name: point.tolist() for name, point in zip(rig.landmark_names, points, strict=True)}
+    result = fitted(service, client, scan, landmarks)
+    assert result["surface_distance_mm"]["mean"] < 1.0
+    assert result["landmark_distance_mm"]["mean"] < 3.0
+    assert client.delete(scan["links"]["self"]).status_code == 204
+    assert not list(service.storage.root.glob("*/*"))  # scans, fits and rubbish are empty
