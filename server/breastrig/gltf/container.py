@@ -2,9 +2,10 @@
 
 pygltflib holds the document (its classes know the field names and leave out what is empty); the bytes are
 laid out here.  One view per accessor, each aligned to four bytes, no interleaving, no sparse accessors (some
-viewers flicker with them).  The same input gives the same bytes: no dates, no hashes, keys in pygltflib's order.
+viewers flicker with them).  The same input gives the same bytes: no dates, keys in pygltflib's order.
 """
 
+import hashlib
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,6 +55,7 @@ class BufferWriter:
         self._document = document
         self._chunks: list[bytes] = []
         self._length = 0
+        self._known: dict[tuple[Any, ...], int] = {}
         self._buffer = append(document.buffers, pygltflib.Buffer(byteLength=0, uri=uri))
 
     def add_bytes(self, data: bytes, target: int | None = None) -> int:
@@ -68,26 +70,40 @@ class BufferWriter:
     def add(
         self, array: np.ndarray[Any, Any], *, target: int | None = None, bounds: bool = False, normalized: bool = False
     ) -> int:
-        """Appends (N, ...) uint8, uint16, uint32 or float32 numbers and returns the index of their accessor."""
+        """Appends (N, ...) uint8, uint16, uint32 or float32 numbers and returns the index of their accessor.
+
+        Equal numbers for the same use share one accessor: many shapes leave a drawing alone.
+        """
         data = np.ascontiguousarray(array)
         element = data.shape[1:]
         if element == (4, 4):
             data = np.ascontiguousarray(data.transpose(0, 2, 1))  # glTF stores matrices column by column
+        content = data.astype(data.dtype.newbyteorder("<")).tobytes()
+        key = (hashlib.sha256(content).digest(), data.dtype, data.shape, target, bounds, normalized)
+        if key in self._known:
+            return self._known[key]
         accessor = pygltflib.Accessor(
-            bufferView=self.add_bytes(data.astype(data.dtype.newbyteorder("<")).tobytes(), target),
+            bufferView=self.add_bytes(content, target),
             componentType=COMPONENT_TYPES[data.dtype],
             count=len(data),
             type=ELEMENT_TYPES[element],
-            normalized=normalized,
+            byteOffset=None,  # defaults are left out: an iteration's file has hundreds of accessors
+            normalized=normalized or None,
         )
         if bounds:
             rows = data.reshape(len(data), -1)
-            accessor.min, accessor.max = rows.min(axis=0).tolist(), rows.max(axis=0).tolist()
-        return append(self._document.accessors, accessor)
+            accessor.min, accessor.max = _shortest(rows.min(axis=0)), _shortest(rows.max(axis=0))
+        self._known[key] = append(self._document.accessors, accessor)
+        return self._known[key]
 
     def content(self) -> bytes:
         """All bytes of the buffer so far."""
         return b"".join(self._chunks)
+
+
+def _shortest(values: np.ndarray[Any, Any]) -> list[Any]:
+    """The numbers with as few digits as name the same float32."""
+    return [float(str(value)) if values.dtype == np.float32 else int(value) for value in values]
 
 
 def to_gltf(document: GLTF2) -> bytes:
