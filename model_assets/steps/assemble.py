@@ -1,11 +1,13 @@
 """All steps in order: source and recipe in, a complete Rig out."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from breastrig.rig.model import Rig
-from steps.breast import breast_fields
+from steps.breast import Breast, breast_fields
+from steps.breast_shapes import BREAST_SHAPES
 from steps.drawings import drawings
 from steps.half_body import half_body, smooth_surface
 from steps.landmarks import find_landmarks, landmarks
@@ -15,13 +17,28 @@ from steps.shapes import blendshapes
 from steps.skeleton import bones_and_joints, skin_weights
 from steps.skin import Skin
 from steps.source import Array, Source
-from steps.whole_body import whole_body
+from steps.whole_body import Template, whole_body
 
 
 def reference_body(source: Source, recipe: dict[str, Any]) -> Array:
     """(S, 3) m: the symmetric adult body that the template samples."""
     moved = sum((weight * source.target(name) for name, weight in recipe["body"]["targets"]), source.vertices)
     return source.symmetrised(np.asarray(moved))
+
+
+def rounded(template: Template, breast: Breast, recipe: dict[str, Any]) -> Array:
+    """(V, 3) m: what makes the reference's conical breasts rounder, on both sides."""
+    left = sum(
+        (part["weight"] * BREAST_SHAPES[part["kind"]](template, breast, part) for part in recipe["body"]["rounding"]),
+        np.zeros_like(template.vertices),
+    )
+    return np.asarray(left + template.mirrored(left))
+
+
+def carried(field: Array, template: Template, points: Array) -> Array:
+    """A (V, 3) field of the template at (M, 3) points near it."""
+    near = Skin(template.vertices, template.triangles).nearest(points)
+    return near.positions(field, template.triangles)
 
 
 def build_rig(source: Source, recipe: dict[str, Any]) -> Rig:
@@ -31,16 +48,16 @@ def build_rig(source: Source, recipe: dict[str, Any]) -> Rig:
     template = whole_body(half, source.mirror, recipe["decimals"])
     bones, joints = bones_and_joints(source, body, recipe)
     names = [bone.name for bone in bones]
-    weights = np.round(skin_weights(source, template, names, recipe), recipe["decimals"])
-    weights /= weights.sum(axis=1, keepdims=True)
+    weights = skin_weights(source, template, names, recipe)
     arm = weights[:, names.index("upper_arm_L")] + weights[:, names.index("upper_arm_R")]
+    rounding = rounded(template, breast_fields(template, arm, recipe), recipe)
+    fine = smooth_surface(source, body, recipe)
+    fine_skin = Skin(fine.vertices + carried(rounding, template, fine.vertices), fine.triangles)
+    template = replace(template, vertices=np.round(template.vertices + rounding, recipe["decimals"]))
     breast = breast_fields(template, arm, recipe)
     shapes, displacements = blendshapes(source, template, breast, arm, recipe)
     skin = Skin(template.vertices, template.triangles)
-    fine = smooth_surface(source, body, recipe)
-    marks = find_landmarks(
-        skin, Skin(fine.vertices, fine.triangles), template, source.joint("l-shoulder", body), recipe["landmarks"]
-    )
+    marks = find_landmarks(skin, fine_skin, template, source.joint("l-shoulder", body), recipe["landmarks"])
     return Rig(
         name=recipe["name"],
         template=template.vertices,

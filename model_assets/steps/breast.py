@@ -25,6 +25,7 @@ class Breast:
     upward: Array  # (V,) the same upwards
     radius: Array  # (V,) length of the two
     mask: Array  # (V,) 1 in the middle, smoothly 0 outside of the footprint
+    torso: Array  # (V,) 1 on this side's chest wall, smoothly 0 across the midline, towards the back and on the arm
     normal: Array  # (V, 3) of the wall
     along_lateral: Array  # (V, 3) unit, on the wall, around the chest towards the side
     along_up: Array  # (V, 3) unit, on the wall, towards the head
@@ -60,7 +61,7 @@ def breast_fields(template: Template, arm: Array, recipe: dict[str, Any]) -> Bre
     v, t = template.vertices, template.triangles
     stiffness, area = laplacian(v, t)
     lateral, upward = _coordinates(v, r)
-    front = (v[:, 2] > r["back_limit"]) & (v[:, 0] > 0)
+    front = (v[:, 2] > r["back_limit"]) & (v[:, 0] > -r["midline_reach"])
     inside = front & (np.hypot(lateral, upward) < 1.0) & (arm < 0.5)
     wall = thin_plate(v, inside, stiffness, area)
     for _ in range(2):
@@ -75,6 +76,8 @@ def breast_fields(template: Template, arm: Array, recipe: dict[str, Any]) -> Bre
     skin /= np.linalg.norm(skin, axis=1, keepdims=True)
     tip = v[template.rings[-1][0]]
     torso = (1.0 - np.clip(arm, 0.0, 1.0)) ** 2
+    torso *= plateau(np.maximum(r["midline_full"] - v[:, 0], 0.0), 0.0, r["midline_full"] + r["midline_reach"])
+    torso *= plateau(np.maximum(r["back_full"] - v[:, 2], 0.0), 0.0, r["back_full"] - r["back_limit"])
     return Breast(
         wall=wall,
         height=((v - wall) * normal).sum(axis=1),
@@ -82,6 +85,7 @@ def breast_fields(template: Template, arm: Array, recipe: dict[str, Any]) -> Bre
         upward=upward,
         radius=radius,
         mask=plateau(radius, r["mask_full"], r["mask_reach"]) * torso,
+        torso=torso,
         normal=normal,
         along_lateral=around,
         along_up=np.cross(normal, around),

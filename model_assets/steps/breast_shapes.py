@@ -35,7 +35,7 @@ def quadrant(template: Template, b: Breast, n: Numbers) -> Array:
 
 def projection(template: Template, b: Breast, n: Numbers) -> Array:
     """The whole breast stands further forward, most where it is highest."""
-    share = np.clip(b.height / b.height.max(), 0.0, 1.0) * b.mask
+    share = np.clip(b.height / b.height.max(), 0.0, 1.0) ** n.get("power", 1.0) * b.mask
     return _areola_rides(n["size"] * share[:, None] * b.axis, b)
 
 
@@ -49,31 +49,38 @@ def apex_round(template: Template, b: Breast, n: Numbers) -> Array:
 
 def shift(template: Template, b: Breast, n: Numbers) -> Array:
     """The breast slides over the chest wall, sideways or upwards."""
-    share = plateau(b.radius, n["full"], n["reach"]) * np.minimum(b.mask * 3.0, 1.0)
+    share = plateau(b.radius, n["full"], n["reach"]) * b.torso
     along = n.get("lateral", 0.0) * b.along_lateral + n.get("up", 0.0) * b.along_up
     return _areola_rides(np.asarray(share[:, None] * along), b)
 
 
 def base_width(template: Template, b: Breast, n: Numbers) -> Array:
     """A wider footprint: both borders move apart, the inside follows in proportion."""
-    share = b.lateral * plateau(b.radius, 0.6, 1.5) * np.minimum(b.mask * 3.0, 1.0)
+    share = b.lateral * plateau(b.radius, 0.6, 1.5) * b.torso
     swell = bump(b.radius - 0.75, 0.7) * np.clip(np.abs(b.lateral), 0.0, 1.0) * b.mask
     field = n["size"] * share[:, None] * b.along_lateral + 0.5 * n["size"] * swell[:, None] * b.normal
     return _areola_rides(field, b)
 
 
 def supine_spread(template: Template, b: Breast, n: Numbers) -> Array:
-    """Lying down: flatter, slid outwards and upwards, the volume kept by a fuller outer border."""
-    share = np.clip(b.height, 0.0, None) * b.mask
+    """Lying down: the base widens, the mound slides outwards and upwards, and flattens until its volume is kept."""
     relative = np.clip(b.height / b.height.max(), 0.0, 1.0) * b.mask
-    flat = -n["flatten"] * share[:, None] * b.normal
-    slide = relative[:, None] * (n["lateral"] * b.along_lateral + n["up"] * b.along_up)
-    outer = bump(np.hypot(b.lateral - n["outer"][0], b.upward - n["outer"][1]), n["reach"]) * b.mask
-    fill = outer[:, None] * b.normal
+    base = plateau(b.radius, n["full"], n["reach"]) * b.torso
+    widen = base[:, None] * (
+        n["widen_lateral"] * b.lateral[:, None] * b.along_lateral + n["widen_up"] * b.upward[:, None] * b.along_up
+    )
+    slide = (0.35 * base + 0.65 * relative)[:, None] * (n["lateral"] * b.along_lateral + n["up"] * b.along_up)
+    spread = _areola_rides(widen + slide, b)
+    flat = _areola_rides(b.mask[:, None] * (b.wall - template.vertices), b)
     gradient = volume_gradient(template.vertices, template.triangles)
-    lost = -float((gradient * (flat + slide)).sum())
-    fill *= lost / float((gradient * fill).sum())
-    return _areola_rides(flat + slide + fill, b)
+    share = -float((gradient * spread).sum()) / float((gradient * flat).sum())
+    return np.asarray(spread + share * flat)
+
+
+def shrink(template: Template, b: Breast, n: Numbers) -> Array:
+    """The breast sinks back towards the chest wall, the nipple keeps its form."""
+    field = -n["share"] * b.mask[:, None] * (template.vertices - b.wall)
+    return _areola_rides(field, b, full=0.003, reach=0.013)
 
 
 def nipple_shift(template: Template, b: Breast, n: Numbers) -> Array:
@@ -83,7 +90,7 @@ def nipple_shift(template: Template, b: Breast, n: Numbers) -> Array:
     turn /= np.linalg.norm(turn)
     angle = n.get("lateral", n.get("up", 0.0)) / n["depth"]
     field = angle * np.cross(turn, template.vertices - centre)
-    share = plateau(b.from_tip, n["full"], n["reach"]) * np.minimum(b.mask * 2.0, 1.0)
+    share = plateau(b.from_tip, n["full"], n["reach"]) * b.torso
     return np.asarray(share[:, None] * field)
 
 
@@ -115,6 +122,6 @@ def areola_size(template: Template, b: Breast, n: Numbers) -> Array:
 BREAST_SHAPES: dict[str, Callable[[Template, Breast, Numbers], Array]] = {
     function.__name__: function
     for function in (
-        quadrant, projection, apex_round, shift, base_width, supine_spread, nipple_shift, nipple_size, areola_size,
+        quadrant, projection, apex_round, shift, base_width, supine_spread, shrink, nipple_shift, nipple_size, areola_size,
     )
 }  # fmt: skip

@@ -84,6 +84,8 @@ def drawings(
                 if key + side not in fitted:
                     flip = FLIP if side == "_R" else np.ones(3)
                     fitted[key + side] = skin.line(anchors * flip, closed, spacing, d["rounds"])
+                    if key == "midline":
+                        fitted[key] = skin.nearest_on_midline(skin.at(fitted[key]))
                 words = {"_L": "left ", "_R": "right ", "": ""}[side]
                 shapes.append(
                     DrawnShape(entry["name"] + side, words + entry["label"], closed, entry["color"], fitted[key + side])

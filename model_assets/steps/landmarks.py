@@ -31,8 +31,8 @@ def _fold(skin: Skin, nipple: Array, r: dict[str, Any]) -> Array:
         even, hollow = hollowness(profile, 0.003, 3)
         best = int(hollow.argmax())
         candidates.append((hollow[best], even[best]))
-    strongest = max(value for value, _ in candidates)
-    strong = [point for value, point in candidates if value > r["fold_strength"] * strongest]
+    usual = float(np.median([value for value, _ in candidates]))
+    strong = [point for value, point in candidates if value > r["fold_strength"] * usual]
     return min(strong, key=lambda point: float(point[1]))
 
 
@@ -78,8 +78,8 @@ def landmarks(positions: dict[str, Array], skin: Skin, recipe: dict[str, Any]) -
     for entry in recipe["landmarks"]["list"]:
         for side in ("_L", "_R") if entry.get("sided") else ("",):
             name = entry["name"] + side
-            point = positions[entry["name"] + ("_L" if side else "")] * (FLIP if side == "_R" else 1.0)
-            found = skin.nearest(point[None])
+            point = np.round(positions[entry["name"] + ("_L" if side else "")] * (FLIP if side == "_R" else 1.0), 6)
+            found = skin.nearest(point[None]) if side else skin.nearest_on_midline(point[None])
             words = {"_L": "left ", "_R": "right ", "": ""}[side]
             result.append(
                 Landmark(

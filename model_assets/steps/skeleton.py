@@ -104,9 +104,14 @@ def skin_weights(source: Source, template: Template, names: list[str], recipe: d
     for k, bone in enumerate(spine):
         upper = above[k + 1] if k + 1 < len(spine) else np.zeros(len(height))
         result[:, names.index(bone)] = rest * above[k] * (1.0 - upper)
-    swapped = result[template.mirror][:, [names.index(mirror_name(n)) for n in names]]
-    result = 0.5 * (result + swapped)
+    order = [names.index(mirror_name(name)) for name in names]
+    middle = template.mirror == np.arange(len(template.mirror))
+    result[middle] = 0.5 * (result[middle] + result[middle][:, order])
     result[result < choices["smallest"]] = 0.0
-    order = np.argsort(-result, axis=1, kind="stable")
-    np.put_along_axis(result, order[:, 4:], 0.0, axis=1)
+    rank = np.argsort(-result, axis=1, kind="stable")
+    np.put_along_axis(result, rank[:, 4:], 0.0, axis=1)
+    result[middle] = np.minimum(result[middle], np.where(result[middle][:, order] > 0, np.inf, 0.0))  # drop pairs together
+    result = np.round(result, recipe["decimals"])
+    right = template.vertices[:, 0] < 0
+    result[right] = result[template.mirror[right]][:, order]
     return np.asarray(result / result.sum(axis=1, keepdims=True))

@@ -52,6 +52,28 @@ class Skin:
         share = np.round(closest.barycentric.clip(0.0, 1.0), 7)
         return SurfacePoints(closest.faces, share / share.sum(axis=1, keepdims=True))
 
+    def nearest_on_midline(self, points: Array) -> SurfacePoints:
+        """The closest points of the mesh's edges in the plane x = 0 to (M, 3) points: exactly in the middle."""
+        t = self.triangles
+        faces, corners = [], []
+        for i in range(3):
+            j = (i + 1) % 3
+            both = (np.abs(self.vertices[t[:, [i, j]], 0]) < 1e-12).all(axis=1)
+            faces.append(np.flatnonzero(both))
+            corners.append(np.tile([i, j], (int(both.sum()), 1)))
+        face, corner = np.concatenate(faces), np.concatenate(corners)
+        a, b = (self.vertices[t[face, corner[:, k]]] for k in (0, 1))
+        along = np.einsum("mi,ei->me", points, b - a) - np.einsum("ei,ei->e", a, b - a)
+        share = np.clip(along / ((b - a) ** 2).sum(axis=1), 0.0, 1.0)
+        gap = np.linalg.norm(a + share[:, :, None] * (b - a) - points[:, None, :], axis=2)
+        best = gap.argmin(axis=1)
+        barycentric = np.zeros((len(points), 3))
+        rows = np.arange(len(points))
+        part = np.round(share[rows, best], 7)
+        barycentric[rows, corner[best, 0]] = 1.0 - part
+        barycentric[rows, corner[best, 1]] = part
+        return SurfacePoints(face[best], barycentric)
+
     def at(self, points: SurfacePoints) -> Array:
         """(M, 3) m."""
         return points.positions(self.vertices, self.triangles)
