@@ -6,7 +6,7 @@ import type { Session } from "./state/session";
 import type { Store } from "./state/store";
 
 function hashOf(state: Session): string {
-  const frame = state.scan?.frameIsOurs ? state.scan.frame : null;
+  const frame = state.scan?.frameFrom === "person" ? state.scan.frame : null;
   return toHash({ scan: state.scan?.info.id ?? null, fit: state.fit?.id ?? null, frame });
 }
 

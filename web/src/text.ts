@@ -1,5 +1,6 @@
 // Every English sentence of the page, in one place, ready for translation.
 // Names and definitions of landmarks, shapes and drawings come from the model, notes and reasons from the service.
+import { plainLabel, sideOf } from "./state/landmarks";
 import type { Overlay, Step, Theme, ViewName } from "./state/session";
 
 const plural = (count: number, one: string, many: string): string => `${count} ${count === 1 ? one : many}`;
@@ -27,14 +28,14 @@ export const text = {
 
   empty: {
     title: "Drop a 3D scan of the torso here",
-    formats: "PLY, OBJ, STL, GLB, or a zip with OBJ, MTL and image",
-    limit: (megabytes: string) => `up to ${megabytes} MB`,
+    formats: "PLY, OBJ, STL, GLB, or a zip with OBJ, MTL and image.",
+    limit: (megabytes: string) => `Up to ${megabytes} MB.`,
     choose: "Choose a scan file",
     units: "Unit of the file",
     or: "No scan at hand? Take the example patient:",
     lines: [
       "BreastRig fits a rigged model of the torso to a 3D scan and shows it settle, live.",
-      "Reference surgical drawings come along with the model and lie on the patient's skin.",
+      "Reference surgical drawings come along and lie on the patient's skin.",
       "The scan stays with this service; no names are asked for and none are kept.",
     ],
     drop: "Let go to load this scan",
@@ -63,9 +64,7 @@ export const text = {
     unit: "Unit",
     stance: "Stance",
     stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine" },
-    facing: "Facing",
-    facingReason: (reason: string) => reason,
-    facingOurs: "Turned by you.",
+    facingFrom: { landmarks: "Upright by its landmarks.", person: "Turned by you." },
     wrongWay: "Not upright and facing you?",
     turns: { around: "Turn", sideways: "Roll", forwards: "Tip" },
     turnHints: {
@@ -75,19 +74,28 @@ export const text = {
     },
     colours: "Show the scan's own colours",
     readAgain: "Wrong unit? Read the file as",
+    other: "Load another scan",
     ruler: "30 cm",
     summary: (triangles: string) => `${triangles} triangles`,
   },
 
   landmarks: {
     before: "Up to twelve clicks on the body; three are enough to start.",
+    /** "nipple, patient's left": as it stands inside a sentence */
+    spoken({ name, label }: { name: string; label: string }): string {
+      const plain = plainLabel(label);
+      const side = { left: ", patient's left", right: ", patient's right", middle: "" }[sideOf(name)];
+      return plain.charAt(0).toLowerCase() + plain.slice(1) + side;
+    },
     progress: (placed: number, all: number) => `${placed}/${all}`,
     sides: { left: "patient's LEFT", right: "patient's RIGHT", middle: "midline" },
+    sideWords: { left: "LEFT", right: "RIGHT", middle: "" },
     sideShort: { left: "L", right: "R", middle: "" },
     placed: "placed",
     skippedState: "skipped",
     missing: "not placed",
-    wrongSide: (side: string) => `This point lies on the other side of the body than ${side}. Are left and right swapped?`,
+    wrongSide: (label: string) =>
+      `Are left and right swapped? The point for “${label}” lies on the other side of the body than its partner.`,
     skip: "Skip",
     remove: (label: string) => `Remove ${label}`,
     undo: "Undo",
@@ -104,10 +112,11 @@ export const text = {
     saving: "Saving …",
     unsaved: "Not saved yet",
     again: "Try again",
-    how: "Click on the body places the point; drag turns the view.",
+    how: "A click on the body places the point, dragging turns the view.",
+    guideTitle: "Place this point",
     guideCaption: "Shown on the model",
     announcePlaced: (label: string, next: string | null) =>
-      next === null ? `${label} placed. All landmarks are done.` : `${label} placed. Next: ${next}.`,
+      next === null ? `Placed: ${label}. All landmarks are done.` : `Placed: ${label}. Next: ${next}.`,
     announceUndone: "Undone.",
     announceRedone: "Redone.",
     announceImported: (count: number) => `${plural(count, "landmark", "landmarks")} read.`,

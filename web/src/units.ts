@@ -7,7 +7,7 @@ export const mmFromMetres = (metres: number): number => metres * 1000;
 export const metresFromMm = (mm: number): number => mm / 1000;
 export const mmFrom = (value: number, unit: Unit): number => value * MM_IN[unit];
 export const toUnit = (mm: number, unit: Unit): number => mm / MM_IN[unit];
-export const isUnit = (text: unknown): text is Unit => typeof text === "string" && text in MM_IN;
+export const isUnit = (text: unknown): text is Unit => typeof text === "string" && Object.hasOwn(MM_IN, text);
 
 const grouped = new Intl.NumberFormat("en-GB");
 

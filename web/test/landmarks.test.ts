@@ -1,7 +1,8 @@
 import { expect, test } from "vitest";
 import type { Frame, LandmarkDefinition } from "../src/api/types";
 import { readLandmarks, toCsv, toJson } from "../src/state/landmarkFiles";
-import { nextMissing, onWrongSide, type Picks, sideOf, withoutPick, withPick } from "../src/state/landmarks";
+import { leftOf } from "../src/state/frame";
+import { frameFromPicks, nextMissing, onWrongSide, type Picks, sideOf, withoutPick, withPick } from "../src/state/landmarks";
 
 const names = ["suprasternal_notch", "nipple_L", "nipple_R", "umbilicus"];
 const list = names.map((name) => ({ name, label: name, latin: "", definition: "", easy: true, mirror: name })) as LandmarkDefinition[];
@@ -26,12 +27,23 @@ test("the next landmark is the first open one after the last, round the end of t
   expect(nextMissing(list, picks, new Set(["umbilicus"]))).toBeNull();
 });
 
-test("swapped sides are noticed, with and without a point on the midline", () => {
+test("swapped sides are noticed from each pair, also on a body that stands askew", () => {
   const swapped = { ...picks, nipple_L: picks.nipple_R!, nipple_R: picks.nipple_L! };
+  const askew: Frame = { up: [0.6, 0.8, 0], front: [0, 0, 1] };
   expect([...onWrongSide(picks, upright)]).toEqual([]);
+  expect([...onWrongSide(picks, askew)]).toEqual([]);
   expect([...onWrongSide(swapped, upright)].sort()).toEqual(["nipple_L", "nipple_R"]);
-  expect([...onWrongSide({ nipple_L: swapped.nipple_L, nipple_R: swapped.nipple_R }, upright)].length).toBe(2);
   expect([...onWrongSide({ nipple_L: [-50, 0, 0] }, upright)]).toEqual([]); // alone it says nothing
+});
+
+test("a pair and two points of the midline say how the body stands; fewer say nothing", () => {
+  const askew: Picks = { nipple_L: [0, 100, 0], nipple_R: [0, -100, 0], umbilicus: [200, 5, -60], suprasternal_notch: [-150, 0, 0] };
+  const frame = frameFromPicks(askew)!;
+  expect(leftOf(frame)[1]).toBeCloseTo(1, 12);
+  expect(frame.up[0]).toBeLessThan(-0.9);
+  expect(frameFromPicks(withoutPick(askew, "nipple_L"))).toBeNull();
+  expect(frameFromPicks(withoutPick(askew, "umbilicus"))).toBeNull();
+  expect(frameFromPicks({})).toBeNull();
 });
 
 test("landmark files come back as they were written", () => {

@@ -8,6 +8,8 @@ import { text } from "../text";
 import { formatMm } from "../units";
 import type { Player } from "./playback";
 import { messageOf, withProblem } from "./problems";
+import { picksOf } from "./scan";
+import { straightened } from "./straighten";
 
 export function fitActions(store: Store<Session>, client: Client, player: Player) {
   let stopFollowing: () => void = () => undefined;
@@ -53,7 +55,8 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
     },
     done: ({ body }) => {
       const announcement = text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean));
-      change({ state: "done", result: body.result }, { step: "result", announcement });
+      const upright = straightened(store.get(), picksOf({ landmarks: body.result.landmarks, unit: body.result.scan.unit }));
+      change({ state: "done", result: body.result }, { ...upright, step: "result", announcement });
       player.follow();
       void fetchDrawing();
     },
@@ -81,7 +84,13 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
     async start(): Promise<void> {
       const { scan, picks, stance, preset, drawing } = store.get();
       if (!scan || store.get().isStarting) return;
-      store.set((state) => ({ isStarting: true, active: null, step: "fit", ...withProblem(state, "fit", null) }));
+      store.set((state) => ({
+        ...straightened(state, picks.present),
+        ...withProblem(state, "fit", null),
+        isStarting: true,
+        active: null,
+        step: "fit",
+      }));
       try {
         const landmarks = { ...picks.present };
         const { id, links } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, landmarks });

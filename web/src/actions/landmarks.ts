@@ -9,6 +9,7 @@ import type { Store } from "../state/store";
 import { text } from "../text";
 import { messageOf, withProblem } from "./problems";
 import { picksOf } from "./scan";
+import { straightened } from "./straighten";
 
 const PAUSE_MS = 400; // a run of quick clicks is one save
 
@@ -16,7 +17,10 @@ export function landmarkActions(store: Store<Session>, client: Client) {
   let timer: ReturnType<typeof setTimeout> | undefined;
 
   const list = () => store.get().meta?.landmarks ?? [];
-  const labelOf = (name: string | null): string | null => list().find((entry) => entry.name === name)?.label ?? name;
+  function labelOf(name: string | null): string | null {
+    const entry = list().find((each) => each.name === name);
+    return entry ? text.landmarks.spoken(entry) : name;
+  }
 
   async function save(scan: Scan, picks: Picks): Promise<void> {
     store.set({ saving: "saving" });
@@ -102,7 +106,7 @@ export function landmarkActions(store: Store<Session>, client: Client) {
       if (!example) return;
       const picks = picksOf(example);
       const announcement = text.landmarks.announceImported(Object.keys(picks).length);
-      change(picks, { active: null, step: "landmarks", announcement });
+      change(picks, { ...straightened(store.get(), picks), active: null, step: "landmarks", announcement });
     },
 
     async importFile(file: File): Promise<void> {
@@ -112,7 +116,8 @@ export function landmarkActions(store: Store<Session>, client: Client) {
         const picks = readLandmarks(await file.text(), scan.info.unit, list());
         const announcement = text.landmarks.announceImported(Object.keys(picks).length);
         store.set((state) => withProblem(state, "landmarks", null));
-        change({ ...store.get().picks.present, ...picks }, { active: null, announcement });
+        const all = { ...store.get().picks.present, ...picks };
+        change(all, { ...straightened(store.get(), all), active: null, announcement });
       } catch (error) {
         const message = error instanceof UnreadableLandmarks ? error.message : messageOf(error);
         store.set((state) => withProblem(state, "landmarks", message));

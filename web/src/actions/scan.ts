@@ -1,13 +1,13 @@
 // Bringing a scan in: from a file, from the example, from the address; and turning it upright.
 import { ApiError, type Client } from "../api/client";
-import type { ExampleScan, Frame, LandmarkFile, Scan, UnitChoice } from "../api/types";
+import type { ExampleScan, Frame, LandmarkFile, UnitChoice, Vector } from "../api/types";
 import { tidyFrame, turned, type Turn } from "../state/frame";
 import { startHistory } from "../state/history";
-import type { Picks } from "../state/landmarks";
+import { frameFromPicks, type Picks } from "../state/landmarks";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import { text } from "../text";
-import { mmFrom } from "../units";
+import { isUnit, mmFrom } from "../units";
 import { messageOf, withProblem } from "./problems";
 
 const READABLE = /\.(ply|obj|stl|glb|zip)$/i;
@@ -20,6 +20,8 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
     const [mesh, saved] = await Promise.all([client.mesh(info), client.landmarks(info).catch(() => null)]);
     if (mine !== generation) return;
     stopFit();
+    const picks = saved ? picksOf(saved) : {};
+    const straight = own ? null : frameFromPicks(picks);
     store.set((state) => ({
       loading: null,
       scan: {
@@ -27,11 +29,11 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
         title,
         mesh,
         file,
-        frame: tidyFrame(own ?? info.frame),
-        frameIsOurs: own !== null,
+        frame: straight ?? tidyFrame(own ?? info.frame),
+        frameFrom: own ? "person" : straight ? "landmarks" : "service",
         example: info.example_landmarks ?? null,
       },
-      picks: startHistory<Picks>(saved ? picksOf(saved) : {}),
+      picks: startHistory<Picks>(picks),
       skipped: new Set<string>(),
       active: null,
       saving: "saved",
@@ -93,7 +95,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
       store.set((state) =>
         state.scan
           ? {
-              scan: { ...state.scan, frame: turned(state.scan.frame, turn), frameIsOurs: true },
+              scan: { ...state.scan, frame: turned(state.scan.frame, turn), frameFrom: "person" },
               view: { name: "front", asked: state.view.asked + 1 },
             }
           : {},
@@ -113,8 +115,8 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
 }
 
 /** A landmark file's points in millimetres. */
-export function picksOf(file: LandmarkFile, scan?: Scan): Picks {
-  const unit = file.unit ?? scan?.unit ?? "mm";
+export function picksOf(file: { landmarks: LandmarkFile["landmarks"]; unit?: string }): Picks {
+  const unit = isUnit(file.unit) ? file.unit : "mm";
   const entries = Object.entries(file.landmarks);
-  return Object.fromEntries(entries.map(([name, [x, y, z]]) => [name, [mmFrom(x, unit), mmFrom(y, unit), mmFrom(z, unit)]]));
+  return Object.fromEntries(entries.map(([name, point]) => [name, point.map((value) => mmFrom(value, unit)) as Vector]));
 }

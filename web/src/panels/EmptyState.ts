@@ -44,7 +44,7 @@ export function createEmptyState(actions: Actions, dismiss: (place: "scan" | "se
         else bar.removeAttribute("value"); // runs to and fro
       }
       units.set(unitOptions(), state.units);
-      const megabytes = state.meta ? ` · ${text.empty.limit(formatMegabytes(state.meta.limits.upload_bytes))}` : "";
+      const megabytes = state.meta ? ` ${text.empty.limit(formatMegabytes(state.meta.limits.upload_bytes))}` : "";
       setText(limit, text.empty.formats + megabytes);
       fill(examples, state.examples, () =>
         state.examples.map((example) => button(example.label, () => void actions.scan.takeExample(example.name), "quiet outlined")),

@@ -1,11 +1,10 @@
-// The instruction on the canvas while a landmark is being placed: what, on which side, how to find it, a picture.
+// The instruction beside the body while a landmark is being placed: what, on which side, how to find it, a picture.
 import type { Actions } from "../actions";
 import { el, setText, show } from "../dom";
-import { sideOf } from "../state/landmarks";
+import { plainLabel, sideOf } from "../state/landmarks";
 import type { Session } from "../state/session";
 import { text } from "../text";
 import { button } from "./controls";
-import { plainLabel } from "./LandmarkPanel";
 import type { Panel } from "./Panel";
 
 export interface GuideCard extends Panel {
@@ -25,6 +24,7 @@ export function createGuideCard(actions: Actions): GuideCard {
   const element = el(
     "section",
     { class: "guide", hidden: true, "aria-live": "polite" },
+    el("h2", {}, text.landmarks.guideTitle),
     el("div", { class: "picture" }, canvas, light),
     el("div", { class: "guide-words" }, el("div", { class: "guide-head" }, name, side), latin, definition),
     el("div", { class: "buttons" }, skip, stop),

@@ -3,17 +3,11 @@ import type { Actions } from "../actions";
 import type { LandmarkDefinition } from "../api/types";
 import { el, fill, icon, saveFile, setText, show } from "../dom";
 import { toCsv, toJson } from "../state/landmarkFiles";
-import { onWrongSide, sideOf } from "../state/landmarks";
+import { onWrongSide, plainLabel, sideOf } from "../state/landmarks";
 import type { Session } from "../state/session";
 import { text } from "../text";
 import { button, fileButton, iconButton, problem } from "./controls";
 import type { Panel } from "./Panel";
-
-/** The label without its side, which a chip beside it says louder. */
-export function plainLabel(label: string): string {
-  const plain = label.replace(/[\s,(]*\b(the\s+)?(patient['’]s\s+)?(left|right)\b(\s+side)?\)?/i, "").trim();
-  return plain === "" ? label : plain.charAt(0).toUpperCase() + plain.slice(1);
-}
 
 export function createLandmarkPanel(actions: Actions, dismiss: () => void): Panel {
   const rows = el("ol", { class: "landmarks" });
@@ -24,15 +18,15 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
   const wrong = problem(dismiss);
   const example = button(text.landmarks.useExample, () => actions.landmarks.useExample(), "quiet outlined wide");
   let state: Session | null = null;
-  const file = fileButton(text.landmarks.importFile, ".json,.csv,.txt", "quiet", (chosen) => void actions.landmarks.importFile(chosen));
+  const file = fileButton(text.landmarks.importFile, ".json,.csv,.txt", "icon-only", (chosen) => void actions.landmarks.importFile(chosen));
   file.querySelector("input")!.id = "landmark-file";
+  file.querySelector("span")!.className = "visually-hidden";
   file.title = text.landmarks.importHint;
-  const json = button(text.landmarks.exportJson, () => state && saveFile("landmarks.json", toJson(state.picks.present), "application/json"), "quiet", "download");
+  const json = button(text.landmarks.exportJson, () => state && saveFile("landmarks.json", toJson(state.picks.present), "application/json"), "quiet");
   const csv = button(
     text.landmarks.exportCsv,
     () => state?.scan && saveFile("landmarks.csv", toCsv(state.picks.present, state.scan.info.unit), "text/csv"),
     "quiet",
-    "download",
   );
   json.title = text.landmarks.exportHint("JSON");
   csv.title = text.landmarks.exportHint("CSV");
@@ -41,11 +35,10 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
     "div",
     { class: "panel" },
     wrong.element,
-    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again),
+    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, json, csv),
     rows,
     warning,
     example,
-    el("div", { class: "toolbar" }, file, el("span", { class: "spring" }), json, csv),
   );
   const made = new Map<string, ReturnType<typeof makeRow>>();
   return {
@@ -61,7 +54,7 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
       const wrongSide = session.scan ? onWrongSide(session.picks.present, session.scan.frame) : new Set<string>();
       for (const [name, each] of made) each.update(session, wrongSide.has(name));
       const first = list.find((entry) => wrongSide.has(entry.name));
-      setText(warning, first ? text.landmarks.wrongSide(first.label) : "");
+      setText(warning, first ? text.landmarks.wrongSide(text.landmarks.spoken(first)) : "");
       show(warning, first !== undefined);
       undo.disabled = session.picks.past.length === 0;
       redo.disabled = session.picks.future.length === 0;
@@ -78,7 +71,7 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
 function makeRow(entry: LandmarkDefinition, number: number, actions: Actions) {
   const side = sideOf(entry.name);
   const status = el("span", { class: "visually-hidden" });
-  const chip = side === "middle" ? null : el("span", { class: `chip side-${side}` }, text.landmarks.sides[side]);
+  const chip = side === "middle" ? null : el("span", { class: `chip side-${side}`, title: text.landmarks.sides[side] }, text.landmarks.sideWords[side]);
   const place = el(
     "button",
     {
@@ -92,7 +85,7 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: Actions) {
     chip,
     status,
   );
-  const remove = iconButton("close", text.landmarks.remove(entry.label), () => actions.landmarks.remove(entry.name));
+  const remove = iconButton("close", text.landmarks.remove(text.landmarks.spoken(entry)), () => actions.landmarks.remove(entry.name));
   const tick = icon("check");
   const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, tick, remove);
   return {

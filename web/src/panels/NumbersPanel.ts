@@ -2,13 +2,12 @@
 // afterwards those of the result, exactly as the service reports them.
 import type { Iterated, Result } from "../api/types";
 import { el, fill, setText, show } from "../dom";
-import { sideOf } from "../state/landmarks";
+import { plainLabel, sideOf } from "../state/landmarks";
 import { isAtRest, type Session, shownIteration } from "../state/session";
 import { text } from "../text";
 import { formatMm, formatPercent, formatSeconds } from "../units";
 import { row } from "./controls";
 import { createDistanceCurve } from "./DistanceCurve";
-import { plainLabel } from "./LandmarkPanel";
 import type { Panel } from "./Panel";
 
 const words = text.numbers;
@@ -74,7 +73,7 @@ export function createNumbersPanel(): Panel {
   const curve = createDistanceCurve();
   const body = el("div", { class: "numbers-body" });
   const before = el("p", { class: "muted" }, words.before);
-  const element = el("aside", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, hero, curve.element, body);
+  const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, hero, curve.element, body);
   return {
     element,
     update(state: Session): void {

@@ -34,7 +34,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
   const empty = createEmptyState(actions, dismiss);
   const model = problem(() => dismiss("model"));
   const graphics = el("p", { class: "no-graphics", role: "alert", hidden: true });
-  const host = el("main", { class: "stage" }, canvas, overlay, guide.element, viewBar.element, empty.element, model.element, graphics);
+  const host = el("main", { class: "stage" }, canvas, overlay, viewBar.element, empty.element, model.element, graphics);
   const veil = el("div", { class: "drop-veil", hidden: true }, el("p", {}, text.empty.drop));
   host.append(veil);
   acceptDrops(host, veil, actions);
@@ -46,6 +46,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
     result: createResultPanel(),
   });
   const numbers = createNumbersPanel();
+  const aside = el("aside", { class: "aside" }, guide.element, numbers.element);
   const timeline = createTimeline(actions);
   const help = createHelpDialog(actions);
   const top = createTopBar(actions);
@@ -55,14 +56,16 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
   const panels = [top, steps, guide, viewBar, empty, numbers, timeline, help];
 
   return {
-    elements: [top.element, steps.element, host, numbers.element, timeline.element, footer, help.element, live],
+    elements: [top.element, steps.element, host, aside, timeline.element, footer, help.element, live],
     stage: { host, canvas, overlay, picture: guide.canvas, light: guide.light } satisfies Stage,
     update(state: Session): void {
       document.documentElement.dataset.theme = state.theme;
       document.body.classList.toggle("is-empty", state.scan === null);
       document.body.classList.toggle("has-timeline", (state.fit?.iterations.length ?? 0) > 0);
       host.classList.toggle("is-placing", state.active !== null);
+      overlay.classList.toggle("is-numbered", state.step === "landmarks");
       for (const panel of panels) panel.update(state);
+      show(numbers.element, state.active === null);
       model.set(state.problems.model);
       show(graphics, state.graphics !== "ok");
       setText(graphics, state.graphics === "absent" ? text.errors.noGraphics : state.graphics === "lost" ? text.errors.graphicsLost : "");

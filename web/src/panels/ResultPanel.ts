@@ -4,6 +4,8 @@ import type { Session } from "../state/session";
 import { text } from "../text";
 import type { Panel } from "./Panel";
 
+const plainStart = (label: string): string => label.charAt(0).toUpperCase() + label.slice(1);
+
 export function createResultPanel(): Panel {
   const shapes = el("ul", { class: "shapes" });
   const note = el("p", { class: "muted small" });
@@ -18,7 +20,7 @@ export function createResultPanel(): Panel {
       const isDone = fit?.state === "done";
       show(downloads, isDone);
       const model = state.model?.side.drawings.find((each) => each.name === fit?.drawingName);
-      const names = fit?.drawing?.shapes.map((shape) => model?.shapes.find((each) => each.name === shape.name)?.label ?? shape.name) ?? [];
+      const names = fit?.drawing?.shapes.map((shape) => model?.shapes.find((each) => each.name === shape.name)?.label ?? shape.name).map(plainStart) ?? [];
       fill(shapes, names, () => names.map((name) => el("li", {}, el("span", { class: "stroke", "aria-hidden": "true" }), name)));
       const hasBridges = fit?.drawing?.shapes.some((shape) => shape.bridged?.includes(true)) ?? false;
       setText(note, fit && fit.drawingName === null ? text.result.noDrawing : hasBridges ? text.result.shapeNote : "");

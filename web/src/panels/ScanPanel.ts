@@ -27,7 +27,7 @@ export function createScanPanel(actions: Actions, dismiss: () => void): Panel {
     return made;
   });
   const wrong = problem(dismiss);
-  const other = fileButton(text.empty.choose, SCAN_FILES, "quiet wide", (file) => void actions.scan.upload(file));
+  const other = fileButton(text.scan.other, SCAN_FILES, "quiet wide", (file) => void actions.scan.upload(file));
   const element = el(
     "div",
     { class: "panel" },
@@ -46,7 +46,7 @@ export function createScanPanel(actions: Actions, dismiss: () => void): Panel {
     update(state: Session): void {
       wrong.set(state.problems.scan);
       if (!state.scan) return;
-      const { info, file, frameIsOurs } = state.scan;
+      const { info, file, frameFrom } = state.scan;
       chosen = file;
       fill(facts, info.id, () => {
         const [w, h, d] = [0, 1, 2].map((axis) => formatCm(info.bounds_m.max[axis]! - info.bounds_m.min[axis]!));
@@ -57,8 +57,8 @@ export function createScanPanel(actions: Actions, dismiss: () => void): Panel {
           row(text.scan.stance, text.scan.stances[info.stance.proposed].toLowerCase(), "", info.stance.reason),
         ];
       });
-      fill(reasons, [info.id, frameIsOurs], () => {
-        const facing = frameIsOurs ? text.scan.facingOurs : info.frame.reason;
+      fill(reasons, [info.id, frameFrom], () => {
+        const facing = frameFrom === "service" ? info.frame.reason : text.scan.facingFrom[frameFrom];
         const sentences = [info.unit_reason, info.stance.reason, facing, ...info.notes].filter((sentence) => sentence !== "");
         return sentences.map((sentence) => el("p", {}, sentence));
       });

@@ -72,7 +72,8 @@ export function createSteps(actions: Actions, bodies: Record<Step, Panel>): Pane
 function wording(next: NextStep, state: Session): string {
   if (next.kind === "place") {
     const entry = state.meta?.landmarks.find((each) => each.name === next.landmark);
-    return next.isArmed ? text.next.armed(entry?.label ?? next.landmark) : text.next.start(entry?.label ?? next.landmark);
+    const label = entry ? text.landmarks.spoken(entry) : next.landmark;
+    return next.isArmed ? text.next.armed(label) : text.next.start(label);
   }
   if (next.kind === "fit" && next.again) return text.fit.again(next.landmarks);
   if (next.kind === "fit") return next.landmarks > 0 ? text.fit.with(next.landmarks) : text.fit.without;

@@ -26,6 +26,12 @@ export function tidyFrame(frame: Frame): Frame {
 
 export const leftOf = (frame: Frame): Vector => cross(frame.up, frame.front);
 
+/** Degrees of the turn from one frame to the other. */
+export function angleBetween(a: Frame, b: Frame): number {
+  const trace = dot(a.up, b.up) + dot(a.front, b.front) + dot(leftOf(a), leftOf(b));
+  return (Math.acos(Math.min(1, Math.max(-1, (trace - 1) / 2))) * 180) / Math.PI;
+}
+
 /** The same frame after the body was turned by 90 degrees before the viewer's eyes. */
 export function turned(frame: Frame, turn: Turn): Frame {
   const left = leftOf(frame);

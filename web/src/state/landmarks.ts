@@ -1,6 +1,6 @@
 // Picked landmarks: which one is next, and which look wrong.  Points are millimetres in the scan's own axes.
 import type { Frame, LandmarkDefinition, Vector } from "../api/types";
-import { dot, leftOf } from "./frame";
+import { cross, dot, leftOf, tidyFrame } from "./frame";
 
 export type Picks = Readonly<Record<string, Vector>>;
 export type Side = "left" | "right" | "middle";
@@ -10,6 +10,12 @@ export const ENOUGH = 3;
 
 export function sideOf(name: string): Side {
   return name.endsWith("_L") ? "left" : name.endsWith("_R") ? "right" : "middle";
+}
+
+/** The label without its side, which a mark beside it says louder. */
+export function plainLabel(label: string): string {
+  const plain = label.replace(/[\s,(]*\b(the\s+)?(patient['’]s\s+)?(left|right)\b(\s+side)?\)?/i, "").trim();
+  return plain === "" ? label : plain.charAt(0).toUpperCase() + plain.slice(1);
 }
 
 export const withPick = (picks: Picks, name: string, point: Vector): Picks => ({ ...picks, [name]: point });
@@ -31,20 +37,34 @@ export function nextMissing(
   return inOrder.find((entry) => !(entry.name in picks) && !skipped.has(entry.name))?.name ?? null;
 }
 
-const CLEAR_MM = 15; // the midline wanders this far on a real body before a side is in doubt
+const partnerOf = (name: string): string => name.slice(0, -1) + (name.endsWith("_L") ? "R" : "L");
 
-/** Names of landmarks that lie on the other side of the body than their name says. */
+/** Left landmarks with a partner, and the way from right to left between the two (mm). */
+function acrossPairs(picks: Picks): { name: string; across: Vector }[] {
+  return Object.entries(picks).flatMap(([name, left]) => {
+    const right = sideOf(name) === "left" ? picks[partnerOf(name)] : undefined;
+    return right ? [{ name, across: left.map((value, axis) => value - right[axis]!) as Vector }] : [];
+  });
+}
+
+/** Names of landmarks that lie the wrong way round: the patient's left on the right of its partner. */
 export function onWrongSide(picks: Picks, frame: Frame): ReadonlySet<string> {
   const axis = leftOf(frame);
-  const across = Object.entries(picks).map(([name, point]) => ({ name, side: sideOf(name), x: dot(point, axis) }));
-  const middle = across.filter((entry) => entry.side === "middle");
-  const wrong = new Set<string>();
-  for (const entry of across) {
-    if (entry.side === "middle") continue;
-    const sign = entry.side === "left" ? 1 : -1;
-    const partner = across.find((other) => other.name === entry.name.slice(0, -1) + (sign > 0 ? "R" : "L"));
-    const limit = middle.length > 0 ? middle.reduce((sum, each) => sum + each.x, 0) / middle.length : partner?.x;
-    if (limit !== undefined && sign * (entry.x - limit) < (middle.length > 0 ? -CLEAR_MM : 0)) wrong.add(entry.name);
-  }
-  return wrong;
+  const swapped = acrossPairs(picks).filter(({ across }) => dot(across, axis) < 0);
+  return new Set(swapped.flatMap(({ name }) => [name, partnerOf(name)]));
+}
+
+const APART_MM = 60; // along the midline; closer points say too little about a direction
+const LOW_TO_HIGH = ["umbilicus", "xiphoid", "mid_sternum", "suprasternal_notch"];
+
+/** How the body stands by its landmarks: better than any guess from the scan alone.  Null while they say too little. */
+export function frameFromPicks(picks: Picks): Frame | null {
+  const left: Vector = [0, 0, 0];
+  for (const { across } of acrossPairs(picks)) across.forEach((value, axis) => (left[axis]! += value));
+  const middle = LOW_TO_HIGH.flatMap((name) => picks[name] ?? []);
+  const [low, high] = [middle.slice(0, 3), middle.slice(-3)];
+  const up = high.map((value, axis) => value - low[axis]!) as Vector;
+  const front = cross(left, up);
+  const isClear = Math.hypot(...up) > APART_MM && Math.hypot(...left) > APART_MM && Math.hypot(...front) > APART_MM ** 2;
+  return isClear ? tidyFrame({ up: cross(front, left), front }) : null;
 }

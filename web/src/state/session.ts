@@ -30,7 +30,7 @@ export interface ScanState {
   readonly title: string;
   readonly mesh: ArrayBuffer; // glTF binary, metres, the scan's own axes
   readonly frame: Frame;
-  readonly frameIsOurs: boolean; // the person turned it
+  readonly frameFrom: "service" | "landmarks" | "person"; // who says so; the last of these wins
   readonly file: File | null; // kept, so that another unit needs no second choosing
   readonly example: LandmarkFile | null;
 }

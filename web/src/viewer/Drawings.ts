@@ -21,6 +21,7 @@ export class Drawings implements Part {
     private readonly torso: TorsoModel,
   ) {
     viewer.body.add(this.lines.group);
+    viewer.beforeFrame.add(() => this.lines.approach(viewer.depthUnits));
   }
 
   update(state: Session): void {

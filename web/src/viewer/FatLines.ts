@@ -15,7 +15,7 @@ export interface Polyline {
 
 const WIDTH = 3; // pixels
 const OUTLINE = 1.2; // pixels on each side
-const TOWARDS_EYE = -900; // depth units, about 2 mm at arm's length: over the scanner's noise, not through a limb
+const TOWARDS_EYE = 0.012; // metres: over the noise of scan and fit, not through a limb
 
 /** Start and end points of the segments that are bridged, or of those that are not. */
 export function segments(lines: readonly Polyline[], wantBridged: boolean): Float32Array {
@@ -33,10 +33,9 @@ export function segments(lines: readonly Polyline[], wantBridged: boolean): Floa
 
 function material(width: number, dashed: boolean): LineMaterial {
   const made = new LineMaterial({ linewidth: width, dashed, dashSize: 0.006, gapSize: 0.005, worldUnits: false });
+  made.transparent = true; // drawn after the translucent model, so that its clay does not tint the line
   made.depthWrite = false;
   made.polygonOffset = true;
-  made.polygonOffsetFactor = -2;
-  made.polygonOffsetUnits = TOWARDS_EYE;
   return made;
 }
 
@@ -61,6 +60,11 @@ export class FatLines {
   paint(ink: { getHex(): number }, outline: { getHex(): number }): void {
     for (const each of this.inks) each.color.setHex(ink.getHex());
     for (const each of this.outlines) each.color.setHex(outline.getHex());
+  }
+
+  /** `unitsPerMetre`: depth units that a metre at the body's distance is worth. */
+  approach(unitsPerMetre: number): void {
+    for (const each of [...this.inks, ...this.outlines]) each.polygonOffsetUnits = -TOWARDS_EYE * unitsPerMetre;
   }
 
   set(lines: readonly Polyline[]): void {

@@ -6,7 +6,7 @@ import { text } from "../text";
 import type { Part, Viewer } from "./Viewer";
 
 const LENGTH_CM = 30;
-const AWAY = 0.04; // metres beside the body
+const AWAY = 0.07; // metres beside the body
 
 export class Ruler implements Part {
   private readonly lines: LineSegments<BufferGeometry, LineBasicMaterial>;

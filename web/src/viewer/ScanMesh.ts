@@ -7,6 +7,7 @@ import { extent } from "./extent";
 import { disposeTree, firstMesh, readGltf } from "./gltf";
 import { type Part, type Viewer, viewFromScan } from "./Viewer";
 
+const BEHIND = 0.0025; // metres that the scan steps back for the model: as much as both are sure of
 const INSIDE = 0.5; // brightness of a triangle that is seen from behind
 
 export class ScanMesh implements Part {
@@ -19,7 +20,11 @@ export class ScanMesh implements Part {
     private readonly viewer: Viewer,
     /** Tells when another scan can be picked on, or why it cannot be drawn. */
     private readonly onReady: (error: unknown) => void,
-  ) {}
+  ) {
+    viewer.beforeFrame.add(() => {
+      if (this.mesh) this.mesh.material.polygonOffsetUnits = BEHIND * viewer.depthUnits;
+    });
+  }
 
   get bvh(): MeshBVH | null {
     return (this.mesh?.geometry.boundsTree as MeshBVH | undefined) ?? null;
@@ -100,8 +105,6 @@ function dress(read: Mesh): Mesh<BufferGeometry, MeshStandardMaterial> {
   const material = new MeshStandardMaterial({ roughness: 0.85, metalness: 0, side: DoubleSide });
   // Behind the model where both lie on one place: the eye then sees the clay and not a quarrel of the two.
   material.polygonOffset = true;
-  material.polygonOffsetFactor = 1;
-  material.polygonOffsetUnits = 1;
   material.onBeforeCompile = (shader) => {
     shader.fragmentShader = shader.fragmentShader.replace(
       "#include <color_fragment>",

@@ -5,7 +5,7 @@ import type { Session } from "../state/session";
 import { text } from "../text";
 import type { Part, Viewer } from "./Viewer";
 
-const AWAY = 0.05; // metres beside the body
+const AWAY = 46; // pixels beside the body: room for the words
 
 export class SideLetters implements Part {
   private readonly letters = ([1, -1] as const).map((side) => ({
@@ -13,8 +13,7 @@ export class SideLetters implements Part {
     element: el(
       "div",
       { class: `letter side-${side > 0 ? "left" : "right"}`, hidden: true },
-      el("strong", {}, side > 0 ? "L" : "R"),
-      el("span", {}, side > 0 ? text.view.left : text.view.right),
+      el("div", {}, el("strong", {}, side > 0 ? "L" : "R"), el("span", {}, side > 0 ? text.view.left : text.view.right)),
     ),
   }));
 
@@ -28,13 +27,17 @@ export class SideLetters implements Part {
   }
 
   private place(): void {
-    const { half, body } = this.viewer;
+    const { half, body, gaze } = this.viewer;
+    const height = 0.5 + 0.62 * gaze.x ** 4; // beside the shoulders; seen from the side above them, not over the body
+    const middle = this.viewer.toScreen(body.worldToLocal(new Vector3())).x;
     for (const { side, element } of this.letters) {
-      const seen = new Vector3(side * (half.x + AWAY), 0.1 * half.y, 0);
-      const { x, y, depth } = this.viewer.toScreen(body.worldToLocal(seen));
-      const limit = this.viewer.host.clientWidth - 40;
-      element.style.transform = `translate(${Math.min(Math.max(x, 40), limit).toFixed(1)}px, ${y.toFixed(1)}px)`;
-      element.classList.toggle("is-far", depth > this.viewer.camera.position.length() + half.x * 0.5);
+      const seen = new Vector3(side * half.x, height * half.y, 0);
+      const edge = this.viewer.toScreen(body.worldToLocal(seen));
+      const limit = this.viewer.host.clientWidth - 44;
+      const outwards = Math.max(-1, Math.min(1, (edge.x - middle) / 30));
+      const x = Math.min(Math.max(edge.x + AWAY * outwards, 44), limit);
+      element.style.transform = `translate(${x.toFixed(1)}px, ${Math.max(edge.y, 34).toFixed(1)}px)`;
+      element.classList.toggle("is-far", side * gaze.x < -0.55);
     }
   }
 }

@@ -16,7 +16,7 @@ export interface Part {
 }
 
 const FIELD_OF_VIEW = 26; // degrees; long enough a lens that a torso is not distorted
-const MARGIN = 1.16;
+const MARGIN = 1.24;
 
 /** Unit vectors from the body to the eye. */
 const DIRECTIONS: Record<ViewName, Vector3> = {
@@ -79,6 +79,18 @@ export class Viewer {
       this.move.advance(now);
       this.draw();
     });
+  }
+
+  /** Depth-buffer units that one metre is worth where the body stands; polygon offsets are counted in them. */
+  get depthUnits(): number {
+    const { near, far } = this.camera;
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    return (2 ** 24 * near * far) / ((far - near) * distance ** 2);
+  }
+
+  /** Unit vector from the body to the eye, in the view's axes. */
+  get gaze(): Vector3 {
+    return this.camera.position.clone().sub(this.controls.target).normalize();
   }
 
   draw(): void {

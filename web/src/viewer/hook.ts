@@ -3,6 +3,7 @@
 //   window.__breastrig.isReady()        the scan is drawn and can be picked on
 //   window.__breastrig.project([x,y,z]) page pixels of a point (scan's frame, mm) and whether the scan hides it
 //   window.__breastrig.pickAt(x, y)     point (scan's frame, mm) and triangle under page pixels, or null
+//   window.__breastrig.picture()        what is really on the canvas: number of colours, a checksum, context lost or not
 import { Vector3 } from "three";
 import type { Vector } from "../api/types";
 import type { Session } from "../state/session";
@@ -18,6 +19,7 @@ interface Hook {
   frames(): number;
   project(point: Vector): { x: number; y: number; hidden: boolean };
   pickAt(x: number, y: number): Hit | null;
+  picture(): { colours: number; checksum: number; isLost: boolean };
 }
 
 declare global {
@@ -39,6 +41,19 @@ export function offerHook(store: Store<Session>, viewer: Viewer, scan: ScanMesh)
       return { x: x + box.left, y: y + box.top, hidden: isHidden(viewer, scan, at) };
     },
     pickAt: (x, y) => pickAt(viewer, scan, x, y),
+    picture: () => readPicture(viewer),
   };
   Object.defineProperty(window, "__breastrig", { value: Object.freeze(hook) });
+}
+
+/** Draws and reads at once, as the canvas is empty again after the frame. */
+function readPicture(viewer: Viewer): ReturnType<Hook["picture"]> {
+  const gl = viewer.renderer.getContext();
+  viewer.draw();
+  const pixels = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
+  gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  const words = new Uint32Array(pixels.buffer);
+  let checksum = 0;
+  for (const word of words) checksum = (Math.imul(checksum, 31) + word) | 0;
+  return { colours: new Set(words).size, checksum, isLost: gl.isContextLost() };
 }

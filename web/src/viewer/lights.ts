@@ -10,8 +10,8 @@ function lamp(camera: Camera, intensity: number, x: number, y: number, z: number
 }
 
 export function addLights(scene: Object3D, camera: Camera): void {
-  scene.add(new HemisphereLight(0xffffff, 0xa9a39c, 1.25), camera);
-  lamp(camera, 1.75, -1.1, 1.2, 0.6);
-  lamp(camera, 0.4, 1.2, 0.1, 0.4);
+  scene.add(new HemisphereLight(0xffffff, 0x8d8780, 1.15), camera);
+  lamp(camera, 2.3, -1.3, 1.3, 0.35);
+  lamp(camera, 0.35, 1.2, 0, 0.4);
   lamp(camera, 0.45, 0.6, 0.9, -2.2);
 }

@@ -1,0 +1,55 @@
+// What the browser tests share: the page with its witnesses, and the example patient's files.
+import { readFileSync } from "node:fs";
+import { join, resolve } from "node:path";
+import { expect, type Page, test as plain } from "@playwright/test";
+import type { LandmarkFile, Vector } from "../src/api/types";
+import { mmFrom } from "../src/units";
+
+const EXAMPLE = process.env.BREASTRIG_E2E_CASE ?? resolve(import.meta.dirname, "../../model_assets/example/standing");
+export const SCAN_FILE = join(EXAMPLE, "scan.ply");
+
+/** The example's landmarks in millimetres, scan's frame. */
+export function trueLandmarks(): Record<string, Vector> {
+  const file = JSON.parse(readFileSync(join(EXAMPLE, "landmarks.json"), "utf8")) as LandmarkFile;
+  const entries = Object.entries(file.landmarks);
+  return Object.fromEntries(entries.map(([name, point]) => [name, point.map((value) => mmFrom(value, file.unit ?? "mm")) as Vector]));
+}
+
+/** A page that reports errors in its console and requests to anywhere else. */
+export const test = plain.extend<{ base: string; troubles: string[] }>({
+  base: async ({}, use) => use(process.env.BREASTRIG_E2E_BASE!),
+  troubles: async ({ page, base }, use) => {
+    const troubles: string[] = [];
+    page.on("console", (message) => message.type() === "error" && troubles.push(`console: ${message.text()}`));
+    page.on("pageerror", (error) => troubles.push(`error: ${error.message}`));
+    page.on("request", (request) => {
+      const url = new URL(request.url());
+      if (url.origin !== base && url.protocol !== "blob:" && url.protocol !== "data:") troubles.push(`outside: ${url.href}`);
+    });
+    await use(troubles);
+  },
+});
+
+export const hook = {
+  ready: (page: Page) => page.waitForFunction(() => window.__breastrig?.isReady()),
+  project: (page: Page, point: Vector) => page.evaluate((at) => window.__breastrig!.project(at), point),
+  pick: (page: Page, name: string) => page.evaluate((key) => window.__breastrig!.state().picks.present[key] ?? null, name),
+  pickCount: (page: Page) => page.evaluate(() => Object.keys(window.__breastrig!.state().picks.present).length),
+  picture: (page: Page) => page.evaluate(() => window.__breastrig!.picture()),
+  fit: (page: Page) =>
+    page.evaluate(() => {
+      const { fit } = window.__breastrig!.state();
+      return fit && { id: fit.id, state: fit.state, shown: fit.shown, iterations: fit.iterations.length, reason: fit.reason };
+    }),
+};
+
+/** Waits until the fit is over and its last iteration and drawing are on the screen. */
+export async function untilFitted(page: Page): Promise<void> {
+  await page.waitForFunction(() => {
+    const { fit } = window.__breastrig!.state();
+    return fit && fit.state !== "running" && !fit.playing && (fit.state !== "done" || fit.drawing);
+  });
+  expect(await hook.fit(page)).toMatchObject({ state: "done" });
+}
+
+export const distance = (a: Vector, b: Vector): number => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);

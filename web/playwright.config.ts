@@ -1,0 +1,40 @@
+// Browser tests: the real service, a real Chromium, software rendering so that every machine draws alike.
+// A missing Chromium is an error and never a skipped test.
+import { execFileSync } from "node:child_process";
+import { accessSync, constants } from "node:fs";
+import { defineConfig } from "@playwright/test";
+
+function findChromium(): string {
+  const wish = process.env.BREASTRIG_CHROMIUM;
+  for (const name of wish ? [wish] : ["chromium", "chromium-browser", "google-chrome"]) {
+    try {
+      const path = wish ?? execFileSync("/bin/sh", ["-c", `command -v ${name}`], { encoding: "utf8" }).trim();
+      accessSync(path, constants.X_OK);
+      return path;
+    } catch {
+      // try the next name
+    }
+  }
+  throw new Error("The browser test needs Chromium: install it, or set BREASTRIG_CHROMIUM to its path.");
+}
+
+export default defineConfig({
+  testDir: "e2e",
+  globalSetup: "./e2e/setup.ts",
+  outputDir: "test-results",
+  workers: 1,
+  retries: 0,
+  forbidOnly: true,
+  timeout: 180_000,
+  expect: { timeout: 60_000 },
+  reporter: "list",
+  use: {
+    browserName: "chromium",
+    viewport: { width: 1280, height: 720 },
+    screenshot: "only-on-failure",
+    launchOptions: {
+      executablePath: findChromium(),
+      args: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox", "--disable-background-networking"],
+    },
+  },
+});
