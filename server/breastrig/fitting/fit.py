@@ -196,9 +196,7 @@ def fit_iterates(task: FitTask) -> Iterator[FitIterate]:
             gap = float(np.linalg.norm(landmark_points.positions(vertices, rig.faces) - picked, axis=1).mean())
         mean = float(matches.distances.mean()) if len(matches.distances) else float("nan")
         coverage = len(matches.distances) * stage.every / len(vertices)
-        return FitIterate(
-            iteration, stage.name, x, energy, mean, coverage, gap, time.perf_counter() - began, status
-        )
+        return FitIterate(iteration, stage.name, x, energy, mean, coverage, gap, time.perf_counter() - began, status)
 
     for stage in recipe.stages:
         free = _free(task, stage, x.dof)

@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadScan, TooLarge
+from breastrig.fitting.orientation import upright_frame
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.scan.orient import propose_frame
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
 
 
@@ -38,7 +40,8 @@ def _read(job: UploadJob) -> dict[str, Any]:
         raise TooLarge(
             f"This scan has {len(scan.faces):,} triangles, more than the {job.triangles:,} allowed; simplify it first."
         )
-    frame = propose_frame(scan.vertices, scan.faces)
+    surface = clean(scan)
+    frame = upright_frame(read_rig(default_rig_path()), surface.vertices, surface.faces)
     mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
     job.mesh.write_bytes(mesh)
     return {
@@ -48,7 +51,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
         "triangles": len(scan.faces),
         "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},
         "colours": scan.colour_kind,
-        "notes": list(scan.notes),
+        "notes": [*scan.notes, *surface.notes],
         "frame": {
             "up": [float(x) for x in frame.up],
             "front": [float(x) for x in frame.front],

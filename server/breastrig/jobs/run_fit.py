@@ -15,7 +15,8 @@ from breastrig.core.errors import BadDrawing, BadLandmarks, BadSettings, FitFail
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.on_scan import on_scan
 from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
-from breastrig.fitting.initial_alignment import MIN_LANDMARKS, start_from_frame, start_from_landmarks
+from breastrig.fitting.initial_alignment import MIN_LANDMARKS, start_from_landmarks
+from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -129,7 +130,7 @@ def run_fit(job: FitJob) -> Iterator[Event]:
     if len(picked) >= MIN_LANDMARKS:
         start = start_from_landmarks(rig, picked)
     else:
-        start = start_from_frame(rig, target, frame.rotation)
+        start = start_from_scan(rig, target, frame.front).parameters
     timing["align"] = lap()
     stance = frame.stance if job.stance == "auto" else job.stance
     reason = frame.stance_reason if job.stance == "auto" else "As asked for."
@@ -190,10 +191,10 @@ def run_fit(job: FitJob) -> Iterator[Event]:
 
 def _warm(target: ScanTarget) -> None:
     """Builds what is built on first use, so that its time counts as preparation and not as solving."""
-    _ = target.rays, target.search, target.normals, target.on_border, target.face_normals
+    _ = target.rays, target.search, target.vertex_tree, target.normals, target.on_border, target.face_normals
 
 
 def _why_failed(iterate: FitIterate) -> str:
     if iterate.status is Status.NOT_FINITE:
         return "The fit broke down (a number is not finite); try other landmarks or another scan."
-    return "The model found no skin of the scan near it; place at least three landmarks, or turn the scan upright."
+    return "The model found no skin of the scan near it; place at least three landmarks, or check the scan's unit."

@@ -43,6 +43,15 @@ def _directions(count: int) -> Array:
     return np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=1)
 
 
+def _peak(heights: Array, areas: Array) -> tuple[float, float]:
+    """The level (m) at which two neighbouring bins hold the most area, and that area."""
+    bins = np.floor((heights - heights.min()) / PLANE_BIN).astype(np.int64)
+    share = np.bincount(bins, weights=areas)
+    share = share + np.append(share[1:], 0.0)
+    peak = int(share.argmax())
+    return float(heights.min() + (peak + 1) * PLANE_BIN), float(share[peak])
+
+
 def table_plane(centres: Array, normals: Array, areas: Array) -> tuple[Array, float, float] | None:
     """(normal, offset in m, share of the area) of a table behind the body, or None.
 
@@ -50,24 +59,27 @@ def table_plane(centres: Array, normals: Array, areas: Array) -> tuple[Array, fl
     """
     total = areas.sum()
     best: tuple[float, Array, float] | None = None
-    for direction in _directions(300):
-        facing = normals @ direction > 0.94  # 20 degrees
+    for normal in _directions(300):
+        facing = normals @ normal > 0.94  # 20 degrees
         if areas[facing].sum() < TABLE_SHARE * total:
             continue
-        mean = (normals[facing] * areas[facing, None]).sum(axis=0)
-        mean /= np.linalg.norm(mean)
-        facing = normals @ mean > 0.94
-        heights = centres[facing] @ mean
-        bins = np.floor((heights - heights.min()) / PLANE_BIN).astype(np.int64)
-        share = np.bincount(bins, weights=areas[facing])
-        share = share + np.append(share[1:], 0.0)
-        peak = int(share.argmax())
-        if best is None or share[peak] > best[0]:
-            best = (float(share[peak]), mean, float(heights.min() + (peak + 1) * PLANE_BIN))
+        for _ in range(3):  # the body's front tilts the first guess; the plane itself corrects it
+            level, share = _peak(centres[facing] @ normal, areas[facing])
+            near = facing & (np.abs(centres @ normal - level) < 2 * PLANE_BIN)
+            weights = areas[near, None]
+            offsets = centres[near] - (centres[near] * weights).sum(axis=0) / weights.sum()
+            flat = np.linalg.eigh((offsets * weights).T @ offsets)[1][:, 0]
+            normal = flat if flat @ normal > 0.0 else -flat
+            facing = normals @ normal > 0.94
+        if not facing.any():
+            continue
+        level, share = _peak(centres[facing] @ normal, areas[facing])
+        behind = areas[centres @ normal < level - 2 * PLANE_BIN].sum()
+        if behind < BEHIND_SHARE * total and (best is None or share > best[0]):
+            best = (share, normal, level)
     if best is None or best[0] < TABLE_SHARE * total:
         return None
-    behind = areas[centres @ best[1] < best[2] - 2 * PLANE_BIN].sum()
-    return (best[1], best[2], best[0] / total) if behind < BEHIND_SHARE * total else None
+    return best[1], best[2], best[0] / total
 
 
 def propose_frame(vertices: Array, faces: Integers) -> Frame:

@@ -1,0 +1,33 @@
+"""A start without landmarks: any orientation is turned the right way, left and right never exchanged."""
+
+import numpy as np
+import pytest
+from helpers.random_pose import random_parameters
+from helpers.subdivide import subdivided
+
+from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.orientation import start_from_scan, upright_frame
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.skinning import pose
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_scan_turned_at_random_is_put_upright(seed: int) -> None:
+    rig = read_rig(default_rig_path())
+    rng = np.random.default_rng(seed)
+    vertices = pose(rig, random_parameters(rig, rng, turn=0.05, move=0.0, scale=0.03, shape=0.4))
+    seen = (vertices[rig.faces].mean(axis=1) @ [0.0, 0.0, 1.0]) > -0.02  # the camera saw the front
+    fine, triangles = subdivided(vertices, rig.faces[seen])
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    turn *= np.sign(np.linalg.det(turn))
+    frame = upright_frame(rig, fine @ turn.T + rng.normal(size=3), triangles)
+    assert frame.up @ turn[:, 1] > np.cos(np.radians(15))
+    assert frame.front @ turn[:, 2] > np.cos(np.radians(15))
+    assert frame.confidence > 0.2
+    start = start_from_scan(rig, ScanTarget(fine @ turn.T, triangles), frame.front)
+    names = rig.landmark_names
+    found = rig.landmark_points().positions(pose(rig, start.parameters), rig.faces)
+    true = rig.landmark_points().positions(vertices, rig.faces) @ turn.T
+    nearer = [int(np.linalg.norm(true - place, axis=1).argmin()) for place in found]
+    sided = [k for k, name in enumerate(names) if name.startswith(("nipple", "acromion"))]
+    assert [nearer[k] for k in sided] == sided
