@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from helpers.damage import BOUNDED, Edits, damage, damaged
 from helpers.scan_files import as_bytes, picture, textured_obj, tube, zipped
 from helpers.toy_rig import toy_rig
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from breastrig.core.errors import BadInput
@@ -12,9 +13,6 @@ from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.scan.landmark_files import landmark_file, read_landmarks
 from breastrig.scan.read import read_scan
 
-BOUNDED = settings(
-    max_examples=150, derandomize=True, deadline=None, database=None, suppress_health_check=list(HealthCheck)
-)
 SCANS = {kind: as_bytes(tube(), kind) for kind in ("ply", "obj", "stl", "stl_ascii", "glb")}
 SCANS["ply_ascii"] = tube().export(file_type="ply", encoding="ascii")
 SCANS["textured_glb"] = mesh_glb(toy_rig().template, toy_rig().faces, uv=toy_rig().uv, texture=picture())
@@ -23,28 +21,6 @@ LANDMARKS = {
     kind: landmark_file({"nipple_L": np.array([1.0, 2.5, -3.0]), "xiphoid": np.array([0.0, 1e-3, 9.0])}, kind, "mm")
     for kind in ("json", "csv", "pp", "mrk.json")
 }
-
-
-@st.composite
-def damage(draw: st.DrawFn, length: int) -> list[tuple[str, int, bytes]]:
-    """A few edits, more of them near the beginning, where headers are."""
-    near = st.integers(0, min(length - 1, 600))
-    place = st.one_of(near, near, st.integers(0, length - 1))
-    edit = st.tuples(st.sampled_from(["set", "set", "insert", "cut", "end"]), place, st.binary(min_size=1, max_size=6))
-    return draw(st.lists(edit, min_size=1, max_size=6))
-
-
-def damaged(data: bytes, edits: list[tuple[str, int, bytes]]) -> bytes:
-    for what, place, content in edits:
-        if what == "set":
-            data = data[:place] + content + data[place + len(content) :]
-        elif what == "insert":
-            data = data[:place] + content + data[place:]
-        elif what == "cut":
-            data = data[:place] + data[place + len(content) :]
-        else:
-            data = data[: place + 1]
-    return data
 
 
 def is_sentence(error: BadInput) -> bool:
@@ -73,7 +49,7 @@ def test_a_damaged_scan_is_refused_or_sound(kind: str) -> None:
 
     @BOUNDED
     @given(damage(len(data)))
-    def run(edits: list[tuple[str, int, bytes]]) -> None:
+    def run(edits: Edits) -> None:
         refused_or_sound(damaged(data, edits), kind.split("_")[0])
 
     run()

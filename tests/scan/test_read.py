@@ -161,3 +161,33 @@ def test_a_scan_of_eighty_thousand_triangles_is_read_in_under_a_tenth_of_a_secon
         read_scan(data)
         seconds.append(time.perf_counter() - start)
     assert min(seconds) < 0.1
+
+
+@pytest.mark.parametrize("materials", [("skin", "skin"), ("skin", "skin_2")])
+def test_a_mesh_that_the_scanner_app_split_keeps_its_one_picture(materials: tuple[str, str]) -> None:
+    files = textured_obj()
+    lines = files["model.obj"].decode().splitlines()
+    faces = [line for line in lines if line.startswith("f ")]
+    rest = [line for line in lines if not line.startswith(("f ", "usemtl"))]
+    first, second = (f"g part_{i}\nusemtl {name}" for i, name in enumerate(materials))
+    split = [*rest, first, *faces[:200], second, *faces[200:]]
+    more = b"newmtl skin_2\nKd 1 1 1\nmap_Kd skin.jpg\n"
+    files |= {"model.obj": "\n".join(split).encode(), "model.mtl": files["model.mtl"] + more, "skin.jpg": picture()}
+    scan = read_scan(zipped(files))
+    rig = toy_rig()
+    assert scan.colour_kind == "texture"
+    assert scan.uv is not None
+    assert len(scan.faces) == 384
+    np.testing.assert_allclose(scan.vertices[scan.faces], rig.template[rig.faces], atol=1e-6)
+    np.testing.assert_allclose(scan.uv[scan.faces], rig.uv[rig.faces], atol=1e-5)
+
+
+def test_two_pictures_for_one_scan_are_left_out_and_said() -> None:
+    files = textured_obj()
+    lines = files["model.obj"].decode().splitlines()
+    lines.insert(lines.index(next(line for line in lines if line.startswith("f "))) + 100, "usemtl other")
+    more = b"newmtl other\nmap_Kd other.png\n"
+    files |= {"model.obj": "\n".join(lines).encode(), "model.mtl": files["model.mtl"] + more}
+    scan = read_scan(zipped({**files, "skin.jpg": picture(), "other.png": picture("PNG", (4, 4))}))
+    assert scan.colour_kind == "none"
+    assert scan.notes == ("The scan has several textures and is shown without them.",)

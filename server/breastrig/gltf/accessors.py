@@ -45,7 +45,8 @@ class GltfArrays:
         if len(shape) == 2:
             values = values.transpose(0, 2, 1)  # stored column by column
         if dtype == np.float32:
-            return values.astype(np.float64)
+            with np.errstate(invalid="ignore"):  # a signalling NaN is for the caller to find, not a warning
+                return values.astype(np.float64)
         if accessor.get("normalized"):
             return np.maximum(values.astype(np.float64) / np.iinfo(dtype).max, -1.0)
         return values.astype(np.int64)

@@ -206,8 +206,9 @@ def _check_announced_sizes(data: bytes, kind: str) -> None:
 def _collect(scene: trimesh.Scene, parts: _Parts, textured: bool) -> None:
     """Joins the scene's meshes, each where its node puts it, with the colours or the texture that all share."""
     meshes = []
-    for node in scene.graph.nodes_geometry:
-        transform, name = scene.graph[node]
+    order = {name: index for index, name in enumerate(scene.geometry)}
+    placed = [(order[scene.graph[node][1]], str(node), scene.graph[node]) for node in scene.graph.nodes_geometry]
+    for _, _, (transform, name) in sorted(placed, key=lambda place: place[:2]):  # the library's own order varies
         mesh = scene.geometry[name]
         if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
             meshes.append((mesh, np.asarray(transform, np.float64)))
