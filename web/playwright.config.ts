@@ -30,6 +30,7 @@ export default defineConfig({
   reporter: "list",
   use: {
     browserName: "chromium",
+    actionTimeout: 30_000,
     viewport: { width: 1280, height: 720 },
     screenshot: "only-on-failure",
     launchOptions: {

@@ -105,6 +105,14 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     }
   });
 
+  await test.step("at rest nothing is drawn", async () => {
+    await page.mouse.move(5, 5);
+    await page.waitForTimeout(1000);
+    const drawn = await page.evaluate(() => window.__breastrig!.frames());
+    await page.waitForTimeout(1000);
+    expect(await page.evaluate(() => window.__breastrig!.frames())).toBe(drawn);
+  });
+
   await test.step("the slider shows earlier iterations again", async () => {
     const end = await hook.picture(page);
     await page.locator("#iteration").fill("0");

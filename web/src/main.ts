@@ -26,7 +26,17 @@ document.body.append(...page.elements);
 store.subscribe(page.update);
 openViewer(store, actions, page.stage, prefersStill);
 listenToKeys(store, actions);
+reportAccidents();
 void begin();
+
+/** What nobody foresaw is said too: a page that stands still without a word is the worst of errors. */
+function reportAccidents(): void {
+  const report = (error: unknown): void => store.set((state) => withProblem(state, "page", messageOf(error)));
+  addEventListener("error", (event) => {
+    if (!event.message.startsWith("ResizeObserver")) report(event.error ?? event.message); // that one is only a late layout
+  });
+  addEventListener("unhandledrejection", (event) => report(event.reason));
+}
 
 async function begin(): Promise<void> {
   try {

@@ -53,7 +53,6 @@ export const text = {
   loading: {
     sending: (title: string) => `Sending ${title}`,
     preparing: (title: string) => `Reading and checking ${title}`,
-    fetching: "Loading the scan for display",
   },
 
   scan: {

@@ -50,9 +50,9 @@ test("a surface point on a triangle that is not there is an error and not a wron
 });
 
 test("the border of a square is its four sides, also when a texture splits its vertices", () => {
-  expect(borderEdges(corners, square).length).toBe(4 * 6);
+  expect(borderEdges(corners, square, false).length).toBe(4 * 6);
   const split = [...corners.slice(0, 9), ...corners.slice(0, 3), ...corners.slice(6, 12)];
-  expect(borderEdges(split, [0, 1, 2, 3, 4, 5]).length).toBe(4 * 6);
+  expect(borderEdges(split, [0, 1, 2, 3, 4, 5], true).length).toBe(4 * 6);
 });
 
 test("a frame turns head to +Y, front to +Z and the patient's left to +X", () => {

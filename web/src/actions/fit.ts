@@ -61,8 +61,7 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
       void fetchDrawing();
     },
     failed: ({ body }) => {
-      change({ state: "failed", reason: body.reason });
-      store.set((state) => withProblem(state, "fit", body.reason));
+      change({ state: "failed", reason: body.reason }, { step: "fit", ...withProblem(store.get(), "fit", body.reason) });
     },
     cancelled: ({ body }) => change({ state: "cancelled", reason: body.reason }, { announcement: text.fit.cancelled }),
   };

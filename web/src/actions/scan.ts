@@ -10,7 +10,7 @@ import { text } from "../text";
 import { isUnit, mmFrom } from "../units";
 import { messageOf, withProblem } from "./problems";
 
-const READABLE = /\.(ply|obj|stl|glb|zip)$/i;
+export const READABLE = /\.(ply|obj|stl|glb|zip)$/i;
 
 export function scanActions(store: Store<Session>, client: Client, stopFit: () => void) {
   let generation = 0; // the scan asked for last wins over slower, earlier ones
@@ -56,7 +56,8 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
     } catch (error) {
       if (mine === generation) {
         const gone = error instanceof ApiError && error.status === 404;
-        store.set((state) => ({ loading: null, ...withProblem(state, "scan", gone ? text.errors.noScan : messageOf(error)) }));
+        const message = gone ? text.errors.noScan : messageOf(error);
+        store.set((state) => ({ loading: null, step: "scan", active: null, ...withProblem(state, "scan", message) }));
       }
       return false;
     }
@@ -65,7 +66,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
   return {
     upload(file: File, units: UnitChoice = store.get().units): Promise<boolean> {
       if (!READABLE.test(file.name)) {
-        store.set((state) => withProblem(state, "scan", text.errors.notAScan(file.name)));
+        store.set((state) => ({ step: "scan", active: null, ...withProblem(state, "scan", text.errors.notAScan(file.name)) }));
         return Promise.resolve(false);
       }
       const title = text.top.uploaded;

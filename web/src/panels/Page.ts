@@ -1,5 +1,6 @@
 // Puts the panels in their places.
 import type { Actions } from "../actions";
+import { READABLE } from "../actions/scan";
 import { el, setText, show } from "../dom";
 import type { Place, Session } from "../state/session";
 import { text } from "../text";
@@ -32,9 +33,10 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
   const guide = createGuideCard(actions);
   const viewBar = createViewBar(actions);
   const empty = createEmptyState(actions, dismiss);
+  const page = problem(() => dismiss("page"));
   const model = problem(() => dismiss("model"));
   const graphics = el("p", { class: "no-graphics", role: "alert", hidden: true });
-  const host = el("main", { class: "stage" }, canvas, overlay, viewBar.element, empty.element, model.element, graphics);
+  const host = el("main", { class: "stage" }, canvas, overlay, viewBar.element, empty.element, page.element, model.element, graphics);
   const veil = el("div", { class: "drop-veil", hidden: true }, el("p", {}, text.empty.drop));
   host.append(veil);
   acceptDrops(host, veil, actions);
@@ -66,6 +68,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
       overlay.classList.toggle("is-numbered", state.step === "landmarks");
       for (const panel of panels) panel.update(state);
       show(numbers.element, state.active === null);
+      page.set(state.problems.page);
       model.set(state.problems.model);
       show(graphics, state.graphics !== "ok");
       setText(graphics, state.graphics === "absent" ? text.errors.noGraphics : state.graphics === "lost" ? text.errors.graphicsLost : "");
@@ -86,7 +89,8 @@ function acceptDrops(host: HTMLElement, veil: HTMLElement, actions: Actions): vo
   host.addEventListener("dragenter", (event) => show(veil, hasFile(event)));
   veil.addEventListener("dragleave", () => show(veil, false));
   host.addEventListener("drop", (event) => {
-    const file = event.dataTransfer?.files[0];
+    const files = [...(event.dataTransfer?.files ?? [])];
+    const file = files.find((each) => READABLE.test(each.name)) ?? files[0];
     if (file) void actions.scan.upload(file);
   });
 }

@@ -23,7 +23,7 @@ export type ViewName = "front" | "left" | "right" | "back" | "top";
 export type Theme = "system" | "light" | "dark";
 
 /** Where on the page something can go wrong: the message is shown there. */
-export type Place = "service" | "scan" | "landmarks" | "fit" | "model";
+export type Place = "service" | "scan" | "landmarks" | "fit" | "model" | "page";
 
 export interface ScanState {
   readonly info: Scan;

@@ -1,5 +1,5 @@
 // The scan: matte grey or its own colours, the inside and the rims of holes darker, ready for picking by BVH.
-import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshStandardMaterial } from "three";
+import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial } from "three";
 import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
 import type { Session } from "../state/session";
 import { borderEdges } from "./borders";
@@ -11,7 +11,7 @@ const BEHIND = 0.0025; // metres that the scan steps back for the model: as much
 const INSIDE = 0.5; // brightness of a triangle that is seen from behind
 
 export class ScanMesh implements Part {
-  mesh: Mesh<BufferGeometry, MeshStandardMaterial> | null = null;
+  mesh: Mesh<BufferGeometry, MeshLambertMaterial> | null = null;
   private wanted: ArrayBuffer | null = null;
   private stands: object | null = null;
   private borders: LineSegments | null = null;
@@ -58,7 +58,7 @@ export class ScanMesh implements Part {
       this.mesh = dress(read);
       this.borders = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
       const { position } = this.mesh.geometry.attributes;
-      const points = borderEdges(position!.array, this.mesh.geometry.index!.array);
+      const points = borderEdges(position!.array, this.mesh.geometry.index!.array, this.mesh.geometry.hasAttribute("uv"));
       this.borders.geometry.setAttribute("position", new BufferAttribute(points, 3));
       this.borders.raycast = () => undefined;
       this.mesh.add(this.borders);
@@ -71,7 +71,7 @@ export class ScanMesh implements Part {
     }
   }
 
-  private paint(mesh: Mesh<BufferGeometry, MeshStandardMaterial>, state: Session): void {
+  private paint(mesh: Mesh<BufferGeometry, MeshLambertMaterial>, state: Session): void {
     const { palette } = this.viewer;
     const frame = state.scan?.frame;
     if (frame && frame !== this.stands) {
@@ -96,13 +96,13 @@ export class ScanMesh implements Part {
 }
 
 /** The mesh as we want it, whatever material it came with. */
-function dress(read: Mesh): Mesh<BufferGeometry, MeshStandardMaterial> {
+function dress(read: Mesh): Mesh<BufferGeometry, MeshLambertMaterial> {
   const geometry = read.geometry;
   geometry.applyMatrix4(read.matrixWorld);
   if (!geometry.index) geometry.setIndex([...Array(geometry.attributes.position!.count).keys()]);
   if (!geometry.hasAttribute("normal")) geometry.computeVertexNormals();
   geometry.boundsTree = new MeshBVH(geometry, { indirect: true });
-  const material = new MeshStandardMaterial({ roughness: 0.85, metalness: 0, side: DoubleSide });
+  const material = new MeshLambertMaterial({ side: DoubleSide });
   // Behind the model where both lie on one place: the eye then sees the clay and not a quarrel of the two.
   material.polygonOffset = true;
   material.onBeforeCompile = (shader) => {
@@ -114,6 +114,6 @@ function dress(read: Mesh): Mesh<BufferGeometry, MeshStandardMaterial> {
   const mesh = new Mesh(geometry, material);
   mesh.name = "scan";
   mesh.raycast = acceleratedRaycast;
-  mesh.userData.map = (read.material as MeshStandardMaterial).map ?? null;
+  mesh.userData.map = (read.material as MeshLambertMaterial).map ?? null;
   return mesh;
 }

@@ -1,14 +1,17 @@
 // Edges with one triangle only: the rims of the scan's holes.  Drawn darker, they tell "not seen" from "flat".
 
-/** Positions (x y z pairs, ready for line segments) of the border edges of an indexed mesh. */
-export function borderEdges(positions: ArrayLike<number>, index: ArrayLike<number>): Float32Array {
-  const same = weld(positions);
+/**
+ * Positions (x y z pairs, ready for line segments) of the border edges of an indexed mesh.
+ * `isSplit`: vertices may stand several times at one place, as texture coordinates require.
+ */
+export function borderEdges(positions: ArrayLike<number>, index: ArrayLike<number>, isSplit: boolean): Float32Array {
+  const same = isSplit ? weld(positions) : null;
   const count = positions.length / 3;
   const uses = new Map<number, number>(); // edge → corner that it starts at, or -1 when two triangles share it
   for (let corner = 0; corner < index.length; corner += 1) {
     const next = corner % 3 === 2 ? corner - 2 : corner + 1;
-    const a = same[index[corner]!]!;
-    const b = same[index[next]!]!;
+    const a = same ? same[index[corner]!]! : index[corner]!;
+    const b = same ? same[index[next]!]! : index[next]!;
     const edge = a < b ? a * count + b : b * count + a;
     uses.set(edge, uses.has(edge) ? -1 : corner);
   }

@@ -42,8 +42,15 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
     new Loupe(viewer, scan, stage.canvas),
     new ModelPicture(viewer, torso, stage.picture, stage.light),
   ];
+  /** A part that fails must not keep the others from drawing, nor the state from changing: its error is reported later. */
   const updateAll = (state: Session): void => {
-    for (const part of parts) part.update(state);
+    for (const part of parts) {
+      try {
+        part.update(state);
+      } catch (error) {
+        queueMicrotask(() => reportError(error));
+      }
+    }
     viewer.invalidate();
   };
 
