@@ -9,6 +9,9 @@ from typing import Any
 import pytest
 from apiflask import APIFlask
 from flask.testing import FlaskClient
+from helpers import fake_fit
+from helpers.toy_rig import toy_rig
+from helpers.uploads import torso as torso_ply
 from werkzeug.test import TestResponse
 
 from breastrig.api.app import create_app
@@ -17,9 +20,6 @@ from breastrig.gltf.write_rig import write_rig
 from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.service import Service
 from breastrig.storage.storage import Storage
-from helpers import fake_fit
-from helpers.toy_rig import toy_rig
-from helpers.uploads import torso as torso_ply
 
 NIPPLE_MM = [70.0, 350.0, 120.0]
 

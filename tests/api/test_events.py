@@ -2,9 +2,9 @@ import json
 
 import pytest
 from flask.testing import FlaskClient
+from helpers.problems import problem
 
 from breastrig.jobs.service import Service
-from helpers.problems import problem
 
 
 def parsed(stream: bytes) -> list[tuple[int, str, dict]]:

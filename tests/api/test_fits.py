@@ -3,14 +3,14 @@ import json
 import numpy as np
 import pytest
 from flask.testing import FlaskClient
-
-from breastrig.jobs.iteration_file import parameters_of
-from breastrig.jobs.service import Service
-from breastrig.storage.fits import get_fit
 from helpers import fake_fit
 from helpers.problems import problem
 from helpers.toy_rig import toy_rig
 from helpers.waiting import ended, until
+
+from breastrig.jobs.iteration_file import parameters_of
+from breastrig.jobs.service import Service
+from breastrig.storage.fits import get_fit
 
 PERSONAL = "private, max-age=3600, immutable"
 

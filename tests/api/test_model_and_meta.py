@@ -1,12 +1,12 @@
 import json
 
 from flask.testing import FlaskClient
+from helpers.problems import problem
+from helpers.toy_rig import toy_rig
 
 from breastrig import __version__
 from breastrig.api.config import Config
 from breastrig.core.notice import LIMITS_OF_USE
-from helpers.problems import problem
-from helpers.toy_rig import toy_rig
 
 FOR_EVER = "public, max-age=31536000, immutable"
 

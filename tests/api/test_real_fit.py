@@ -65,3 +65,22 @@ def test_the_model_itself_as_a_scan_in_millimetres_is_fitted(real: tuple[Service
     assert result["landmark_distance_mm"]["mean"] < 3.0
     assert client.delete(scan["links"]["self"]).status_code == 204
     assert not list(service.storage.root.glob("*/*"))  # scans, fits and rubbish are empty
+
+
+def test_the_packaged_examples_are_both_there(real: tuple[Service, FlaskClient]) -> None:
+    names = [one["name"] for one in real[1].get("/api/examples").json["examples"]]
+    assert names == ["standing", "supine"]
+
+
+@pytest.mark.parametrize("name", ["standing", "supine"])
+def test_the_packaged_example_is_fitted(real: tuple[Service, FlaskClient], name: str) -> None:
+    service, client = real
+    opened = client.post(f"/api/examples/{name}")
+    assert opened.status_code == 201, opened.json
+    scan = opened.json
+    assert scan["stance"]["proposed"] == name
+    result = fitted(service, client, scan, scan["example_landmarks"]["landmarks"])
+    assert result["stance"] == name
+    assert result["surface_distance_mm"]["mean"] < 2.4
+    assert result["landmark_distance_mm"]["mean"] < 6.0
+    client.delete(scan["links"]["self"])

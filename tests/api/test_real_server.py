@@ -13,7 +13,6 @@ from pathlib import Path
 
 import httpx
 import pytest
-
 from helpers.waiting import until
 
 PROGRAM = Path(__file__).parents[1] / "helpers" / "serve_fake.py"

@@ -6,11 +6,11 @@ import struct
 import numpy as np
 import pytest
 from flask.testing import FlaskClient
-
-from breastrig.jobs.service import Service
 from helpers.problems import problem
 from helpers.scan_files import ply_text
 from helpers.uploads import torso as torso_ply
+
+from breastrig.jobs.service import Service
 
 
 def upload(client: FlaskClient, content: bytes, name: str = "scan.ply", **fields: str):

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 from apiflask import APIFlask
 from flask.testing import FlaskClient
+from helpers.problems import problem
 
 from breastrig.api.config import Config, is_loopback, read_token
 from breastrig.api.security import HEADERS
 from breastrig.core.errors import BadSettings
 from breastrig.jobs.limits import UploadLimits
-from helpers.problems import problem
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 

@@ -1,4 +1,7 @@
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from helpers import in_worker
@@ -43,3 +46,9 @@ def test_stopping_kills_what_runs_and_takes_nothing_more() -> None:
     processes.stop()
     with pytest.raises(RuntimeError, match="stopped"):
         processes.schedule(in_worker.rest, (0.0,), 1.0)
+
+
+def test_stopping_while_a_process_starts_leaves_no_traceback() -> None:
+    program = Path(in_worker.__file__).with_name("stop_early.py")
+    answer = subprocess.run([sys.executable, str(program)], capture_output=True, text=True, check=False, timeout=120)
+    assert (answer.returncode, answer.stderr) == (0, "")

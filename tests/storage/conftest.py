@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from helpers.rows import add_waiting_fit
 
 from breastrig.storage.scans import ScanRow, add_scan
 from breastrig.storage.storage import Storage
-from helpers.rows import add_waiting_fit
 
 FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
 

@@ -1,12 +1,12 @@
 import threading
 
 import pytest
+from helpers.rows import add_waiting_fit
 
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.storage.events import append, events_after, events_of_kind, last_position
 from breastrig.storage.fits import claim_fit, fits_in_state, get_fit, next_queued
 from breastrig.storage.storage import Storage
-from helpers.rows import add_waiting_fit
 
 
 def iterated(iteration: int) -> dict[str, object]:

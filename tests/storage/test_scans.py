@@ -1,11 +1,11 @@
 import pytest
+from helpers.rows import add_waiting_fit
 
 from breastrig.core.errors import NotFound
 from breastrig.storage.events import append
 from breastrig.storage.fits import get_fit
 from breastrig.storage.scans import delete_scan, get_landmarks, get_scan, put_landmarks, scan_ids
 from breastrig.storage.storage import Storage
-from helpers.rows import add_waiting_fit
 
 
 def test_a_scan_comes_back_as_it_was_stored(storage: Storage, scan_id: str) -> None:

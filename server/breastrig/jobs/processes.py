@@ -31,8 +31,7 @@ class Processes:
         self._limits = (memory_bytes, cpu_s)
         self._lock = threading.Lock()
         self._stopped = False
-        self._context = multiprocessing.get_context("forkserver")
-        self._context.set_forkserver_preload(list(PRELOAD))
+        self._context = _LockKeepingContext()
         self._pool = self._new_pool()
 
     def warm_up(self) -> None:
@@ -68,6 +67,27 @@ class Processes:
         self._pool.stop()
         with suppress(RuntimeError):
             self._pool.join()
+        self._context.locks.clear()
+
+
+class _LockKeepingContext:
+    """The fork server, and a hold on every lock that it made.
+
+    A stopping pool lets go of its locks, which removes them from the system, before it kills its processes; one
+    that is only starting then would not find them, and would die with a traceback.
+    """
+
+    def __init__(self) -> None:
+        self._server = multiprocessing.get_context("forkserver")
+        self._server.set_forkserver_preload(list(PRELOAD))
+        self.locks: list[Any] = []
+
+    def RLock(self) -> Any:
+        self.locks.append(self._server.RLock())
+        return self.locks[-1]
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._server, name)
 
 
 def _limit(memory_bytes: int, cpu_s: int | None) -> None:
