@@ -31,6 +31,11 @@ def pose_of_a_patient(rig: Rig, seed: int) -> RigParameters:
     return random_parameters(rig, np.random.default_rng(seed), turn=0.07, move=0.003, scale=0.1, shape=0.5)
 
 
+def any_pose(rig: Rig, seed: int) -> RigParameters:
+    """Far beyond any patient."""
+    return random_parameters(rig, np.random.default_rng(seed), turn=0.3, move=0.02, scale=0.3, shape=1.0)
+
+
 def gaps_mm(scene: GltfScene, rig: Rig, drawing: ModelDrawing, x: RigParameters) -> np.ndarray:
     """How far each ribbon vertex is drawn from its exact place over the posed mesh."""
     mesh = pose(rig, x)
@@ -45,21 +50,30 @@ def gaps_mm(scene: GltfScene, rig: Rig, drawing: ModelDrawing, x: RigParameters)
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_drawing_of_a_fitted_file_is_exact(rig: Rig, seed: int) -> None:
-    x = random_parameters(rig, np.random.default_rng(seed), turn=0.3, move=0.02, scale=0.3, shape=1.0)
+    x = any_pose(rig, seed)
     for drawing in rig.drawings:
-        scene = GltfScene(fitted_glb(rig, [pose_of_a_patient(rig, seed), x], [0.0, 1.0], drawing, {}))
+        scene = GltfScene(fitted_glb(rig, [any_pose(rig, seed + 1), x], [0.0, 1.0], drawing, {}))
         assert gaps_mm(scene, rig, drawing, x).max() < 2e-3
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_the_drawing_of_an_iteration_is_within_0_3_mm_but_for_a_few_points(seed: int) -> None:
-    rig = read_rig(default_rig_path())
-    x = pose_of_a_patient(rig, seed)
+@pytest.mark.parametrize("seed", range(3))
+def test_the_drawing_of_each_iteration_is_exact(rig: Rig, seed: int) -> None:
+    x = any_pose(rig, seed)
     for drawing in rig.drawings:
         buffers = {"m": model_buffer(rig), "d": drawing_buffer(rig, drawing)}
-        gaps = gaps_mm(GltfScene(iterate_gltf(rig, x, drawing, "m", "d"), buffers), rig, drawing, x)
-        assert np.quantile(gaps, 0.95) < 0.3, drawing.name
-        assert gaps.max() < 1.0, drawing.name  # where a triangle hangs on more bones than glTF carries
+        scene = GltfScene(iterate_gltf(rig, x, drawing, "m", "d"), buffers)
+        assert gaps_mm(scene, rig, drawing, x).max() < 2e-3
+
+
+def test_the_drawing_stays_near_the_skin_in_the_poses_of_a_replay() -> None:
+    rig = read_rig(default_rig_path())
+    poses = [pose_of_a_patient(rig, seed) for seed in range(4)]
+    for drawing in rig.drawings:
+        scene = GltfScene(fitted_glb(rig, poses, range(4), drawing, {}))
+        for key, x in enumerate(poses):
+            gaps = gaps_mm(scene.at_key("registration", key), rig, drawing, x)
+            assert np.median(gaps) < 0.3, drawing.name
+            assert gaps.max() < 2.5, drawing.name  # where a triangle hangs on more bones than glTF carries
 
 
 def test_a_ribbon_has_its_width_and_its_lift_at_rest(rig: Rig) -> None:

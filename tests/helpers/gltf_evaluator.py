@@ -20,7 +20,7 @@ class GltfScene:
     def __init__(self, data: bytes, buffers: Mapping[str, bytes] | None = None) -> None:
         self.document, binary = split_glb(data) if data[:4] == b"glTF" else (json.loads(data), b"")
         for buffer in self.document["buffers"]:
-            if "uri" in buffer:
+            if "uri" in buffer and not buffer["uri"].startswith("data:"):
                 content = (buffers or {})[buffer["uri"]]
                 assert len(content) == buffer["byteLength"]
                 buffer["uri"] = "data:application/octet-stream;base64," + base64.b64encode(content).decode()

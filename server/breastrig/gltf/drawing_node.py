@@ -8,6 +8,7 @@ import numpy as np
 import pygltflib
 from pygltflib import GLTF2, Attributes
 
+from breastrig.core.arrays import Array
 from breastrig.gltf.container import BufferWriter, Node, append
 from breastrig.gltf.ribbon import Ribbon, exact_in, ribbons
 from breastrig.gltf.skinned import SkinnedNodes, as_float32
@@ -28,17 +29,21 @@ def add_drawing(
     skinned: SkinnedNodes,
     rig: Rig,
     drawing: ModelDrawing,
-    exact_pose: RigParameters | None = None,
+    positions: list[Array],
+    positions_buffer: BufferWriter | None = None,
 ) -> None:
-    """Adds the drawing's node; nothing when the drawing has no line.  It is exact in `exact_pose`, if given."""
+    """Adds the drawing's node; nothing when the drawing has no line.
+
+    `positions` are the rest positions of its ribbons (see `positions_exact_in`); they go into a buffer of
+    their own when one is given, because they alone depend on the pose.
+    """
     lines = ribbons(rig, drawing)
-    if exact_pose is not None:
-        lines = tuple(exact_in(rig, line, exact_pose) for line in lines)
     if not lines:
         return
+    places = [add_positions(positions_buffer or buffer, points) for points in positions]
     mesh = pygltflib.Mesh(
         name=drawing_node(drawing.name),
-        primitives=[_primitive(document, buffer, line) for line in lines],
+        primitives=[_primitive(document, buffer, line, place) for line, place in zip(lines, places, strict=True)],
         extras={"targetNames": list(rig.shape_names)},
     )
     node = Node(name=mesh.name, mesh=append(document.meshes, mesh), skin=skinned.skin)
@@ -47,10 +52,20 @@ def add_drawing(
     document.extensionsUsed = [UNLIT]
 
 
-def _primitive(document: GLTF2, buffer: BufferWriter, line: Ribbon) -> pygltflib.Primitive:
+def positions_exact_in(rig: Rig, drawing: ModelDrawing, x: RigParameters) -> list[Array]:
+    """Rest positions of the drawing's ribbons, with which they lie on the mesh posed by `x`."""
+    return [exact_in(rig, line, x) for line in ribbons(rig, drawing)]
+
+
+def add_positions(buffer: BufferWriter, positions: Array) -> int:
+    """The accessor of one ribbon's positions."""
+    return buffer.add(as_float32(positions), target=pygltflib.ARRAY_BUFFER, bounds=True)
+
+
+def _primitive(document: GLTF2, buffer: BufferWriter, line: Ribbon, place: int) -> pygltflib.Primitive:
     on_vertices = pygltflib.ARRAY_BUFFER
     attributes = Attributes(
-        POSITION=buffer.add(as_float32(line.positions), target=on_vertices, bounds=True),
+        POSITION=place,
         JOINTS_0=buffer.add(line.joints, target=on_vertices),
         WEIGHTS_0=buffer.add(line.weights, target=on_vertices),
     )

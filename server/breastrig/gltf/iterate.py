@@ -1,17 +1,21 @@
-"""One iteration of a fit as a complete glTF that owns no geometry.
+"""One iteration of a fit as a complete glTF that owns almost no geometry.
 
 The .gltf is JSON whose buffers point at the immutable model buffer (the binary chunk of the model's .glb) and
-at the drawing's buffer; only the nodes differ from iteration to iteration.  The document is built once for
-each rig and drawing.
+at the drawing's buffer; from iteration to iteration only the nodes differ, and the rest positions of the
+drawing's ribbons, a few kilobytes that lie in the file itself and make the drawing exact in this pose (see
+ribbon.py).  The document is built once for each rig and drawing.
 """
 
+import base64
 import copy
+from dataclasses import replace
 from functools import lru_cache
 
 from pygltflib import GLTF2
 
 from breastrig.gltf.container import BufferWriter, new_document, to_gltf
-from breastrig.gltf.drawing_node import add_drawing
+from breastrig.gltf.drawing_node import add_drawing, add_positions, drawing_node, positions_exact_in
+from breastrig.gltf.ribbon import ribbons
 from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, set_pose
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
@@ -41,10 +45,25 @@ def iterate_gltf(
     document.nodes = copy.deepcopy(base.nodes)
     document.buffers = copy.deepcopy(base.buffers)
     document.buffers[0].uri = model_uri
-    if lines is not None:
+    if drawing is not None and lines is not None:
         document.buffers[1].uri = drawing_uri
+        _make_exact(document, skinned, rig, drawing, x)
     set_pose(document, skinned, rig, x)
     return to_gltf(document)
+
+
+def _make_exact(document: GLTF2, skinned: SkinnedNodes, rig: Rig, drawing: ModelDrawing, x: RigParameters) -> None:
+    """Fills the document's last buffer, that of the ribbons' positions, for this pose."""
+    fresh = GLTF2()
+    writer = BufferWriter(fresh)
+    places = [add_positions(writer, positions) for positions in positions_exact_in(rig, drawing, x)]
+    mesh = document.meshes[document.nodes[skinned.nodes[drawing_node(drawing.name)]].mesh]
+    document.accessors = list(document.accessors)
+    for primitive, place in zip(mesh.primitives, places, strict=True):
+        found, bounds = primitive.attributes.POSITION, fresh.accessors[place]
+        document.accessors[found] = replace(document.accessors[found], min=bounds.min, max=bounds.max)
+    content = base64.b64encode(writer.content()).decode()
+    document.buffers[-1].uri = f"data:application/octet-stream;base64,{content}"
 
 
 @lru_cache(maxsize=8)
@@ -53,11 +72,9 @@ def _built(rig: Rig, drawing: ModelDrawing | None) -> tuple[GLTF2, SkinnedNodes,
     document = new_document()
     model = BufferWriter(document)
     skinned = add_skinned_rig(document, model, rig)
-    if drawing is None:
+    rest = [] if drawing is None else [line.positions for line in ribbons(rig, drawing)]
+    if drawing is None or not rest:  # glTF forbids empty buffers
         return document, skinned, model, None
     lines = BufferWriter(document)
-    add_drawing(document, lines, skinned, rig, drawing)
-    if not lines.content():  # glTF forbids empty buffers
-        document.buffers.pop()
-        return document, skinned, model, None
+    add_drawing(document, lines, skinned, rig, drawing, rest, positions_buffer=BufferWriter(document))
     return document, skinned, model, lines

@@ -16,7 +16,7 @@ from pygltflib import GLTF2
 
 from breastrig.core.arrays import Array
 from breastrig.gltf.container import BufferWriter, append, new_document, to_glb
-from breastrig.gltf.drawing_node import add_drawing
+from breastrig.gltf.drawing_node import add_drawing, positions_exact_in
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, set_pose
 from breastrig.rig.model import ModelDrawing, Rig
@@ -40,7 +40,7 @@ def fitted_glb(
     buffer = BufferWriter(document)
     skinned = add_skinned_rig(document, buffer, rig)
     if drawing is not None:
-        add_drawing(document, buffer, skinned, rig, drawing, exact_pose=iterates[-1])
+        add_drawing(document, buffer, skinned, rig, drawing, positions_exact_in(rig, drawing, iterates[-1]))
     set_pose(document, skinned, rig, iterates[-1])
     document.animations = [_animation(document, buffer, skinned, rig, iterates, np.asarray(times_s, np.float64))]
     return to_glb(document, buffer)

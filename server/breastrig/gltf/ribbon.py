@@ -6,13 +6,13 @@ is cut into short steps, its two edges are put on the template's surface, and ev
 position, skin weights and all blendshapes of its surface point by barycentric interpolation, lifted a hair
 along the normal (which turns with the blendshapes).
 
-How exact.  Skinning an interpolated point is not interpolating skinned points: 0.3 mm at most in the poses of
-real fits, 1.5 mm where a triangle hangs on five bones, of which glTF carries four.  A file with one pose of
-its own therefore gets ribbons that are `exact_in` that pose.  Tried and dropped: least-squares skin weights
-over random poses, which gain nothing.
+How exact.  Skinning an interpolated point is not interpolating skinned points: in the poses of real fits they
+are 0.3 mm apart, and 1.5 mm where a triangle hangs on five bones, of which glTF carries four; enough to sink
+under the skin.  Every file that is written for a pose therefore gets rest positions that make its ribbons
+`exact_in` that pose.  Tried and dropped: least-squares skin weights over random poses, which gain nothing.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -25,7 +25,7 @@ from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.skinned import joints_and_weights
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.rig.skinning import bone_matrices, pose
+from breastrig.rig.skinning import bone_matrices, posed
 
 WIDTH = 0.002  # m, a surgical marker's line
 LIFT = 0.0005  # m, above the skin, so that line and skin do not fight for the same pixel
@@ -73,9 +73,9 @@ def ribbons(rig: Rig, drawing: ModelDrawing) -> tuple[Ribbon, ...]:
     return tuple(ribbon for ribbon in made if ribbon is not None)
 
 
-def exact_in(rig: Rig, ribbon: Ribbon, x: RigParameters) -> Ribbon:
-    """The same ribbon with rest positions such that, posed by `x`, it lies exactly on the posed mesh, lifted."""
-    mesh = pose(rig, x)
+def exact_in(rig: Rig, ribbon: Ribbon, x: RigParameters) -> Array:
+    """(2M, 3) m: rest positions such that the ribbon, posed by `x`, lies exactly on the posed mesh, lifted."""
+    mesh = posed(rig, x).vertices
     wanted = ribbon.points.positions(mesh, rig.faces) + LIFT * _facing(
         ribbon.points, vertex_normals(mesh, rig.faces), rig.faces
     )
@@ -83,7 +83,7 @@ def exact_in(rig: Rig, ribbon: Ribbon, x: RigParameters) -> Ribbon:
     blend = np.einsum("mi,miab->mab", ribbon.weights, linear[ribbon.joints])
     moved = np.einsum("mi,mia->ma", ribbon.weights, offset[ribbon.joints])
     shaped = np.einsum("mab,mb->ma", np.linalg.pinv(blend), wanted - moved)
-    return replace(ribbon, positions=shaped - np.einsum("s,smd->md", x.weights, ribbon.blendshapes))
+    return np.asarray(shaped - np.tensordot(x.weights, ribbon.blendshapes, axes=1))
 
 
 def _ribbon(rig: Rig, shape: DrawnShape) -> Ribbon | None:
