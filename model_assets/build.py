@@ -7,8 +7,10 @@ The same inputs give the same bytes.
 import argparse
 import hashlib
 import json
+import platform
 import sys
 import tomllib
+from importlib.metadata import version
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -22,6 +24,12 @@ from breastrig.gltf.write_rig import write_rig  # noqa: E402
 
 def sha256(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def tool_versions() -> dict[str, str]:
+    """What the last digits may depend on."""
+    major_minor = ".".join(platform.python_version_tuple()[:2])
+    return {"python": major_minor, **{name: version(name) for name in ("numpy", "scipy")}}
 
 
 def build(out: Path, recipe_path: Path = HERE / "recipe.toml") -> None:
@@ -47,6 +55,7 @@ def build(out: Path, recipe_path: Path = HERE / "recipe.toml") -> None:
             "recipe.toml": sha256(recipe_path),
             **{f"steps/{p.name}": sha256(p) for p in sorted((HERE / "steps").glob("*.py"))},
         },
+        "tools": tool_versions(),
         "outputs": {str(p.relative_to(out).as_posix()): sha256(p) for p in outputs},
     }
     (out / "MANIFEST.json").write_text(json.dumps(manifest, indent=1) + "\n", encoding="utf-8")

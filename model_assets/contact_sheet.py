@@ -51,7 +51,7 @@ def extremes(rig: Rig) -> list[tuple[str, RigParameters]]:
     rest = rest_parameters(rig)
     names = rig.bone_names
 
-    def turned(changes: dict[str, tuple[float, float, float]]) -> RigParameters:
+    def turned(changes: dict[str, tuple[int, int, int]]) -> RigParameters:
         """Each named bone and all below it turned about its joint by a rotation vector in body axes (degrees)."""
         rotations, translations = rest.rotations.copy(), rest.translations.copy()
         for name, vector in changes.items():
@@ -71,12 +71,17 @@ def extremes(rig: Rig) -> list[tuple[str, RigParameters]]:
         scales[names.index(name)] = scale
         return RigParameters(rest.rotations, rest.translations, scales, rest.weights)
 
+    raised = {
+        "shoulder_L": (0, 0, 20),
+        "shoulder_R": (0, 0, -20),
+        "upper_arm_L": (0, 0, 60),
+        "upper_arm_R": (0, 0, -60),
+    }
     return [
         ("arms down 40", turned({"upper_arm_L": (0, 0, -40), "upper_arm_R": (0, 0, 40)})),
         ("arms out 45", turned({"upper_arm_L": (0, 0, 45), "upper_arm_R": (0, 0, -45)})),
         ("arms forward 40", turned({"upper_arm_L": (-40, 0, 0), "upper_arm_R": (-40, 0, 0)})),
-        ("arms up 80", turned({"shoulder_L": (0, 0, 20), "shoulder_R": (0, 0, -20),
-                               "upper_arm_L": (0, 0, 60), "upper_arm_R": (0, 0, -60)})),  # fmt: skip
+        ("arms up 80", turned(raised)),
         ("shoulders up 15", turned({"shoulder_L": (0, 0, 15), "shoulder_R": (0, 0, -15)})),
         ("shoulders forward 15", turned({"shoulder_L": (0, -15, 0), "shoulder_R": (0, 15, 0)})),
         ("bent back 20", turned({"lumbar": (-10, 0, 0), "lower_thorax": (-10, 0, 0)})),
@@ -85,7 +90,7 @@ def extremes(rig: Rig) -> list[tuple[str, RigParameters]]:
         ("upper thorax 0.85", scaled("upper_thorax", (0.85, 1.0, 0.85))),
         ("lumbar 0.8", scaled("lumbar", (0.8, 1.0, 0.8))),
         ("pelvis 1.2", scaled("pelvis", (1.2, 1.0, 1.2))),
-    ]  # fmt: skip
+    ]
 
 
 def main() -> None:

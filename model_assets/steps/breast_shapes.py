@@ -122,6 +122,7 @@ def areola_size(template: Template, b: Breast, n: Numbers) -> Array:
 BREAST_SHAPES: dict[str, Callable[[Template, Breast, Numbers], Array]] = {
     function.__name__: function
     for function in (
-        quadrant, projection, apex_round, shift, base_width, supine_spread, shrink, nipple_shift, nipple_size, areola_size,
+        quadrant, projection, apex_round, shift, base_width, supine_spread, shrink, nipple_shift,
+        nipple_size, areola_size,
     )
 }  # fmt: skip

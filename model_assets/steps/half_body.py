@@ -76,9 +76,7 @@ def half_body(source: Source, body: Array, recipe: dict[str, Any]) -> HalfBody:
     surface = smooth
     surface, labels = clipped(surface, labels, "middle", surface.vertices[:, 0])
     waist = np.array([0.0, recipe["cuts"]["waist_height"], 0.0])
-    surface, labels = clipped(
-        surface, labels, "waist", _plane(surface.vertices, waist, np.array([0.0, 1.0, 0.0]))
-    )
+    surface, labels = clipped(surface, labels, "waist", _plane(surface.vertices, waist, np.array([0.0, 1.0, 0.0])))
     neck = np.array([0.0, recipe["cuts"]["neck_height"], 0.0])
     surface, labels = clipped(
         surface, labels, "neck", _plane(surface.vertices, neck, np.array([0.0, -np.cos(tilt), -np.sin(tilt)]))

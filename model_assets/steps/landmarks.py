@@ -36,7 +36,9 @@ def _fold(skin: Skin, nipple: Array, r: dict[str, Any]) -> Array:
     return min(strong, key=lambda point: float(point[1]))
 
 
-def find_landmarks(skin: Skin, smooth: Skin, template: Template, shoulder: Array, r: dict[str, Any]) -> dict[str, Array]:
+def find_landmarks(
+    skin: Skin, smooth: Skin, template: Template, shoulder: Array, r: dict[str, Any]
+) -> dict[str, Array]:
     """Name -> (3,) m on the left and in the middle; profiles are read on the finer `smooth` skin."""
     nipple = template.vertices[template.rings[-1][0]]
     fold = _fold(smooth, nipple, r)

@@ -24,7 +24,9 @@ def laplacian(vertices: Array, triangles: Integers) -> tuple[sparse.csr_matrix, 
         columns += [c, b]
         values += [half_cot, half_cot]
         np.add.at(area, a, twice / 6.0)
-    weights = sparse.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (count, count))
+    weights = sparse.csr_matrix(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (count, count)
+    )
     return (sparse.diags(np.asarray(weights.sum(axis=1)).ravel()) - weights).tocsr(), area
 
 
@@ -42,7 +44,9 @@ def thin_plate(field: Array, inside: Booleans, stiffness: sparse.csr_matrix, are
     free, fixed = np.flatnonzero(inside), np.flatnonzero(~inside)
     system = bilaplacian[free]
     result = field.copy()
-    result[free] = np.asarray(spsolve(system[:, free].tocsc(), -(system[:, fixed] @ field[fixed]))).reshape(len(free), -1)
+    result[free] = np.asarray(spsolve(system[:, free].tocsc(), -(system[:, fixed] @ field[fixed]))).reshape(
+        len(free), -1
+    )
     return result
 
 

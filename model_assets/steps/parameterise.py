@@ -48,7 +48,9 @@ def flattened(vertices: Array, triangles: Integers) -> Array:
         rows += [a, a]
         columns += [b, c]
         values += [half / lu, half / lw]
-    weights = sparse.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (total, total))
+    weights = sparse.csr_matrix(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (total, total)
+    )
     weights = sparse.diags(1.0 / np.asarray(weights.sum(axis=1)).ravel()) @ weights
     step = np.linalg.norm(vertices[np.roll(rim, -1)] - vertices[rim], axis=1)
     along = np.concatenate([[0.0], np.cumsum(step)[:-1]]) / step.sum()

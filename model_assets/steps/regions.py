@@ -10,7 +10,9 @@ from steps.source import Array, Booleans, Integers
 from steps.whole_body import Template
 
 
-def regions(template: Template, b: Breast, weights: Array, names: list[str], recipe: dict[str, Any]) -> dict[str, Integers]:
+def regions(
+    template: Template, b: Breast, weights: Array, names: list[str], recipe: dict[str, Any]
+) -> dict[str, Integers]:
     """Sorted vertex indices of each region; left and right are mirror images."""
     r = recipe["regions"]
     v = template.vertices

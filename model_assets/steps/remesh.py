@@ -62,7 +62,7 @@ class _Mesh:
     """Triangles that can be edited, with the triangles around each vertex."""
 
     def __init__(self, points: Array, triangles: Integers, kind: Integers, curve: Integers) -> None:
-        self.points = [p for p in points]
+        self.points = list(points)
         self.kind = [int(k) for k in kind]
         self.curve = [int(c) for c in curve]
         self.triangles: dict[int, tuple[int, int, int]] = {}
@@ -219,9 +219,7 @@ def _flip(mesh: _Mesh, by_angle: bool) -> int:
             wished = [4 if mesh.kind[v] else 6 for v in (a, b, c, d)]
             valence = [len(mesh.neighbours(v)) for v in (a, b, c, d)]
             before = sum((v - w) ** 2 for v, w in zip(valence, wished, strict=True))
-            after = sum(
-                (v + s - w) ** 2 for v, w, s in zip(valence, wished, (-1, -1, 1, 1), strict=True)
-            )
+            after = sum((v + s - w) ** 2 for v, w, s in zip(valence, wished, (-1, -1, 1, 1), strict=True))
             better = (after < before and new_angle > 0.6 * old_angle) or new_angle > 1.5 * old_angle
         if better:
             for f in sides:
@@ -271,7 +269,9 @@ def _relaxed(points: Array, triangles: Integers, kind: Integers, curve: Integers
     return np.where(on_border[:, None], points + 0.25 * scale * pull, result)
 
 
-def remesh(reference: Surface, labels: dict[str, Booleans], sizing: Sizing, rounds: int) -> tuple[Surface, dict[str, Booleans]]:
+def remesh(
+    reference: Surface, labels: dict[str, Booleans], sizing: Sizing, rounds: int
+) -> tuple[Surface, dict[str, Booleans]]:
     """A new mesh of the same surface: (surface, for each cut the (V,) bools of the vertices that lie on it).
 
     `labels` says for each cut which reference vertices (V,) lie on it; a vertex on two cuts is a corner.

@@ -15,7 +15,7 @@ from steps.whole_body import FLIP, Template
 
 
 def _rest_rotation(along: Array | None) -> Array:
-    """Local axes: the body's, or Y along the bone (towards the head when the arm hangs) and Z as far front as can be."""
+    """Local axes: the body's, or Y along the bone (up when the arm hangs) and Z as far front as can be."""
     if along is None:
         return np.eye(3)
     y = along / np.linalg.norm(along)
@@ -51,9 +51,7 @@ def bones_and_joints(source: Source, body: Array, recipe: dict[str, Any]) -> tup
             parent = names.index(parent_name) if parent_name else None
             low, high = np.array(entry["scale_min"], dtype=float), np.array(entry["scale_max"], dtype=float)
             rotation = _rest_rotation(along)
-            bones.append(
-                Bone(name, parent, np.round(origin, 6), rotation, low, high, mirror_name(name))
-            )
+            bones.append(Bone(name, parent, np.round(origin, 6), rotation, low, high, mirror_name(name)))
             names.append(name)
             if parent is not None:
                 joint = entry["joint"]
@@ -110,7 +108,8 @@ def skin_weights(source: Source, template: Template, names: list[str], recipe: d
     result[result < choices["smallest"]] = 0.0
     rank = np.argsort(-result, axis=1, kind="stable")
     np.put_along_axis(result, rank[:, 4:], 0.0, axis=1)
-    result[middle] = np.minimum(result[middle], np.where(result[middle][:, order] > 0, np.inf, 0.0))  # drop pairs together
+    partner_kept = result[middle][:, order] > 0
+    result[middle] = np.where(partner_kept, result[middle], 0.0)  # left and right are dropped together
     result = np.round(result, recipe["decimals"])
     right = template.vertices[:, 0] < 0
     result[right] = result[template.mirror[right]][:, order]

@@ -38,9 +38,7 @@ class Skin:
         q = np.cross(offset, self._u)
         t = (direction * q).sum(1) / safe
         along = (self._w * q).sum(1) / safe
-        found = np.flatnonzero(
-            (np.abs(det) > 1e-18) & (s >= -1e-6) & (t >= -1e-6) & (s + t <= 1 + 1e-6) & (along > 0)
-        )
+        found = np.flatnonzero((np.abs(det) > 1e-18) & (s >= -1e-6) & (t >= -1e-6) & (s + t <= 1 + 1e-6) & (along > 0))
         found = found[np.argsort(along[found], kind="stable")]
         barycentric = np.stack([1 - s - t, s, t], axis=1)[found].clip(0.0, 1.0)
         barycentric /= barycentric.sum(axis=1, keepdims=True)

@@ -52,7 +52,5 @@ def subdivide(quads: Integers, count: int) -> tuple[sparse.csr_matrix, Integers]
     matrix = sparse.vstack([vertex_points, edge_points, face_points]).tocsr()
     face_ids = count + len(unique) + np.arange(faces)
     edge_ids = count + inverse
-    children = [
-        np.stack([quads[:, i], edge_ids[:, i], face_ids, edge_ids[:, (i + 3) % 4]], axis=1) for i in range(4)
-    ]
+    children = [np.stack([quads[:, i], edge_ids[:, i], face_ids, edge_ids[:, (i + 3) % 4]], axis=1) for i in range(4)]
     return matrix, np.concatenate(children)

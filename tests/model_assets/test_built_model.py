@@ -1,0 +1,130 @@
+"""The tracked model keeps its promises."""
+
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+
+from breastrig.rig.check import check_rig
+from breastrig.rig.model import Rig
+from breastrig.rig.skinning import shaped
+
+FLIP = np.array([-1.0, 1.0, 1.0])
+
+
+def _sha256(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _smallest_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    corners = vertices[faces]
+    angles = []
+    for i in range(3):
+        u, w = corners[:, (i + 1) % 3] - corners[:, i], corners[:, (i + 2) % 3] - corners[:, i]
+        cosine = (u * w).sum(1) / (np.linalg.norm(u, axis=1) * np.linalg.norm(w, axis=1))
+        angles.append(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+    return np.min(angles, axis=0)
+
+
+def test_the_tracked_files_are_those_of_the_manifest(model_assets: Path) -> None:
+    built = model_assets / "built"
+    manifest = json.loads((built / "MANIFEST.json").read_text(encoding="utf-8"))
+    files = {p.relative_to(built).as_posix() for p in built.rglob("*") if p.is_file()} - {"MANIFEST.json"}
+    assert files == set(manifest["outputs"])
+    assert {name: _sha256(built / name) for name in files} == manifest["outputs"]
+
+
+def test_the_model_was_built_from_these_steps_and_this_recipe(model_assets: Path) -> None:
+    inputs = json.loads((model_assets / "built" / "MANIFEST.json").read_text(encoding="utf-8"))["inputs"]
+    own = {name: digest for name, digest in inputs.items() if not name.endswith(".whl")}
+    steps = {f"steps/{p.name}" for p in (model_assets / "steps").glob("*.py")}
+    assert set(own) == steps | {"recipe.toml"}
+    assert {name: _sha256(model_assets / name) for name in own} == own
+
+
+def test_every_rule_of_the_contract_is_kept(torso: Rig) -> None:
+    assert [finding for finding in check_rig(torso) if not finding.ok] == []
+
+
+def test_sizes_are_those_of_the_specification(torso: Rig) -> None:
+    assert 2000 <= len(torso.template) <= 2600
+    assert len(torso.bones) == 9
+    assert len(torso.joints) == 8
+    assert len(torso.shapes) == len(set(torso.shape_names)) == 55
+    assert len(torso.landmarks) == len(set(torso.landmark_names)) == 12
+    assert {"lumpectomy", "anatomy"} <= set(torso.drawing_names)
+
+
+def test_skin_weights_sum_to_one_with_at_most_four_bones(torso: Rig) -> None:
+    np.testing.assert_allclose(torso.skin_weights.sum(axis=1), 1.0, atol=1e-6)
+    assert (torso.skin_weights > 0).sum(axis=1).max() <= 4
+
+
+def test_left_and_right_agree_to_a_hundredth_of_a_millimetre(torso: Rig) -> None:
+    mirror = torso.mirror_vertices
+    assert np.array_equal(mirror[mirror], np.arange(len(mirror)))
+    assert np.abs(FLIP * torso.template[mirror] - torso.template).max() < 1e-5
+    middle = mirror == np.arange(len(mirror))
+    assert np.abs(torso.template[middle, 0]).max() == 0.0
+    for index, shape in enumerate(torso.shapes):
+        partner = torso.shape_names.index(shape.mirror)
+        assert np.abs(FLIP * torso.blendshapes[partner][mirror] - torso.blendshapes[index]).max() < 1e-5
+
+
+def test_edges_are_short_on_the_breasts_and_longer_elsewhere(torso: Rig) -> None:
+    faces = torso.faces
+    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
+    lengths = np.linalg.norm(torso.template[edges[:, 0]] - torso.template[edges[:, 1]], axis=1)
+    breasts = np.concatenate([torso.regions["breast_L"], torso.regions["breast_R"]])
+    on_breasts = np.isin(edges, breasts).all(axis=1)
+    assert np.median(lengths[on_breasts]) <= 0.009
+    assert np.median(lengths[~on_breasts]) > 0.011
+    assert np.median(lengths[np.isin(edges, torso.regions["back"]).all(axis=1)]) > 0.018
+
+
+def test_no_triangle_is_a_sliver_in_the_template_or_any_shape(torso: Rig) -> None:
+    assert _smallest_angles(torso.template, torso.faces).min() > 20.0
+    for index in range(len(torso.shapes)):
+        weights = np.zeros(len(torso.shapes))
+        weights[index] = 1.0
+        assert _smallest_angles(shaped(torso, weights), torso.faces).min() > 8.0, torso.shape_names[index]
+
+
+def test_supine_spread_keeps_the_volume(torso: Rig) -> None:
+    def volume(vertices: np.ndarray) -> float:
+        return float(np.linalg.det(vertices[torso.faces]).sum() / 6.0)
+
+    weights = np.zeros(len(torso.shapes))
+    flat = torso.shape_names.index("supine_spread_L")
+    small = torso.shape_names.index("volume_small_L")
+    weights[small] = 1.0
+    breast = volume(torso.template) - volume(shaped(torso, weights))
+    weights[small], weights[flat] = 0.0, 1.0
+    change = volume(shaped(torso, weights)) - volume(torso.template)
+    assert abs(change) < 0.12 * breast
+
+
+def test_no_shape_is_nearly_a_mixture_of_the_others(torso: Rig) -> None:
+    flat = torso.blendshapes.reshape(len(torso.shapes), -1)
+    unit = flat / np.linalg.norm(flat, axis=1, keepdims=True)
+    assert np.linalg.eigvalsh(unit @ unit.T).min() > 0.01
+
+
+def test_drawings_lie_in_even_steps_on_the_skin(torso: Rig) -> None:
+    for drawing in torso.drawings:
+        for shape in drawing.shapes:
+            points = shape.points.positions(torso.template, torso.faces)
+            steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+            assert steps.min() > 0.003, f"{drawing.name} {shape.name}"
+            assert steps.max() < 0.009, f"{drawing.name} {shape.name}"
+
+
+def test_landmarks_stand_where_anatomy_has_them(torso: Rig) -> None:
+    points = torso.landmark_points().positions(torso.template, torso.faces)
+    at = dict(zip(torso.landmark_names, points, strict=True))
+    heights = [at[name][1] for name in ("suprasternal_notch", "mid_sternum", "xiphoid", "umbilicus")]
+    assert heights == sorted(heights, reverse=True)
+    assert at["inframammary_fold_L"][1] < at["nipple_L"][1] < at["midclavicle_L"][1]
+    assert at["acromion_L"][0] > at["midclavicle_L"][0] > 0 > at["midclavicle_R"][0]
+    assert abs(at["xiphoid"][1] - 0.5 * (at["inframammary_fold_L"][1] + at["inframammary_fold_R"][1])) < 0.002
