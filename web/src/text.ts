@@ -22,7 +22,6 @@ export const text = {
     newScan: "New scan",
     theme: (theme: Theme) => ({ system: "Theme: as the system", light: "Theme: light", dark: "Theme: dark" })[theme],
     help: "Keyboard and mouse",
-    example: (label: string) => `Example patient, ${label.toLowerCase()}`,
     uploaded: "Uploaded scan",
   },
 
@@ -32,7 +31,7 @@ export const text = {
     limit: (megabytes: string) => `Up to ${megabytes} MB.`,
     choose: "Choose a scan file",
     units: "Unit of the file",
-    or: "No scan at hand? Take the example patient:",
+    or: "No scan at hand? These are one click away:",
     lines: [
       "BreastRig fits a rigged model of the torso to a 3D scan and shows it settle, live.",
       "Reference surgical drawings come along and lie on the patient's skin.",
@@ -196,6 +195,7 @@ export const text = {
     position: (shown: string, last: string) => `${shown} / ${last}`,
     mean: (mm: string) => `mean ${mm} mm`,
     replay: "Replay",
+    play: "Play",
     pause: "Pause",
   },
 

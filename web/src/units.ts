@@ -28,4 +28,4 @@ export function formatSeconds(seconds: number | undefined): string {
 }
 export const formatPercent = (share: number): string => (100 * share).toFixed(0);
 export const formatCm = (metres: number): string => (metres * 100).toFixed(0);
-export const formatMegabytes = (bytes: number): string => (bytes / 1e6).toFixed(0);
+export const formatMegabytes = (bytes: number): string => (bytes / 2 ** 20).toFixed(0);

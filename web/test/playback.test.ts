@@ -74,6 +74,22 @@ test("the slider stops the play, and replay starts again from the beginning", ()
   expect(store.get().fit?.playing).toBe(false);
 });
 
+test("the button pauses, goes on from there, and replays once the end is reached", () => {
+  const { arrive, pass, player, shownAt, store } = setUp();
+  arrive(4, "done");
+  pass(70);
+  player.toggle();
+  pass(1000);
+  expect(store.get().fit).toMatchObject({ shown: 1, playing: false });
+  player.toggle();
+  pass(1000);
+  expect(store.get().fit).toMatchObject({ shown: 3, playing: false });
+  shownAt.length = 0;
+  player.toggle();
+  pass(2000);
+  expect(shownAt.map(([, shown]) => shown)).toEqual([0, 1, 2, 3]);
+});
+
 test("whoever asked for less motion sees the newest iteration only", () => {
   const { arrive, pass, shownAt } = setUp(true);
   arrive(5);

@@ -70,7 +70,16 @@ export function createPlayer(
     },
     replay,
     pause,
-    toggle: () => (store.get().fit?.playing && isTicking ? pause() : replay()),
+    toggle: () => {
+      const fit = store.get().fit;
+      if (!fit) return;
+      if (fit.playing) pause();
+      else if (fit.shown >= fit.iterations.length - 1) replay();
+      else {
+        change({ playing: true });
+        start(REPLAY_MS);
+      }
+    },
     seek: (index) => {
       pause();
       change({ shown: index });

@@ -84,7 +84,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
 
     takeExample(name: string): Promise<boolean> {
       const label = store.get().examples.find((example) => example.name === name)?.label ?? name;
-      return bring(text.top.example(label), async () => ({ info: await client.importExample(name), file: null, own: null }));
+      return bring(label, async () => ({ info: await client.importExample(name), file: null, own: null }));
     },
 
     /** The scan that the address names. */

@@ -1,7 +1,7 @@
 // The bottom: every iteration again, by slider or as a replay.
 import type { Actions } from "../actions";
 import { el, icon, setText, show } from "../dom";
-import { type Session, shownIteration } from "../state/session";
+import { isAtRest, type Session, shownIteration } from "../state/session";
 import { text } from "../text";
 import { formatMm } from "../units";
 import type { Panel } from "./Panel";
@@ -19,7 +19,7 @@ export function createTimeline(actions: Actions): Panel {
   const words = el("span", {});
   const play = el("button", { type: "button", class: "button quiet outlined", id: "replay", onclick: () => actions.player.toggle() });
   const element = el("section", { class: "timeline", "aria-label": text.timeline.label, hidden: true }, el("label", { for: "iteration" }, text.timeline.label), slider, position, mean, play);
-  let drawn: boolean | null = null;
+  let drawn = "";
   return {
     element,
     update(state: Session): void {
@@ -34,11 +34,14 @@ export function createTimeline(actions: Actions): Panel {
       const end = fit.iterations.at(-1);
       setText(position, text.timeline.position(String(shown?.iteration ?? 0), String(end?.iteration ?? 0)));
       slider.setAttribute("aria-valuetext", position.textContent ?? "");
-      setText(mean, shown ? text.timeline.mean(formatMm(shown.mean_distance_mm)) : "");
+      const result = isAtRest(fit) ? fit.result : null; // its mean is taken after the last step and counts
+      const distance = result ? result.surface_distance_mm.mean : shown?.mean_distance_mm;
+      setText(mean, distance === undefined ? "" : text.timeline.mean(formatMm(distance)));
       play.disabled = last === 0;
-      if (drawn !== fit.playing) {
-        drawn = fit.playing;
-        setText(words, fit.playing ? text.timeline.pause : text.timeline.replay);
+      const label = fit.playing ? "pause" : fit.shown < last ? "play" : "replay";
+      if (drawn !== label) {
+        drawn = label;
+        setText(words, text.timeline[label]);
         play.replaceChildren(icon(fit.playing ? "pause" : "play"), words);
       }
     },

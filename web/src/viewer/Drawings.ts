@@ -57,19 +57,13 @@ export function onModel(shapes: readonly ModelShape[], torso: TorsoModel, vertex
 }
 
 function onScan(drawing: DrawingFile, scan: ScanMesh): Polyline[] {
-  const geometry = scan.mesh!.geometry;
-  const corners = [new Vector3(), new Vector3(), new Vector3()] as const;
   const { unit } = drawing;
   if (!isUnit(unit)) throw new Error(`the drawing has the unknown unit ${unit}`);
   return drawing.shapes.map((shape) => {
     const points = new Float32Array(3 * shape.points.length);
     shape.points.forEach((at, i) => {
-      const [x, y, z] = at.map((value) => metresFromMm(mmFrom(value, unit)));
-      const point = new Vector3(x, y, z);
-      const face = scan.bvh!.closestPointToPoint(point)?.faceIndex ?? 0;
-      corners.forEach((corner, c) => corner.fromBufferAttribute(geometry.attributes.position!, geometry.index!.getX(3 * face + c)));
-      const normal = corners[1].clone().sub(corners[0]).cross(corners[2].clone().sub(corners[0])).normalize();
-      point.addScaledVector(normal, LIFT).toArray(points, 3 * i);
+      const point = new Vector3().fromArray(at.map((value) => metresFromMm(mmFrom(value, unit))));
+      point.addScaledVector(scan.normalAt(point) ?? new Vector3(), LIFT).toArray(points, 3 * i);
     });
     return { points, isClosed: shape.closed, bridged: shape.bridged ?? null };
   });

@@ -12,6 +12,7 @@ import type { Part, Viewer } from "./Viewer";
 interface Pin {
   element: HTMLElement;
   point: Vector3; // scan's frame, metres
+  normal: Vector3 | null; // of the skin there; null until the scan is loaded
 }
 
 export class LandmarkPins implements Part {
@@ -41,8 +42,7 @@ export class LandmarkPins implements Part {
       const point = new Vector3(...at.map(metresFromMm));
       const number = 1 + (state.meta?.landmarks.findIndex((entry) => entry.name === name) ?? -1);
       const known = this.pins.get(name);
-      if (known) known.point = point;
-      else this.pins.set(name, { element: this.make(name, number), point });
+      this.pins.set(name, { element: known?.element ?? this.make(name, number), point, normal: null });
     }
     this.viewer.invalidate();
   }
@@ -55,10 +55,12 @@ export class LandmarkPins implements Part {
   }
 
   private place(): void {
-    for (const { element, point } of this.pins.values()) {
+    for (const pin of this.pins.values()) {
+      const { element, point } = pin;
+      pin.normal ??= this.scan.normalAt(point);
       const { x, y } = this.viewer.toScreen(point);
       element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-      element.classList.toggle("is-hidden", isHidden(this.viewer, this.scan, point));
+      element.classList.toggle("is-hidden", isHidden(this.viewer, this.scan, point, pin.normal));
     }
   }
 }

@@ -1,5 +1,5 @@
 // The scan: matte grey or its own colours, the inside and the rims of holes darker, ready for picking by BVH.
-import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial } from "three";
+import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, Vector3 } from "three";
 import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
 import type { Session } from "../state/session";
 import { borderEdges } from "./borders";
@@ -28,6 +28,15 @@ export class ScanMesh implements Part {
 
   get bvh(): MeshBVH | null {
     return (this.mesh?.geometry.boundsTree as MeshBVH | undefined) ?? null;
+  }
+
+  /** Unit vector out of the surface nearest to a point (scan's frame, metres); null before the scan is there. */
+  normalAt(point: Vector3): Vector3 | null {
+    const face = this.bvh?.closestPointToPoint(point)?.faceIndex;
+    if (!this.mesh || face === undefined) return null;
+    const { index, attributes } = this.mesh.geometry;
+    const [a, b, c] = [0, 1, 2].map((corner) => new Vector3().fromBufferAttribute(attributes.position!, index!.getX(3 * face + corner)));
+    return b!.sub(a!).cross(c!.sub(a!)).normalize();
   }
 
   update(state: Session): void {
@@ -78,7 +87,9 @@ export class ScanMesh implements Part {
       this.stands = frame;
       this.viewer.stand(frame, extent(mesh.geometry.attributes.position!.array, viewFromScan(frame)));
     }
-    const own = state.showColours && state.scan?.info.colours !== "none";
+    const hasModel = state.fit !== null && state.fit.shown >= 0;
+    // Beside the clay the scan is grey: skin on skin would not tell which is which.
+    const own = state.showColours && state.scan?.info.colours !== "none" && !(hasModel && state.overlay === "both");
     const material = mesh.material;
     const map = own ? (mesh.userData.map ?? null) : null;
     const hasVertexColours = own && mesh.geometry.hasAttribute("color");
@@ -90,7 +101,7 @@ export class ScanMesh implements Part {
     if (own) material.color.set(0xffffff);
     else material.color.copy(palette.scan);
     (this.borders?.material as LineBasicMaterial | undefined)?.color.copy(palette["scan-edge"]);
-    mesh.visible = !(state.overlay === "model" && state.fit !== null && state.fit.shown >= 0);
+    mesh.visible = !(hasModel && state.overlay === "model");
     this.viewer.invalidate();
   }
 }

@@ -38,7 +38,7 @@ export function offerHook(store: Store<Session>, viewer: Viewer, scan: ScanMesh)
       const box = viewer.host.getBoundingClientRect();
       viewer.scene.updateMatrixWorld();
       const { x, y } = viewer.toScreen(at);
-      return { x: x + box.left, y: y + box.top, hidden: isHidden(viewer, scan, at) };
+      return { x: x + box.left, y: y + box.top, hidden: isHidden(viewer, scan, at, scan.normalAt(at)) };
     },
     pickAt: (x, y) => pickAt(viewer, scan, x, y),
     picture: () => readPicture(viewer),

@@ -27,14 +27,20 @@ export function pickAt(viewer: Viewer, scan: ScanMesh, clientX: number, clientY:
   return { point: point.toArray().map(mmFromMetres) as Vector, face: hit.faceIndex ?? -1 };
 }
 
+const AVERTED = 0.25; // cosine; a rim seen from the side still counts as seen
 const SLACK = 0.006; // metres that a point may lie under the surface and still count as seen
 
-/** True when the scan stands between the eye and the point (scan's frame, metres). */
-export function isHidden(viewer: Viewer, scan: ScanMesh, point: Vector3): boolean {
+/**
+ * True when the scan stands between the eye and the point (scan's frame, metres), or when the skin there looks away:
+ * through the holes of a scan its far side would seem near.
+ */
+export function isHidden(viewer: Viewer, scan: ScanMesh, point: Vector3, normal: Vector3 | null): boolean {
   if (!scan.mesh) return false;
   const target = viewer.body.localToWorld(point.clone());
   const away = target.sub(viewer.camera.position);
   const distance = away.length();
+  const outwards = normal?.clone().transformDirection(viewer.body.matrixWorld);
+  if (outwards && outwards.dot(away) > AVERTED * distance) return true;
   raycaster.set(viewer.camera.position, away.normalize());
   const hit = raycaster.intersectObject(scan.mesh, false)[0];
   return hit !== undefined && hit.distance < distance - SLACK;
