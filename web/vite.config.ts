@@ -9,6 +9,7 @@ export default defineConfig({
   server: { host: "127.0.0.1", port: 5173, proxy: { "/api": service, "/healthz": service } },
   build: {
     target: "es2022",
+    cssTarget: ["chrome123", "firefox120", "safari17.5"], // the first with light-dark(); older ones would need every colour twice
     // The page's policy is default-src 'self': nothing may be inlined as a data: address.
     assetsInlineLimit: 0,
     // three.js is one library of that size; splitting it would only add round trips.

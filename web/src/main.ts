@@ -26,6 +26,7 @@ document.body.append(...page.elements);
 store.subscribe(page.update);
 openViewer(store, actions, page.stage, prefersStill);
 listenToKeys(store, actions);
+addEventListener("pagehide", () => void actions.landmarks.flush());
 reportAccidents();
 void begin();
 

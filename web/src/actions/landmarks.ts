@@ -15,6 +15,7 @@ const PAUSE_MS = 400; // a run of quick clicks is one save
 
 export function landmarkActions(store: Store<Session>, client: Client) {
   let timer: ReturnType<typeof setTimeout> | undefined;
+  let waiting: { scan: Scan; picks: Picks } | null = null;
 
   const list = () => store.get().meta?.landmarks ?? [];
   function labelOf(name: string | null): string | null {
@@ -22,29 +23,40 @@ export function landmarkActions(store: Store<Session>, client: Client) {
     return entry ? text.landmarks.spoken(entry) : name;
   }
 
+  /** What is shown about saving concerns the scan on the screen; another one is saved all the same. */
   async function save(scan: Scan, picks: Picks): Promise<void> {
-    store.set({ saving: "saving" });
+    const tell = (part: (state: Session) => Partial<Session>): void =>
+      store.set((state) => (state.scan?.info.id === scan.id ? part(state) : {}));
+    tell(() => ({ saving: "saving" }));
     try {
       await client.saveLandmarks(scan, { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks } });
-      store.set((state) =>
-        state.picks.present === picks ? { saving: "saved", ...withProblem(state, "landmarks", null) } : {},
-      );
+      tell((state) => (state.picks.present === picks ? { saving: "saved", ...withProblem(state, "landmarks", null) } : {}));
     } catch (error) {
-      store.set((state) => ({ saving: "unsaved", ...withProblem(state, "landmarks", messageOf(error)) }));
+      tell((state) => ({ saving: "unsaved", ...withProblem(state, "landmarks", messageOf(error)) }));
     }
   }
 
-  function saveSoon(): void {
-    const scan = store.get().scan?.info;
-    if (!scan) return;
+  /** Sends at once what still waits: before another scan takes the page, or the page goes away. */
+  async function flush(): Promise<void> {
     clearTimeout(timer);
-    store.set({ saving: "unsaved" });
-    timer = setTimeout(() => void saveNow(scan), PAUSE_MS);
+    const { scan, picks } = waiting ?? {};
+    waiting = null;
+    if (scan && picks) await save(scan, picks);
   }
 
-  async function saveNow(scan = store.get().scan?.info): Promise<void> {
-    const state = store.get();
-    if (scan && state.scan?.info.id === scan.id) await save(scan, state.picks.present);
+  function saveSoon(): void {
+    const { scan, picks } = store.get();
+    if (!scan) return;
+    if (waiting && waiting.scan.id !== scan.info.id) void flush();
+    clearTimeout(timer);
+    waiting = { scan: scan.info, picks: picks.present };
+    store.set({ saving: "unsaved" });
+    timer = setTimeout(() => void flush(), PAUSE_MS);
+  }
+
+  async function saveNow(): Promise<void> {
+    const { scan, picks } = store.get();
+    if (scan) await save(scan.info, picks.present);
   }
 
   function change(picks: Picks, more: Partial<Session> = {}): void {
@@ -124,6 +136,7 @@ export function landmarkActions(store: Store<Session>, client: Client) {
       }
     },
 
-    saveNow: (): Promise<void> => saveNow(),
+    saveNow,
+    flush,
   };
 }

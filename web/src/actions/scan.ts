@@ -38,6 +38,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
       active: null,
       saving: "saved",
       fit: null,
+      isStarting: false,
       step: "scan",
       overlay: "both",
       stance: "auto",
@@ -107,7 +108,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
     leave(): void {
       generation += 1;
       stopFit();
-      store.set({ scan: null, fit: null, loading: null, picks: startHistory<Picks>({}), active: null, step: "scan", problems: {} });
+      store.set({ scan: null, fit: null, isStarting: false, loading: null, picks: startHistory<Picks>({}), active: null, step: "scan", problems: {} });
     },
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),

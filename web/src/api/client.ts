@@ -47,8 +47,8 @@ async function ask(path: string, request: RequestInit = {}): Promise<Response> {
   return answer;
 }
 
-async function askJson<Body>(path: string, method = "GET", body?: unknown): Promise<Body> {
-  const request: RequestInit = { method };
+async function askJson<Body>(path: string, method = "GET", body?: unknown, keepalive = false): Promise<Body> {
+  const request: RequestInit = { method, keepalive }; // kept alive: arrives although the page is being closed
   if (body !== undefined) {
     request.body = JSON.stringify(body);
     request.headers = { "Content-Type": "application/json" };
@@ -68,7 +68,7 @@ export const client = {
   scan: (scan: string) => askJson<ExampleScan>(`/api/scans/${id(scan)}`),
   mesh: (scan: Scan) => bytes(scan.links.mesh),
   landmarks: (scan: Scan) => askJson<LandmarkFile>(scan.links.landmarks),
-  saveLandmarks: (scan: Scan, file: LandmarkFile) => askJson<LandmarkFile>(scan.links.landmarks, "PUT", file),
+  saveLandmarks: (scan: Scan, file: LandmarkFile) => askJson<LandmarkFile>(scan.links.landmarks, "PUT", file, true),
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links">>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
   cancel: (link: string) => askJson<Fit>(link, "POST"),

@@ -1,0 +1,68 @@
+// A page without a browser: the real store and actions, a client that answers what the test says.
+import { vi } from "vitest";
+import { createActions } from "../src/actions";
+import type { Client } from "../src/api/client";
+import type { LandmarkDefinition, Scan, Vector } from "../src/api/types";
+import { initialSession, type Session } from "../src/state/session";
+import { createStore } from "../src/state/store";
+
+export const NAMES = ["suprasternal_notch", "nipple_L", "nipple_R", "umbilicus"];
+
+export function scanInfo(id: string): Scan {
+  const links = { self: `/api/scans/${id}`, mesh: `/api/scans/${id}/mesh.glb`, landmarks: `/api/scans/${id}/landmarks` };
+  const frame = { up: [0, 1, 0] as Vector, front: [0, 0, 1] as Vector, confidence: 1, reason: "" };
+  return { id, unit: "m", frame, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
+}
+
+export function fitLinks(id: string) {
+  const at = (name: string): string => `/api/fits/${id}/${name}`;
+  return {
+    self: `/api/fits/${id}`,
+    events: at("events"),
+    result: at("result.json"),
+    fitted_glb: at("fitted.glb"),
+    fitted_ply: at("fitted.ply"),
+    drawing: at("drawing.json"),
+    cancel: at("cancel"),
+  };
+}
+
+/** Stands in for the browser's EventSource; the test speaks through `say`. */
+export class FakeEventSource {
+  static last: FakeEventSource | null = null;
+  readyState = 1;
+  private readonly listeners = new Map<string, (message: unknown) => void>();
+  private number = 0;
+  constructor(readonly url: string) {
+    FakeEventSource.last = this;
+  }
+  addEventListener(kind: string, listener: (message: unknown) => void): void {
+    this.listeners.set(kind, listener);
+  }
+  close(): void {
+    this.readyState = 2;
+  }
+  say(kind: string, body: object): void {
+    this.number += 1;
+    this.listeners.get(kind)?.({ data: JSON.stringify({ kind, ...body }), lastEventId: String(this.number) });
+  }
+}
+
+export function page(answers: Partial<Client> = {}) {
+  vi.stubGlobal("EventSource", FakeEventSource);
+  const landmarks = NAMES.map((name) => ({ name, label: name }) as LandmarkDefinition);
+  const store = createStore<Session>({ ...initialSession, meta: { landmarks } as Session["meta"] });
+  const client = {
+    mesh: async () => new ArrayBuffer(8),
+    landmarks: async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: {} }),
+    saveLandmarks: vi.fn(async (_scan: Scan, file: unknown) => file),
+    scan: async (id: string) => scanInfo(id),
+    upload: async () => scanInfo("uploaded"),
+    startFit: async () => ({ id: "f1", links: fitLinks("f1") }),
+    fit: async (id: string) => ({ id, links: fitLinks(id), drawing: "lumpectomy" }),
+    drawing: async () => ({ schema: "breastrig/drawing@1", unit: "mm", shapes: [] }),
+    cancel: vi.fn(async () => ({})),
+    ...answers,
+  } as unknown as Client;
+  return { store, client, actions: createActions(store, client, () => true) };
+}
