@@ -16,7 +16,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.initial_alignment import start_from_landmarks
+from breastrig.fitting.landmark_check import start_from_landmarks
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.normals import VertexNormals
 from breastrig.gltf.read_rig import default_rig_path, read_rig

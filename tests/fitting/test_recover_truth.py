@@ -8,7 +8,7 @@ from helpers.subdivide import subdivided
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
-from breastrig.fitting.initial_alignment import start_from_landmarks
+from breastrig.fitting.landmark_check import start_from_landmarks
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from breastrig.core.errors import BadLandmarks, BadSettings
-from breastrig.fitting.initial_alignment import start_from_landmarks, umeyama
+from breastrig.fitting.landmark_check import start_from_landmarks
 from breastrig.fitting.recipe import load_recipe, preset_names
+from breastrig.fitting.similarity import umeyama
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose

@@ -34,7 +34,7 @@ def landmarks_in_mm(file: Path | None, scan: Path, units: str) -> dict[str, list
     if file is None:
         return {}
     places, unit = read_landmarks(file)
-    factor = 1e3 * (METRES_PER_UNIT[unit] if unit else read_scan(scan, None, units).metres_per_unit)
+    factor = 1e3 * (METRES_PER_UNIT[unit] if unit else read_scan(scan, None, units, texture=False).metres_per_unit)
     return {name: [factor * float(value) for value in place] for name, place in places.items()}
 
 

@@ -163,7 +163,12 @@ def _scaling(task: FitTask, dof: int) -> Array:
 
 
 def _terms(
-    task: FitTask, stage: Stage, progress: float, matches: Correspondences, priors: list[ResidualTerm[RigParameters]]
+    task: FitTask,
+    stage: Stage,
+    progress: float,
+    vertices: Array,
+    matches: Correspondences,
+    priors: list[ResidualTerm[RigParameters]],
 ) -> list[ResidualTerm[RigParameters]]:
     weights = KERNELS[stage.kernel](matches.distances / _along(stage.kernel_scale, progress))
     terms = [*priors, PointToPlane(task.rig, matches, weights, _along(stage.data_sigma, progress))]
@@ -172,8 +177,12 @@ def _terms(
     if task.landmarks:
         names = tuple(task.landmarks)
         sigma = np.full(len(names), _along(stage.landmark_sigma, progress))
-        targets = np.array([task.landmarks[name] for name in names])
-        terms.append(Landmarks(task.rig, task.rig.landmark_points(names), targets, sigma))
+        targets, points = np.array([task.landmarks[name] for name in names]), task.rig.landmark_points(names)
+        if stage.landmark_kernel_scale is not None:
+            gaps = np.linalg.norm(points.positions(vertices, task.rig.faces) - targets, axis=1)
+            trust = KERNELS["geman_mcclure"](gaps / _along(stage.landmark_kernel_scale, progress))
+            sigma = sigma / np.sqrt(np.maximum(trust, 1e-6))
+        terms.append(Landmarks(task.rig, points, targets, sigma))
     return terms
 
 
@@ -217,7 +226,7 @@ def fit_iterates(task: FitTask) -> Iterator[FitIterate]:
                 yield iterate(stage, matches, Status.STALLED)
                 return
             yield iterate(stage, matches, Status.RUNNING)
-            terms = _terms(task, stage, progress, matches, priors)
+            terms = _terms(task, stage, progress, vertices, matches, priors)
             step = newton_step(
                 terms, joints, x, scaling=scaling, damping=recipe.damping, bounds=_bounds(task, x), free=free
             )

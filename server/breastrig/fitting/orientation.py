@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.initial_alignment import Similarity, similar_parameters, umeyama
+from breastrig.fitting.similarity import Similarity, similar_parameters, umeyama
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
@@ -84,7 +84,9 @@ def _starts(rig: Rig, target: ScanTarget, rotation: Array) -> list[Similarity]:
     low, high = np.percentile(local, [1, 99], axis=0)
     body_low, body_high = rig.template.min(axis=0), rig.template.max(axis=0)
     ends = sorted((high[1] - body_high[1] - 0.2, low[1] - body_low[1] + 0.1))
-    places = [np.array([np.median(local[:, 0]), y, high[2] - body_high[2]]) for y in np.linspace(ends[0], ends[1], HEIGHTS)]
+    places = [
+        np.array([np.median(local[:, 0]), y, high[2] - body_high[2]]) for y in np.linspace(ends[0], ends[1], HEIGHTS)
+    ]
     return [Similarity(1.0, rotation, rotation @ place) for place in places]
 
 

@@ -60,6 +60,7 @@ class Stage(_Part):
     data_sigma: Range  # m, point to plane
     along_sigma: Range | None = None  # m, point to point; absent: slide freely
     landmark_sigma: Range  # m
+    landmark_kernel_scale: Range | None = None  # m, beyond it a pick is let go (Geman-McClure); absent: never
     kernel: Literal["none", "huber", "geman_mcclure", "tukey"] = "none"
     kernel_scale: Range = (1.0, 1.0)  # m, distance at which the kernel starts to let go
     free_shapes: tuple[Literal["body", "soft", "gravity"], ...] = ("body", "soft", "gravity")

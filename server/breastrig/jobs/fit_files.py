@@ -14,6 +14,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.drawings.on_scan import ScanLine
+from breastrig.fitting.landmark_check import Doubt
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.jobs.events import Iterated
@@ -42,6 +43,7 @@ class FitOutcome:
     timing_s: dict[str, float]
     distances: SurfaceDistances
     landmarks: dict[str, Array]  # picked, m
+    doubts: tuple[Doubt, ...]  # picks that were not followed
     drawing: ModelDrawing | None
     lines: tuple[ScanLine, ...]  # in the frame shifted by `centre`
     centre: Array  # (3,) m
@@ -86,6 +88,7 @@ def result_json(outcome: FitOutcome, vertices: Array) -> dict[str, object]:
         "surface_distance_mm": surface_summary_mm(outcome.distances.model),
         "scan_to_model_mm": summary_mm(outcome.distances.scan),
         "landmark_distance_mm": landmark_summary_mm(model_landmarks, outcome.landmarks),
+        "landmarks_not_followed": [{"names": list(d.names), "reason": d.reason} for d in outcome.doubts],
         "landmarks": {name: _rounded(place / per_unit) for name, place in model_landmarks.items()},
         "parameters": {
             "bones": [

@@ -15,7 +15,7 @@ from breastrig.core.errors import BadDrawing, BadLandmarks, BadSettings, FitFail
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.on_scan import on_scan
 from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
-from breastrig.fitting.initial_alignment import MIN_LANDMARKS, start_from_landmarks
+from breastrig.fitting.landmark_check import MIN_LANDMARKS, Doubt, doubts, sides_exchanged, start_from_landmarks
 from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.pose_nodes import node_poses
@@ -32,6 +32,7 @@ from breastrig.scan.orient import propose_frame
 from breastrig.scan.read import read_scan
 
 STANCES = ("auto", "standing", "supine")
+ALL_EXCHANGED = Doubt((), "Left and right of the landmarks look exchanged; none of them was followed.")
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
 
 
@@ -117,7 +118,7 @@ def run_fit(job: FitJob) -> Iterator[Event]:
     drawing = chosen_drawing(rig, job.drawing)
     landmarks = checked_landmarks(rig, job.landmarks_mm)
     lap()
-    scan = read_scan(job.scan, job.file_type, job.units)
+    scan = read_scan(job.scan, job.file_type, job.units, texture=False)
     timing = {"read": lap()}
     surface = clean(scan)
     centre = surface.vertices.mean(axis=0)
@@ -127,8 +128,10 @@ def run_fit(job: FitJob) -> Iterator[Event]:
     frame = propose_frame(target.vertices, target.faces)
     _warm(target)
     timing["prepare"] = lap()
-    if len(picked) >= MIN_LANDMARKS:
-        start = start_from_landmarks(rig, picked)
+    exchanged = sides_exchanged(rig, picked)
+    followed = {} if exchanged else picked
+    if len(followed) >= MIN_LANDMARKS:
+        start = start_from_landmarks(rig, followed)
     else:
         start = start_from_scan(rig, target, frame.front).parameters
     timing["align"] = lap()
@@ -147,7 +150,7 @@ def run_fit(job: FitJob) -> Iterator[Event]:
     iterates: list[tuple[FitIterate, RigParameters]] = []
     events: list[Iterated] = []
     solve = 0.0
-    task = FitTask(rig, target, start, recipe, picked, stance)
+    task = FitTask(rig, target, start, recipe, followed, stance)
     steps = fit_iterates(task)
     while True:
         iterate = next(steps, None)
@@ -164,6 +167,9 @@ def run_fit(job: FitJob) -> Iterator[Event]:
     timing["solve"] = solve
     last, x = iterates[-1]
     vertices = pose(rig, last.parameters)
+    fitted_landmarks = rig.landmark_points().positions(vertices, rig.faces)
+    found = dict(zip(rig.landmark_names, fitted_landmarks, strict=True))
+    doubtful = (ALL_EXCHANGED,) if exchanged else doubts(rig, found, followed)
     distances = surface_distances(target, vertices, rig.faces)
     lines = on_scan(rig, vertices, drawing, target) if drawing else ()
     timing["total"] = time.perf_counter() - clock[0]
@@ -181,6 +187,7 @@ def run_fit(job: FitJob) -> Iterator[Event]:
         timing_s=timing,
         distances=distances,
         landmarks=landmarks,
+        doubts=doubtful,
         drawing=drawing,
         lines=lines,
         centre=centre,

@@ -1,4 +1,4 @@
-"""Where a fit starts when landmarks are given: a similarity (`orientation.py` does without).
+"""Similarities: the best one between two sets of points, and the rest pose carried by one.
 
 Umeyama, Least-squares estimation of transformation parameters between two point patterns, 1991.
 """
@@ -11,8 +11,6 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadLandmarks
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
-
-MIN_LANDMARKS = 3  # fewer leave the similarity open
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,16 +26,21 @@ class Similarity:
         return np.asarray(self.scale * points @ self.rotation.T + self.translation)
 
 
-def umeyama(source: Array, target: Array) -> Similarity:
-    """The similarity (no reflection) that carries (M, 3) source points to target points best; M >= 3."""
-    mean_s, mean_t = source.mean(axis=0), target.mean(axis=0)
+def umeyama(source: Array, target: Array, weights: Array | None = None) -> Similarity:
+    """The similarity (no reflection) that carries (M, 3) source points to target points best; M >= 3.
+
+    weights (M,) >= 0 default to one each.
+    """
+    share = np.ones(len(source)) if weights is None else weights
+    share = share / share.sum()
+    mean_s, mean_t = share @ source, share @ target
     centred_s, centred_t = source - mean_s, target - mean_t
-    u, d, vt = np.linalg.svd(centred_t.T @ centred_s)
+    u, d, vt = np.linalg.svd((centred_t * share[:, None]).T @ centred_s)
     if d[1] < 1e-6 * max(d[0], 1e-30):
         raise BadLandmarks("The landmarks lie on one line; pick at least three that do not.")
     signs = np.array([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
     rotation = (u * signs) @ vt
-    scale = float((d * signs).sum() / (centred_s**2).sum())
+    scale = float((d * signs).sum() / (share @ (centred_s**2).sum(axis=1)))
     return Similarity(scale, rotation, mean_t - scale * rotation @ mean_s)
 
 
@@ -50,14 +53,3 @@ def similar_parameters(rig: Rig, similarity: Similarity) -> RigParameters:
         scales=np.full_like(rest.scales, similarity.scale),
         weights=rest.weights,
     )
-
-
-def start_from_landmarks(rig: Rig, landmarks: dict[str, Array]) -> RigParameters:
-    """The rest pose on three or more landmarks (3,) m; the scale is kept within what adults have."""
-    names = tuple(landmarks)
-    model = rig.landmark_points(names).positions(rig.template, rig.faces)
-    picked = np.array([landmarks[name] for name in names])
-    found = umeyama(model, picked)
-    scale = float(np.clip(found.scale, 0.75, 1.3))
-    translation = picked.mean(axis=0) - scale * found.rotation @ model.mean(axis=0)
-    return similar_parameters(rig, Similarity(scale, found.rotation, translation))

@@ -1,0 +1,65 @@
+"""Wrong picks on the example patient: named, not followed, and harmless to the others."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from breastrig.core.assets import asset_folder
+from breastrig.jobs.events import Done
+from breastrig.jobs.run_fit import FitJob, run_fit
+from breastrig.scan.landmark_files import read_landmarks
+
+EXAMPLE = asset_folder("example") / "standing"
+PAIRS = ("nipple", "acromion", "midclavicle", "inframammary_fold")
+
+
+def picks() -> dict[str, list[float]]:
+    places, unit = read_landmarks(EXAMPLE / "landmarks.json")
+    assert unit == "mm"
+    return {name: [float(value) for value in place] for name, place in places.items()}
+
+
+def result(landmarks: dict[str, list[float]], out: Path) -> dict:
+    *_, last = run_fit(FitJob(scan=EXAMPLE / "scan.ply", out=out, landmarks_mm=landmarks))
+    assert isinstance(last, Done)
+    return last.result
+
+
+def distances_to_true(found: dict) -> np.ndarray:
+    per_mm = {"m": 1e3, "mm": 1.0}[found["scan"]["unit"]]
+    return np.array([np.linalg.norm(per_mm * np.array(found["landmarks"][n]) - p) for n, p in picks().items()])
+
+
+def test_right_picks_are_all_followed(tmp_path: Path) -> None:
+    found = result(picks(), tmp_path)
+    assert found["landmarks_not_followed"] == []
+    assert distances_to_true(found).max() < 8.0
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_two_exchanged_sides_are_named_and_not_followed(pair: str, tmp_path: Path) -> None:
+    wrong = picks()
+    left, right = f"{pair}_L", f"{pair}_R"
+    wrong[left], wrong[right] = wrong[right], wrong[left]
+    found = result(wrong, tmp_path)
+    assert [doubt["names"] for doubt in found["landmarks_not_followed"]] == [[left, right]]
+    assert "exchanged" in found["landmarks_not_followed"][0]["reason"]
+    assert distances_to_true(found).mean() < 8.0
+
+
+def test_all_sides_exchanged_do_not_turn_the_patient_round(tmp_path: Path) -> None:
+    swap = {"_L": "_R", "_R": "_L"}
+    wrong = {name[:-2] + swap[name[-2:]] if name[-2:] in swap else name: place for name, place in picks().items()}
+    found = result(wrong, tmp_path)
+    assert "exchanged" in found["landmarks_not_followed"][0]["reason"]
+    assert distances_to_true(found).mean() < 25.0
+    assert found["surface_distance_mm"]["mean"] < 2.35
+
+
+def test_a_pick_far_off_is_named_and_not_followed(tmp_path: Path) -> None:
+    wrong = picks()
+    wrong["xiphoid"] = [wrong["xiphoid"][0] + 50.0, *wrong["xiphoid"][1:]]
+    found = result(wrong, tmp_path)
+    assert [doubt["names"] for doubt in found["landmarks_not_followed"]] == [["xiphoid"]]
+    assert distances_to_true(found).max() < 15.0
