@@ -62,9 +62,12 @@ def _by_rays(target: ScanTarget, points: Array, normals: Array, rules: MatchRule
     nearer = distances.argmin(axis=0)
     chosen = nearer * count + np.arange(count)
     found = np.where(np.isfinite(distances.min(axis=0)), faces[chosen], -1)
-    at = points + np.where(nearer == 0, 1.0, -1.0)[:, None] * normals * np.where(
-        found >= 0, distances.min(axis=0), 0.0
-    )[:, None]
+    at = (
+        points
+        + np.where(nearer == 0, 1.0, -1.0)[:, None]
+        * normals
+        * np.where(found >= 0, distances.min(axis=0), 0.0)[:, None]
+    )
     barycentric = np.zeros((count, 3))
     ok = found >= 0
     barycentric[ok] = closest_barycentric(at[ok], target.vertices[target.faces[found[ok]]])

@@ -95,5 +95,9 @@ class ClosestPointSearch:
         result = ClosestPoints(
             np.full(len(points), -1, dtype=np.int64), np.zeros((len(points), 3)), points.copy(), distances
         )
-        result.faces[hit], result.barycentric[hit], result.points[hit] = faces[chosen], barycentric[chosen], found[chosen]
+        result.faces[hit], result.barycentric[hit], result.points[hit] = (
+            faces[chosen],
+            barycentric[chosen],
+            found[chosen],
+        )
         return result
