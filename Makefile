@@ -15,7 +15,6 @@ help:
 	@echo "make clean   remove what make made (data stays)"
 
 serve: page $(VENV)/.stamp-serve
-	@echo "BreastRig: http://127.0.0.1:$(PORT)   (Ctrl-C stops it)"
 	@exec "$(VENV)/bin/breastrig" serve --host 127.0.0.1 --port "$(PORT)" $${DATA:+--data "$$DATA"}
 
 test: check vitest pytest browser
@@ -57,11 +56,11 @@ $(VENV)/.stamp-venv:
 	@touch "$@"
 
 $(VENV)/.stamp-serve: $(VENV)/.stamp-venv pyproject.toml
-	$(IN_VENV) "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --editable .
+	$(IN_VENV) "$(VENV)/bin/python" -m pip install -qq --disable-pip-version-check --editable .
 	@touch "$@"
 
 $(VENV)/.stamp-test: $(VENV)/.stamp-venv pyproject.toml
-	$(IN_VENV) "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --editable ".[test]"
+	$(IN_VENV) "$(VENV)/bin/python" -m pip install -qq --disable-pip-version-check --editable ".[test]"
 	@touch "$@" "$(VENV)/.stamp-serve"
 
 # Two recipes must not install into the same folder at once, whatever -j says.

@@ -18,6 +18,7 @@ import urllib.request
 from pathlib import Path
 
 START_TIMEOUT_S = 60.0
+FIT_TIMEOUT_S = 120.0
 
 
 def free_port() -> int:
@@ -26,10 +27,13 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def get(url: str) -> bytes:
+def get(url: str, body: object = None) -> bytes:
+    """The answer to a GET, or to a POST of `body` as JSON."""
+    data = None if body is None else json.dumps(body).encode()
+    request = urllib.request.Request(url, data=data, headers={"Content-Type": "application/json"} if data else {})
     # No proxy: the address is on this machine.
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
-    with opener.open(url, timeout=10) as answer:
+    with opener.open(request, timeout=30) as answer:
         return bytes(answer.read())
 
 
@@ -63,13 +67,27 @@ def check_answers(base: str) -> None:
     print(f"served: BreastRig {meta['version']}, page of {len(page)} bytes, {meta['model']['vertices']} vertices")
 
 
+def check_fit(base: str) -> None:
+    """The example patient is fitted: workers, model, example and presets all work from the wheel."""
+    scan = json.loads(get(f"{base}/api/examples/standing", {}))
+    landmarks = scan["example_landmarks"]["landmarks"]
+    fit = json.loads(get(f"{base}/api/fits", {"scan": scan["id"], "landmarks": landmarks}))
+    deadline = time.monotonic() + FIT_TIMEOUT_S
+    while (state := json.loads(get(f"{base}/api/fits/{fit['id']}")))["state"] in ("queued", "running"):
+        assert time.monotonic() < deadline, "the fit did not end"
+        time.sleep(0.2)
+    assert state["state"] == "done", state["reason"]
+    result = json.loads(get(f"{base}/api/fits/{fit['id']}/result.json"))
+    print(f"fitted: {result['iterations']} iterations, {result['surface_distance_mm']['mean']:.2f} mm from the scan")
+
+
 def main(environment: Path, wheel: Path, data: Path) -> None:
     programs = environment.resolve() / "bin"
     assert shutil.which("node", path=str(programs)) is None
     bare = {"PATH": str(programs), "HOME": str(data.resolve()), "LANG": "C.UTF-8"}
     data.mkdir(parents=True, exist_ok=True)
     subprocess.run(
-        [programs / "python", "-m", "pip", "install", "--quiet", str(wheel)],
+        [programs / "python", "-m", "pip", "install", "-qq", str(wheel)],
         env=os.environ | {"PATH": str(programs)},
         check=True,
     )
@@ -82,6 +100,7 @@ def main(environment: Path, wheel: Path, data: Path) -> None:
     try:
         wait_until_healthy(f"http://127.0.0.1:{port}", service)
         check_answers(f"http://127.0.0.1:{port}")
+        check_fit(f"http://127.0.0.1:{port}")
     finally:
         service.terminate()
         try:

