@@ -9,6 +9,7 @@ import hashlib
 import json
 import platform
 import sys
+import tempfile
 import tomllib
 from importlib.metadata import version
 from pathlib import Path
@@ -65,7 +66,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Builds the torso model from its CC0 sources.")
     parser.add_argument("--out", type=Path, default=HERE / "built", help="folder to write into")
     out = parser.parse_args().out
-    build(out)
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=out.parent) as folder:  # whoever reads `out` meanwhile sees whole files
+        build(Path(folder))
+        for fresh in sorted(p for p in Path(folder).rglob("*") if p.is_file()):
+            place = out / fresh.relative_to(folder)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            fresh.replace(place)
     print(f"The model stands in {out}.")
 
 
