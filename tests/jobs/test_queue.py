@@ -3,6 +3,7 @@ from pathlib import Path
 
 import pytest
 from helpers import fake_fit
+from helpers.on_disk import bytes_below
 from helpers.rows import add_waiting_fit
 from helpers.waiting import ask_for_fit, ended, story, until
 
@@ -127,7 +128,7 @@ def test_deleting_a_scan_stops_its_fits_and_leaves_nothing(serving, storage: Sto
         with pytest.raises(NotFound):
             get_scan(service.storage, scan_id)
         assert _files(storage.root) == {"lock", "breastrig.sqlite3", "breastrig.sqlite3-wal", "breastrig.sqlite3-shm"}
-        left = b"".join(path.read_bytes() for path in storage.root.glob("breastrig.sqlite3*"))
+        left = bytes_below(storage.root, "breastrig.sqlite3*")
         assert not any(one.encode() in left for one in (scan_id, *fit_ids))
 
 

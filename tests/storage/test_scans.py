@@ -1,4 +1,5 @@
 import pytest
+from helpers.on_disk import bytes_below
 from helpers.rows import add_waiting_fit
 
 from breastrig.core.errors import NotFound
@@ -36,6 +37,6 @@ def test_deleting_a_scan_leaves_no_row_and_no_byte_of_it(storage: Storage, scan_
     assert delete_scan(storage, scan_id) == ["fit-1"]
     with pytest.raises(NotFound):
         get_fit(storage, "fit-1")
-    left = b"".join(path.read_bytes() for path in storage.root.glob("breastrig.sqlite3*"))
+    left = bytes_below(storage.root, "breastrig.sqlite3*")
     for trace in (b"a_landmark_with_a_rare_name", b"xylophone", b"scan-1", b"fit-1"):
         assert trace not in left

@@ -4,6 +4,9 @@ SQLite by default: write-ahead log (readers never wait for the writer), a long b
 deleted rows overwritten.  A writing transaction takes the write lock at its start (`BEGIN IMMEDIATE`), because a
 transaction that reads first and writes later can be refused by SQLite without any waiting.  Reading
 transactions take no lock, so that any number of open streams does not slow the workers down.
+
+Nothing in a process that has the database open may open its files in another way, not even to read them: on
+closing such a file POSIX drops the process's locks, and other processes then remove the log under its feet.
 """
 
 from collections.abc import Iterator

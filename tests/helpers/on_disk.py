@@ -1,0 +1,17 @@
+"""What really stands on the disk, read by another process.
+
+A process that itself opens and closes a file of an open SQLite database loses its locks on it (POSIX releases
+them with any descriptor); other processes then cut the file off under its feet, which ends in a bus error.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+
+READ = "import pathlib, sys; [sys.stdout.buffer.write(pathlib.Path(name).read_bytes()) for name in sys.argv[1:]]"
+
+
+def bytes_below(root: Path, pattern: str = "**/*") -> bytes:
+    """All files below `root` that fit the pattern, one after the other."""
+    names = [str(path) for path in sorted(root.glob(pattern)) if path.is_file()]
+    return subprocess.run([sys.executable, "-c", READ, *names], capture_output=True, check=True).stdout
