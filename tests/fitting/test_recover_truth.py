@@ -116,3 +116,13 @@ def test_stopping_to_consume_stops_the_fit(torso: Rig) -> None:
     assert next(steps).iteration == 0
     steps.close()
     assert next(steps, None) is None
+
+
+def test_without_rays_the_trees_alone_give_the_same_fit(torso: Rig) -> None:
+    target, landmarks, _ = patient(torso, 1)
+    surfaces = []
+    for use_rays in (True, False):
+        scan = ScanTarget(target.vertices, target.faces, use_rays=use_rays)
+        task = FitTask(torso, scan, start_from_landmarks(torso, landmarks), load_recipe("default"), landmarks)
+        surfaces.append(pose(torso, list(fit_iterates(task))[-1].parameters))
+    assert np.linalg.norm(surfaces[0] - surfaces[1], axis=1).mean() < 0.5e-3

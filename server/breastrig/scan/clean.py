@@ -61,18 +61,22 @@ def compact(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
     return vertices[used], index[faces].astype(np.int64)
 
 
+def _left_out(count: int, what: str, which: str) -> str:
+    return f"{count} {what}s {which} were left out." if count > 1 else f"One {what} {which} was left out."
+
+
 def clean(scan: Scan) -> Surface:
     """The part of a scan that can be fitted, with one sentence for each thing that was done."""
     vertices, faces = welded(np.asarray(scan.vertices, dtype=np.float64), np.asarray(scan.faces, dtype=np.int64))
     notes = []
     solid = without_degenerate(vertices, faces)
     if len(solid) < len(faces):
-        notes.append(f"{len(faces) - len(solid)} triangles without area were left out.")
+        notes.append(_left_out(len(faces) - len(solid), "triangle", "without area"))
     if not len(solid):
         raise BadScan("The scan has no triangle with an area; export it again as a mesh.")
     faces, dropped = without_fragments(vertices, solid)
     if dropped:
-        notes.append(f"{dropped} small loose pieces were left out.")
+        notes.append(_left_out(dropped, "small piece", "beside the body"))
     if len(faces) < MIN_TRIANGLES:
         raise BadScan(
             f"The scan has only {len(faces)} usable triangles; at least {MIN_TRIANGLES} are needed to show a torso."
