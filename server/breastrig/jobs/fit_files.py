@@ -154,5 +154,7 @@ def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
         _write(folder / "fit.log.jsonl", log.encode())
         _write(folder / "result.json", _json(result))
     except OSError as error:
-        raise BadInput(f"The results cannot be written ({error.strerror}); free space or choose another folder.") from error
+        raise BadInput(
+            f"The results cannot be written ({error.strerror}); free space or choose another folder."
+        ) from error
     return result
