@@ -46,6 +46,8 @@ clean:
 page: $(VENV)/.stamp-venv
 	@"$(VENV)/bin/python" server/packaging/build_page.py
 
+packages: web-packages $(VENV)/.stamp-test
+
 web-packages: $(VENV)/.stamp-venv
 	@"$(VENV)/bin/python" server/packaging/build_page.py --packages
 
@@ -65,4 +67,4 @@ $(VENV)/.stamp-test: $(VENV)/.stamp-venv pyproject.toml
 
 # Two recipes must not install into the same folder at once, whatever -j says.
 .NOTPARALLEL:
-.PHONY: help serve test check vitest pytest browser bench clean page web-packages
+.PHONY: help serve test check vitest pytest browser bench clean page packages web-packages
