@@ -83,7 +83,7 @@ def test_a_point_cloud(kind: str) -> None:
 def test_vertices_that_are_not_finite(value: str) -> None:
     vertices = toy_rig().template.copy()
     vertices[17, 1] = float(value)
-    assert "1 vertices of this scan are not finite" in refused(ply_text(vertices, FACES))
+    assert "One vertex of this scan is not finite" in refused(ply_text(vertices, FACES))
     stl = bytearray(as_bytes(tube(), "stl"))
     stl[84 + 12 : 84 + 16] = struct.pack("<f", float(value))
     assert "not finite" in refused(bytes(stl))

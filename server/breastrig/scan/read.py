@@ -287,7 +287,8 @@ def _check(parts: _Parts) -> None:
         raise BadScan(f"This scan has {what}; export it as a triangle mesh.")
     if not np.isfinite(parts.vertices).all():
         bad = int((~np.isfinite(parts.vertices).all(axis=1)).sum())
-        raise BadScan(f"{bad:,} vertices of this scan are not finite numbers; repair the mesh or export it again.")
+        which = "One vertex of this scan is" if bad == 1 else f"{bad:,} vertices of this scan are"
+        raise BadScan(f"{which} not finite; repair the mesh or export it again.")
     if len(parts.faces) > TRIANGLES:
         raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
     if len(parts.faces) < MIN_TRIANGLES:

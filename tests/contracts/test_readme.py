@@ -1,0 +1,49 @@
+"""What the README shows works as printed."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+
+def block(readme: str, language: str) -> str:
+    """The first code block of that language."""
+    found = re.search(rf"```{language}\n(.*?)```", readme, re.DOTALL)
+    assert found
+    return found[1]
+
+
+def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) -> None:
+    for name in ("scan.ply", "landmarks.json"):
+        shutil.copy(repository / "model_assets" / "example" / "standing" / name, tmp_path)
+    serve = [sys.executable, "-m", "breastrig.cli.main", "serve", "--port", "0", "--data", str(tmp_path / "data")]
+    quiet = os.environ | {"PYTHONWARNINGS": "ignore"}  # the printed client leaves its files to be closed at its end
+    with subprocess.Popen(serve, stdout=subprocess.PIPE, text=True) as server:
+        try:
+            assert server.stdout is not None
+            address = re.search(r"http://[^/\s]+", server.stdout.readline())
+            assert address
+            client = block((repository / "README.md").read_text(), "python").replace(
+                "http://127.0.0.1:8321", address[0]
+            )
+            run = subprocess.run(
+                [sys.executable, "-c", client], cwd=tmp_path, capture_output=True, text=True, timeout=120, env=quiet
+            )
+        finally:
+            server.terminate()
+    assert run.returncode == 0, run.stderr
+    assert "event: done" in run.stdout
+    assert "'mean'" in run.stdout.splitlines()[-1]
+
+
+def test_every_command_of_the_readme_exists(repository: Path) -> None:
+    readme = (repository / "README.md").read_text()
+    for command in sorted(set(re.findall(r"^breastrig (\w+(?: (?:info|check))?)", readme, re.MULTILINE))):
+        run = [sys.executable, "-m", "breastrig.cli.main", *command.split(), "--help"]
+        assert subprocess.run(run, capture_output=True, check=False).returncode == 0, command
+    for target in re.findall(r"^make (\w+)", readme, re.MULTILINE):
+        assert re.search(rf"^{target}:", (repository / "Makefile").read_text(), re.MULTILINE), target
+    for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", readme):
+        assert (repository / picture).is_file(), picture
