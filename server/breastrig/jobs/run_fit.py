@@ -32,7 +32,7 @@ from breastrig.scan.orient import propose_frame
 from breastrig.scan.read import read_scan
 
 STANCES = ("auto", "standing", "supine")
-ALL_EXCHANGED = Doubt((), "Left and right of the landmarks look exchanged; none of them was followed.")
+ALL_EXCHANGED = Doubt((), "Left and right of the landmarks look exchanged, or the scan is mirrored; no landmark was followed.")
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
 
 

@@ -12,8 +12,10 @@ from scipy.sparse.csgraph import connected_components
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan
 from breastrig.scan.scan import Scan
+from breastrig.scan.winding import outwards
 
 MIN_TRIANGLES = 200  # fewer cannot show a torso
+INWARD_SHARE = 0.01  # fewer are scraps whose side nobody can tell: left as they are
 FRAGMENT_SHARE = 0.02  # pieces smaller than this share of the largest are dust
 
 
@@ -81,4 +83,8 @@ def clean(scan: Scan) -> Surface:
         raise BadScan(
             f"The scan has only {len(faces)} usable triangles; at least {MIN_TRIANGLES} are needed to show a torso."
         )
+    turned, count = outwards(vertices, faces)
+    if count > INWARD_SHARE * len(faces):
+        faces = turned
+        notes.append(f"{count} triangles faced inwards and were turned.")
     return Surface(*compact(vertices, faces), tuple(notes))
