@@ -30,7 +30,7 @@ vitest: web-packages
 	$(IN_VENV) npm --prefix web test
 
 pytest: page $(VENV)/.stamp-test
-	"$(VENV)/bin/python" -m pytest
+	$(IN_VENV) "$(VENV)/bin/python" -m pytest
 
 browser: page web-packages $(VENV)/.stamp-test
 	BREASTRIG_CHROMIUM="$$(sh .ci/chromium.sh)" && export BREASTRIG_CHROMIUM && \
