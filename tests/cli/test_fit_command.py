@@ -163,3 +163,14 @@ def test_usage_errors_exit_with_2_and_version_says_the_limits_of_use() -> None:
     assert subprocess.run([*run, "fit"], capture_output=True, check=False).returncode == 2
     version = subprocess.run([*run, "--version"], capture_output=True, text=True, check=True).stdout
     assert "Research use only" in version
+
+
+def test_refining_brings_the_surface_to_the_scan_and_leaves_the_landmarks(fitted: Path, tmp_path: Path) -> None:
+    landmarks = str(EXAMPLE / "landmarks.json")
+    assert main(["fit", str(EXAMPLE / "scan.ply"), "--landmarks", landmarks, "--refine", "-o", str(tmp_path)]) == 0
+    plain, fine = document(fitted, "result.json"), document(tmp_path, "result.json")
+    assert fine["refined"]
+    assert not plain["refined"]
+    assert fine["surface_distance_mm"]["mean"] < 0.5 * plain["surface_distance_mm"]["mean"]
+    assert fine["landmark_distance_mm"]["mean"] < plain["landmark_distance_mm"]["mean"] + 0.3
+    assert fine["parameters"] == plain["parameters"]

@@ -24,6 +24,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument("--preset", default="default", metavar="NAME", help="default, paper, or a TOML file")
     parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
     parser.add_argument("--drawing", default="lumpectomy", metavar="NAME", help="a drawing of the model, or none")
+    parser.add_argument("--refine", action="store_true", help="add a smooth free-form layer where the scan shows skin")
     parser.add_argument("--no-progress", action="store_true", help="no progress bar")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="folder for the results")
     parser.set_defaults(run=run)
@@ -51,6 +52,7 @@ def run(options: argparse.Namespace) -> int:
         preset=options.preset,
         drawing=None if options.drawing == "none" else options.drawing,
         model=options.model,
+        refine=options.refine,
     )
     quiet = options.no_progress or not sys.stderr.isatty()
     with threadpool_limits(1), tqdm(disable=quiet, unit="step", leave=False) as bar:

@@ -22,7 +22,6 @@ from breastrig.least_squares.newton import Status
 from breastrig.report.distances import SurfaceDistances, landmark_summary_mm, summary_mm, surface_summary_mm
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.rig.skinning import pose
 from breastrig.scan.scan import Scan
 
 
@@ -36,6 +35,8 @@ class FitOutcome:
     stance_reason: str
     preset: str
     parameters: RigParameters
+    vertices: Array  # (V, 3) m, the fitted surface in the scan's frame, refined or not
+    refined: bool
     history: tuple[RigParameters, ...]
     times_s: tuple[float, ...]
     log: tuple[Iterated, ...]
@@ -54,11 +55,11 @@ def _rounded(values: Array, digits: int = 6) -> list[float]:
     return [round(float(value), digits) for value in np.asarray(values).ravel()]
 
 
-def result_json(outcome: FitOutcome, vertices: Array) -> dict[str, object]:
-    """The document breastrig/result@1; vertices (V, 3) m are the fitted model's."""
+def result_json(outcome: FitOutcome) -> dict[str, object]:
+    """The document breastrig/result@1."""
     rig, x, scan = outcome.rig, outcome.parameters, outcome.scan
     per_unit = scan.metres_per_unit
-    model_points = rig.landmark_points().positions(vertices, rig.faces)
+    model_points = rig.landmark_points().positions(outcome.vertices, rig.faces)
     model_landmarks = dict(zip(rig.landmark_names, model_points, strict=True))
     quaternions = quaternion_from_rotation(x.rotations)
     return {
@@ -81,6 +82,7 @@ def result_json(outcome: FitOutcome, vertices: Array) -> dict[str, object]:
         "stance": outcome.stance,
         "stance_reason": outcome.stance_reason,
         "preset": outcome.preset,
+        "refined": outcome.refined,
         "converged": outcome.status is Status.CONVERGED,
         "stop_reason": outcome.status.value,
         "iterations": outcome.log[-1].iteration,
@@ -140,11 +142,10 @@ def _json(document: object) -> bytes:
 
 def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
     """Writes the five files and returns result.json's document; BadInput when the folder cannot be written."""
-    vertices = pose(outcome.rig, outcome.parameters)
-    mesh = trimesh.Trimesh(vertices / outcome.scan.metres_per_unit, outcome.rig.faces, process=False)
+    mesh = trimesh.Trimesh(outcome.vertices / outcome.scan.metres_per_unit, outcome.rig.faces, process=False)
     ply = mesh.export(file_type="ply", include_attributes=False)
     glb = fitted_glb(outcome.rig, outcome.history, outcome.times_s, outcome.drawing, {"preset": outcome.preset})
-    result = result_json(outcome, vertices)
+    result = result_json(outcome)
     log = "".join(event.model_dump_json(exclude={"nodes"}) + "\n" for event in outcome.log)
     try:
         folder.mkdir(parents=True, exist_ok=True)

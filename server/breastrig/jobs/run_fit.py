@@ -18,6 +18,7 @@ from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
 from breastrig.fitting.landmark_check import MIN_LANDMARKS, Doubt, doubts, sides_exchanged, start_from_landmarks
 from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.refine import refined
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.jobs.events import Done, Event, Iterated, NodePose, Started
@@ -32,7 +33,9 @@ from breastrig.scan.orient import propose_frame
 from breastrig.scan.read import read_scan
 
 STANCES = ("auto", "standing", "supine")
-ALL_EXCHANGED = Doubt((), "Left and right of the landmarks look exchanged, or the scan is mirrored; no landmark was followed.")
+ALL_EXCHANGED = Doubt(
+    (), "Left and right of the landmarks look exchanged, or the scan is mirrored; no landmark was followed."
+)
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
 
 
@@ -49,6 +52,7 @@ class FitJob:
     preset: str = "default"
     drawing: str | None = "lumpectomy"
     model: Path | None = None  # None: the torso of the package
+    refine: bool = False  # a free-form layer on top, for fitted.ply, the drawing and the numbers
 
 
 def chosen_drawing(rig: Rig, name: str | None) -> ModelDrawing | None:
@@ -167,6 +171,10 @@ def run_fit(job: FitJob) -> Iterator[Event]:
     timing["solve"] = solve
     last, x = iterates[-1]
     vertices = pose(rig, last.parameters)
+    if job.refine:
+        lap()
+        vertices = refined(target, vertices, rig.faces).vertices
+        timing["refine"] = lap()
     fitted_landmarks = rig.landmark_points().positions(vertices, rig.faces)
     found = dict(zip(rig.landmark_names, fitted_landmarks, strict=True))
     doubtful = (ALL_EXCHANGED,) if exchanged else doubts(rig, found, followed)
@@ -180,6 +188,8 @@ def run_fit(job: FitJob) -> Iterator[Event]:
         stance_reason=reason,
         preset=recipe.name,
         parameters=x,
+        vertices=vertices + centre,
+        refined=job.refine,
         history=tuple(x for _, x in iterates),
         times_s=tuple(iterate.elapsed_s for iterate, _ in iterates),
         log=tuple(events),
