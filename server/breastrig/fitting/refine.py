@@ -7,7 +7,8 @@ Every vertex may move along its own normal only, by h_i, so nothing slides along
 with the gap g_i to the matched scan point along the model normal n_i (q_i: the scan's normal there), the cotangent
 stiffness K and the lumped areas M of the fitted surface (Botsch and Sorkine, On linear variational surface
 deformation methods, 2008): bending keeps it smooth, the last term lets it die out where the scan shows nothing.
-Matches are renewed a few times; a step that would turn a triangle over is stiffened until it does not.
+Matches are renewed a few times; where a triangle would turn over,
+bending is stiffened until it does not.
 """
 
 from dataclasses import dataclass
@@ -21,14 +22,14 @@ from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.normals import face_normals, vertex_normals
 
-ROUNDS = 3  # renewals of the matches; the fourth moves nothing
+ROUNDS = 2  # renewals of the matches; a third gains nothing
 RULES = MatchRules(method="rays", max_distance=0.015, max_angle=0.87)  # as the fit's last stage
 SIGMA = 0.0010  # m, noise of the scan where a vertex meets it
 BENDING = 0.7  # 1/m, expected root of the summed squared curvature change: folds and muscles, not noise
 DYING = 0.004  # m·m, expected root of the summed squared displacement on the scan's skin
 FADE = 0.004  # m from the scan, over which the layer dies out: what is not seen stays as the model has it
-STIFFER = 3.0  # by which bending is strengthened after a turned triangle, at most STIFFENINGS times
-STIFFENINGS = 6
+STIFFER = 100.0  # by which bending is strengthened around a turned triangle, at most STIFFENINGS times
+STIFFENINGS = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,15 +60,16 @@ def stiffness_and_area(vertices: Array, faces: Integers) -> tuple[sp.csc_array, 
     return sp.csc_array(sp.coo_array((np.concatenate(values), index), shape=(count, count))), area
 
 
-def _turned(before: Array, vertices: Array, faces: Integers) -> bool:
-    return bool((np.einsum("fi,fi->f", before, face_normals(vertices, faces)) <= 0.0).any())
+def _turned(before: Array, vertices: Array, faces: Integers) -> Integers:
+    """Vertices of triangles that turned over."""
+    return np.unique(faces[np.einsum("fi,fi->f", before, face_normals(vertices, faces)) <= 0.0])
 
 
 def refined(target: ScanTarget, vertices: Array, faces: Integers) -> Refined:
     """(V, 3) m fitted vertices, moved along their normals onto the scan where it shows skin."""
     normals, facing = vertex_normals(vertices, faces), face_normals(vertices, faces)
     stiffness, area = stiffness_and_area(vertices, faces)
-    bending = stiffness @ sp.diags_array(1.0 / area) @ stiffness / BENDING**2
+    bending = 1.0 / (area * BENDING**2)
     away = target.vertex_tree.query(vertices)[0]
     dying = sp.diags_array(area / DYING**2 * (1.0 + (away / FADE) ** 4))
     heights = np.zeros(len(vertices))
@@ -80,10 +82,13 @@ def refined(target: ScanTarget, vertices: Array, faces: Integers) -> Refined:
         weight[found.vertices] = area[found.vertices] / area.mean() * (q / SIGMA) ** 2
         right = np.zeros(len(vertices))
         right[found.vertices] = -area[found.vertices] / area.mean() * q * gap / SIGMA**2
-        for stiffening in range(STIFFENINGS + 1):
-            system = sp.csc_array(sp.diags_array(weight) + dying + STIFFER**stiffening * bending)
+        for _ in range(STIFFENINGS + 1):
+            system = sp.csc_array(sp.diags_array(weight) + dying + stiffness @ sp.diags_array(bending) @ stiffness)
             candidate = splu(system, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
-            if not _turned(facing, vertices + candidate[:, None] * normals, faces):
+            turned = _turned(facing, vertices + candidate[:, None] * normals, faces)
+            if not len(turned):
                 heights = candidate
                 break
+            around = np.unique(faces[np.isin(faces, turned).any(axis=1)])
+            bending[around] *= STIFFER
     return Refined(vertices + heights[:, None] * normals, heights)
