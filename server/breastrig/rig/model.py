@@ -145,9 +145,9 @@ class Rig:
         return np.array([bone.origin for bone in self.bones])
 
     @cached_property
-    def shapes_by_axis(self) -> Array:
-        """(3, V, S) m: the blendshapes laid out for the Jacobian's inner loop."""
-        return np.ascontiguousarray(self.blendshapes.transpose(2, 1, 0))
+    def shapes_by_vertex(self) -> Array:
+        """(V, 3, S) m: the blendshapes laid out for the Jacobian's inner loop."""
+        return np.ascontiguousarray(self.blendshapes.transpose(1, 2, 0))
 
     def landmark_points(self, names: tuple[str, ...] | None = None) -> SurfacePoints:
         """The surface points of the named landmarks (all by default), in the given order."""

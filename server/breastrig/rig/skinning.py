@@ -64,24 +64,21 @@ class Posed:
         rig, x = self.rig, self.x
         bones = len(rig.bones)
         result = np.zeros((len(chosen), x.dof))
-        points = self.shaped[chosen]
         rest = rig.rest_rotations.transpose(1, 0, 2).reshape(3, -1)  # (3, 3B), columns are all local axes
-        local = points @ rest - np.einsum("bij,bi->bj", rig.rest_rotations, rig.rest_origins).ravel()
+        local = self.shaped[chosen] @ rest - np.einsum("bij,bi->bj", rig.rest_rotations, rig.rest_origins).ravel()
         along = directions @ x.rotations.transpose(1, 0, 2).reshape(3, -1)
         u = local.reshape(-1, bones, 3)
-        e = along.reshape(-1, bones, 3)
         p = u * x.scales
         weight = rig.skin_weights[chosen][:, :, None]
-        we = weight * e
+        we = weight * along.reshape(-1, bones, 3)
         blocks = result[:, : BONE_DOFS * bones].reshape(-1, bones, BONE_DOFS)
         blocks[:, :, 0] = p[:, :, 1] * we[:, :, 2] - p[:, :, 2] * we[:, :, 1]
         blocks[:, :, 1] = p[:, :, 2] * we[:, :, 0] - p[:, :, 0] * we[:, :, 2]
         blocks[:, :, 2] = p[:, :, 0] * we[:, :, 1] - p[:, :, 1] * we[:, :, 0]
-        blocks[:, :, 3:6] = weight * directions[:, None, :]
-        blocks[:, :, 6:9] = we * u
+        np.multiply(weight, directions[:, None, :], out=blocks[:, :, 3:6])
+        np.multiply(we, u, out=blocks[:, :, 6:9])
         pulled = np.einsum("mij,mi->mj", self.linear[chosen], directions)  # A_iᵀ d
-        shapes = rig.shapes_by_axis
-        np.einsum("ma,ams->ms", pulled, shapes[:, chosen], out=result[:, BONE_DOFS * bones :])
+        np.matmul(pulled[:, None, :], rig.shapes_by_vertex[chosen], out=result[:, None, BONE_DOFS * bones :])
         return result
 
 
