@@ -1,0 +1,34 @@
+"""`breastrig landmarks`: proposals on the example patient, both stances."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from breastrig.cli.main import main
+from breastrig.core.assets import asset_folder
+from breastrig.scan.landmark_files import read_landmarks
+
+EXAMPLE = asset_folder("example")
+
+
+@pytest.mark.parametrize("stance", ["standing", "supine"])
+def test_all_landmarks_are_proposed_near_their_places_and_sides_are_right(stance: str, tmp_path: Path) -> None:
+    assert main(["landmarks", str(EXAMPLE / stance / "scan.ply"), "-o", str(tmp_path / "guess.json")]) == 0
+    found, unit = read_landmarks(tmp_path / "guess.json")
+    true, true_unit = read_landmarks(EXAMPLE / stance / "landmarks.json")
+    per_mm = {"m": 1e3, "mm": 1.0}
+    gap = {n: np.linalg.norm(per_mm[str(unit)] * found[n] - per_mm[str(true_unit)] * true[n]) for n in true}
+    assert set(found) == set(true)
+    assert np.mean(list(gap.values())) < 20.0
+    assert max(gap[name] for name in ("nipple_L", "nipple_R", "mid_sternum", "xiphoid")) < 25.0
+    confidence = json.loads((tmp_path / "guess.json").read_text())["confidence"]
+    assert all(0.0 <= value <= 1.0 for value in confidence.values())
+    assert confidence["mid_sternum"] > confidence["acromion_L"]
+
+
+def test_a_wrong_ending_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["landmarks", str(EXAMPLE / "standing" / "scan.ply"), "-o", str(tmp_path / "guess.doc")]
+    assert main(arguments) == 2
+    assert capsys.readouterr().err.count("\n") == 1
