@@ -1,0 +1,59 @@
+"""A folder of virtual or real patients: PATIENT/STANCE/{scan.ply, landmarks.json, case.json, truth.ply}.
+
+case.json says the unit and the stance; truth.ply, the clean surface in the scan's frame, may be missing;
+PATIENT/patient.json tells the family.  Bodies that share their origin with the template (MakeHuman) flatter it
+and are always reported apart from independent ones.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from breastrig.core.errors import BadInput
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scan of one patient."""
+
+    patient: str
+    name: str  # of the stance's folder
+    stance: str  # standing | supine
+    family: str  # independent | makehuman
+    unit: str
+    folder: Path
+
+
+def _document(path: Path) -> dict[str, object]:
+    try:
+        document = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError) as error:
+        raise BadInput(f"{path} cannot be read as JSON; a cohort folder needs it.") from error
+    if not isinstance(document, dict):
+        raise BadInput(f"{path} must hold a JSON object.")
+    return document
+
+
+def read_cohort(folder: Path) -> tuple[Case, ...]:
+    """All cases of a cohort folder, in the order of their names; BadInput when there are none."""
+    cases = []
+    for scan in sorted(folder.glob("*/*/scan.ply")):
+        place = scan.parent
+        about = _document(place / "case.json")
+        patient = place.parent / "patient.json"
+        origin = json.dumps(_document(patient)).lower() if patient.is_file() else ""
+        if not (place / "landmarks.json").is_file():
+            raise BadInput(f"{place} has no landmarks.json; every case of a cohort needs one.")
+        cases.append(
+            Case(
+                patient=place.parent.name,
+                name=place.name,
+                stance=str(about.get("stance", place.name)),
+                family="makehuman" if "makehuman" in origin else "independent",
+                unit=str(about.get("unit", "auto")),
+                folder=place,
+            )
+        )
+    if not cases:
+        raise BadInput(f"{folder} holds no scans; a cohort has PATIENT/STANCE/scan.ply in it.")
+    return tuple(cases)
