@@ -2,6 +2,7 @@
 
 import pkgutil
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from helpers.random_pose import random_parameters
 
 import breastrig.energies
 from breastrig.correspondence.match import Correspondences
+from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
 from breastrig.energies.landmarks import Landmarks
 from breastrig.energies.point_to_plane import PointToPlane
@@ -18,6 +20,7 @@ from breastrig.energies.point_to_point import PointToPoint
 from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
+from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 
@@ -27,6 +30,12 @@ def matches(rig: Rig, rng: np.random.Generator) -> Correspondences:
     normals = rng.normal(size=(40, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return Correspondences(chosen, rig.template[chosen] + 0.02 * rng.normal(size=(40, 3)), normals, np.zeros(40))
+
+
+def tight_joints(rig: Rig) -> Joints:
+    """Joints that a random pose turns beyond their limit, but for the first."""
+    limits = [3.0] + [0.05] * (len(rig.joints) - 1)
+    return Joints(rig, tuple(replace(j, rotation_limit=limit) for j, limit in zip(rig.joints, limits, strict=True)))
 
 
 TERMS: dict[str, Callable[[Rig, np.random.Generator], Any]] = {
@@ -41,7 +50,8 @@ TERMS: dict[str, Callable[[Rig, np.random.Generator], Any]] = {
     "scale_prior": lambda rig, _: ScalePrior(rig, 0.1, 0.05),
     "shape_prior": lambda rig, rng: ShapePrior(rng.uniform(0.1, 1, len(rig.shapes)), rng.normal(size=len(rig.shapes))),
     "symmetry": lambda rig, _: Symmetry(rig, 0.5, 0.02),
-    "joint_rest": lambda rig, rng: JointRest(rig, rig.joints, 0.2 * rng.normal(size=(len(rig.joints), 3))),
+    "joint_rest": lambda rig, rng: JointRest(Joints(rig, rig.joints, 0.2 * rng.normal(size=(len(rig.joints), 3)))),
+    "joint_limits": lambda rig, _: JointLimits(tight_joints(rig), 0.03),
 }
 
 
@@ -57,14 +67,15 @@ def test_the_jacobian_matches_finite_differences(name: str, seed: int, toy_rig: 
     assert_jacobian_matches_finite_differences(term, toy_rig, random_parameters(toy_rig, rng))
 
 
-@pytest.mark.parametrize("name", ["shape_prior", "scale_prior", "symmetry", "joint_rest"])
+@pytest.mark.parametrize("name", ["shape_prior", "scale_prior", "symmetry", "joint_rest", "joint_limits"])
 def test_a_rig_at_rest_costs_nothing(name: str, toy_rig: Rig) -> None:
     rest = rest_parameters(toy_rig)
     term = {
         "shape_prior": ShapePrior(np.ones(len(toy_rig.shapes)), np.zeros(len(toy_rig.shapes))),
         "scale_prior": ScalePrior(toy_rig, 0.1, 0.05),
         "symmetry": Symmetry(toy_rig, 0.5, 0.02),
-        "joint_rest": JointRest(toy_rig, toy_rig.joints),
+        "joint_rest": JointRest(Joints(toy_rig, toy_rig.joints)),
+        "joint_limits": JointLimits(Joints(toy_rig, toy_rig.joints), 0.03),
     }[name]
     np.testing.assert_allclose(term.residual(rest), 0.0, atol=1e-12)
 
@@ -74,4 +85,13 @@ def test_a_rigid_move_of_the_whole_rig_strains_no_joint(toy_rig: Rig) -> None:
     rest: RigParameters = rest_parameters(toy_rig)
     turned = random_parameters(toy_rig, rng).rotations[0]
     moved = rest.moved(turned, rng.normal(size=3))
-    np.testing.assert_allclose(JointRest(toy_rig, toy_rig.joints).residual(moved), 0.0, atol=1e-9)
+    np.testing.assert_allclose(JointRest(Joints(toy_rig, toy_rig.joints)).residual(moved), 0.0, atol=1e-9)
+
+
+def test_a_joint_inside_its_limit_costs_nothing_and_one_beyond_it_does(toy_rig: Rig) -> None:
+    joints = tight_joints(toy_rig)
+    x = random_parameters(toy_rig, np.random.default_rng(5))
+    residual = JointLimits(joints, 0.03).residual(x)
+    angles = np.linalg.norm(joints.motion(x).turn, axis=1)
+    np.testing.assert_allclose(residual[1:], (angles[1:] - 0.05) / 0.03, atol=1e-12)
+    assert residual[0] == 0.0

@@ -1,86 +1,35 @@
 """Joints as compliant constraints (E_J, equation 6) on the relative motion of the two bones that they link.
 
-With G_j = R_j Q_jᵀ the rotation of bone j from rest and X_j(a) the place to which bone j (rotated, scaled,
-moved) carries the joint's anchor a:
-
-    g_t = G_pᵀ (X_c(a) − X_p(a))                       the joint's gap, in the parent's axes (m)
-    g_r = log(G*ᵀ G_pᵀ G_c)                            the relative rotation beyond its rest G* (rad)
-
-The compliance is the square of the expected size; 0 is a hard joint.  Both sides of the anchor move with the
-bones' scales, as the paper's section 2.2 asks ("a rigid point attached to the scalable bones").
+The constraint asks for no gap and no turn beyond the joint's rest (rig/joints.py); its compliance is the square of
+the expected size, 0 is a hard joint.  It enters the solver with Lagrange multipliers (least_squares/problem.py).
 """
 
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Integers
-from breastrig.geometry.rotations import exp_so3, hat, log_so3, right_jacobian_inverse
+from breastrig.core.arrays import Array
 from breastrig.least_squares.problem import Linearisation
-from breastrig.rig.model import Joint, Rig
-from breastrig.rig.parameters import BONE_DOFS, RigParameters
+from breastrig.rig.joints import Joints
+from breastrig.rig.parameters import RigParameters
 
 
 @dataclass(frozen=True, eq=False)
 class JointRest:
-    rig: Rig
-    joints: tuple[Joint, ...]  # the rig's own, or with other sigmas
-    rest: Array = field(default_factory=lambda: np.zeros((0, 3)))  # (J, 3) rad, relative rest rotation G*; empty: none
+    joints: Joints
     name: str = "joint_rest"
 
     @property
     def compliance(self) -> Array:
-        """(6J,) m² for the gaps, rad² for the rotations"""
-        rows = [[j.translation_sigma**2] * 3 + [j.rotation_sigma**2] * 3 for j in self.joints]
+        """(6J,) m² for the gaps, rad² for the turns"""
+        rows = [[j.translation_sigma**2] * 3 + [j.rotation_sigma**2] * 3 for j in self.joints.joints]
         return np.asarray(rows, dtype=np.float64).ravel()
-
-    @cached_property
-    def _arms(self) -> tuple[Integers, Integers, Array, Array, Array, Array]:
-        """(J,) parents and children, (J, 3, 3) their rest axes, (J, 3) m the anchor in each one's own axes."""
-        rig = self.rig
-        p, c = (np.array([getattr(j, end) for j in self.joints], dtype=np.int64) for end in ("parent", "child"))
-        anchors = np.array([j.anchor for j in self.joints]).reshape(-1, 3)
-        q_p, q_c = rig.rest_rotations[p], rig.rest_rotations[c]
-        u_p = np.einsum("jab,ja->jb", q_p, anchors - rig.rest_origins[p])
-        u_c = np.einsum("jab,ja->jb", q_c, anchors - rig.rest_origins[c])
-        return p, c, q_p, q_c, u_p, u_c
-
-    def _parts(self, x: RigParameters) -> tuple[Array, Array, Array]:
-        """(J, 3) gap in world axes, (J, 3) turn, (J, 3, 3) world to parent's rest axes."""
-        p, c, q_p, q_c, u_p, u_c = self._arms
-        r_p, r_c = x.rotations[p], x.rotations[c]
-        at_p = np.einsum("jab,jb->ja", r_p, x.scales[p] * u_p) + x.translations[p]
-        at_c = np.einsum("jab,jb->ja", r_c, x.scales[c] * u_c) + x.translations[c]
-        into_parent = q_p @ r_p.transpose(0, 2, 1)
-        relative = into_parent @ r_c @ q_c.transpose(0, 2, 1)
-        if len(self.rest):
-            relative = exp_so3(self.rest).transpose(0, 2, 1) @ relative
-        return at_c - at_p, log_so3(relative), into_parent
 
     def residual(self, x: RigParameters) -> Array:
         """(6J,)"""
-        gap, turn, into_parent = self._parts(x)
-        return np.concatenate([np.einsum("jab,jb->ja", into_parent, gap), turn], axis=1).ravel()
+        motion = self.joints.motion(x)
+        return np.concatenate([motion.gap, motion.turn], axis=1).ravel()
 
     def linearise(self, x: RigParameters) -> Linearisation:
         """(6J,), (6J, P)"""
-        p, c, q_p, q_c, u_p, u_c = self._arms
-        r_p, r_c = x.rotations[p], x.rotations[c]
-        gap, turn, into_parent = self._parts(x)
-        inverse = right_jacobian_inverse(turn)
-        local_gap = np.einsum("jba,jb->ja", r_p, gap)
-        parent, child = np.zeros((2, len(p), 6, BONE_DOFS))
-        parent[:, :3, 0:3] = q_p @ (hat(local_gap) + hat(x.scales[p] * u_p))
-        parent[:, :3, 3:6] = -into_parent
-        parent[:, :3, 6:9] = -q_p * u_p[:, None, :]
-        child[:, :3, 0:3] = -into_parent @ r_c @ hat(x.scales[c] * u_c)
-        child[:, :3, 3:6] = into_parent
-        child[:, :3, 6:9] = (into_parent @ r_c) * u_c[:, None, :]
-        child[:, 3:, 0:3] = inverse @ q_c
-        parent[:, 3:, 0:3] = -inverse @ q_c @ r_c.transpose(0, 2, 1) @ r_p
-        jacobian = np.zeros((len(p), 6, x.dof))
-        for row in range(len(p)):
-            jacobian[row, :, BONE_DOFS * p[row] : BONE_DOFS * (p[row] + 1)] = parent[row]
-            jacobian[row, :, BONE_DOFS * c[row] : BONE_DOFS * (c[row] + 1)] = child[row]
-        return Linearisation(self.residual(x), jacobian.reshape(-1, x.dof))
+        return Linearisation(self.residual(x), self.joints.jacobian(x).reshape(-1, x.dof))

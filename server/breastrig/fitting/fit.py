@@ -13,6 +13,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
+from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
 from breastrig.energies.landmarks import Landmarks
 from breastrig.energies.point_to_plane import PointToPlane
@@ -25,6 +26,7 @@ from breastrig.geometry.normals import VertexNormals
 from breastrig.least_squares.newton import Bounds, Status, newton_step
 from breastrig.least_squares.problem import ResidualTerm
 from breastrig.least_squares.robust import KERNELS
+from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
 from breastrig.rig.skinning import posed
@@ -73,19 +75,22 @@ def _shape_sigma(task: FitTask) -> tuple[Array, Array]:
     return np.where(gravity, sigma * settings.standing_gravity_factor, sigma), np.zeros(len(shapes))
 
 
-def _priors(task: FitTask) -> list[ResidualTerm[RigParameters]]:
+def _priors(task: FitTask, joints: Joints) -> list[ResidualTerm[RigParameters]]:
     rig, recipe = task.rig, task.recipe
     sigma, mean = _shape_sigma(task)
     terms: list[ResidualTerm[RigParameters]] = [
         ScalePrior(rig, recipe.scales.sigma, recipe.scales.neighbour_sigma or np.inf),
         ShapePrior(sigma, mean),
     ]
+    if recipe.joints.limit_sigma is not None:
+        terms.append(JointLimits(joints, recipe.joints.limit_sigma))
     if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
         terms.append(Symmetry(rig, recipe.shapes.symmetry_sigma or np.inf, recipe.scales.symmetry_sigma or np.inf))
     return terms
 
 
-def _joints(task: FitTask) -> JointRest:
+def _joints(task: FitTask) -> Joints:
+    """The rig's joints with the recipe's expected sizes."""
     settings, rig = task.recipe.joints, task.rig
     joints = tuple(
         replace(
@@ -99,7 +104,7 @@ def _joints(task: FitTask) -> JointRest:
         )
         for joint in rig.joints
     )
-    return JointRest(rig, joints)
+    return Joints(rig, joints)
 
 
 def _bounds(task: FitTask, x: RigParameters) -> Bounds:
@@ -194,7 +199,8 @@ def fit_iterates(task: FitTask) -> Iterator[FitIterate]:
     landmark_points = rig.landmark_points(names) if names else None
     picked = np.array([task.landmarks[name] for name in names])
     normals_of = VertexNormals(rig.faces, len(rig.template))
-    priors, joints, scaling = _priors(task), [_joints(task)], _scaling(task, task.start.dof)
+    joints = _joints(task)
+    priors, held, scaling = _priors(task, joints), [JointRest(joints)], _scaling(task, task.start.dof)
     x, iteration, quiet, previous = task.start, 0, 0, np.inf
     energy = float("nan")
 
@@ -228,7 +234,7 @@ def fit_iterates(task: FitTask) -> Iterator[FitIterate]:
             yield iterate(stage, matches, Status.RUNNING)
             terms = _terms(task, stage, progress, vertices, matches, priors)
             step = newton_step(
-                terms, joints, x, scaling=scaling, damping=recipe.damping, bounds=_bounds(task, x), free=free
+                terms, held, x, scaling=scaling, damping=recipe.damping, bounds=_bounds(task, x), free=free
             )
             if step.status is Status.NOT_FINITE:
                 yield iterate(stage, matches, Status.NOT_FINITE)

@@ -31,6 +31,7 @@ class Joints(_Part):
     translation_sigma: Annotated[float, Field(ge=0.0)] | None = None  # m; 0 is a hard joint; else the rig's own
     rotation_factor: Positive = 1.0
     translation_factor: Annotated[float, Field(ge=0.0)] = 1.0
+    limit_sigma: Positive | None = None  # rad, how softly the rig's limits are met; absent: no limits
 
 
 class Scales(_Part):
