@@ -5,15 +5,11 @@ PATIENT/patient.json tells the family.  Bodies that share their origin with the 
 and are always reported apart from independent ones.
 """
 
-import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
 
 from breastrig.core.errors import BadInput
-from breastrig.core.units import UNIT_CHOICES
-
-STANCES = ("standing", "supine")
 
 
 @dataclass(frozen=True)
@@ -26,18 +22,6 @@ class Case:
     family: str  # independent | makehuman
     unit: str
     folder: Path
-
-    @property
-    def title(self) -> str:
-        return f"{self.patient} {self.name}"
-
-    def fingerprint(self) -> str:
-        """sha256 of the bytes that the numbers are made from."""
-        digest = hashlib.sha256(f"{self.unit} {self.stance} {self.family}".encode())
-        for name in ("scan.ply", "landmarks.json", "truth.ply"):
-            path = self.folder / name
-            digest.update(hashlib.sha256(path.read_bytes() if path.is_file() else b"").digest())
-        return digest.hexdigest()
 
 
 def _document(path: Path) -> dict[str, object]:
@@ -52,30 +36,21 @@ def _document(path: Path) -> dict[str, object]:
 
 def read_cohort(folder: Path) -> tuple[Case, ...]:
     """All cases of a cohort folder, in the order of their names; BadInput when there are none."""
-    if not folder.is_dir():
-        raise BadInput(f"There is no cohort folder {folder}; check the name.")
-    if any(folder.glob("*/scan.ply")):
-        raise BadInput(f"{folder} is one patient; name the folder that holds the patients' folders.")
     cases = []
     for scan in sorted(folder.glob("*/*/scan.ply")):
         place = scan.parent
         about = _document(place / "case.json")
         patient = place.parent / "patient.json"
         origin = json.dumps(_document(patient)).lower() if patient.is_file() else ""
-        stance, unit = about.get("stance", place.name), about.get("unit", "auto")
-        if stance not in STANCES:
-            raise BadInput(f"{place / 'case.json'} must name a stance: {' or '.join(STANCES)}.")
-        if unit not in UNIT_CHOICES:
-            raise BadInput(f"{place / 'case.json'} must name a unit: {', '.join(UNIT_CHOICES)}.")
         if not (place / "landmarks.json").is_file():
             raise BadInput(f"{place} has no landmarks.json; every case of a cohort needs one.")
         cases.append(
             Case(
                 patient=place.parent.name,
                 name=place.name,
-                stance=str(stance),
+                stance=str(about.get("stance", place.name)),
                 family="makehuman" if "makehuman" in origin else "independent",
-                unit=str(unit),
+                unit=str(about.get("unit", "auto")),
                 folder=place,
             )
         )
