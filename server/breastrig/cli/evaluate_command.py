@@ -36,10 +36,11 @@ def _measured(case: Case, recipe: Recipe) -> dict[str, Any]:
 
 
 def _kept(folder: Path, case: Case, recipe: Recipe, model: str) -> Path:
-    """The file of a finished case: another scan, model or preset has another name."""
-    scan = hashlib.sha256((case.folder / "scan.ply").read_bytes()).hexdigest()
-    key = hashlib.sha256((scan + model + recipe.model_dump_json()).encode()).hexdigest()[:12]
-    return folder / f"{case.patient}-{case.name}-{key}.json"
+    """The file of a finished case: other input files, another model or preset give it another name."""
+    key = hashlib.sha256((model + recipe.model_dump_json()).encode())
+    for file in ("scan.ply", "landmarks.json", "case.json", "truth.ply"):
+        key.update((case.folder / file).read_bytes() if (case.folder / file).is_file() else b"-")
+    return folder / f"{case.patient}-{case.name}-{key.hexdigest()[:12]}.json"
 
 
 def run(options: argparse.Namespace) -> int:

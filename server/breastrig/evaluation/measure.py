@@ -94,8 +94,10 @@ def _clicked(scene: _Scene, rng: np.random.Generator) -> dict[str, Array]:
     moved = {}
     for name, place in scene.landmarks.items():
         step = rng.normal(size=3)
-        step *= CLICK_ERROR / np.linalg.norm(step)
-        moved[name] = scene.target.search.query((place + step)[None], candidates=8).points[0]
+        for _ in range(4):  # on the skin and CLICK_ERROR away, by turns
+            step *= CLICK_ERROR / np.linalg.norm(step)
+            moved[name] = scene.target.search.query((place + step)[None], candidates=8).points[0]
+            step = moved[name] - place
     return moved
 
 
