@@ -174,3 +174,13 @@ def test_refining_brings_the_surface_to_the_scan_and_leaves_the_landmarks(fitted
     assert fine["surface_distance_mm"]["mean"] < 0.5 * plain["surface_distance_mm"]["mean"]
     assert fine["landmark_distance_mm"]["mean"] < plain["landmark_distance_mm"]["mean"] + 0.3
     assert fine["parameters"] == plain["parameters"]
+
+
+def test_the_farthest_of_the_wrong_landmarks_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    landmarks = document(EXAMPLE, "landmarks.json")
+    for name, shift in (("xiphoid", 400.0), ("umbilicus", 4000.0)):
+        landmarks["landmarks"][name][2] += shift
+    (tmp_path / "far.json").write_text(json.dumps(landmarks))
+    arguments = ["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(tmp_path / "far.json"), "-o", str(tmp_path / "o")]
+    assert main(arguments) == 2
+    assert "umbilicus is 39" in capsys.readouterr().err

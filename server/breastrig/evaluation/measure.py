@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.cohort import Case
 from breastrig.fitting.fit import FitTask, fit_iterates
@@ -79,7 +80,7 @@ def _scene(case: Case, rig: Rig, recipe: Recipe) -> _Scene:
     centre = surface.vertices.mean(axis=0)
     target = ScanTarget(surface.vertices - centre, surface.faces)
     places, unit = read_landmarks(case.folder / "landmarks.json")
-    per_unit = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "dm": 0.1, "in": 0.0254}[unit or scan.unit]
+    per_unit = METRES_PER_UNIT[unit or scan.unit]
     landmarks = {name: per_unit * np.asarray(place) - centre for name, place in places.items()}
     truth = None
     if (case.folder / "truth.ply").is_file():

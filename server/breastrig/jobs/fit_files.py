@@ -132,8 +132,12 @@ def drawing_json(outcome: FitOutcome) -> dict[str, object]:
 def _write(path: Path, content: bytes) -> None:
     """Whole or not at all."""
     partial = path.with_name(path.name + ".part")
-    partial.write_bytes(content)
-    os.replace(partial, path)
+    try:
+        partial.write_bytes(content)
+        os.replace(partial, path)
+    except OSError:
+        partial.unlink(missing_ok=True)
+        raise
 
 
 def _json(document: object) -> bytes:

@@ -82,10 +82,10 @@ def _near_the_scan(landmarks: dict[str, Array], target: ScanTarget) -> None:
     if not landmarks:
         return
     gaps, _ = target.vertex_tree.query(np.array(list(landmarks.values())))
-    far = [name for name, gap in zip(landmarks, gaps, strict=True) if gap > FAR_LANDMARK]
-    if far:
+    worst = int(np.argmax(gaps))
+    if gaps[worst] > FAR_LANDMARK:
         raise BadLandmarks(
-            f"The landmark {far[0]} is {1e3 * float(np.max(gaps)):.0f} mm away from the scan; "
+            f"The landmark {tuple(landmarks)[worst]} is {1e3 * float(gaps[worst]):.0f} mm away from the scan; "
             "check that landmarks and scan have the same unit and frame."
         )
 
