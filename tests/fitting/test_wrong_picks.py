@@ -63,3 +63,26 @@ def test_a_pick_far_off_is_named_and_not_followed(tmp_path: Path) -> None:
     found = result(wrong, tmp_path)
     assert [doubt["names"] for doubt in found["landmarks_not_followed"]] == [["xiphoid"]]
     assert distances_to_true(found).max() < 15.0
+
+
+@pytest.mark.parametrize("stance", ["standing", "supine"])
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("suprasternal_notch", "mid_sternum", "xiphoid"),
+        ("midclavicle_L", "midclavicle_R", "suprasternal_notch"),
+        ("acromion_L", "acromion_R", "suprasternal_notch"),
+    ],
+)
+def test_three_picks_nearly_on_a_line_do_not_turn_the_patient(
+    names: tuple[str, ...], stance: str, tmp_path: Path
+) -> None:
+    place = EXAMPLE.parent / stance
+    true = {n: [float(v) for v in p] for n, p in read_landmarks(place / "landmarks.json")[0].items()}
+    rng = np.random.default_rng(3)
+    three = {name: [value + 4.0 * rng.normal() for value in true[name]] for name in names}
+    *_, last = run_fit(FitJob(scan=place / "scan.ply", out=tmp_path, landmarks_mm=three))
+    assert isinstance(last, Done)
+    per_mm = {"m": 1e3, "mm": 1.0}[last.result["scan"]["unit"]]
+    gaps = [np.linalg.norm(per_mm * np.array(last.result["landmarks"][n]) - true[n]) for n in true]
+    assert np.mean(gaps) < 20.0

@@ -14,11 +14,13 @@ from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.landmark_check import MIN_LANDMARKS, start_from_landmarks
 from breastrig.fitting.similarity import Similarity, similar_parameters, umeyama
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import pose
 from breastrig.scan.orient import Frame, propose_frame
 
 CAP = 0.05  # m; beyond it a distance says only "elsewhere"
@@ -28,6 +30,8 @@ HEIGHTS = 5  # from the scan's lower to its upper end
 COARSE, FINE = (220, 5), (500, 12)  # vertices of the model and steps of a try
 FOLLOWED = 4  # tries worth the fine steps
 FACING = 0.35  # cosine; 70 degrees between the normals still count as the same side
+SURE_LANDMARKS = 6  # so many never lie on one line
+AGREED = 0.08  # m, mean distance of the landmarks to a start that they agree with; the dev scans' are under 5 cm
 SCALE = (0.85, 1.15)  # of the rest pose; the fit itself may go further
 
 
@@ -108,6 +112,24 @@ def start_from_scan(rig: Rig, target: ScanTarget, front: Array, up: Array | None
     other = [s for s, similarity in found if np.trace(similarity.rotation.T @ best.rotation) < 1.0 + 2.0 * np.cos(0.7)]
     margin = min(other) / max(found[0][0], 1e-9) - 1.0 if other else 1.0
     return Start(similar_parameters(rig, best), best.rotation, score, margin)
+
+
+def best_start(rig: Rig, target: ScanTarget, landmarks: dict[str, Array], front: Array) -> RigParameters:
+    """The start for these landmarks ((3,) m by name) on a scan whose (3,) front is about known.
+
+    Six and more landmarks place the body alone.  Three to five may lie nearly on a line (the breastbone, both
+    collar bones and the notch) and leave a turn open: then the scan's own start is taken, if the landmarks agree.
+    """
+    if len(landmarks) < MIN_LANDMARKS:
+        return start_from_scan(rig, target, front).parameters
+    by_landmarks = start_from_landmarks(rig, landmarks)
+    if len(landmarks) >= SURE_LANDMARKS:
+        return by_landmarks
+    by_scan = start_from_scan(rig, target, front).parameters
+    names = tuple(landmarks)
+    places = rig.landmark_points(names).positions(pose(rig, by_scan), rig.faces)
+    gaps = np.linalg.norm(places - np.array([landmarks[name] for name in names]), axis=1)
+    return by_scan if gaps.mean() < AGREED else by_landmarks
 
 
 def upright_frame(rig: Rig, vertices: Array, faces: Integers) -> Frame:

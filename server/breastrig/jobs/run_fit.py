@@ -15,8 +15,8 @@ from breastrig.core.errors import BadDrawing, BadLandmarks, BadSettings, FitFail
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.on_scan import on_scan
 from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
-from breastrig.fitting.landmark_check import MIN_LANDMARKS, Doubt, doubts, sides_exchanged, start_from_landmarks
-from breastrig.fitting.orientation import start_from_scan
+from breastrig.fitting.landmark_check import Doubt, doubts, sides_exchanged
+from breastrig.fitting.orientation import best_start
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.refine import refined
 from breastrig.gltf.pose_nodes import node_poses
@@ -134,10 +134,7 @@ def run_fit(job: FitJob) -> Iterator[Event]:
     timing["prepare"] = lap()
     exchanged = sides_exchanged(rig, picked)
     followed = {} if exchanged else picked
-    if len(followed) >= MIN_LANDMARKS:
-        start = start_from_landmarks(rig, followed)
-    else:
-        start = start_from_scan(rig, target, frame.front).parameters
+    start = best_start(rig, target, followed, frame.front)
     timing["align"] = lap()
     stance = frame.stance if job.stance == "auto" else job.stance
     reason = frame.stance_reason if job.stance == "auto" else "As asked for."
