@@ -1,0 +1,37 @@
+"""What a fit is asked and what it answers: one task in, a stream of frozen iterates out."""
+
+from dataclasses import dataclass
+
+from breastrig.core.arrays import Array
+from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.recipe import Recipe
+from breastrig.least_squares.newton import Status
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
+
+
+@dataclass(frozen=True, eq=False)
+class FitIterate:
+    """One state of a fit, in the frame of the target (m)."""
+
+    iteration: int  # 0 is the start
+    stage: str
+    parameters: RigParameters
+    energy: float
+    mean_distance: float  # m, over the accepted matches; nan when there are none
+    coverage: float  # share of the model's vertices with an accepted match
+    landmark_distance: float | None  # m, mean over the picked landmarks
+    elapsed_s: float
+    status: Status  # RUNNING on all but the last
+
+
+@dataclass(frozen=True, eq=False)
+class FitTask:
+    """What is to be fitted to what."""
+
+    rig: Rig
+    target: ScanTarget
+    start: RigParameters
+    recipe: Recipe
+    landmarks: dict[str, Array]  # name -> (3,) m, in the target's frame
+    stance: str = "standing"  # standing | supine
