@@ -30,6 +30,7 @@ def test_a_fit_is_accepted_carried_out_and_described(client: FlaskClient, servic
         "stance": "supine",
         "preset": "default",
         "drawing": "lumpectomy",
+        "refine": False,
         "last_event": 6,
         "iterations": 4,
         "numbers": {
@@ -57,9 +58,18 @@ def test_landmarks_come_from_the_scan_unless_they_are_given(
         assert client.get(answer.json["links"]["result"]).json["landmarks_given"] == expected
 
 
+def test_refining_is_asked_for_and_carried_out(client: FlaskClient, service: Service, scan_id: str) -> None:
+    for refine in (True, False):
+        links = client.post("/api/fits", json={"scan": scan_id, "drawing": None, "refine": refine}).json["links"]
+        ended(service, links["self"].rsplit("/", 1)[1])
+        assert client.get(links["self"]).json["refine"] is refine
+        assert client.get(links["result"]).json["refined"] is refine
+
+
 @pytest.mark.parametrize(
     ("body", "word"),
     [
+        ({"refine": "perhaps"}, "refine: Input should be a valid boolean."),
         ({"preset": "best"}, '"best" is not a preset; known are: default, paper.'),
         ({"drawing": "mona_lisa"}, '"mona_lisa" is not a drawing; known are: lumpectomy.'),
         ({"stance": "sitting"}, "stance: Input should be 'auto', 'standing' or 'supine'."),

@@ -25,10 +25,10 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, Fl
         yield service, create_app(Config(), service).test_client()
 
 
-def fitted(service: Service, client: FlaskClient, scan: dict, landmarks: dict) -> dict:
+def fitted(service: Service, client: FlaskClient, scan: dict, landmarks: dict, **wishes: object) -> dict:
     """result.json of a fit that is checked on its way."""
     assert client.put(scan["links"]["landmarks"], json={"landmarks": landmarks}).status_code == 200
-    links = client.post("/api/fits", json={"scan": scan["id"]}).json["links"]
+    links = client.post("/api/fits", json={"scan": scan["id"], **wishes}).json["links"]
     fit = ended(service, links["self"].rsplit("/", 1)[1])
     assert fit.state == "done", fit.reason
     events = client.get(links["events"] + ".json").json["events"]
@@ -83,4 +83,7 @@ def test_the_packaged_example_is_fitted(real: tuple[Service, FlaskClient], name:
     assert result["stance"] == name
     assert result["surface_distance_mm"]["mean"] < 2.4
     assert result["landmark_distance_mm"]["mean"] < 6.0
+    refined = fitted(service, client, scan, scan["example_landmarks"]["landmarks"], refine=True)
+    assert refined["refined"]
+    assert refined["surface_distance_mm"]["mean"] < 0.5
     client.delete(scan["links"]["self"])

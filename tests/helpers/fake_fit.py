@@ -59,6 +59,7 @@ def quick(job: FitJob) -> Iterator[Event]:
     for iteration in range(ITERATIONS):
         yield iterated(iteration)
     result = {"schema": "breastrig/result@1", "iterations": ITERATIONS - 1, "landmarks_given": job.landmarks_mm}
+    result["refined"] = job.refine
     for name in ("fitted.glb", "fitted.ply"):
         (job.out / name).write_bytes(name.encode())
     (job.out / "drawing.json").write_text('{"schema": "breastrig/drawing@1", "unit": "mm", "shapes": []}')

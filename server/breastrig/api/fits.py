@@ -10,7 +10,7 @@ from breastrig.api.landmark_check import check_landmarks
 from breastrig.core.errors import BadDrawing, BadSettings, Conflict, NotFound, unknown_name
 from breastrig.fitting.recipe import preset_names
 from breastrig.jobs.iteration_file import iteration_gltf
-from breastrig.storage.fits import FitRow, get_fit
+from breastrig.storage.fits import FitRow, FitWish, get_fit
 from breastrig.storage.scans import get_landmarks, get_scan
 
 FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it live, fetch the results."}
@@ -39,13 +39,15 @@ def start_fit(json_data: wire.FitRequest) -> tuple[wire.FitAccepted, int, dict[s
     if landmarks is None:
         landmarks = get_landmarks(storage, scan.id)
     check_landmarks(landmarks, scan, model)
-    fit_id = here.service.add_fit(
-        scan_id=scan.id,
+    wish = FitWish(
+        scan=scan.id,
         stance=json_data.stance,
         preset=json_data.preset,
         drawing=json_data.drawing,
         landmarks_mm=landmarks,
+        refine=json_data.refine,
     )
+    fit_id = here.service.add_fit(wish)
     links = fit_links(fit_id)
     return wire.FitAccepted(id=fit_id, links=links), 202, {"Location": links.self}
 
@@ -153,6 +155,7 @@ def fit_answer(row: FitRow) -> wire.Fit:
         stance=row.stance,
         preset=row.preset,
         drawing=row.drawing,
+        refine=row.refine,
         last_event=row.last_event,
         iterations=row.iterations,
         numbers=row.numbers,

@@ -89,6 +89,9 @@ class FitRequest(Wire):
     landmarks: dict[Name, Point] | None = Field(
         None, max_length=200, description="millimetres, the scan's own frame; by default those stored with the scan"
     )
+    refine: bool = Field(
+        False, strict=True, description="after the fit a smooth free-form layer where the scan shows skin"
+    )
 
 
 class FitLinks(Wire):
@@ -126,6 +129,7 @@ class Fit(Wire):
     stance: StanceWish = Field(description="as asked for; once started, as decided")
     preset: str
     drawing: str | None
+    refine: bool
     last_event: int = Field(description="number of the last stored event, 0 before the first")
     iterations: int = Field(description="number of iterated events so far")
     numbers: IterationNumbers | None = Field(description="of the last iteration")
@@ -297,7 +301,9 @@ class ResultFile(Document):
     scan: ResultScan
     model: ModelSummary
     stance: StanceName
+    stance_reason: str
     preset: str
+    refined: bool = Field(description="whether surface, drawing and distances are those of the free-form layer")
     converged: bool
     stop_reason: str
     iterations: int

@@ -77,6 +77,7 @@ def fit_job(storage: Storage, fit: FitRow, model: Path | None) -> FitJob:
         preset=fit.preset,
         drawing=fit.drawing,
         model=model,
+        refine=fit.refine,
     )
 
 

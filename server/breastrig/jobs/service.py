@@ -27,7 +27,7 @@ from breastrig.jobs.read_upload import UploadJob, read_upload
 from breastrig.jobs.run_fit import run_fit
 from breastrig.storage import scans as scan_rows
 from breastrig.storage.events import StoredEvent
-from breastrig.storage.fits import FitRow, add_fit, fit_ids, fits_of_scan
+from breastrig.storage.fits import FitRow, FitWish, add_fit, fit_ids, fits_of_scan
 from breastrig.storage.folders import new_id
 from breastrig.storage.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, utc_now
@@ -142,22 +142,13 @@ class Service:
             row = self.add_scan(source, "ply", "auto")
         return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
 
-    def add_fit(self, *, scan_id: str, stance: str, preset: str, drawing: str | None, landmarks_mm: Points) -> str:
+    def add_fit(self, wish: FitWish) -> str:
         """Puts a fit into the queue; its id.  Raises NotFound when the scan is gone."""
         fit_id = new_id()
         folder = self.storage.folders.fit(fit_id)
         self.storage.folders.make(folder)
         try:
-            add_fit(
-                self.storage,
-                fit_id=fit_id,
-                scan_id=scan_id,
-                created_at=utc_now(),
-                stance=stance,
-                preset=preset,
-                drawing=drawing,
-                landmarks_mm=landmarks_mm,
-            )
+            add_fit(self.storage, fit_id, utc_now(), wish)
         except BaseException:
             self.storage.folders.remove(folder)
             raise

@@ -14,7 +14,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy import Connection, Engine, create_engine, event, inspect
+from sqlalchemy.schema import CreateColumn
 
 from breastrig.storage.schema import metadata
 
@@ -30,9 +31,16 @@ class Database:
         event.listen(self.engine, "begin", _begin)
 
     def create_tables(self) -> None:
-        """Adds the tables that are missing."""
+        """Adds the tables, and to tables of an older version the columns, that are missing."""
         with self.writing() as connection:
             metadata.create_all(connection)
+            found = inspect(connection)
+            for table in metadata.sorted_tables:
+                present = {column["name"] for column in found.get_columns(table.name)}
+                for column in table.columns:
+                    if column.name not in present:
+                        definition = CreateColumn(column).compile(dialect=connection.dialect)
+                        connection.exec_driver_sql(f"ALTER TABLE {table.name} ADD COLUMN {definition}")
 
     @contextmanager
     def reading(self) -> Iterator[Connection]:

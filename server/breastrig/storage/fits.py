@@ -1,7 +1,7 @@
 """Rows of fits.  The table is also the queue: the oldest queued row is the next to run."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from sqlalchemy import Row, func, insert, select, update
@@ -14,16 +14,25 @@ from breastrig.storage.storage import Storage
 ENDED = frozenset({"done", "failed", "cancelled"})
 
 
-@dataclass(frozen=True)
-class FitRow:
-    id: str
+@dataclass(frozen=True, kw_only=True)
+class FitWish:
+    """What was asked for."""
+
     scan: str
+    stance: str = "auto"
+    preset: str = "default"
+    drawing: str | None = None
+    landmarks_mm: Points
+    refine: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitRow(FitWish):
+    """What was asked for, and how far it has come; `stance` is the decided one once the fit has started."""
+
+    id: str
     created_at: str
     state: str  # queued, running, done, failed, cancelled
-    stance: str
-    preset: str
-    drawing: str | None
-    landmarks_mm: Points
     last_event: int
     iterations: int
     numbers: dict[str, Any] | None  # the last iterated event without its nodes
@@ -34,32 +43,19 @@ class FitRow:
         return self.state in ENDED
 
 
-def add_fit(
-    storage: Storage,
-    *,
-    fit_id: str,
-    scan_id: str,
-    created_at: str,
-    stance: str,
-    preset: str,
-    drawing: str | None,
-    landmarks_mm: Points,
-) -> None:
+def add_fit(storage: Storage, fit_id: str, created_at: str, wish: FitWish) -> None:
     """Puts a fit at the end of the queue.  Raises NotFound when the scan is gone."""
     with storage.database.writing() as connection:
-        if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is None:
+        if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == wish.scan)).first() is None:
             raise NotFound("There is no such scan; it may have been deleted.")
         place = connection.execute(select(func.coalesce(func.max(schema.fits.c.place), 0) + 1)).scalar_one()
         values = {
+            **asdict(wish),
+            "landmarks_mm": json.dumps(wish.landmarks_mm),
             "id": fit_id,
             "place": place,
-            "scan": scan_id,
             "created_at": created_at,
             "state": "queued",
-            "stance": stance,
-            "preset": preset,
-            "drawing": drawing,
-            "landmarks_mm": json.dumps(landmarks_mm),
             "last_event": 0,
             "iterations": 0,
         }
@@ -125,6 +121,7 @@ def _fit_row(row: Row[Any]) -> FitRow:
         preset=row.preset,
         drawing=row.drawing,
         landmarks_mm=json.loads(row.landmarks_mm),
+        refine=row.refine,
         last_event=row.last_event,
         iterations=row.iterations,
         numbers=None if row.numbers is None else json.loads(row.numbers),

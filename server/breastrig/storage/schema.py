@@ -1,10 +1,25 @@
 """The tables.  Deleting a scan deletes all rows that hang on it.
 
+A column that comes later must be nullable or have a server default: `Database.create_tables` adds it to the
+tables of older data folders.
+
 `events` is append-only and the single source of truth about a fit; the fit's own row repeats the last state for
 quick answers and is only ever written in the same transaction as the event.
 """
 
-from sqlalchemy import Column, ForeignKey, Index, Integer, MetaData, String, Table, Text, UniqueConstraint
+from sqlalchemy import (
+    Boolean,
+    Column,
+    ForeignKey,
+    Index,
+    Integer,
+    MetaData,
+    String,
+    Table,
+    Text,
+    UniqueConstraint,
+    false,
+)
 
 metadata = MetaData()
 
@@ -37,6 +52,7 @@ fits = Table(
     Column("preset", String(100), nullable=False),
     Column("drawing", String(100)),
     Column("landmarks_mm", Text, nullable=False),  # JSON, as they were when the fit was asked for
+    Column("refine", Boolean, nullable=False, server_default=false()),
     Column("last_event", Integer, nullable=False, default=0),
     Column("iterations", Integer, nullable=False, default=0),
     Column("numbers", Text),  # JSON, the last iterated event without its nodes

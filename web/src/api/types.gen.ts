@@ -106,6 +106,7 @@ export type Fit = {
   stance: "auto" | "standing" | "supine";
   preset: string;
   drawing: string | null;
+  refine: boolean;
   /** number of the last stored event, 0 before the first */
   last_event: number;
   /** number of iterated events so far */
@@ -141,6 +142,8 @@ export type FitRequest = {
   drawing?: string | null;
   /** millimetres, the scan's own frame; by default those stored with the scan */
   landmarks?: Record<string, [number, number, number]> | null;
+  /** after the fit a smooth free-form layer where the scan shows skin */
+  refine?: boolean;
 };
 
 /** How the body seems to lie in the scan's own axes; a proposal for the camera. */
@@ -296,7 +299,10 @@ export type ResultFile = {
   scan: ResultScan;
   model: ModelSummary;
   stance: "standing" | "supine";
+  stance_reason: string;
   preset: string;
+  /** whether surface, drawing and distances are those of the free-form layer */
+  refined: boolean;
   converged: boolean;
   stop_reason: string;
   iterations: number;
