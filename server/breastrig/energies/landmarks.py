@@ -33,6 +33,6 @@ class Landmarks:
         """(3L,), (3L, P)"""
         body = posed(self.rig, x)
         corners = self.rig.faces[self.points.faces].ravel()  # (3L,)
-        weight = (self.points.barycentric / self.sigma[:, None]).ravel()[:, None]
-        rows = [body.rows(corners, weight * axis).reshape(len(self.points), 3, -1).sum(axis=1) for axis in np.eye(3)]
-        return Linearisation(self.residual(x), np.concatenate(rows))
+        weight = (self.points.barycentric / self.sigma[:, None]).ravel()
+        rows = body.rows(np.tile(corners, 3), np.kron(np.eye(3), weight[:, None]))
+        return Linearisation(self.residual(x), rows.reshape(3 * len(self.points), 3, -1).sum(axis=1))

@@ -31,7 +31,5 @@ class PointToPoint:
 
     def linearise(self, x: RigParameters) -> Linearisation:
         """(3M,), (3M, P)"""
-        scale = (np.sqrt(self.weights) / self.sigma)[:, None]
-        body = posed(self.rig, x)
-        rows = [body.rows(self.matches.vertices, scale * axis) for axis in np.eye(3)]
-        return Linearisation(self.residual(x), np.concatenate(rows))
+        directions = np.kron(np.eye(3), (np.sqrt(self.weights) / self.sigma)[:, None])  # (3M, 3)
+        return Linearisation(self.residual(x), posed(self.rig, x).rows(np.tile(self.matches.vertices, 3), directions))

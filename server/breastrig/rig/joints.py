@@ -11,7 +11,7 @@ the scalable bones").  The derivatives are for a step of rig/parameters.py.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -38,7 +38,7 @@ class Joints:
     rest: Array | None = None  # (J, 3) rad, G* as rotation vectors; None: the pose in which the rig was built
 
     @cached_property
-    def _arms(self) -> tuple[Integers, Integers, Array, Array, Array, Array]:
+    def arms(self) -> tuple[Integers, Integers, Array, Array, Array, Array]:
         """(J,) parents and children, (J, 3, 3) their rest axes, (J, 3) m the anchor in each one's own axes."""
         rig = self.rig
         p, c = (np.array([getattr(j, end) for j in self.joints], dtype=np.int64) for end in ("parent", "child"))
@@ -48,41 +48,50 @@ class Joints:
         u_c = np.einsum("jab,ja->jb", q_c, anchors - rig.rest_origins[c])
         return p, c, q_p, q_c, u_p, u_c
 
-    def _parts(self, x: RigParameters) -> tuple[Array, Array, Array]:
-        """(J, 3) gap in world axes, (J, 3) turn, (J, 3, 3) world to parent's rest axes."""
-        p, c, q_p, q_c, u_p, u_c = self._arms
-        r_p, r_c = x.rotations[p], x.rotations[c]
-        at_p = np.einsum("jab,jb->ja", r_p, x.scales[p] * u_p) + x.translations[p]
-        at_c = np.einsum("jab,jb->ja", r_c, x.scales[c] * u_c) + x.translations[c]
-        into_parent = q_p @ r_p.transpose(0, 2, 1)
-        relative = into_parent @ r_c @ q_c.transpose(0, 2, 1)
-        if self.rest is not None:
-            relative = exp_so3(self.rest).transpose(0, 2, 1) @ relative
-        return at_c - at_p, log_so3(relative), into_parent
-
     def motion(self, x: RigParameters) -> JointMotion:
         """Gaps and turns at x."""
-        gap, turn, into_parent = self._parts(x)
+        gap, turn, into_parent = _parts(self, x)
         return JointMotion(np.einsum("jab,jb->ja", into_parent, gap), turn)
 
     def jacobian(self, x: RigParameters) -> Array:
-        """(J, 6, P): the derivatives of each joint's gap (first three rows) and turn."""
-        p, c, q_p, q_c, u_p, u_c = self._arms
-        r_p, r_c = x.rotations[p], x.rotations[c]
-        gap, turn, into_parent = self._parts(x)
-        inverse = right_jacobian_inverse(turn)
-        local_gap = np.einsum("jba,jb->ja", r_p, gap)
-        parent, child = np.zeros((2, len(p), 6, BONE_DOFS))
-        parent[:, :3, 0:3] = q_p @ (hat(local_gap) + hat(x.scales[p] * u_p))
-        parent[:, :3, 3:6] = -into_parent
-        parent[:, :3, 6:9] = -q_p * u_p[:, None, :]
-        child[:, :3, 0:3] = -into_parent @ r_c @ hat(x.scales[c] * u_c)
-        child[:, :3, 3:6] = into_parent
-        child[:, :3, 6:9] = (into_parent @ r_c) * u_c[:, None, :]
-        child[:, 3:, 0:3] = inverse @ q_c
-        parent[:, 3:, 0:3] = -inverse @ q_c @ r_c.transpose(0, 2, 1) @ r_p
-        result = np.zeros((len(p), 6, x.dof))
-        for row in range(len(p)):
-            result[row, :, BONE_DOFS * p[row] : BONE_DOFS * (p[row] + 1)] = parent[row]
-            result[row, :, BONE_DOFS * c[row] : BONE_DOFS * (c[row] + 1)] = child[row]
-        return result
+        """(J, 6, P), read-only: the derivatives of each joint's gap (first three rows) and turn."""
+        return _jacobian(self, x)
+
+
+@lru_cache(maxsize=8)
+def _parts(joints: Joints, x: RigParameters) -> tuple[Array, Array, Array]:
+    """(J, 3) gap in world axes, (J, 3) turn, (J, 3, 3) world to parent's rest axes; once for all terms, as `posed`."""
+    p, c, q_p, q_c, u_p, u_c = joints.arms
+    r_p, r_c = x.rotations[p], x.rotations[c]
+    at_p = np.einsum("jab,jb->ja", r_p, x.scales[p] * u_p) + x.translations[p]
+    at_c = np.einsum("jab,jb->ja", r_c, x.scales[c] * u_c) + x.translations[c]
+    into_parent = q_p @ r_p.transpose(0, 2, 1)
+    relative = into_parent @ r_c @ q_c.transpose(0, 2, 1)
+    if joints.rest is not None:
+        relative = exp_so3(joints.rest).transpose(0, 2, 1) @ relative
+    return at_c - at_p, log_so3(relative), into_parent
+
+
+@lru_cache(maxsize=8)
+def _jacobian(joints: Joints, x: RigParameters) -> Array:
+    """(J, 6, P), read-only, as `Joints.jacobian`."""
+    p, c, q_p, q_c, u_p, u_c = joints.arms
+    r_p, r_c = x.rotations[p], x.rotations[c]
+    gap, turn, into_parent = _parts(joints, x)
+    inverse = right_jacobian_inverse(turn)
+    local_gap = np.einsum("jba,jb->ja", r_p, gap)
+    parent, child = np.zeros((2, len(p), 6, BONE_DOFS))
+    parent[:, :3, 0:3] = q_p @ (hat(local_gap) + hat(x.scales[p] * u_p))
+    parent[:, :3, 3:6] = -into_parent
+    parent[:, :3, 6:9] = -q_p * u_p[:, None, :]
+    child[:, :3, 0:3] = -into_parent @ r_c @ hat(x.scales[c] * u_c)
+    child[:, :3, 3:6] = into_parent
+    child[:, :3, 6:9] = (into_parent @ r_c) * u_c[:, None, :]
+    child[:, 3:, 0:3] = inverse @ q_c
+    parent[:, 3:, 0:3] = -inverse @ q_c @ r_c.transpose(0, 2, 1) @ r_p
+    result = np.zeros((len(p), 6, x.dof))
+    blocks = result[:, :, : BONE_DOFS * len(x.scales)].reshape(len(p), 6, -1, BONE_DOFS)
+    rows = np.arange(len(p))
+    blocks[rows, :, p], blocks[rows, :, c] = parent, child
+    result.flags.writeable = False
+    return result

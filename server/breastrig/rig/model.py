@@ -149,6 +149,11 @@ class Rig:
         """(V, 3, S) m: the blendshapes laid out for the Jacobian's inner loop."""
         return np.ascontiguousarray(self.blendshapes.transpose(1, 2, 0))
 
+    @cached_property
+    def weights_by_bone(self) -> Array:
+        """(B, V): the skin weights laid out for the same loop."""
+        return np.ascontiguousarray(self.skin_weights.T)
+
     def landmark_points(self, names: tuple[str, ...] | None = None) -> SurfacePoints:
         """The surface points of the named landmarks (all by default), in the given order."""
         by_name = {landmark.name: landmark for landmark in self.landmarks}

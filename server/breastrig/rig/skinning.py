@@ -60,26 +60,30 @@ class Posed:
         return np.asarray((self.linear @ self.shaped[:, :, None])[:, :, 0] + self._blended[:, 9:])
 
     def rows(self, chosen: Integers, directions: Array) -> Array:
-        """(M, P): directionsᵀ ∂M/∂x for M chosen vertices with one direction (M, 3) each."""
+        """(M, P): directionsᵀ ∂M/∂x for M chosen vertices with one direction (M, 3) each.
+
+        Laid out by columns (Fortran order): each block is then written along M contiguous numbers instead of 9.
+        """
         rig, x = self.rig, self.x
-        bones = len(rig.bones)
-        result = np.zeros((len(chosen), x.dof))
-        rest = rig.rest_rotations.transpose(1, 0, 2).reshape(3, -1)  # (3, 3B), columns are all local axes
-        local = self.shaped[chosen] @ rest - np.einsum("bij,bi->bj", rig.rest_rotations, rig.rest_origins).ravel()
-        along = directions @ x.rotations.transpose(1, 0, 2).reshape(3, -1)
-        u = local.reshape(-1, bones, 3)
-        p = u * x.scales
-        weight = rig.skin_weights[chosen][:, :, None]
-        we = weight * along.reshape(-1, bones, 3)
-        blocks = result[:, : BONE_DOFS * bones].reshape(-1, bones, BONE_DOFS)
-        blocks[:, :, 0] = p[:, :, 1] * we[:, :, 2] - p[:, :, 2] * we[:, :, 1]
-        blocks[:, :, 1] = p[:, :, 2] * we[:, :, 0] - p[:, :, 0] * we[:, :, 2]
-        blocks[:, :, 2] = p[:, :, 0] * we[:, :, 1] - p[:, :, 1] * we[:, :, 0]
-        np.multiply(weight, directions[:, None, :], out=blocks[:, :, 3:6])
-        np.multiply(we, u, out=blocks[:, :, 6:9])
+        bones, count = len(rig.bones), len(chosen)
+        columns = np.zeros((x.dof, count))
+        # (3, B, M): local axis, bone, vertex
+        rest = rig.rest_rotations.transpose(2, 0, 1).reshape(-1, 3)
+        origins = np.einsum("bij,bi->jb", rig.rest_rotations, rig.rest_origins).reshape(-1, 1)
+        u = (rest @ self.shaped[chosen].T - origins).reshape(3, bones, count)
+        p = u * x.scales.T[:, :, None]
+        weight = rig.weights_by_bone[:, chosen]
+        we = (x.rotations.transpose(2, 0, 1).reshape(-1, 3) @ directions.T).reshape(3, bones, count)
+        we *= weight
+        blocks = columns[: BONE_DOFS * bones].reshape(bones, BONE_DOFS, count)
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            np.multiply(p[j], we[k], out=blocks[:, i])
+            blocks[:, i] -= p[k] * we[j]
+            np.multiply(weight, directions[:, i], out=blocks[:, 3 + i])
+            np.multiply(we[i], u[i], out=blocks[:, 6 + i])
         pulled = np.einsum("mij,mi->mj", self.linear[chosen], directions)  # A_iᵀ d
-        np.matmul(pulled[:, None, :], rig.shapes_by_vertex[chosen], out=result[:, None, BONE_DOFS * bones :])
-        return result
+        columns[BONE_DOFS * bones :] = np.matmul(pulled[:, None, :], rig.shapes_by_vertex[chosen])[:, 0].T
+        return columns.T
 
 
 @lru_cache(maxsize=8)
