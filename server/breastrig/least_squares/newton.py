@@ -6,7 +6,7 @@ system took three times as long).  Bounds are kept by an active set: a variable 
 pushes outwards is fixed, the rest is solved again (Bertsekas, Projected Newton methods, 1982).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Generic, Protocol, Self, TypeVar
@@ -151,6 +151,30 @@ def newton_step(
     scaling: (P,) inverse square of each unknown's natural size, so that damping 1 is one standard deviation.
     """
     system = assemble(terms, constraints, x)
+    return damped_step(
+        system,
+        lambda candidate: energy(terms, constraints, candidate),
+        x,
+        scaling=scaling,
+        damping=damping,
+        bounds=bounds,
+        free=free,
+        attempts=attempts,
+    )
+
+
+def damped_step(
+    system: System,
+    energy_at: Callable[[P], float],
+    x: P,
+    *,
+    scaling: Array,
+    damping: float,
+    bounds: Bounds,
+    free: Booleans,
+    attempts: int = 5,
+) -> Step[P]:
+    """The same for a system that is already assembled at x."""
     if not (np.isfinite(system.energy) and np.isfinite(system.hessian).all()):
         return Step(x, system.energy, damping, Status.NOT_FINITE)
     for _ in range(attempts):
@@ -159,7 +183,7 @@ def newton_step(
         except sla.LinAlgError:
             damping *= 10.0
             continue
-        after = energy(terms, constraints, candidate)
+        after = energy_at(candidate)
         if after <= system.energy:
             return Step(candidate, after, damping, Status.RUNNING)
         damping *= 10.0
