@@ -34,5 +34,6 @@ class Landmarks:
         body = posed(self.rig, x)
         corners = self.rig.faces[self.points.faces].ravel()  # (3L,)
         weight = (self.points.barycentric / self.sigma[:, None]).ravel()
-        rows = body.rows(np.tile(corners, 3), np.kron(np.eye(3), weight[:, None]))
+        directions = np.asarray(np.kron(np.eye(3), weight[:, None]), dtype=np.float64)  # (9L, 3)
+        rows = body.rows(np.tile(corners, 3), directions)
         return Linearisation(self.residual(x), rows.reshape(3 * len(self.points), 3, -1).sum(axis=1))
