@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from apiflask import APIFlask
 from flask.testing import FlaskClient
-from helpers import fake_fit
+from helpers import fake_fit, fake_proposals
 from helpers.toy_rig import toy_rig
 from helpers.uploads import torso as torso_ply
 from werkzeug.test import TestResponse
@@ -67,7 +67,12 @@ def service(tmp_path_factory: pytest.TempPathFactory, config: Config) -> Iterato
     storage = Storage(tmp_path_factory.mktemp("data"))
     limits = FitLimits(workers=2, grace_s=0.1)
     service = Service(
-        storage, runner=fake_fit.mostly_patient, model=config.model, examples=config.examples, fits=limits
+        storage,
+        runner=fake_fit.mostly_patient,
+        proposer=fake_proposals.at_the_nipple,
+        model=config.model,
+        examples=config.examples,
+        fits=limits,
     )
     with service.started():
         yield service

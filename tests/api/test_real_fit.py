@@ -79,11 +79,17 @@ def test_the_packaged_example_is_fitted(real: tuple[Service, FlaskClient], name:
     assert opened.status_code == 201, opened.json
     scan = opened.json
     assert scan["stance"]["proposed"] == name
-    result = fitted(service, client, scan, scan["example_landmarks"]["landmarks"])
+    picked = scan["example_landmarks"]["landmarks"]
+    proposed = client.get(scan["links"]["proposed"])
+    assert proposed.status_code == 200
+    off = {k: np.linalg.norm(np.subtract(v["point"], picked[k])) for k, v in proposed.json["landmarks"].items()}
+    assert set(off) == set(picked)
+    assert np.mean(list(off.values())) < 20.0
+    result = fitted(service, client, scan, picked)
     assert result["stance"] == name
     assert result["surface_distance_mm"]["mean"] < 2.4
     assert result["landmark_distance_mm"]["mean"] < 6.0
-    refined = fitted(service, client, scan, scan["example_landmarks"]["landmarks"], refine=True)
+    refined = fitted(service, client, scan, picked, refine=True)
     assert refined["refined"]
     assert refined["surface_distance_mm"]["mean"] < 0.5
     client.delete(scan["links"]["self"])

@@ -2,6 +2,7 @@ import io
 import json
 import re
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,9 @@ from helpers.on_disk import bytes_below
 from helpers.problems import problem
 from helpers.scan_files import ply_text
 from helpers.uploads import torso as torso_ply
+from helpers.waiting import until
 
+from breastrig.api.config import Config
 from breastrig.jobs.service import Service
 
 
@@ -103,8 +106,6 @@ def test_a_scan_in_the_wrong_unit_is_refused(client: FlaskClient) -> None:
 
 
 def test_too_many_triangles_are_refused(client: FlaskClient, service: Service, monkeypatch) -> None:
-    from dataclasses import replace
-
     monkeypatch.setattr(service, "_uploads", replace(service._uploads, triangles=1000))
     assert "6,144 triangles" in problem(upload(client, torso_ply()), 413)
 
@@ -161,8 +162,28 @@ def test_landmarks_that_are_not_finite_are_refused(client: FlaskClient, scan_id:
     assert "finite" in problem(answer, 422)
 
 
+def test_landmarks_are_proposed_and_not_stored_as_picked(client: FlaskClient, scan_id: str) -> None:
+    place = f"/api/scans/{scan_id}/landmarks"
+    answers = [client.get(client.get(f"/api/scans/{scan_id}").json["links"]["proposed"]) for _ in range(2)]
+    assert [answer.status_code for answer in answers] == [200, 200]
+    assert answers[0].json == {
+        "unit": "mm",
+        "landmarks": {"nipple_L": {"point": [70.0, 350.0, 120.0], "confidence": 0.5, "on_scan": True}},
+    }
+    assert answers[1].json == answers[0].json
+    assert client.get(place).json["landmarks"] == {}
+
+
+def test_proposals_that_take_long_are_asked_for_again(client_for, config: Config, scan_id: str) -> None:
+    hasty = client_for(replace(config, proposal_wait_s=0.0))
+    place = f"/api/scans/{scan_id}/landmarks/proposed"
+    answer = hasty.get(place)
+    assert (answer.status_code, answer.data, answer.headers["Retry-After"]) == (202, b"", "1")
+    until(lambda: hasty.get(place).status_code == 200, "the proposals")
+
+
 def test_unknown_scans_are_not_found(client: FlaskClient) -> None:
-    for method, place in (("get", ""), ("get", "/mesh.glb"), ("get", "/landmarks")):
+    for method, place in (("get", ""), ("get", "/mesh.glb"), ("get", "/landmarks"), ("get", "/landmarks/proposed")):
         problem(getattr(client, method)(f"/api/scans/nobody{place}"), 404)
     problem(client.put("/api/scans/nobody/landmarks", json={"landmarks": {}}), 404)
 

@@ -5,9 +5,11 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
+from helpers.fake_proposals import at_the_nipple
 
 from breastrig.jobs.carry_out import Runner
-from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.limits import FitLimits, UploadLimits
+from breastrig.jobs.proposals import Proposer
 from breastrig.jobs.service import Service
 from breastrig.storage.folders import new_id
 from breastrig.storage.scans import ScanRow, add_scan
@@ -38,8 +40,11 @@ def scan_id(storage: Storage) -> str:
 def serving(storage: Storage) -> MakeService:
     """`with serving(runner) as service:`, with two workers and short patience."""
 
-    def make(runner: Runner, **limits: float) -> AbstractContextManager[Service]:
+    def make(
+        runner: Runner, proposer: Proposer = at_the_nipple, uploads: UploadLimits | None = None, **limits: float
+    ) -> AbstractContextManager[Service]:
         fits = FitLimits(**{"workers": 2, "wall_s": 30.0, "grace_s": 0.2, **limits})
-        return Service(Storage(storage.root), runner=runner, fits=fits).started()
+        service = Service(Storage(storage.root), runner=runner, proposer=proposer, uploads=uploads, fits=fits)
+        return service.started()
 
     return make

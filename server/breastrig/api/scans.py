@@ -91,8 +91,34 @@ def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile) -> wire.Landma
     return json_data
 
 
+@scans.get("/<scan_id>/landmarks/proposed")
+@scans.output(wire.ProposedLandmarks)
+@scans.doc(
+    operation_id="proposeLandmarks",
+    responses={202: "Still being looked for; ask again after Retry-After seconds", 422: "None can be proposed"},
+)
+def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
+    """Landmarks that the model proposes on this scan, mm
+
+    The first call answers once they are found, most often within a second; later calls answer at once.
+    A large scan on a busy machine may take longer than a request should: then 202 comes first.  Proposals are for
+    a person to check; they are not stored as the scan's landmarks.
+    """
+    here = behind()
+    row = get_scan(here.service.storage, scan_id)
+    found = here.service.proposed_landmarks(row, here.model.rig.sha256, here.config.proposal_wait_s)
+    if found is None:
+        return Response(status=202, headers={"Retry-After": "1"})
+    return wire.ProposedLandmarks(landmarks=found)
+
+
 def scan_answer(row: ScanRow) -> wire.Scan:
     """The stored row as the API shows it."""
     place = f"/api/scans/{row.id}"
-    links = wire.ScanLinks(self=place, mesh=f"{place}/mesh.glb", landmarks=f"{place}/landmarks")
+    links = wire.ScanLinks(
+        self=place,
+        mesh=f"{place}/mesh.glb",
+        landmarks=f"{place}/landmarks",
+        proposed=f"{place}/landmarks/proposed",
+    )
     return wire.Scan(id=row.id, created_at=row.created_at, links=links, **row.facts)

@@ -56,6 +56,7 @@ class ScanLinks(Wire):
     self: str
     mesh: str
     landmarks: str
+    proposed: str
 
 
 class Scan(Wire):
@@ -79,6 +80,17 @@ class LandmarkFile(Wire):
     schema_: Literal["breastrig/landmarks@1"] = Field("breastrig/landmarks@1", alias="schema")
     unit: Literal["mm"] = "mm"
     landmarks: dict[Name, Point] = Field(description="millimetres, the scan's own frame", max_length=200)
+
+
+class ProposedLandmark(Wire):
+    point: Three = Field(description="millimetres, the scan's own frame")
+    confidence: float = Field(ge=0, le=1, description="1 is sure; one half is about 10 mm off")
+    on_scan: bool = Field(description="false where the scan shows no skin and only the model knows")
+
+
+class ProposedLandmarks(Wire):
+    unit: Literal["mm"] = "mm"
+    landmarks: dict[str, ProposedLandmark]
 
 
 class FitRequest(Wire):

@@ -8,13 +8,9 @@ from threadpoolctl import threadpool_limits
 
 from breastrig.core.errors import BadInput, BadScan
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.propose import propose_landmarks
-from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.scan.clean import clean
+from breastrig.jobs.propose_on_scan import propose_on_scan
 from breastrig.scan.landmark_files import landmark_file
-from breastrig.scan.orient import propose_frame
 from breastrig.scan.read import read_scan
 
 
@@ -40,13 +36,9 @@ def run(options: argparse.Namespace) -> int:
         raise BadScan(f"There is no scan file {options.scan}; check the name.")
     scan = read_scan(options.scan, None, options.units, texture=False)
     rig = read_rig(options.model or default_rig_path())
-    surface = clean(scan)
-    centre = surface.vertices.mean(axis=0)
-    target = ScanTarget(surface.vertices - centre, surface.faces)
-    frame = propose_frame(target.vertices, target.faces)
     with threadpool_limits(1):
-        proposals = propose_landmarks(rig, target, frame.front, frame.stance, load_recipe("default"))
-    places = {name: (p.point + centre) / scan.metres_per_unit for name, p in proposals.items()}
+        proposals = propose_on_scan(rig, scan)
+    places = {name: p.point / scan.metres_per_unit for name, p in proposals.items()}
     name = options.output.name.lower()
     kind = "mrk.json" if name.endswith(".mrk.json") else options.output.suffix.lower().lstrip(".")
     content = landmark_file(places, kind, scan.unit)

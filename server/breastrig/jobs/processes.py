@@ -20,7 +20,13 @@ from typing import Any
 from pebble import ProcessFuture, ProcessPool
 from threadpoolctl import threadpool_limits
 
-PRELOAD = ("__main__", "breastrig.jobs.carry_out", "breastrig.jobs.read_upload", "breastrig.jobs.run_fit")
+PRELOAD = (
+    "__main__",
+    "breastrig.jobs.carry_out",
+    "breastrig.jobs.propose_on_scan",
+    "breastrig.jobs.read_upload",
+    "breastrig.jobs.run_fit",
+)
 
 
 class Processes:

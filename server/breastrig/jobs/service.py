@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, NotFound, unknown_name
@@ -22,6 +22,8 @@ from breastrig.jobs.carry_out import Runner
 from breastrig.jobs.follow import Bell, Heartbeat, follow
 from breastrig.jobs.limits import FitLimits, UploadLimits
 from breastrig.jobs.processes import Processes
+from breastrig.jobs.proposals import Proposals, Proposer
+from breastrig.jobs.propose_on_scan import propose_on_file
 from breastrig.jobs.queue import FitQueue
 from breastrig.jobs.read_upload import UploadJob, read_upload
 from breastrig.jobs.run_fit import run_fit
@@ -53,6 +55,7 @@ class Service:
         storage: Storage,
         *,
         runner: Runner = run_fit,
+        proposer: Proposer = propose_on_file,
         model: Path | None = None,
         examples: Path | None = None,
         uploads: UploadLimits | None = None,
@@ -68,6 +71,7 @@ class Service:
         )
         self._workers = Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes)
         self._queue = FitQueue(storage, self._workers, fit_limits, runner, model)
+        self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self._bell = Bell(storage)
         self._examples = examples
 
@@ -114,12 +118,17 @@ class Service:
 
     def delete_scan(self, scan_id: str) -> None:
         """Removes the scan, its landmarks and its fits: rows and files.  No such scan is no error."""
+        self._proposals.drop(scan_id)
         self._queue.drop(fits_of_scan(self.storage, scan_id))
         gone = scan_rows.delete_scan(self.storage, scan_id)
         self._queue.drop(gone)  # a fit may have been asked for in between
         folders = self.storage.folders
         folders.remove(folders.scan(scan_id), *(folders.fit(fit_id) for fit_id in gone))
         self._bell.ring()
+
+    def proposed_landmarks(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
+        """The landmarks that the model proposes on the scan; None when they are still being looked for."""
+        return self._proposals.get(scan, model_sha256, wait_s)
 
     def examples(self) -> tuple[Example, ...]:
         """The packaged example scans, in the order standing, supine, others."""

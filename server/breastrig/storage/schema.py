@@ -40,6 +40,14 @@ landmarks = Table(
     Column("points_mm", Text, nullable=False),  # JSON, {name: [x, y, z]}, scan frame
 )
 
+proposals = Table(
+    "proposals",
+    metadata,
+    Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
+    Column("model_sha256", String(64), nullable=False),  # of the model that proposed
+    Column("json", Text, nullable=False),  # {name: {point, confidence, on_scan}}, mm, scan frame
+)
+
 fits = Table(
     "fits",
     metadata,

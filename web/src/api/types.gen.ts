@@ -286,6 +286,20 @@ export type Problem = {
   errors?: FieldError[] | null;
 };
 
+export type ProposedLandmark = {
+  /** millimetres, the scan's own frame */
+  point: [number, number, number];
+  /** 1 is sure; one half is about 10 mm off */
+  confidence: number;
+  /** false where the scan shows no skin and only the model knows */
+  on_scan: boolean;
+};
+
+export type ProposedLandmarks = {
+  unit?: "mm";
+  landmarks: Record<string, ProposedLandmark>;
+};
+
 export type ResultBone = {
   name: string;
   rotation_xyzw: number[];
@@ -352,6 +366,7 @@ export type ScanLinks = {
   self: string;
   mesh: string;
   landmarks: string;
+  proposed: string;
 };
 
 export type ScanUpload = {

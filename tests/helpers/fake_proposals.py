@@ -1,0 +1,35 @@
+"""Proposers that stand in for propose_on_file; like the runners of fake_fit, imported by name in worker processes."""
+
+import os
+import signal
+import time
+from typing import Any
+
+from breastrig.core.errors import FitFailed
+from breastrig.jobs.propose_on_scan import ProposeJob
+
+
+def at_the_nipple(job: ProposeJob) -> dict[str, Any]:
+    """One proposal, and a line in a file beside the scan for each time that it was made."""
+    with job.scan.with_name("proposed").open("a") as count:
+        count.write("once\n")
+    time.sleep(0.1)
+    return {"nipple_L": {"point": [70.0, 350.0, 120.0], "confidence": 0.5, "on_scan": True}}
+
+
+def failing(_job: ProposeJob) -> dict[str, Any]:
+    raise FitFailed("The model found no skin near it; place three landmarks.")
+
+
+def broken(_job: ProposeJob) -> dict[str, Any]:
+    raise ZeroDivisionError("an error of ours")
+
+
+def dying(_job: ProposeJob) -> dict[str, Any]:
+    os.kill(os.getpid(), signal.SIGKILL)
+    return {}
+
+
+def hanging(_job: ProposeJob) -> dict[str, Any]:
+    time.sleep(60)
+    return {}
