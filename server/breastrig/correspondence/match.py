@@ -51,27 +51,15 @@ def _by_rays(target: ScanTarget, points: Array, normals: Array, rules: MatchRule
     """The nearer of the hits along both directions whose scan normal agrees."""
     count = len(points)
     assert target.rays is not None
-    origins = np.concatenate([points, points])
-    directions = np.concatenate([normals, -normals])
-    faces, distances = target.rays.first_hits(origins, directions, rules.max_distance)
-    hit = faces >= 0
-    agree = np.zeros(2 * count, dtype=np.bool_)
-    both = np.concatenate([normals, normals])
-    agree[hit] = np.einsum("mi,mi->m", target.face_normals[faces[hit]], both[hit]) > np.cos(rules.max_angle)
-    distances = np.where(agree, distances, np.inf).reshape(2, count)
-    nearer = distances.argmin(axis=0)
-    chosen = nearer * count + np.arange(count)
-    found = np.where(np.isfinite(distances.min(axis=0)), faces[chosen], -1)
-    at = (
-        points
-        + np.where(nearer == 0, 1.0, -1.0)[:, None]
-        * normals
-        * np.where(found >= 0, distances.min(axis=0), 0.0)[:, None]
-    )
-    barycentric = np.zeros((count, 3))
-    ok = found >= 0
-    barycentric[ok] = closest_barycentric(at[ok], target.vertices[target.faces[found[ok]]])
-    return _Found(found, barycentric)
+    hits = target.rays.hits(np.concatenate([points, points]), np.concatenate([normals, -normals]), rules.max_distance)
+    # (2, M): along the normal, against it; -1 takes the last triangle's normal, and its infinite distance loses
+    seen = target.face_normals[hits.faces].reshape(2, count, 3)
+    agree = np.einsum("smi,mi->sm", seen, normals) > np.cos(rules.max_angle)
+    distances = np.where(agree, hits.distances.reshape(2, count), np.inf)
+    chosen = (distances[1] < distances[0]) * count + np.arange(count)
+    found = np.where(np.isfinite(distances.ravel()[chosen]), hits.faces[chosen], -1)
+    second, third = hits.second[chosen], hits.third[chosen]
+    return _Found(found, np.stack([1.0 - second - third, second, third], axis=1))
 
 
 def _by_tree(target: ScanTarget, points: Array, rules: MatchRules) -> _Found:
@@ -103,13 +91,16 @@ def _accepted(target: ScanTarget, points: Array, normals: Array, found: _Found, 
     faces, barycentric = found.faces[index], found.barycentric[index]
     corners = target.faces[faces]
     at = np.einsum("mc,mcd->md", barycentric, target.vertices[corners])
-    scan_normals = target.normals_at(faces, barycentric)
-    distances = np.linalg.norm(at - points[index], axis=1)
-    good: Booleans = distances <= rules.max_distance
-    good &= np.einsum("mi,mi->m", scan_normals, normals[index]) >= np.cos(rules.max_angle)
+    gaps = at - points[index]
+    distances = np.sqrt(np.einsum("mi,mi->m", gaps, gaps))
+    near: Booleans = distances <= rules.max_distance
     if rules.reject_border:
-        good &= (barycentric * target.on_border[corners]).sum(axis=1) < 0.999
-    return Correspondences(index[good], at[good], scan_normals[good], distances[good])
+        near &= np.einsum("mc,mc->m", barycentric, target.border_share[corners]) < 0.999
+    kept = np.flatnonzero(near)  # normals are dear: only for these
+    scan_normals = target.normals_at(faces[kept], barycentric[kept])
+    agree = np.einsum("mi,mi->m", scan_normals, normals[index[kept]]) >= np.cos(rules.max_angle)
+    good = kept[agree]
+    return Correspondences(index[good], at[good], scan_normals[agree], distances[good])
 
 
 def match(target: ScanTarget, points: Array, normals: Array, rules: MatchRules) -> Correspondences:

@@ -51,6 +51,11 @@ class ScanTarget:
         return np.asarray(boundary_vertices(self.faces, len(self.vertices)))
 
     @cached_property
+    def border_share(self) -> Array:
+        """(V,) 1.0 on the border, else 0.0: mixed by barycentric weights it says how much of a point is border"""
+        return np.asarray(self.on_border, dtype=np.float64)
+
+    @cached_property
     def search(self) -> ClosestPointSearch:
         return ClosestPointSearch(self.vertices, self.faces)
 
@@ -72,4 +77,4 @@ class ScanTarget:
     def normals_at(self, faces: Integers, barycentric: Array) -> Array:
         """(M, 3) unit normals interpolated inside the triangles."""
         mixed = np.einsum("mc,mcd->md", barycentric, self.normals[self.faces[faces]])
-        return np.asarray(mixed / np.maximum(np.linalg.norm(mixed, axis=1, keepdims=True), 1e-12))
+        return np.asarray(mixed / np.maximum(np.sqrt(np.einsum("mi,mi->m", mixed, mixed)), 1e-12)[:, None])

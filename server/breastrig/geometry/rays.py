@@ -14,6 +14,8 @@ What embreex 4.4 does that a caller would not expect, and what is done about it 
 embreex has no wheel on some platforms (Linux on ARM, musl); `HAVE_EMBREE` says whether rays are there at all.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
@@ -30,6 +32,16 @@ except ImportError:  # pragma: no cover - depends on the platform
 
 class NoRays(BreastRigError):
     """embreex is not installed here."""
+
+
+@dataclass(frozen=True, eq=False)
+class RayHits:
+    """Where M rays met the mesh."""
+
+    faces: Integers  # (M,) -1: nothing
+    distances: Array  # (M,) m, inf: nothing
+    second: Array  # (M,) barycentric weight of the triangle's second corner; 0 where nothing
+    third: Array  # (M,) of its third
 
 
 class RayCaster:
@@ -59,7 +71,12 @@ class RayCaster:
     def first_hits(
         self, origins: Array, directions: Array, max_distance: float | Array = np.inf
     ) -> tuple[Integers, Array]:
-        """((M,) triangle or -1, (M,) distance in m or inf) for rays from (M, 3) origins along (M, 3) unit directions.
+        """((M,) triangle or -1, (M,) distance in m or inf): the first half of `hits`."""
+        found = self.hits(origins, directions, max_distance)
+        return found.faces, found.distances
+
+    def hits(self, origins: Array, directions: Array, max_distance: float | Array = np.inf) -> RayHits:
+        """First hits of M rays from (M, 3) origins (m) along (M, 3) unit directions.
 
         Both sides of a triangle are hit.  `max_distance` is one number or one for each ray.  A ray that is not
         finite misses.
@@ -68,13 +85,18 @@ class RayCaster:
             raise ValueError("Origins and directions must both be of shape (M, 3).")
         count = len(origins)
         if self._scene is None or count == 0:
-            return np.full(count, -1, dtype=np.int64), np.full(count, np.inf)
-        limit = np.minimum(np.broadcast_to(max_distance, (count,)), 1e30).astype(np.float32)
-        start = np.ascontiguousarray(origins - self._centre, dtype=np.float32)
-        along = np.ascontiguousarray(directions, dtype=np.float32)
-        sound = np.isfinite(start).all(axis=1) & np.isfinite(along).all(axis=1)
-        if not sound.all():
-            start[~sound], along[~sound], limit[~sound] = 0.0, (0.0, 0.0, 1.0), -1.0
+            return RayHits(np.full(count, -1, dtype=np.int64), np.full(count, np.inf), *np.zeros((2, count)))
+        limit = np.zeros(count, dtype=np.float32)
+        limit[:] = np.minimum(max_distance, 1e30)
+        start = np.asarray(origins - self._centre, dtype=np.float32, order="C")
+        along = np.asarray(directions, dtype=np.float32, order="C")
+        if not (np.isfinite(start).all() and np.isfinite(along).all()):
+            sound = np.isfinite(start).all(axis=1) & np.isfinite(along).all(axis=1)
+            start, along = np.where(sound[:, None], start, np.float32(0.0)), along.copy()
+            along[~sound], limit[~sound] = (0.0, 0.0, 1.0), -1.0
         hits = self._scene.run(start, along, dists=limit, output=True)
         faces = hits["primID"].astype(np.int64)
-        return faces, np.where(faces >= 0, hits["tfar"].astype(np.float64), np.inf)
+        missed = faces < 0
+        distances, second, third = (hits[key].astype(np.float64) for key in ("tfar", "u", "v"))
+        distances[missed], second[missed], third[missed] = np.inf, 0.0, 0.0
+        return RayHits(faces, distances, second, third)
