@@ -184,3 +184,14 @@ def test_the_farthest_of_the_wrong_landmarks_is_named(tmp_path: Path, capsys: py
     arguments = ["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(tmp_path / "far.json"), "-o", str(tmp_path / "o")]
     assert main(arguments) == 2
     assert "umbilicus is 39" in capsys.readouterr().err
+
+
+def test_picks_that_were_not_followed_are_named_on_stderr(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    landmarks = document(EXAMPLE, "landmarks.json")
+    points = landmarks["landmarks"]
+    points["nipple_L"], points["nipple_R"] = points["nipple_R"], points["nipple_L"]
+    (tmp_path / "picks.json").write_text(json.dumps(landmarks))
+    arguments = ["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(tmp_path / "picks.json"), "-o", str(tmp_path)]
+    assert main(arguments) == 0
+    told = capsys.readouterr().err.splitlines()
+    assert told == ["breastrig: nipple_L and nipple_R look exchanged; they were not followed."]

@@ -147,6 +147,7 @@ export const text = {
     before: "Numbers, drawing and files for download.",
     save: "Download the fitted model",
     files: "Files",
+    doubts: "Check these landmarks",
     drawing: "Drawing on the scan",
     noDrawing: "No drawing was asked for.",
     shapeNote: "Dashed where the scan has a hole.",

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from apiflask.fields import UploadFile
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from breastrig.jobs.events import FitEvent
+from breastrig.jobs.events import DoubtedPick, FitEvent
 
 Units = Literal["auto", "m", "dm", "cm", "mm", "in"]
 StanceWish = Literal["auto", "standing", "supine"]
@@ -323,6 +323,7 @@ class ResultFile(Document):
     surface_distance_mm: SurfaceDistances
     scan_to_model_mm: Distances
     landmark_distance_mm: LandmarkDistances
+    landmarks_not_followed: list[DoubtedPick] = Field([], description="picks that cannot be right, by name")
     landmarks: dict[str, Three] = Field(description="of the fitted model, in the scan's frame and unit")
     parameters: ResultParameters
     notes: list[str]

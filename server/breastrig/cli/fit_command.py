@@ -64,6 +64,10 @@ def run(options: argparse.Namespace) -> int:
                 bar.set_postfix_str(f"{event.stage}, {event.mean_distance_mm:.2f} mm")
             elif isinstance(event, Done):
                 result = event.result
+    doubted = result["landmarks_not_followed"]
+    assert isinstance(doubted, list)
+    for pick in doubted:
+        print(f"breastrig: {pick['reason']}", file=sys.stderr)
     surface, landmarks = result["surface_distance_mm"], result["landmark_distance_mm"]
     assert isinstance(surface, dict)
     assert isinstance(landmarks, dict)

@@ -23,6 +23,13 @@ class NodePose(Event):
     weights: list[float] | None = Field(None, description="blendshape weights in the model's order (on the mesh node)")
 
 
+class DoubtedPick(Event):
+    """Picked landmarks that the fit did not follow."""
+
+    names: list[str] = Field(description="which ones")
+    reason: str = Field(description="one sentence")
+
+
 class Started(Event):
     kind: Literal["started"] = "started"
     stance: Literal["standing", "supine"]
@@ -32,6 +39,9 @@ class Started(Event):
     drawing: str | None
     iterations_limit: int
     notes: list[str] = Field(default=[], description="what reading and cleaning the scan found, one sentence each")
+    landmarks_not_followed: list[DoubtedPick] = Field(
+        default=[], description="picks that are doubted before the first step; `done` tells all of them"
+    )
 
 
 class Iterated(Event):
@@ -48,7 +58,7 @@ class Iterated(Event):
 
 class Done(Event):
     kind: Literal["done"] = "done"
-    result: dict[str, object] = Field(description="result.json")
+    result: dict[str, object] = Field(description="result.json; its landmarks_not_followed names every doubted pick")
 
 
 class Failed(Event):

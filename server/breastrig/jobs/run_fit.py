@@ -21,7 +21,7 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.refine import refined
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.jobs.events import Done, Event, Iterated, NodePose, Started
+from breastrig.jobs.events import Done, DoubtedPick, Event, Iterated, NodePose, Started
 from breastrig.jobs.fit_files import FitOutcome, write_fit_files
 from breastrig.least_squares.newton import Status
 from breastrig.report.distances import surface_distances
@@ -33,9 +33,7 @@ from breastrig.scan.orient import propose_frame
 from breastrig.scan.read import read_scan
 
 STANCES = ("auto", "standing", "supine")
-ALL_EXCHANGED = Doubt(
-    (), "Left and right of the landmarks look exchanged, or the scan is mirrored; no landmark was followed."
-)
+ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; no landmark was followed."
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
 
 
@@ -132,7 +130,7 @@ def run_fit(job: FitJob) -> Iterator[Event]:
     frame = propose_frame(target.vertices, target.faces)
     _warm(target)
     timing["prepare"] = lap()
-    exchanged = sides_exchanged(rig, picked)
+    exchanged = (Doubt(tuple(picked), ALL_EXCHANGED),) if sides_exchanged(rig, picked) else ()
     followed = {} if exchanged else picked
     start = best_start(rig, target, followed, frame.front)
     timing["align"] = lap()
@@ -146,6 +144,7 @@ def run_fit(job: FitJob) -> Iterator[Event]:
         drawing=job.drawing,
         iterations_limit=recipe.iterations_limit,
         notes=[*scan.notes, *surface.notes],
+        landmarks_not_followed=[DoubtedPick(names=list(each.names), reason=each.reason) for each in exchanged],
     )
     lap()
     iterates: list[tuple[FitIterate, RigParameters]] = []
@@ -174,7 +173,7 @@ def run_fit(job: FitJob) -> Iterator[Event]:
         timing["refine"] = lap()
     fitted_landmarks = rig.landmark_points().positions(vertices, rig.faces)
     found = dict(zip(rig.landmark_names, fitted_landmarks, strict=True))
-    doubtful = (ALL_EXCHANGED,) if exchanged else doubts(rig, found, followed)
+    doubtful = exchanged or doubts(rig, found, followed)
     distances = surface_distances(target, vertices, rig.faces)
     lines = on_scan(rig, vertices, drawing, target) if drawing else ()
     timing["total"] = time.perf_counter() - clock[0]

@@ -19,8 +19,16 @@ export type Distances = {
 
 export type Done = {
   kind?: "done";
-  /** result.json */
+  /** result.json; its landmarks_not_followed names every doubted pick */
   result: Record<string, unknown>;
+};
+
+/** Picked landmarks that the fit did not follow. */
+export type DoubtedPick = {
+  /** which ones */
+  names: string[];
+  /** one sentence */
+  reason: string;
 };
 
 /** drawing.json */
@@ -324,6 +332,8 @@ export type ResultFile = {
   surface_distance_mm: SurfaceDistances;
   scan_to_model_mm: Distances;
   landmark_distance_mm: LandmarkDistances;
+  /** picks that cannot be right, by name */
+  landmarks_not_followed?: DoubtedPick[];
   /** of the fitted model, in the scan's frame and unit */
   landmarks: Record<string, [number, number, number]>;
   parameters: ResultParameters;
@@ -391,6 +401,8 @@ export type Started = {
   iterations_limit: number;
   /** what reading and cleaning the scan found, one sentence each */
   notes?: string[];
+  /** picks that are doubted before the first step; `done` tells all of them */
+  landmarks_not_followed?: DoubtedPick[];
 };
 
 export type SurfaceDistances = {

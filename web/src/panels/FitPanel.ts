@@ -2,6 +2,7 @@
 import type { Actions } from "../actions";
 import type { StanceChoice } from "../api/types";
 import { el, setText, show } from "../dom";
+import { doubtSentences, labelsOf } from "../state/doubts";
 import { ENOUGH } from "../state/landmarks";
 import { isFitting, pickCount, type Session, shownIteration } from "../state/session";
 import { text } from "../text";
@@ -19,9 +20,10 @@ export function createFitPanel(actions: Actions, dismiss: () => void): Panel {
   const cancel = button(text.fit.cancel, () => void actions.fit.cancel(), "quiet outlined wide");
   const running = el("div", { class: "running", hidden: true }, phase, progress, retrying, cancel);
   const cancelled = el("p", { class: "muted", hidden: true }, text.fit.cancelled);
+  const doubts = el("p", { class: "look-here", hidden: true });
   const notes = el("div", { class: "reasons" });
   const wrong = problem(dismiss);
-  const element = el("div", { class: "panel" }, wrong.element, drawing.element, stance.element, preset.element, hint, running, cancelled, notes);
+  const element = el("div", { class: "panel" }, wrong.element, drawing.element, stance.element, preset.element, hint, running, cancelled, doubts, notes);
   return {
     element,
     update(state: Session): void {
@@ -43,6 +45,9 @@ export function createFitPanel(actions: Actions, dismiss: () => void): Panel {
       else progress.removeAttribute("value");
       show(retrying, fit !== null && !fit.isConnected);
       show(cancelled, fit?.state === "cancelled");
+      const doubted = fit ? doubtSentences(fit, labelsOf(meta?.landmarks)) : [];
+      show(doubts, doubted.length > 0);
+      setText(doubts, doubted.join(" "));
       const sentences = [...new Set([fit?.started?.stance_reason ?? "", ...(fit?.started?.notes ?? [])])].filter((each) => each !== "");
       setText(notes, sentences.join(" "));
       wrong.set(state.problems.fit);

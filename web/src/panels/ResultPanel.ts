@@ -1,5 +1,6 @@
 // Step 4: the drawing's parts and the files to take away.
 import { el, fill, icon, setText, show } from "../dom";
+import { doubtSentences, labelsOf } from "../state/doubts";
 import type { Session } from "../state/session";
 import { text } from "../text";
 import type { Panel } from "./Panel";
@@ -12,13 +13,18 @@ export function createResultPanel(): Panel {
   const files = el("ul", { class: "files" });
   const drawing = el("div", {}, el("p", { class: "label" }, text.result.drawing), shapes, note);
   const downloads = el("div", {}, el("p", { class: "label" }, text.result.files), files);
-  const element = el("div", { class: "panel" }, drawing, downloads);
+  const doubted = el("ul", { class: "reasons" });
+  const doubts = el("div", { class: "look-here", hidden: true }, el("p", { class: "label" }, text.result.doubts), doubted);
+  const element = el("div", { class: "panel" }, doubts, drawing, downloads);
   return {
     element,
     update(state: Session): void {
       const fit = state.fit;
       const isDone = fit?.state === "done";
       show(downloads, isDone);
+      const sentences = isDone ? doubtSentences(fit, labelsOf(state.meta?.landmarks)) : [];
+      show(doubts, sentences.length > 0);
+      fill(doubted, sentences, () => sentences.map((sentence) => el("li", {}, sentence)));
       const model = state.model?.side.drawings.find((each) => each.name === fit?.drawingName);
       const names = fit?.drawing?.shapes.map((shape) => model?.shapes.find((each) => each.name === shape.name)?.label ?? shape.name).map(plainStart) ?? [];
       fill(shapes, names, () => names.map((name) => el("li", {}, el("span", { class: "stroke", "aria-hidden": "true" }), name)));
