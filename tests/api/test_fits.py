@@ -12,7 +12,7 @@ from breastrig.jobs.iteration_file import parameters_of
 from breastrig.jobs.service import Service
 from breastrig.storage.fits import get_fit
 
-PERSONAL = "private, max-age=3600, immutable"
+PERSONAL = "private, no-cache"
 
 
 def test_a_fit_is_accepted_carried_out_and_described(client: FlaskClient, service: Service, scan_id: str) -> None:
@@ -108,6 +108,22 @@ def test_results_are_files_with_an_etag_that_the_browser_may_keep(
     assert answer.headers["Content-Disposition"] == f"attachment; filename={name}"
     again = client.get(f"/api/fits/{fit_id}/{name}", headers={"If-None-Match": answer.headers["ETag"]})
     assert (again.status_code, again.data) == (304, b"")
+
+
+def test_what_a_browser_has_kept_is_worth_nothing_after_delete(client: FlaskClient, scan_id: str, fit_id: str) -> None:
+    fit = f"/api/fits/{fit_id}"
+    places = [f"{fit}/{name}" for name in ("result.json", "fitted.glb", "fitted.ply", "drawing.json")]
+    places += [f"{fit}/iterations/0.gltf", f"/api/scans/{scan_id}/mesh.glb"]
+    kept = {place: client.get(place).headers["ETag"] for place in places}
+    client.delete(f"/api/scans/{scan_id}")
+    for place, tag in kept.items():
+        problem(client.get(place, headers={"If-None-Match": tag}), 404)
+
+
+def test_a_range_beyond_the_end_is_refused(client: FlaskClient, fit_id: str) -> None:
+    for place in ("fitted.glb", "iterations/0.gltf"):
+        answer = client.get(f"/api/fits/{fit_id}/{place}", headers={"Range": "bytes=90000000-"})
+        assert "range" in problem(answer, 416)
 
 
 def test_an_iteration_is_a_complete_gltf_of_what_the_event_said(client: FlaskClient, fit_id: str) -> None:

@@ -57,7 +57,7 @@ def test_the_mesh_for_display_is_a_glb_that_the_browser_may_keep(client: FlaskCl
     assert answer.status_code == 200
     assert answer.mimetype == "model/gltf-binary"
     assert answer.data[:4] == b"glTF"
-    assert answer.headers["Cache-Control"] == "private, max-age=3600, immutable"
+    assert answer.headers["Cache-Control"] == "private, no-cache"
     again = client.get(f"/api/scans/{scan_id}/mesh.glb", headers={"If-None-Match": answer.headers["ETag"]})
     assert (again.status_code, again.data) == (304, b"")
     part = client.get(f"/api/scans/{scan_id}/mesh.glb", headers={"Range": "bytes=0-3"})

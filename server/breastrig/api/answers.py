@@ -1,7 +1,8 @@
 """How files are answered: with an ETag, with ranges, and with the caching that fits what they are.
 
-Results never change once they are written, so a browser may keep them; but they show a person's body, so only
-the browser that asked may (`private`), and only for an hour, because DELETE must not be outlived for long.  The
+Results never change once they are written, but they show a person's body, and DELETE must not be outlived: only
+the browser that asked may keep them (`private`), and it must ask each time before it shows them again
+(`no-cache`).  Most often the answer is a short 304; after a DELETE it is 404, and the copy is of no use.  The
 model shows nobody and its address holds its hash: it may be kept for ever, by anyone.
 """
 
@@ -12,7 +13,7 @@ from typing import Any
 from flask import Response, request, send_file
 
 FOR_EVER = "public, max-age=31536000, immutable"
-PERSONAL = "private, max-age=3600, immutable"
+PERSONAL = "private, no-cache"
 CHECK_AGAIN = "no-cache"
 
 GLB = "model/gltf-binary"

@@ -24,6 +24,7 @@ SENTENCES = {
     405: "This address does not take {method}; /api/docs lists what it takes.",
     413: "The request is larger than this service takes.",
     415: "The request's content type is not the one that this address takes.",
+    416: "The range that was asked for lies beyond the end of this file.",
     500: "Something went wrong inside BreastRig; the server's log says what.",
 }
 
