@@ -19,9 +19,9 @@ def boundary_edges(faces: Integers) -> Integers:
     if len(faces) == 0:
         return np.zeros((0, 2), dtype=np.int64)
     edges = directed_edges(faces).astype(np.int64)
-    low, high = edges.min(axis=1), edges.max(axis=1)
+    low, high = np.minimum(edges[:, 0], edges[:, 1]), np.maximum(edges[:, 0], edges[:, 1])
     key = low * (high.max() + 1) + high
-    order = np.argsort(key, kind="stable")
+    order = np.argsort(key)
     ordered = key[order]
     changes = ordered[1:] != ordered[:-1]
     alone = np.concatenate([[True], changes]) & np.concatenate([changes, [True]])

@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan
+from breastrig.geometry.normals import face_areas
 from breastrig.scan.scan import Scan
 from breastrig.scan.winding import outwards
 
@@ -39,9 +40,7 @@ def welded(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
 
 def without_degenerate(vertices: Array, faces: Integers) -> Integers:
     """Triangles with an area."""
-    a, b, c = (vertices[faces[:, i]] for i in range(3))
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    return np.asarray(faces[area > 1e-12])
+    return np.asarray(faces[2.0 * face_areas(vertices, faces) > 1e-12])
 
 
 def without_fragments(vertices: Array, faces: Integers) -> tuple[Integers, int]:

@@ -11,18 +11,20 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.geometry.normals import face_crosses
 
 ROUND = 0.2  # mean cosine between normals and the arms from the piece's middle: a plane has 0, a ball 1, a torso 0.5
 
 
 def _neighbours(faces: Integers) -> tuple[Integers, Integers, Booleans]:
     """Pairs of triangles that share an edge with exactly one other, and whether they disagree along it."""
-    ends = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    forward = ends[:, 0] < ends[:, 1]
+    start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    forward = start < end
     size = int(faces.max()) + 1
-    key = ends.min(axis=1) * size + ends.max(axis=1)
+    key = np.minimum(start, end) * size + np.maximum(start, end)
     order = np.argsort(key, kind="stable")
-    same = key[order][1:] == key[order][:-1]
+    ordered = key[order]
+    same = ordered[1:] == ordered[:-1]
     alone = same & ~np.append(same[1:], False) & ~np.insert(same[:-1], 0, False)  # edges of exactly two triangles
     first, second = order[:-1][alone], order[1:][alone]
     return first // 3, second // 3, forward[first] == forward[second]
@@ -34,16 +36,16 @@ def consistent(faces: Integers) -> tuple[Integers, Integers]:
     count = len(faces)
     graph = sp.csr_array((np.where(differ, 2.0, 1.0), (a, b)), shape=(count, count))
     graph = (graph + graph.T).tocsr()
-    _, piece = connected_components(graph, directed=False)
+    pieces, piece = connected_components(graph, directed=False)
     if not differ.any():
         return faces, piece.astype(np.int64)
-    parent, flipped = np.arange(count), np.zeros(count, dtype=np.bool_)
-    for root in np.unique(piece, return_index=True)[1]:
-        order, before = breadth_first_order(graph, root, directed=False)
-        children = order[1:]
-        parent[children] = before[children]
-    weights = np.asarray(graph[np.arange(count), parent]).ravel()
-    flipped = weights == 2.0
+    # one walk for all pieces: from a node of its own that leads to the first triangle of each
+    roots = np.unique(piece, return_index=True)[1]
+    start = sp.csr_array((np.ones(pieces), roots, [0, pieces]), shape=(1, count))
+    walk = sp.block_array([[graph, None], [start, sp.csr_array((1, 1))]], format="csr")
+    before = breadth_first_order(walk, count, directed=True)[1][:count].astype(np.int64)
+    parent = np.where(before == count, np.arange(count), before)
+    flipped = np.asarray(graph[np.arange(count), parent]).ravel() == 2.0
     while (parent != parent[parent]).any():
         flipped = flipped ^ flipped[parent]
         parent = parent[parent]
@@ -56,9 +58,8 @@ def outwards(vertices: Array, faces: Integers) -> tuple[Integers, int]:
     A flat piece (a table, a scrap) has no inside: it faces the side that the largest curved piece was seen from.
     """
     turned, piece = consistent(faces)
-    corners = vertices[turned]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    middle = corners.mean(axis=1)
+    normals = face_crosses(vertices, turned)
+    middle = (vertices[turned[:, 0]] + vertices[turned[:, 1]] + vertices[turned[:, 2]]) / 3.0
     area = np.linalg.norm(normals, axis=1)
 
     def summed(values: Array) -> Array:
