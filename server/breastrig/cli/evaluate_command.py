@@ -1,67 +1,101 @@
-"""`breastrig evaluate COHORT -o DIR`: the paper's Table 1 and the study of the landmarks on a folder of patients."""
+"""`breastrig evaluate COHORT -o DIR`: how good is the fit?  Tables, figures and a page from a folder of patients.
+
+Finished work is kept in DIR/work: an interrupted run goes on where it was, and a changed input is measured anew.
+"""
 
 import argparse
-import hashlib
-import json
-import multiprocessing
 import os
 import sys
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
-from typing import Any
 
-from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
-from breastrig.evaluation.cohort import Case, read_cohort
-from breastrig.evaluation.measure import evaluate_case
-from breastrig.evaluation.tables import LANDMARKS, TABLE_1, as_csv, as_text
-from breastrig.fitting.recipe import Recipe, load_recipe
-from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.core.errors import BadInput
+from breastrig.evaluation.cohort import read_cohort
+from breastrig.evaluation.evaluate import measured, written
+from breastrig.evaluation.plan import QUICK_ROTATIONS, ROTATIONS, Plan
+from breastrig.evaluation.tables import console
+from breastrig.fitting.recipe import load_recipe
+from breastrig.gltf.read_rig import default_rig_path
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     parser = commands.add_parser("evaluate", help="measure the fit on a folder of patients", description=__doc__)
-    parser.add_argument("cohort", type=Path, metavar="COHORT", help="PATIENT/STANCE/{scan.ply, landmarks.json, ...}")
-    parser.add_argument("--preset", default="default", metavar="NAME", help="default, paper, or a TOML file")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="cases at a time")
-    parser.add_argument("--again", action="store_true", help="measure finished cases again")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    parser.add_argument(
+        "cohort", type=Path, nargs="?", metavar="COHORT", help="PATIENT/STANCE/{scan.ply, landmarks.json, ...}"
+    )
+    parser.add_argument("--virtual", action="store_true", help="make the virtual cohort into DIR/cohort and take it")
+    parser.add_argument(
+        "--preset",
+        action="append",
+        metavar="NAME",
+        help="default, paper, or a TOML file; may be given several times, the first one is studied (default, paper)",
+    )
+    parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
+    parser.add_argument("--quick", action="store_true", help="Table 1 and the study of the landmarks only")
+    parser.add_argument(
+        "--rotations",
+        type=int,
+        metavar="N",
+        help=f"random orientations of each scan ({ROTATIONS}, quick {QUICK_ROTATIONS}); 0 for none",
+    )
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="processes at a time")
+    parser.add_argument("--again", action="store_true", help="measure finished work again")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results")
     parser.set_defaults(run=run)
 
 
-def _measured(case: Case, recipe: Recipe) -> dict[str, Any]:
-    with threadpool_limits(1):
-        return evaluate_case(case, read_rig(default_rig_path()), recipe)
+def _cohort(options: argparse.Namespace) -> Path:
+    """The folder of the patients; the virtual ones are made when they are not there yet."""
+    if options.virtual and options.cohort is not None:
+        raise BadInput("Give a COHORT folder or --virtual, not both.")
+    if not options.virtual:
+        if options.cohort is None:
+            raise BadInput("Give a COHORT folder, or --virtual for the virtual patients.")
+        return Path(options.cohort)
+    folder = Path(options.output) / "cohort"
+    if not any(folder.glob("*/*/scan.ply")):
+        from breastrig.evaluation.virtual import make_cohort
+
+        folder.mkdir(parents=True, exist_ok=True)
+        with tqdm(unit="scan", disable=not sys.stderr.isatty(), leave=False, desc="virtual patients") as bar:
+
+            def told(what: str) -> None:
+                bar.set_postfix_str(what)
+                bar.update()
+
+            make_cohort(folder, told)
+    return folder
 
 
-def _kept(folder: Path, case: Case, recipe: Recipe, model: str) -> Path:
-    """The file of a finished case: other input files, another model or preset give it another name."""
-    key = hashlib.sha256((model + recipe.model_dump_json()).encode())
-    for file in ("scan.ply", "landmarks.json", "case.json", "truth.ply"):
-        key.update((case.folder / file).read_bytes() if (case.folder / file).is_file() else b"-")
-    return folder / f"{case.patient}-{case.name}-{key.hexdigest()[:12]}.json"
+def _plan(options: argparse.Namespace) -> Plan:
+    if options.jobs < 1:
+        raise BadInput("--jobs must be 1 or more.")
+    rotations = options.rotations
+    if rotations is None:
+        rotations = QUICK_ROTATIONS if options.quick else ROTATIONS
+    if rotations < 0:
+        raise BadInput("--rotations must be 0 or more.")
+    recipes = tuple(load_recipe(name) for name in options.preset or ("default", "paper"))
+    if len({recipe.name for recipe in recipes}) < len(recipes):
+        raise BadInput("Two presets have the same name; give each a name of its own.")
+    model = Path(options.model or default_rig_path())
+    return Plan(read_cohort(_cohort(options)), recipes, model, rotations, options.quick)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Measures what is not yet measured, writes the tables, prints the means; returns 0."""
-    cases, recipe = read_cohort(options.cohort), load_recipe(options.preset)
-    finished = options.output / "cases"
-    finished.mkdir(parents=True, exist_ok=True)
-    model = read_rig(default_rig_path()).sha256
-    files = {case: _kept(finished, case, recipe, model) for case in cases}
-    missing = [case for case in cases if options.again or not files[case].is_file()]
-    context = multiprocessing.get_context("spawn")
-    with (
-        ProcessPoolExecutor(max(1, options.jobs), mp_context=context) as pool,
-        tqdm(total=len(missing), unit="case", disable=not sys.stderr.isatty(), leave=False) as bar,
-    ):
-        running = {pool.submit(_measured, case, recipe): case for case in missing}
-        for future in as_completed(running):
-            files[running[future]].write_text(json.dumps(future.result(), indent=1) + "\n")
+    """Measures what is not yet measured, writes everything, prints the means; returns 0."""
+    plan = _plan(options)
+    options.output.mkdir(parents=True, exist_ok=True)
+    with tqdm(unit="fit", disable=not sys.stderr.isatty(), leave=False, smoothing=0.1) as bar:
+
+        def progress(total: int, label: str) -> None:
+            bar.total = total
+            bar.set_postfix_str(label, refresh=False)
             bar.update()
-    numbers = [json.loads(files[case].read_text()) for case in cases]
-    (options.output / "table1.csv").write_text(as_csv(numbers, TABLE_1))
-    (options.output / "landmarks.csv").write_text(as_csv(numbers, LANDMARKS))
-    print(as_text(numbers))
+
+        results = measured(plan, options.output, options.jobs, options.again, progress)
+    files = written(results, options.output)
+    print(console(results.records, plan.recipes[0].name))
+    print(f"{len(files)} files stand in {options.output}.")
     return 0

@@ -1,0 +1,44 @@
+"""The questions by name, each as a function of cases, rig, recipe and its own settings."""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
+from breastrig.evaluation.cohort import Case
+from breastrig.evaluation.questions import accuracy, landmark_study, orientation_study, peers, sensitivity
+from breastrig.evaluation.questions.scene import read_scene
+from breastrig.fitting.recipe import Recipe
+from breastrig.rig.model import Rig
+
+Answer = Callable[..., dict[str, Any]]
+
+
+def _of_one_case(question: Answer) -> Answer:
+    @wraps(question)
+    def answer(cases: tuple[Case, ...], rig: Rig, recipe: Recipe, **settings: Any) -> dict[str, Any]:
+        (case,) = cases
+        return question(read_scene(case), rig, recipe, **settings)
+
+    return answer
+
+
+def two_stances(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[str, Any]:
+    """The gain of fitting two stances of one patient together."""
+    from breastrig.evaluation.two_stances import gain
+
+    return {"rows": gain(cases, rig, recipe, lambda _: None)}
+
+
+ANSWERS: dict[str, Answer] = {
+    "accuracy": _of_one_case(accuracy.accuracy),
+    "halves": _of_one_case(landmark_study.halves),
+    "no_landmarks": _of_one_case(landmark_study.no_landmarks),
+    "clicks": _of_one_case(landmark_study.clicks),
+    "one_wrong": _of_one_case(landmark_study.one_wrong),
+    "exchanged_sides": _of_one_case(landmark_study.exchanged_sides),
+    "random_turns": _of_one_case(orientation_study.random_turns),
+    "compliance": _of_one_case(sensitivity.compliance),
+    "shape_count": _of_one_case(sensitivity.shape_count),
+    "peer": _of_one_case(peers.peer),
+    "two_stances": two_stances,
+}

@@ -1,0 +1,62 @@
+"""The whole evaluation: measure what is not yet measured, then write tables, figures and the page."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from breastrig.evaluation import tables
+from breastrig.evaluation.plan import Plan, shape_effects
+from breastrig.evaluation.table import Table
+from breastrig.evaluation.work import Record, records
+from breastrig.gltf.read_rig import read_rig
+
+WORK = "work"  # folder of the records
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """Everything that was measured."""
+
+    plan: Plan
+    records: list[Record]
+    useful: dict[str, dict[str, float]]  # setting -> shape -> mm, best first
+
+
+def measured(plan: Plan, folder: Path, jobs: int, again: bool, progress: Callable[[int, str], None]) -> Results:
+    """All answers of the plan, kept under folder/work; `progress` is told the number of units and each one's end."""
+    rig = read_rig(plan.model)
+    first = plan.first_round()
+    rehearsal = {case.name: rig.shape_names for case in plan.cases}
+    total = len(first) + len(plan.second_round(rig, rehearsal))  # about: some shape sets are the same in both orders
+    found = records(first, folder / WORK, jobs, again, lambda label: progress(total, label))
+    useful = shape_effects(tables.of(found, "accuracy", plan.recipes[0].name), rig)
+    second = plan.second_round(rig, {name: tuple(effects) for name, effects in useful.items()})
+    if second:
+        total = len(first) + len(second)
+        found += records(second, folder / WORK, jobs, again, lambda label: progress(total, label))
+    return Results(plan, found, useful)
+
+
+def all_tables(results: Results) -> list[Table]:
+    """Every table that has rows, Table 1 first."""
+    found, presets = results.records, [recipe.name for recipe in results.plan.recipes]
+    made = [
+        tables.table_1(found, presets[0]),
+        tables.refined_table(found, presets[0]),
+        tables.presets_table(found, presets),
+        tables.landmarks_table(found, presets[0]),
+        tables.turns_table(found),
+        tables.clicks_table(found),
+        tables.wrong_picks_table(found),
+        tables.failures_table(found),
+    ]
+    return [table for table in made if table.rows]
+
+
+def written(results: Results, folder: Path) -> list[Path]:
+    """Writes the CSV files and returns what was written."""
+    files = []
+    for table in all_tables(results):
+        files.append(folder / f"{table.name}.csv")
+        files[-1].write_text(table.csv(), "utf-8")
+    return files
