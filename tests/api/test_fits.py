@@ -1,16 +1,19 @@
+import io
 import json
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 from flask.testing import FlaskClient
 from helpers import fake_fit
+from helpers.on_disk import bytes_below
 from helpers.problems import problem
 from helpers.toy_rig import toy_rig
 from helpers.waiting import ended, until
 
 from breastrig.jobs.iteration_file import parameters_of
 from breastrig.jobs.service import Service
-from breastrig.storage.fits import get_fit
+from breastrig.storage.fits import FitWish, Once, fit_ids, get_fit
 
 PERSONAL = "private, no-cache"
 
@@ -81,6 +84,52 @@ def test_refining_is_asked_for_and_carried_out(client: FlaskClient, service: Ser
 )
 def test_a_fit_that_cannot_be_meant_is_refused(client: FlaskClient, scan_id: str, body, word: str) -> None:
     assert word in problem(client.post("/api/fits", json={"scan": scan_id, "drawing": None, **body}), 422)
+
+
+def test_a_request_that_is_sent_again_with_its_key_starts_no_second_fit(
+    client: FlaskClient, service: Service, scan_id: str
+) -> None:
+    def ask(key: str | None, **more: object):
+        headers = {} if key is None else {"Idempotency-Key": key}
+        return client.post("/api/fits", json={"scan": scan_id, "drawing": None, **more}, headers=headers)
+
+    first = ask("a-key")
+    ended(service, first.json["id"])
+    client.put(f"/api/scans/{scan_id}/landmarks", json={"landmarks": {"nipple_L": [70.0, 350.0, 120.0]}})
+    again = ask("a-key", stance="auto")  # a default that is spelt out is the same request
+    assert (again.status_code, again.json) == (202, first.json)
+    assert "another request" in problem(ask("a-key", stance="supine"), 422)
+    others = [ask("another-key"), ask(None), ask(None)]
+    assert len({answer.json["id"] for answer in (first, *others)}) == 4
+    assert len(list((service.storage.root / "fits").iterdir())) == len(fit_ids(service.storage))
+    for answer in others:
+        ended(service, answer.json["id"])
+    assert b"a-key" not in bytes_below(service.storage.root)
+
+
+def test_a_key_is_forgotten_with_its_fit(client: FlaskClient, service: Service, torso: bytes) -> None:
+    ids = []
+    for _ in range(2):
+        scan = client.post("/api/scans", data={"file": (io.BytesIO(torso), "torso.ply")}).json["id"]
+        answer = client.post("/api/fits", json={"scan": scan, "drawing": None}, headers={"Idempotency-Key": "k"})
+        assert answer.status_code == 202
+        ids.append(answer.json["id"])
+        client.delete(f"/api/scans/{scan}")
+    assert ids[0] != ids[1]
+
+
+def test_many_threads_with_one_key_get_one_fit(client: FlaskClient, service: Service, scan_id: str) -> None:
+    wish, once = FitWish(scan=scan_id, landmarks_mm={}), Once.of("key", "request")
+    with ThreadPoolExecutor(8) as threads:
+        made = set(threads.map(lambda _: service.add_fit(wish, once), range(16)))
+    assert len(made) == 1
+    ended(service, made.pop())
+
+
+@pytest.mark.parametrize("key", ["", " ", "a b", "x" * 256, "é"])
+def test_a_key_that_is_none_is_refused(client: FlaskClient, scan_id: str, key: str) -> None:
+    answer = client.post("/api/fits", json={"scan": scan_id, "drawing": None}, headers={"Idempotency-Key": key})
+    assert "Idempotency-Key" in problem(answer, 400)
 
 
 def test_a_fit_of_no_scan_is_refused(client: FlaskClient) -> None:

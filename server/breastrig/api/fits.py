@@ -1,5 +1,7 @@
 """Fits: ask for one, look at it, cancel it, fetch what it made."""
 
+import re
+
 from apiflask import APIBlueprint
 from flask import Response
 
@@ -7,10 +9,11 @@ from breastrig.api import wire
 from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answer, file_answer, file_of
 from breastrig.api.current import behind
 from breastrig.api.landmark_check import check_landmarks
+from breastrig.api.security import refuse
 from breastrig.core.errors import BadDrawing, BadSettings, Conflict, NotFound, unknown_name
 from breastrig.fitting.recipe import preset_names
 from breastrig.jobs.iteration_file import iteration_gltf
-from breastrig.storage.fits import FitRow, FitWish, get_fit
+from breastrig.storage.fits import FitRow, FitWish, Once, get_fit
 from breastrig.storage.scans import get_landmarks, get_scan
 
 FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it live, fetch the results."}
@@ -22,10 +25,17 @@ MEDIA_TYPES = {"result.json": JSON, "fitted.glb": GLB, "fitted.ply": BINARY, "dr
 
 @fits.post("")
 @fits.input(wire.FitRequest)
+@fits.input(wire.FitHeaders, location="headers")
 @fits.output(wire.FitAccepted, status_code=202, description="The fit waits for a worker")
 @fits.doc(operation_id="startFit", responses={404: "No such scan"})
-def start_fit(json_data: wire.FitRequest) -> tuple[wire.FitAccepted, int, dict[str, str]]:
-    """Fit the model to a scan"""
+def start_fit(
+    json_data: wire.FitRequest, headers_data: wire.FitHeaders
+) -> tuple[wire.FitAccepted, int, dict[str, str]]:
+    """Fit the model to a scan
+
+    With an `Idempotency-Key` the same request may be sent again: it is answered with the fit that it started
+    first, as long as that fit is kept.  The same key with another request gives 422.
+    """
     here = behind()
     storage = here.service.storage
     scan = get_scan(storage, json_data.scan)
@@ -47,9 +57,17 @@ def start_fit(json_data: wire.FitRequest) -> tuple[wire.FitAccepted, int, dict[s
         landmarks_mm=landmarks,
         refine=json_data.refine,
     )
-    fit_id = here.service.add_fit(wish)
+    fit_id = here.service.add_fit(wish, _once(headers_data.idempotency_key, json_data))
     links = fit_links(fit_id)
     return wire.FitAccepted(id=fit_id, links=links), 202, {"Location": links.self}
+
+
+def _once(key: str | None, asked: wire.FitRequest) -> Once | None:
+    if key is None:
+        return None
+    if not re.fullmatch(r"[\x21-\x7e]{1,255}", key):
+        raise refuse(400, "An Idempotency-Key is 1 to 255 visible ASCII characters; a random UUID is a good one.")
+    return Once.of(key, asked.model_dump_json())
 
 
 @fits.get("/<fit_id>")

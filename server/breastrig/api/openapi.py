@@ -26,8 +26,8 @@ def finish_document(document: dict[str, Any]) -> dict[str, Any]:
         schemas.pop(unwanted, None)
     schemas["Problem"] = wire.Problem.model_json_schema(ref_template=REFERENCE + "{model}")
     schemas.update(_renamed(schemas["Problem"].pop("$defs", {})))
-    for schema in schemas.values():
-        _drop_null_defaults(schema)
+    for part in (*schemas.values(), document["paths"]):
+        _drop_null_defaults(part)
     for methods in document["paths"].values():
         for operation in methods.values():
             _describe_errors(operation)

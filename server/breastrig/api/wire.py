@@ -106,6 +106,15 @@ class FitRequest(Wire):
     )
 
 
+class FitHeaders(BaseModel):
+    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+    idempotency_key: str | None = Field(
+        None,
+        alias="Idempotency-Key",
+        description="1 to 255 visible ASCII characters; the same request with the same key starts no second fit",
+    )
+
+
 class FitLinks(Wire):
     self: str
     events: str

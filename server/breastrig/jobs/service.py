@@ -29,7 +29,7 @@ from breastrig.jobs.read_upload import UploadJob, read_upload
 from breastrig.jobs.run_fit import run_fit
 from breastrig.storage import scans as scan_rows
 from breastrig.storage.events import StoredEvent
-from breastrig.storage.fits import FitRow, FitWish, add_fit, fit_ids, fits_of_scan
+from breastrig.storage.fits import FitRow, FitWish, Once, add_fit, fit_ids, fits_of_scan
 from breastrig.storage.folders import new_id
 from breastrig.storage.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, utc_now
@@ -151,16 +151,22 @@ class Service:
             row = self.add_scan(source, "ply", "auto")
         return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
 
-    def add_fit(self, wish: FitWish) -> str:
-        """Puts a fit into the queue; its id.  Raises NotFound when the scan is gone."""
+    def add_fit(self, wish: FitWish, once: Once | None = None) -> str:
+        """Puts a fit into the queue; its id.  The same request `once` more gives the id of the first.
+
+        Raises NotFound when the scan is gone, BadInput when `once` has the key of another request.
+        """
         fit_id = new_id()
         folder = self.storage.folders.fit(fit_id)
         self.storage.folders.make(folder)
         try:
-            add_fit(self.storage, fit_id, utc_now(), wish)
+            made = add_fit(self.storage, fit_id, utc_now(), wish, once)
         except BaseException:
             self.storage.folders.remove(folder)
             raise
+        if made != fit_id:
+            self.storage.folders.remove(folder)
+            return made
         self._queue.wake()
         return fit_id
 

@@ -1,12 +1,13 @@
 """Rows of fits.  The table is also the queue: the oldest queued row is the next to run."""
 
+import hashlib
 import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from sqlalchemy import Row, func, insert, select, update
+from sqlalchemy import Connection, Row, func, insert, select, update
 
-from breastrig.core.errors import NotFound
+from breastrig.core.errors import BadInput, NotFound
 from breastrig.storage import schema
 from breastrig.storage.scans import Points
 from breastrig.storage.storage import Storage
@@ -43,9 +44,30 @@ class FitRow(FitWish):
         return self.state in ENDED
 
 
-def add_fit(storage: Storage, fit_id: str, created_at: str, wish: FitWish) -> None:
-    """Puts a fit at the end of the queue.  Raises NotFound when the scan is gone."""
+@dataclass(frozen=True)
+class Once:
+    """A request that may be sent again without being carried out again."""
+
+    key_sha256: str
+    request_sha256: str
+
+    @classmethod
+    def of(cls, key: str, request: str) -> "Once":
+        """From the Idempotency-Key and the request's text."""
+        key_sha256, request_sha256 = (hashlib.sha256(text.encode()).hexdigest() for text in (key, request))
+        return cls(key_sha256, request_sha256)
+
+
+def add_fit(storage: Storage, fit_id: str, created_at: str, wish: FitWish, once: Once | None = None) -> str:
+    """Puts a fit at the end of the queue; its id, or that of the fit which the same request has made before.
+
+    Raises NotFound when the scan is gone, BadInput when the key came with another request.
+    """
     with storage.database.writing() as connection:
+        if once is not None:
+            made = _made_before(connection, once)
+            if made is not None:
+                return made
         if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == wish.scan)).first() is None:
             raise NotFound("There is no such scan; it may have been deleted.")
         place = connection.execute(select(func.coalesce(func.max(schema.fits.c.place), 0) + 1)).scalar_one()
@@ -60,6 +82,19 @@ def add_fit(storage: Storage, fit_id: str, created_at: str, wish: FitWish) -> No
             "iterations": 0,
         }
         connection.execute(insert(schema.fits).values(values))
+        if once is not None:
+            connection.execute(insert(schema.asked_once).values(fit=fit_id, **asdict(once)))
+    return fit_id
+
+
+def _made_before(connection: Connection, once: Once) -> str | None:
+    table = schema.asked_once
+    row = connection.execute(select(table).where(table.c.key_sha256 == once.key_sha256)).one_or_none()
+    if row is None:
+        return None
+    if row.request_sha256 != once.request_sha256:
+        raise BadInput("This Idempotency-Key came with another request before; use a new key for a new fit.")
+    return str(row.fit)
 
 
 def get_fit(storage: Storage, fit_id: str) -> FitRow:

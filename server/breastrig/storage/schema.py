@@ -67,6 +67,14 @@ fits = Table(
     Column("reason", Text),
 )
 
+asked_once = Table(  # requests with an Idempotency-Key; neither the key nor the request is kept, only their hashes
+    "asked_once",
+    metadata,
+    Column("key_sha256", String(64), primary_key=True),
+    Column("request_sha256", String(64), nullable=False),
+    Column("fit", String(32), ForeignKey("fits.id", ondelete="CASCADE"), nullable=False, index=True),
+)
+
 events = Table(
     "events",
     metadata,
