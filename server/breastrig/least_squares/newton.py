@@ -15,7 +15,7 @@ import numpy as np
 import scipy.linalg as sla
 
 from breastrig.core.arrays import Array, Booleans
-from breastrig.least_squares.problem import Constraint, ResidualTerm
+from breastrig.least_squares.problem import Constraint, Linearisation, ResidualTerm
 
 
 class Status(Enum):
@@ -86,8 +86,13 @@ def assemble(terms: Sequence[ResidualTerm[P]], constraints: Sequence[Constraint[
     """JᵀJ and Jᵀr of all terms, and the stacked constraints."""
     size = x.dof
     hessian, gradient, total = np.zeros((size, size)), np.zeros(size), 0.0
-    for term in terms:
-        lin = term.linearise(x)
+    parts = [term.linearise(x) for term in terms]
+    small = [part for part in parts if len(part.residual) < size]  # one product for all priors instead of one each
+    stacked = Linearisation(
+        np.concatenate([np.zeros(0)] + [part.residual for part in small]),
+        np.concatenate([np.zeros((0, size))] + [part.jacobian for part in small]),
+    )
+    for lin in [stacked] + [part for part in parts if len(part.residual) >= size]:
         hessian += lin.jacobian.T @ lin.jacobian
         gradient += lin.jacobian.T @ lin.residual
         total += float(lin.residual @ lin.residual)
@@ -99,6 +104,19 @@ def assemble(terms: Sequence[ResidualTerm[P]], constraints: Sequence[Constraint[
     return System(hessian, gradient, jacobian, g, compliance, 0.5 * total)
 
 
+def _positive_solve(matrix: Array, right: Array) -> Array:
+    """matrix⁻¹ right by Cholesky; LinAlgError when `matrix` is not positive definite.
+
+    LAPACK itself: SciPy's wrappers take longer to check 136 unknowns than to solve for them.
+    """
+    if not len(matrix):
+        return right
+    _, solution, info = sla.lapack.dposv(matrix, right, lower=1)
+    if info > 0:
+        raise sla.LinAlgError("The matrix is not positive definite.")
+    return np.asarray(solution)
+
+
 def _solve_free(system: System, hessian: Array, free: Booleans, fixed_step: Array, extra: Array) -> Array:
     """(P,) the step with the entries outside `free` held at `fixed_step`."""
     inside = np.flatnonzero(free)
@@ -106,11 +124,11 @@ def _solve_free(system: System, hessian: Array, free: Booleans, fixed_step: Arra
     compliance = np.concatenate([system.compliance, np.zeros(len(extra))])
     g = np.concatenate([system.constraint, np.zeros(len(extra))]) + jacobian @ fixed_step
     gradient = (system.gradient + hessian @ fixed_step)[inside]
-    factor = sla.cho_factor(hessian[np.ix_(inside, inside)], lower=True, check_finite=False)
     c = jacobian[:, inside]
-    solved = sla.cho_solve(factor, np.column_stack([gradient, c.T]), check_finite=False)
+    reduced = hessian if free.all() else hessian[np.ix_(inside, inside)]
+    solved = _positive_solve(reduced, np.column_stack([gradient, c.T]))
     schur = c @ solved[:, 1:] + np.diag(compliance + 1e-12)
-    multipliers = sla.solve(schur, g - c @ solved[:, 0], assume_a="pos", check_finite=False) if len(g) else g
+    multipliers = _positive_solve(schur, g - c @ solved[:, 0]) if len(g) else g
     step = fixed_step.copy()
     step[inside] = -solved[:, 0] - solved[:, 1:] @ multipliers
     return step
