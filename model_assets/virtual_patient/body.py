@@ -97,21 +97,27 @@ class Body:
 
 
 def virtual_patient(source: Source) -> Body:
-    """Her body before any posture."""
+    """The example patient's body before any posture."""
     neutral = source.vertices + _figure(source)
-    first, quads = subdivide(source.quads, len(neutral))
+    return Body(source, neutral, *upper_body(source, neutral)[:2])
+
+
+def upper_body(source: Source, vertices: Array) -> tuple[csr_matrix, Integers, Integers]:
+    """(V, S) map to the fine surface, its (F, 3) triangles, and what its vertices but the lids' are called in the
+    twice subdivided mesh, ascending; the (S, 3) m vertices decide where the box cuts."""
+    first, quads = subdivide(source.quads, len(vertices))
     second, quads = subdivide(quads, first.shape[0])
     fine = second @ first
-    place = np.asarray(fine @ neutral)
+    place = np.asarray(fine @ vertices)
     kept = (place[:, 1] > BOX[0]) & (place[:, 1] < BOX[1]) & (np.abs(place[:, 0]) < BOX[2])
     quads = quads[kept[quads].all(axis=1)]
     used, renumbered = np.unique(quads, return_inverse=True)
     quads = renumbered.reshape(-1, 4)
     faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    fine = fine[used]
-    faces, used = _largest_piece(faces, len(used))  # the mouth's inside and fingertips fall off
+    faces, piece = _largest_piece(faces, len(used))  # the mouth's inside and fingertips fall off
+    used = used[piece]
     fine, faces = _closed(fine[used], faces)
-    return Body(source, neutral, fine, faces)
+    return fine, faces, used
 
 
 def _largest_piece(faces: Integers, count: int) -> tuple[Integers, Integers]:

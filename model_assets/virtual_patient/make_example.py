@@ -22,7 +22,8 @@ sys.path.insert(0, str(HERE.parent))
 
 from steps.source import fetch, read_source  # noqa: E402
 from virtual_patient.body import Body, Turns, virtual_patient  # noqa: E402
-from virtual_patient.lying import Tissue, back_on_table, belly_lying, breasts_lying, chest_wall  # noqa: E402
+from virtual_patient.lie_down import lie_down  # noqa: E402
+from virtual_patient.lying import Tissue  # noqa: E402
 from virtual_patient.skin import SHEET, photographed, skin_colours  # noqa: E402
 from virtual_patient.true_landmarks import true_landmarks  # noqa: E402
 
@@ -43,8 +44,7 @@ STANDING = Turns(
     lean=1.2, collar={"L": (-1, 0), "R": (-3, 0)}, blade={"L": -5, "R": -6}, arm={"L": (-17, 2), "R": (-14, 0)}
 )
 LYING = Turns(lean=0.3, collar={"L": (4, 3), "R": (5, 3)}, blade={"L": 3, "R": 3}, arm={"L": (7, 19), "R": (4, 17)})
-FOOTPRINT = 0.06  # share of the breast field from which on skin belongs to the breast
-SLIDING = 0.09  # m around the breasts within which the skin slides along
+NAVEL_HEIGHT, BEHIND = 0.155, -0.03  # m: where the belly flattens most, and the depth behind which nothing sags
 CROP = 0.93  # share of the upper arm that the scan shows
 VOXEL = 0.0055  # m, the resolution of tablet scanning programs at body size
 CAMERA = DepthCamera(noise=0.0015, wave=0.0013, shift=0.0021, turn=0.0026)  # a hand-held one, so that it drifts
@@ -100,7 +100,7 @@ def both_stances(body: Body, random: np.random.Generator) -> list[Stance]:
     nipples = {side: upright[body.nipple(side)] for side in ("L", "R")}
     marks = true_landmarks(upright, body.faces, body.middle, nipples, shoulders)
     colours = skin_colours(upright, nipples, random)
-    lying, table = lying_surface(body)
+    lying, table = lie_down(body, LYING, Tissue(), NAVEL_HEIGHT, BEHIND)
     kept = (body.reach < CROP).astype(np.float64)
     return [
         standing_stance(Surface(upright, body.faces, colours, kept), placed(marks, upright, body.faces)),
@@ -110,20 +110,6 @@ def both_stances(body: Body, random: np.random.Generator) -> list[Stance]:
 
 def placed(marks: dict[str, SurfacePoints], vertices: Array, faces: Array) -> dict[str, Array]:
     return {name: point.positions(vertices, faces)[0] for name, point in marks.items()}
-
-
-def lying_surface(body: Body) -> tuple[Array, float]:
-    """((V, 3) m in body coordinates, the table's z in m)."""
-    tissue = Tissue()
-    posed, _ = body.posed(LYING)
-    footprint = body.breasts > FOOTPRINT
-    away, _ = cKDTree(posed[footprint]).query(posed)
-    region = (away < SLIDING) & (body.arms < 0.3) & (posed[:, 2] > -0.03)
-    wall = chest_wall(posed, body.faces, footprint)
-    result = breasts_lying(posed, body.faces, wall, region, tissue)
-    trunk = np.clip(1.0 - 3.0 * body.arms, 0.0, 1.0)
-    result = belly_lying(result, trunk, navel=np.array([0.0, 0.155, 0.0]), back=-0.03, tissue=tissue)
-    return back_on_table(result, tissue)
 
 
 def standing_stance(truth: Surface, landmarks: dict[str, Array]) -> Stance:

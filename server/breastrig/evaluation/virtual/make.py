@@ -24,8 +24,8 @@ SHIFT = 0.5  # m, how far from its origin a scan may lie
 def make_cohort(folder: Path, progress: Callable[[str], None], patients: Sequence[str] | None = None) -> None:
     """PATIENT/patient.json and PATIENT/STANCE/{scan.ply, landmarks.json, case.json, truth.ply} in the folder.
 
-    The same bytes each time on one machine; `patients` names those wanted, all when None.  About half a minute for
-    all seven in both stances.
+    The same bytes each time on one machine; `patients` names those wanted, all when None.  About a minute on
+    one core for all seven in both stances.
     """
     bodies = read_bodies()
     for index, patient in enumerate(bodies.patients):
@@ -86,7 +86,7 @@ def _write_patient(
 def _placed(unit: str, random: np.random.Generator) -> Array:
     """(4, 4) from body coordinates (m) into a scan's own frame and unit, turned and shifted at random."""
     result = np.eye(4)
-    result[:3, :3] = Rotation.random(rng=random).as_matrix()
+    result[:3, :3] = Rotation.from_quat(random.standard_normal(4)).as_matrix()  # uniform over all
     result[:3, 3] = random.uniform(-SHIFT, SHIFT, 3)
     result[:3] /= METRES_PER_UNIT[unit]
     return result
