@@ -1,0 +1,107 @@
+"""One patient in two stances, fitted together: one body, two poses.
+
+Each stance builds its matches and terms as in a fit of its own; their normal equations are added up in one
+system in which the body stands once (shared_body.py), and one damped Newton step moves both.  Stages, stop rule
+and priors are the single fit's.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from breastrig.core.errors import BadSettings
+from breastrig.fitting.bounds import free_unknowns, onto_simplex, step_bounds
+from breastrig.fitting.shared_body import SharedBody, TwoStances
+from breastrig.fitting.stance_fit import StanceFit, Stillness, mean_distance, stage_progress
+from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.least_squares.newton import Status, assemble, damped_step, energy
+from breastrig.least_squares.problem import ResidualTerm
+from breastrig.rig.parameters import RigParameters
+
+Terms = list[ResidualTerm[RigParameters]]
+
+
+@dataclass(frozen=True, eq=False)
+class PairIterate:
+    """One state of both stances; the energy in each is that of the two together."""
+
+    iteration: int  # 0 is the start
+    first: FitIterate
+    second: FitIterate
+    status: Status  # RUNNING on all but the last
+
+
+def _checked(first: FitTask, second: FitTask) -> None:
+    if first.rig is not second.rig:
+        raise BadSettings("Two stances are fitted together with one model; give the same model for both.")
+    if first.recipe != second.recipe:
+        raise BadSettings("Two stances are fitted together with one preset; give the same preset for both.")
+
+
+def _energy(fits: tuple[StanceFit, StanceFit], terms: tuple[Terms, Terms], point: TwoStances) -> float:
+    return energy(terms[0], fits[0].held, point.first) + energy(terms[1], fits[1].held, point.second)
+
+
+def fit_pair_iterates(first: FitTask, second: FitTask) -> Iterator[PairIterate]:
+    """Yields the start as iteration 0, then one iterate a step; the last one's status says why it stopped.
+
+    Raises BadSettings when the tasks differ in model or preset.
+    """
+    _checked(first, second)
+    recipe, layout = first.recipe, SharedBody(first.rig)
+    fits = StanceFit(first), StanceFit(second)
+    stillness = Stillness(recipe.stop), Stillness(recipe.stop)
+    scaling = layout.added(fits[0].scaling, fits[1].scaling)
+    state, total, iteration = layout.agreed(first.start, second.start), np.nan, 0
+
+    def iterate(status: Status) -> PairIterate:
+        one = fits[0].iterate(iteration, stage, state.first, total, matches[0], status)
+        other = fits[1].iterate(iteration, stage, state.second, total, matches[1], status)
+        return PairIterate(iteration, one, other, status)
+
+    for stage in recipe.stages:
+        free = layout.free(free_unknowns(first, stage, first.start.dof))
+        last_stage = stage is recipe.stages[-1]
+        for rule in stillness:
+            rule.new_stage()
+        for step_number in range(stage.iterations):
+            progress = stage_progress(stage, step_number)
+            matches = [
+                fit.matches(stage, progress, x) for fit, x in zip(fits, (state.first, state.second), strict=True)
+            ]
+            still = [
+                rule.reached(mean_distance(found, np.inf), progress)
+                for rule, found in zip(stillness, matches, strict=True)
+            ]
+            if last_stage and all(still):
+                yield iterate(Status.CONVERGED)
+                return
+            if any(fit.lost(found) for fit, found in zip(fits, matches, strict=True)):
+                yield iterate(Status.STALLED)
+                return
+            yield iterate(Status.RUNNING)
+            one = fits[0].terms(stage, progress, state.first, matches[0])
+            other = fits[1].terms(stage, progress, state.second, matches[1])
+            step = damped_step(
+                layout.system(assemble(one, fits[0].held, state.first), assemble(other, fits[1].held, state.second)),
+                partial(_energy, fits, (one, other)),
+                state,
+                scaling=scaling,
+                damping=recipe.damping,
+                bounds=layout.bounds(step_bounds(first, state.first), step_bounds(second, state.second)),
+                free=free,
+            )
+            if step.status is Status.NOT_FINITE:
+                yield iterate(Status.NOT_FINITE)
+                return
+            state, total = step.x, step.energy
+            if recipe.shapes.constraint == "simplex":
+                state = state.with_weights(onto_simplex(state.first.weights), onto_simplex(state.second.weights))
+            iteration += 1
+            if step.status is Status.STALLED and last_stage:
+                yield iterate(Status.STALLED)
+                return
+    matches = [fit.matches(stage, 1.0, x) for fit, x in zip(fits, (state.first, state.second), strict=True)]
+    yield iterate(Status.OUT_OF_ITERATIONS)

@@ -1,0 +1,174 @@
+"""One patient in two stances: the body is the same to the last bit, each stance keeps its pose and soft tissue."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.random_pose import random_parameters
+from helpers.subdivide import subdivided
+from helpers.toy_rig import toy_rig
+
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BadSettings
+from breastrig.correspondence.target import ScanTarget
+from breastrig.energies.landmarks import Landmarks
+from breastrig.energies.scale_prior import ScalePrior
+from breastrig.energies.shape_prior import ShapePrior
+from breastrig.energies.symmetry import Symmetry
+from breastrig.fitting.fit import FitTask, fit_iterates
+from breastrig.fitting.landmark_check import start_from_landmarks
+from breastrig.fitting.orientation import best_start
+from breastrig.fitting.pair import PairIterate, fit_pair_iterates
+from breastrig.fitting.recipe import Recipe, load_recipe
+from breastrig.fitting.shared_body import SharedBody, TwoStances
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.least_squares.newton import Status, assemble, energy
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import pose
+
+
+@pytest.fixture(scope="module")
+def torso() -> Rig:
+    return read_rig(default_rig_path())
+
+
+def in_range(rig: Rig, x: RigParameters) -> RigParameters:
+    lower, upper = (np.array([getattr(shape, side) for shape in rig.shapes]) for side in ("min", "max"))
+    return replace(x, weights=np.clip(x.weights, lower, upper))
+
+
+def two_stances(rig: Rig, seed: int) -> tuple[RigParameters, RigParameters]:
+    """One random body, posed and sagging in two ways."""
+    rng = np.random.default_rng(seed)
+    first, other = (
+        in_range(rig, random_parameters(rig, rng, turn=0.06, move=0.0, scale=0.03, shape=0.7)) for _ in range(2)
+    )
+    body = SharedBody(rig).body_shapes
+    return first, replace(other, scales=first.scales, weights=np.where(body, first.weights, other.weights))
+
+
+def task_of(rig: Rig, x: RigParameters, recipe: Recipe, stance: str = "standing") -> tuple[FitTask, Array]:
+    """A finer scan of the posed rig with its landmarks, and where each model vertex truly is."""
+    vertices = pose(rig, x)
+    fine, triangles = subdivided(vertices, rig.faces)
+    centre = fine.mean(axis=0)
+    places = rig.landmark_points().positions(vertices, rig.faces) - centre
+    landmarks = dict(zip(rig.landmark_names, places, strict=True))
+    target = ScanTarget(fine - centre, triangles)
+    return FitTask(rig, target, start_from_landmarks(rig, landmarks), recipe, landmarks, stance), vertices - centre
+
+
+def for_scans_without_noise(recipe: Recipe) -> Recipe:
+    """One more stage that trusts the scan to 0.02 mm."""
+    exact = recipe.stages[-1].model_copy(
+        update={
+            "name": "exact",
+            "iterations": 60,
+            "tighten": 10,
+            "max_distance": (0.015, 0.015),
+            "data_sigma": (0.004, 0.00002),
+            "landmark_sigma": (0.003, 0.0005),
+            "kernel": "none",
+            "reject_border": False,
+        }
+    )
+    return recipe.model_copy(update={"stages": (*recipe.stages, exact)})
+
+
+def assert_one_body(iterate: PairIterate, rig: Rig) -> None:
+    body = SharedBody(rig).body_shapes
+    first, second = iterate.first.parameters, iterate.second.parameters
+    np.testing.assert_array_equal(first.scales, second.scales)
+    np.testing.assert_array_equal(first.weights[body], second.weights[body])
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_two_scans_of_one_body_come_back_vertex_by_vertex(seed: int, torso: Rig) -> None:
+    recipe = for_scans_without_noise(load_recipe("default"))
+    (first, true_first), (second, true_second) = (task_of(torso, x, recipe) for x in two_stances(torso, seed))
+    iterates = list(fit_pair_iterates(first, second))
+    assert iterates[-1].status is Status.CONVERGED
+    assert_one_body(iterates[-1], torso)
+    for iterate, truth in ((iterates[-1].first, true_first), (iterates[-1].second, true_second)):
+        assert np.linalg.norm(pose(torso, iterate.parameters) - truth, axis=1).mean() < 0.05e-3
+
+
+def test_the_body_is_the_same_to_the_last_bit_in_every_iterate_whatever_the_constraint(torso: Rig) -> None:
+    for constraint in ("box", "simplex", "free"):
+        recipe = load_recipe("default")
+        recipe = recipe.model_copy(update={"shapes": recipe.shapes.model_copy(update={"constraint": constraint})})
+        (first, _), (second, _) = (task_of(torso, x, recipe) for x in two_stances(torso, 5))
+        iterates = list(fit_pair_iterates(first, replace(second, stance="supine")))
+        assert [iterate.iteration for iterate in iterates] == list(range(len(iterates)))
+        for iterate in iterates:
+            assert_one_body(iterate, torso)
+            for side in (iterate.first, iterate.second):
+                assert constraint != "simplex" or side.parameters.weights.min() >= 0.0
+                assert constraint != "simplex" or side.parameters.weights.sum() <= 1.0 + 1e-9
+        soft = ~SharedBody(torso).body_shapes
+        last = iterates[-1]
+        assert (last.first.parameters.weights[soft] != last.second.parameters.weights[soft]).any()
+        assert last.first.mean_distance < 0.3 * iterates[0].first.mean_distance
+
+
+def test_the_same_scan_twice_is_fitted_as_once(torso: Rig) -> None:
+    task, _ = task_of(torso, two_stances(torso, 3)[0], load_recipe("default"))
+    alone = list(fit_iterates(task))
+    twice = list(fit_pair_iterates(task, task))
+    assert len(alone) == len(twice)
+    for single, both in zip(alone, twice, strict=True):
+        expected = pose(torso, single.parameters)
+        for side in (both.first, both.second):
+            np.testing.assert_allclose(pose(torso, side.parameters), expected, atol=1e-6)
+
+
+def test_the_joint_gradient_equals_finite_differences() -> None:
+    rig = toy_rig()
+    rng = np.random.default_rng(11)
+    layout = SharedBody(rig)
+    state = layout.agreed(random_parameters(rig, rng), random_parameters(rig, rng))
+    points = rig.landmark_points()
+    terms = [
+        [
+            ScalePrior(rig, 0.1, 0.1),
+            ShapePrior(np.full(len(rig.shapes), 0.5), np.zeros(len(rig.shapes))),
+            Symmetry(rig, 0.5, 0.1),
+            Landmarks(rig, points, rng.normal(size=(len(points), 3)), np.full(len(points), 0.3)),
+        ]
+        for _ in range(2)
+    ]
+    system = layout.system(assemble(terms[0], [], state.first), assemble(terms[1], [], state.second))
+
+    def energy_at(point: TwoStances) -> float:
+        return energy(terms[0], [], point.first) + energy(terms[1], [], point.second)
+
+    assert system.energy == pytest.approx(energy_at(state))
+    for k, move in enumerate(1e-6 * np.eye(layout.size)):
+        slope = (energy_at(state.retract(move)) - energy_at(state.retract(-move))) / 2e-6
+        assert system.gradient[k] == pytest.approx(slope, abs=2e-6 * np.abs(system.gradient).max()), k
+
+
+def test_a_scan_without_landmarks_starts_by_itself(torso: Rig) -> None:
+    (first, _), (second, truth) = (task_of(torso, x, load_recipe("default")) for x in two_stances(torso, 1))
+    blind = replace(second, landmarks={}, start=best_start(torso, second.target, {}, np.array([0.0, 0.0, 1.0])))
+    last = list(fit_pair_iterates(first, blind))[-1]
+    assert last.status is Status.CONVERGED
+    assert last.second.landmark_distance is None
+    assert last.first.landmark_distance is not None
+    assert last.second.mean_distance < 1e-3
+    assert np.linalg.norm(pose(torso, last.second.parameters) - truth, axis=1).mean() < 8e-3
+
+
+def test_stances_of_different_models_or_presets_are_refused(torso: Rig) -> None:
+    task, _ = task_of(torso, two_stances(torso, 3)[0], load_recipe("default"))
+    with pytest.raises(BadSettings, match="one model"):
+        next(fit_pair_iterates(task, replace(task, rig=toy_rig())))
+    with pytest.raises(BadSettings, match="one preset"):
+        next(fit_pair_iterates(task, replace(task, recipe=load_recipe("paper"))))
+
+
+def test_a_scan_that_is_nowhere_near_ends_the_fit_with_a_reason(torso: Rig) -> None:
+    task, _ = task_of(torso, two_stances(torso, 3)[0], load_recipe("default"))
+    away = replace(task, landmarks={}, target=ScanTarget(task.target.vertices + 9.0, task.target.faces))
+    assert [iterate.status for iterate in fit_pair_iterates(task, away)] == [Status.STALLED]
