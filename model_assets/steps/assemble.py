@@ -10,7 +10,7 @@ from steps.breast import Breast, breast_fields
 from steps.breast_shapes import BREAST_SHAPES
 from steps.drawings import drawings
 from steps.half_body import half_body, smooth_surface
-from steps.landmarks import find_landmarks, landmarks
+from steps.landmarks import find_landmarks, landmarks, with_hanging_arms
 from steps.parameterise import flattened
 from steps.regions import regions
 from steps.shapes import blendshapes
@@ -49,7 +49,8 @@ def build_rig(source: Source, recipe: dict[str, Any]) -> Rig:
     bones, joints = bones_and_joints(source, body, recipe)
     names = [bone.name for bone in bones]
     weights = skin_weights(source, template, names, recipe)
-    arm = weights[:, names.index("upper_arm_L")] + weights[:, names.index("upper_arm_R")]
+    arms = weights[:, names.index("upper_arm_L")], weights[:, names.index("upper_arm_R")]
+    arm = arms[0] + arms[1]
     rounding = rounded(template, breast_fields(template, arm, recipe), recipe)
     fine = smooth_surface(source, body, recipe)
     fine_skin = Skin(fine.vertices + carried(rounding, template, fine.vertices), fine.triangles)
@@ -57,7 +58,9 @@ def build_rig(source: Source, recipe: dict[str, Any]) -> Rig:
     breast = breast_fields(template, arm, recipe)
     shapes, displacements = blendshapes(source, template, breast, arm, recipe)
     skin = Skin(template.vertices, template.triangles)
-    marks = find_landmarks(skin, fine_skin, template, source.joint("l-shoulder", body), recipe["landmarks"])
+    shoulder = source.joint("l-shoulder", body)
+    standing = with_hanging_arms(template, arms, shoulder, np.radians(recipe["landmarks"]["arms_lowered_degrees"]))
+    marks = find_landmarks(skin, fine_skin, standing, template, shoulder, recipe["landmarks"])
     return Rig(
         name=recipe["name"],
         template=template.vertices,

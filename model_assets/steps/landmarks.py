@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Landmark
 from steps.skeleton import mirror_name
-from steps.skin import Skin, hollowness
+from steps.skin import Hits, Skin, hollowness
 from steps.source import Array
 from steps.whole_body import FLIP, Template
 
@@ -36,10 +37,32 @@ def _fold(skin: Skin, nipple: Array, r: dict[str, Any]) -> Array:
     return min(strong, key=lambda point: float(point[1]))
 
 
+def with_hanging_arms(template: Template, arms: tuple[Array, Array], shoulder: Array, lowered: float) -> Skin:
+    """The skin with both upper arms turned down about the shoulder joints.
+
+    arms: (V,) blend weights of the left and the right arm; shoulder: (3,) m the left joint; lowered: rad.
+    """
+    vertices = template.vertices.copy()
+    for weight, side in zip(arms, (1.0, -1.0), strict=True):
+        joint = shoulder * (1.0 if side > 0 else FLIP)
+        from_joint = template.vertices - joint
+        vertices += weight[:, None] * (from_joint @ exp_so3(np.array([0.0, 0.0, -side * lowered])).T - from_joint)
+    return Skin(vertices, template.triangles)
+
+
+def _at_rest(skin: Skin, hits: Hits, which: int) -> Array:
+    """(3,) m: where the skin that one of the hits met lies at rest."""
+    return np.asarray(hits.barycentric[which] @ skin.vertices[skin.triangles[hits.faces[which]]])
+
+
 def find_landmarks(
-    skin: Skin, smooth: Skin, template: Template, shoulder: Array, r: dict[str, Any]
+    skin: Skin, smooth: Skin, standing: Skin, template: Template, shoulder: Array, r: dict[str, Any]
 ) -> dict[str, Array]:
-    """Name -> (3,) m on the left and in the middle; profiles are read on the finer `smooth` skin."""
+    """Name -> (3,) m on the left and in the middle.
+
+    Profiles are read on the finer `smooth` skin.  The shoulder's landmarks are found on `standing`, the skin with the
+    arms hanging as patients stand: with raised arms other skin lies above the joint.
+    """
     nipple = template.vertices[template.rings[-1][0]]
     fold = _fold(smooth, nipple, r)
     even, hollow = hollowness(_front_profile(smooth, 0.0, r["notch_low"], r["notch_high"]), 0.003, 3)
@@ -57,11 +80,11 @@ def find_landmarks(
     region = middle[(middle[:, 1] > low[1]) & (middle[:, 1] < high[1])]
     chord = low[2] + (region[:, 1] - low[1]) / (high[1] - low[1]) * (high[2] - low[2])
     umbilicus = region[int((chord - region[:, 2]).argmax())]
-    above = skin.ray(shoulder + np.array([r["acromion_side"], 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
-    acromion = above.points[-1]
-    start = 0.5 * (notch + acromion) + np.array([0.0, r["midclavicle_up"], 0.0])
+    above = standing.ray(shoulder + np.array([r["acromion_side"], 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
+    start = 0.5 * (notch + above.points[-1]) + np.array([0.0, r["midclavicle_up"], 0.0])
     direction = DOWN_CLAVICLE / np.linalg.norm(DOWN_CLAVICLE)
-    midclavicle = skin.ray(start - 0.15 * direction, direction).points[0]
+    collarbone = standing.ray(start - 0.15 * direction, direction)
+    acromion, midclavicle = _at_rest(skin, above, -1), _at_rest(skin, collarbone, 0)
     return {
         "suprasternal_notch": notch,
         "mid_sternum": mid_sternum,
