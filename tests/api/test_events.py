@@ -46,6 +46,20 @@ def test_the_polling_twin_tells_the_same(client: FlaskClient, fit_id: str) -> No
     assert [one["id"] for one in rest["events"]] == [5, 6]
 
 
+def test_long_stories_come_page_by_page(client: FlaskClient, fit_id: str) -> None:
+    whole = client.get(f"/api/fits/{fit_id}/events.json").json
+    assert whole["next"] is None
+    told, address = [], f"/api/fits/{fit_id}/events.json?limit=4"
+    while address:
+        page = client.get(address).json
+        assert len(page["events"]) <= 4
+        told += page["events"]
+        address = page["next"]
+    assert told == whole["events"]
+    for limit in ("0", "1001", "x"):
+        assert "limit" in problem(client.get(f"/api/fits/{fit_id}/events.json?limit={limit}"), 422)
+
+
 def test_a_stream_goes_on_where_it_was_left(client: FlaskClient, fit_id: str) -> None:
     place = f"/api/fits/{fit_id}/events"
     assert [e[0] for e in parsed(client.get(place, headers={"Last-Event-ID": "3"}).data)] == [4, 5, 6]

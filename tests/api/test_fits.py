@@ -86,6 +86,26 @@ def test_a_fit_that_cannot_be_meant_is_refused(client: FlaskClient, scan_id: str
     assert word in problem(client.post("/api/fits", json={"scan": scan_id, "drawing": None, **body}), 422)
 
 
+def test_the_fits_of_a_scan_are_listed_page_by_page(client: FlaskClient, service: Service, scan_id: str) -> None:
+    body = {"scan": scan_id, "drawing": None}
+    ids = [client.post("/api/fits", json=body).json["id"] for _ in range(5)]
+    for fit_id in ids:
+        ended(service, fit_id)
+    address = client.get(f"/api/scans/{scan_id}").json["links"]["fits"]
+    assert client.get(address).json == {"fits": [client.get(f"/api/fits/{i}").json for i in ids[::-1]], "next": None}
+    found, sizes, address = [], [], f"{address}?limit=2"
+    while address:
+        page = client.get(address).json
+        found += [fit["id"] for fit in page["fits"]]
+        sizes.append(len(page["fits"]))
+        address = page["next"]
+    assert (found, sizes) == (ids[::-1], [2, 2, 1])
+    assert len(client.get(f"/api/scans/{scan_id}/fits?limit=5").json["fits"]) == 5
+    assert client.get(f"/api/scans/{scan_id}/fits?limit=5").json["next"] is None
+    problem(client.get(f"/api/scans/{scan_id}/fits?limit=0"), 422)
+    problem(client.get("/api/scans/nobody/fits"), 404)
+
+
 def test_a_request_that_is_sent_again_with_its_key_starts_no_second_fit(
     client: FlaskClient, service: Service, scan_id: str
 ) -> None:

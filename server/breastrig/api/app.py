@@ -10,7 +10,7 @@ from breastrig.api.current import KEY, Behind
 from breastrig.api.docs import docs
 from breastrig.api.errors import register_errors
 from breastrig.api.events import events
-from breastrig.api.fits import fits
+from breastrig.api.fits import fits, fits_of_scans
 from breastrig.api.meta import meta
 from breastrig.api.models import models
 from breastrig.api.openapi import finish_document
@@ -46,7 +46,7 @@ def _bare_app() -> APIFlask:
     app.json.sort_keys = False  # type: ignore[attr-defined]
     app.url_map.merge_slashes = False  # an address has one spelling; no redirects
     app.url_map.converters["page_file"] = PageFile
-    for blueprint in (scans, fits, events, models, meta, docs, page):
+    for blueprint in (scans, fits, fits_of_scans, events, models, meta, docs, page):
         app.register_blueprint(blueprint)
     app.spec_processor(finish_document)
     return app

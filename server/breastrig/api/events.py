@@ -4,6 +4,7 @@ Both tell what is stored, nothing else: whoever opens the stream late, or again,
 same numbers.
 """
 
+import json
 from collections.abc import Iterator
 
 from apiflask import APIBlueprint
@@ -60,16 +61,25 @@ def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
 
 
 @events.get("/<fit_id>/events.json")
-@events.input(wire.EventQuery, location="query")
+@events.input(wire.EventPageQuery, location="query")
 @events.output(wire.EventPage)
 @events.doc(operation_id="pollFit")
-def poll_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
-    """The same events for those who ask again and again"""
+def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
+    """The same events for those who ask again and again
+
+    The story is complete when `state` has ended and `next` is null.
+    """
     storage = behind().service.storage
     state = get_fit(storage, fit_id).state  # first, so that an ended state comes with all of its events
-    found = events_after(storage, fit_id, query_data.after)
-    records = ",".join(f'{{"id":{event.number},"event":{event.json}}}' for event in found)
-    return Response(f'{{"events":[{records}],"state":"{state}"}}', mimetype="application/json")
+    limit = query_data.limit
+    found = events_after(storage, fit_id, query_data.after, limit + 1)
+    records = ",".join(f'{{"id":{event.number},"event":{event.json}}}' for event in found[:limit])
+    more = None
+    if len(found) > limit:
+        more = f"/api/fits/{fit_id}/events.json?after={found[limit - 1].number}&limit={limit}"
+    return Response(
+        f'{{"events":[{records}],"state":"{state}","next":{json.dumps(more)}}}', mimetype="application/json"
+    )
 
 
 def _lines(story: Iterator[StoredEvent | Heartbeat]) -> Iterator[str]:

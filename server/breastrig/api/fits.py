@@ -13,12 +13,13 @@ from breastrig.api.security import refuse
 from breastrig.core.errors import BadDrawing, BadSettings, Conflict, NotFound, unknown_name
 from breastrig.fitting.recipe import preset_names
 from breastrig.jobs.iteration_file import iteration_gltf
-from breastrig.storage.fits import FitRow, FitWish, Once, get_fit
+from breastrig.storage.fits import FitRow, FitWish, Once, fits_page, get_fit
 from breastrig.storage.scans import get_landmarks, get_scan
 
 FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it live, fetch the results."}
 
 fits = APIBlueprint("fits", __name__, url_prefix="/api/fits", tag=FITS_TAG)
+fits_of_scans = APIBlueprint("fits_of_scans", __name__, url_prefix="/api/scans", tag=FITS_TAG)
 
 MEDIA_TYPES = {"result.json": JSON, "fitted.glb": GLB, "fitted.ply": BINARY, "drawing.json": JSON}
 
@@ -68,6 +69,19 @@ def _once(key: str | None, asked: wire.FitRequest) -> Once | None:
     if not re.fullmatch(r"[\x21-\x7e]{1,255}", key):
         raise refuse(400, "An Idempotency-Key is 1 to 255 visible ASCII characters; a random UUID is a good one.")
     return Once.of(key, asked.model_dump_json())
+
+
+@fits_of_scans.get("/<scan_id>/fits")
+@fits_of_scans.input(wire.FitPageQuery, location="query")
+@fits_of_scans.output(wire.FitPage)
+@fits_of_scans.doc(operation_id="listFits")
+def list_fits(scan_id: str, query_data: wire.FitPageQuery) -> wire.FitPage:
+    """The fits of a scan, the newest first"""
+    storage = behind().service.storage
+    get_scan(storage, scan_id)
+    rows, before = fits_page(storage, scan_id, query_data.limit, query_data.before)
+    more = None if before is None else f"/api/scans/{scan_id}/fits?before={before}&limit={query_data.limit}"
+    return wire.FitPage(fits=[fit_answer(row) for row in rows], next=more)
 
 
 @fits.get("/<fit_id>")

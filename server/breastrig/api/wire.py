@@ -57,6 +57,7 @@ class ScanLinks(Wire):
     mesh: str
     landmarks: str
     proposed: str
+    fits: str
 
 
 class Scan(Wire):
@@ -166,10 +167,25 @@ class EventRecord(Wire):
 class EventPage(Wire):
     events: list[EventRecord]
     state: FitState
+    next: str | None = Field(description="address of the next events that are there already, null when these are all")
 
 
 class EventQuery(Wire):
     after: int = Field(0, ge=0, le=2**31, description="send only events with a greater number")
+
+
+class EventPageQuery(EventQuery):
+    limit: int = Field(200, ge=1, le=1000, description="at most so many events")
+
+
+class FitPage(Wire):
+    fits: list[Fit] = Field(description="the newest first")
+    next: str | None = Field(description="address of the next page, null on the last")
+
+
+class FitPageQuery(Wire):
+    limit: int = Field(50, ge=1, le=200, description="at most so many fits")
+    before: int | None = Field(None, ge=0, le=2**31, description="as the link to the next page says")
 
 
 class ExampleEntry(Wire):

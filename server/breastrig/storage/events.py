@@ -57,14 +57,15 @@ def _changes(event: dict[str, Any]) -> dict[str, Any]:
             return {"state": kind, "reason": event["reason"]}
 
 
-def events_after(storage: Storage, fit_id: str, after: int) -> list[StoredEvent]:
-    """The events with a greater number, in order."""
+def events_after(storage: Storage, fit_id: str, after: int, limit: int | None = None) -> list[StoredEvent]:
+    """The events with a greater number, in order; the first `limit` of them."""
     table = schema.events
     with storage.database.reading() as connection:
         query = (
             select(table.c.number, table.c.kind, table.c.json)
             .where(table.c.fit == fit_id, table.c.number > after)
             .order_by(table.c.number)
+            .limit(limit)
         )
         return [StoredEvent(row.number, row.kind, row.json) for row in connection.execute(query)]
 

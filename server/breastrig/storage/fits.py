@@ -141,6 +141,17 @@ def fits_of_scan(storage: Storage, scan_id: str) -> list[str]:
         return list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.scan == scan_id)).scalars())
 
 
+def fits_page(storage: Storage, scan_id: str, limit: int, before: int | None = None) -> tuple[list[FitRow], int | None]:
+    """Fits of a scan, the newest first, and where the next page goes on (None: there is none)."""
+    table = schema.fits
+    query = select(table).where(table.c.scan == scan_id).order_by(table.c.place.desc()).limit(limit + 1)
+    if before is not None:
+        query = query.where(table.c.place < before)
+    with storage.database.reading() as connection:
+        rows = list(connection.execute(query))
+    return [_fit_row(row) for row in rows[:limit]], rows[limit - 1].place if len(rows) > limit else None
+
+
 def fit_ids(storage: Storage) -> set[str]:
     with storage.database.reading() as connection:
         return set(connection.execute(select(schema.fits.c.id)).scalars())

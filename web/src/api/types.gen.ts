@@ -56,6 +56,8 @@ export type DrawnShape = {
 export type EventPage = {
   events: EventRecord[];
   state: "queued" | "running" | "done" | "failed" | "cancelled";
+  /** address of the next events that are there already, null when these are all */
+  next: string | null;
 };
 
 export type EventRecord = {
@@ -139,6 +141,13 @@ export type FitLinks = {
   fitted_ply: string;
   drawing: string;
   cancel: string;
+};
+
+export type FitPage = {
+  /** the newest first */
+  fits: Fit[];
+  /** address of the next page, null on the last */
+  next: string | null;
 };
 
 export type FitRequest = {
@@ -377,6 +386,7 @@ export type ScanLinks = {
   mesh: string;
   landmarks: string;
   proposed: string;
+  fits: string;
 };
 
 export type ScanUpload = {
