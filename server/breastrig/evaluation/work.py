@@ -73,7 +73,7 @@ def _digest(file: Path) -> str:
 
 @lru_cache(maxsize=64)
 def source_digest(question: str) -> str:
-    """Hash of the code that answers: the numerics and the question's own module."""
+    """Hash of the code that answers: the numerics and the question's own module, as they were when first asked."""
     total = hashlib.sha256()
     module = ANSWERS[question].__module__.removeprefix("breastrig.").replace(".", "/") + ".py"
     own = (module, "evaluation/two_stances.py") if question == "two_stances" else (module,)
@@ -82,7 +82,7 @@ def source_digest(question: str) -> str:
         files = sorted(place.rglob("*")) if place.is_dir() else [place]
         for file in files:
             if file.suffix in (".py", ".toml"):
-                total.update(f"{file.relative_to(PACKAGE).as_posix()} {_digest(file)}\n".encode())
+                total.update(file.relative_to(PACKAGE).as_posix().encode() + b"\n" + file.read_bytes())
     return total.hexdigest()
 
 
@@ -166,7 +166,7 @@ def _in_processes(units: Sequence[Unit], jobs: int) -> Iterator[tuple[Unit, dict
 
 def records(units: Iterable[Unit], folder: Path, jobs: int, again: bool, done: Callable[[str], None]) -> list[Record]:
     """All units answered, in their order; `done` is told the label of each."""
-    for cached in (_digest, source_digest, _rig, read_scene):  # files may have changed since the last call
+    for cached in (_digest, _rig, read_scene):  # files may have changed since the last call
         cached.cache_clear()
     folder.mkdir(parents=True, exist_ok=True)
     wanted = list(units)
