@@ -19,7 +19,11 @@ def test_the_service_says_that_it_lives(client: FlaskClient) -> None:
 def test_meta_tells_version_limits_and_model(client: FlaskClient, config: Config) -> None:
     meta = client.get("/api/meta").json
     assert (meta["name"], meta["version"], meta["notice"]) == ("BreastRig", __version__, LIMITS_OF_USE)
-    assert meta["limits"] == {"upload_bytes": config.uploads.file_bytes, "triangles": config.uploads.triangles}
+    assert meta["limits"] == {
+        "upload_bytes": config.uploads.file_bytes,
+        "triangles": config.uploads.triangles,
+        "keep_days": 30,
+    }
     assert meta["units"] == ["auto", "m", "dm", "cm", "mm", "in"]
     assert (meta["model"]["name"], meta["model"]["bones"], meta["model"]["blendshapes"]) == ("toy", 4, 4)
     assert [landmark["name"] for landmark in meta["landmarks"]] == list(toy_rig().landmark_names)

@@ -44,7 +44,9 @@ def serving(storage: Storage) -> MakeService:
         runner: Runner, proposer: Proposer = at_the_nipple, uploads: UploadLimits | None = None, **limits: float
     ) -> AbstractContextManager[Service]:
         fits = FitLimits(**{"workers": 2, "wall_s": 30.0, "grace_s": 0.2, **limits})
-        service = Service(Storage(storage.root), runner=runner, proposer=proposer, uploads=uploads, fits=fits)
+        service = Service(
+            Storage(storage.root), runner=runner, proposer=proposer, uploads=uploads, fits=fits, keep_days=None
+        )
         return service.started()
 
     return make

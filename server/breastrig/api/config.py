@@ -8,6 +8,7 @@ from pathlib import Path
 
 from breastrig.core.errors import BadSettings
 from breastrig.jobs.limits import UploadLimits
+from breastrig.jobs.sweep import KEEP_DAYS
 
 TOKEN_VARIABLE = "BREASTRIG_TOKEN"
 TOKEN_LENGTH = 16  # characters, at least; shorter ones can be guessed
@@ -20,6 +21,7 @@ class Config:
     model: Path | None = None  # the rig's .glb; None for the packaged one
     web: Path | None = None  # folder of the built page; None for the packaged one
     examples: Path | None = None  # folder of the example patient; None for the packaged one
+    keep_days: float | None = KEEP_DAYS  # scans are deleted so long after their upload; None keeps them
     uploads: UploadLimits = field(default_factory=UploadLimits)
     json_bytes: int = 1_000_000  # largest JSON body; twelve landmarks need 1 kB
     heartbeat_s: float = 15.0  # proxies close a silent stream after 30 to 60 s

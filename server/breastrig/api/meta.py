@@ -32,7 +32,9 @@ def about() -> wire.Meta:
         name="BreastRig",
         version=__version__,
         notice=LIMITS_OF_USE,
-        limits=wire.Limits(upload_bytes=uploads.file_bytes, triangles=uploads.triangles),
+        limits=wire.Limits(
+            upload_bytes=uploads.file_bytes, triangles=uploads.triangles, keep_days=here.config.keep_days
+        ),
         units=list(wire.UNITS),
         model=wire.ModelSummary(
             name=rig.name,

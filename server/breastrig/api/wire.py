@@ -204,6 +204,7 @@ class ExampleScan(Scan):
 class Limits(Wire):
     upload_bytes: int
     triangles: int
+    keep_days: float | None = Field(description="scans are deleted so many days after their upload; null: never")
 
 
 class ModelSummary(Wire):

@@ -2,7 +2,6 @@
 
 import argparse
 import logging
-import os
 import signal
 import sys
 from pathlib import Path
@@ -12,11 +11,14 @@ from typing import Any
 from breastrig.api.app import create_app
 from breastrig.api.config import TOKEN_VARIABLE, Config, is_loopback, read_token
 from breastrig.api.wsgi_server import listen
+from breastrig.cli.data_option import add_data_option, data_folder
+from breastrig.cli.purge_command import days
 from breastrig.core.notice import RESEARCH_USE_ONLY
 from breastrig.jobs.carry_out import Runner
 from breastrig.jobs.run_fit import run_fit
 from breastrig.jobs.service import Service
-from breastrig.storage.storage import Storage, default_data_folder
+from breastrig.jobs.sweep import KEEP_DAYS
+from breastrig.storage.storage import Storage
 
 PORT = 8321
 
@@ -31,8 +33,13 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument(
         "--port", type=_port, default=PORT, help="port to listen on (default %(default)s; 0: a free one)"
     )
+    add_data_option(parser)
     parser.add_argument(
-        "--data", type=Path, metavar="DIR", help=f"where scans and fits are kept (default {_default()})"
+        "--keep-days",
+        type=_days_or_forever,
+        default=float(KEEP_DAYS),
+        metavar="DAYS",
+        help=f"delete scans so many days after their upload (default {KEEP_DAYS}), or: forever",
     )
     parser.add_argument("--model", type=Path, metavar="GLB", help="another rig than the package's torso")
     parser.set_defaults(run=run)
@@ -48,9 +55,15 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
     logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
     for noisy in ("waitress", "waitress.queue", "trimesh", "PIL"):
         logging.getLogger(noisy).setLevel(logging.ERROR)
-    config = Config(host=options.host, token=read_token(options.host), model=options.model)
-    storage = Storage((options.data or default_data_folder()).expanduser().absolute())
-    service = Service(storage, runner=runner, model=config.model, uploads=config.uploads, streams=config.streams)
+    config = Config(host=options.host, token=read_token(options.host), model=options.model, keep_days=options.keep_days)
+    service = Service(
+        Storage(data_folder(options)),
+        runner=runner,
+        model=config.model,
+        uploads=config.uploads,
+        streams=config.streams,
+        keep_days=config.keep_days,
+    )
     app = create_app(config, service)
     server = listen(app, options.host, options.port, config.uploads.file_bytes)
     try:
@@ -87,6 +100,10 @@ def _port(text: str) -> int:
     return int(text)
 
 
-def _default() -> str:
-    """The default data folder as a person would write it."""
-    return str(default_data_folder()).replace(os.path.expanduser("~"), "~", 1)
+def _days_or_forever(text: str) -> float | None:
+    if text == "forever":
+        return None
+    value = days(text)
+    if value == 0.0:
+        raise argparse.ArgumentTypeError("0 days would delete each scan at once; use a longer time, or forever")
+    return value

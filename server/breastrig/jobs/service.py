@@ -27,6 +27,7 @@ from breastrig.jobs.propose_on_scan import propose_on_file
 from breastrig.jobs.queue import FitQueue
 from breastrig.jobs.read_upload import UploadJob, read_upload
 from breastrig.jobs.run_fit import run_fit
+from breastrig.jobs.sweep import KEEP_DAYS, Sweep
 from breastrig.storage import scans as scan_rows
 from breastrig.storage.events import StoredEvent
 from breastrig.storage.fits import FitRow, FitWish, Once, add_fit, fit_ids, fits_of_scan
@@ -61,6 +62,7 @@ class Service:
         uploads: UploadLimits | None = None,
         fits: FitLimits | None = None,
         streams: int = 24,
+        keep_days: float | None = KEEP_DAYS,
     ) -> None:
         self.storage = storage
         self.streams = threading.BoundedSemaphore(streams)  # each open stream holds a thread of the server
@@ -73,6 +75,7 @@ class Service:
         self._queue = FitQueue(storage, self._workers, fit_limits, runner, model)
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self._bell = Bell(storage)
+        self._sweep = None if keep_days is None else Sweep(storage, self.delete_scan, keep_days)
         self._examples = examples
 
     @contextmanager
@@ -89,8 +92,12 @@ class Service:
                 failed, waiting = self._queue.recover()
                 if failed or waiting:
                     log.warning("after the restart: %d fits failed, %d wait for a worker", failed, waiting)
+                if self._sweep is not None:
+                    self._sweep.start()
                 yield self
             finally:
+                if self._sweep is not None:
+                    self._sweep.stop()
                 self._bell.stop()
                 self._queue.stop()
                 self._readers.stop()

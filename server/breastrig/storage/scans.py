@@ -49,6 +49,14 @@ def scan_ids(storage: Storage) -> set[str]:
         return set(connection.execute(select(schema.scans.c.id)).scalars())
 
 
+def scans_before(storage: Storage, moment: str) -> list[str]:
+    """The scans that were created before a time (as `iso_utc`), the oldest first."""
+    table = schema.scans
+    with storage.database.reading() as connection:
+        query = select(table.c.id).where(table.c.created_at < moment).order_by(table.c.created_at)
+        return list(connection.execute(query).scalars())
+
+
 def delete_scan(storage: Storage, scan_id: str) -> list[str]:
     """Deletes the scan's row and all rows that hang on it; the ids of its fits.  No such scan is no error."""
     with storage.database.writing() as connection:

@@ -55,9 +55,14 @@ class Storage:
         self.database.close()
 
 
+def iso_utc(moment: datetime) -> str:
+    """ISO 8601 in UTC, to the millisecond; sorts as text in the order of time."""
+    return moment.astimezone(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
 def utc_now() -> str:
-    """The time as ISO 8601 in UTC, to the millisecond."""
-    return datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+    """The time as `iso_utc`."""
+    return iso_utc(datetime.now(UTC))
 
 
 def default_data_folder() -> Path:

@@ -235,6 +235,8 @@ export type LandmarkInfo = {
 export type Limits = {
   upload_bytes: number;
   triangles: number;
+  /** scans are deleted so many days after their upload; null: never */
+  keep_days: number | null;
 };
 
 export type Meta = {
