@@ -37,7 +37,7 @@ browser: page web-packages $(VENV)/.stamp-test
 	    $(IN_VENV) npm --prefix web run e2e
 
 bench: $(VENV)/.stamp-test
-	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest tests/benchmarks --benchmark-only
+	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest tests/benchmarks --benchmark-only --benchmark-columns=min,median,rounds --benchmark-sort=name
 
 clean:
 	rm -rf "$(VENV)" web/node_modules web/dist dist .mypy_cache .ruff_cache .hypothesis

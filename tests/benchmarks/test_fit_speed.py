@@ -1,110 +1,127 @@
-"""Speed of the fit and of its parts, as ratios against peers in the same run (`make bench`; never part of `make test`).
+"""Speed of the fit and of its parts, as ratios in the same run (`make bench`; never part of `make test`).
 
-Everything is measured on the example patient's scan.  Absolute times drift with the machine; ratios hold: each
-benchmark notes its ratio to `floor`, the bare kernels that no implementation of this method can do without.
+Everything is measured on one scan of 50,000 triangles.  Absolute times drift with the machine; ratios hold: to
+`floor`, the bare kernels that no implementation of this method can do without, and to peers.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-import scipy.linalg as sla
 import trimesh
+from benchmarks.conftest import InTurn
 
-from breastrig.core.assets import asset_folder
 from breastrig.correspondence.match import MatchRules, match
-from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.landmark_check import start_from_landmarks
-from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
+from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.geometry.normals import VertexNormals
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import Posed, pose
-from breastrig.scan.clean import clean
-from breastrig.scan.landmark_files import read_landmarks
-from breastrig.scan.read import read_scan
 
-EXAMPLE = asset_folder("example") / "standing"
-
-
-@pytest.fixture(scope="module")
-def task() -> FitTask:
-    rig = read_rig(default_rig_path())
-    surface = clean(read_scan(EXAMPLE / "scan.ply", None, "auto"))
-    centre = surface.vertices.mean(axis=0)
-    target = ScanTarget(surface.vertices - centre, surface.faces)
-    _ = target.rays, target.search, target.normals, target.on_border, target.face_normals, target.vertex_tree
-    places, unit = read_landmarks(EXAMPLE / "landmarks.json")
-    assert unit == "mm"
-    landmarks = {name: 1e-3 * np.asarray(place) - centre for name, place in places.items()}
-    return FitTask(rig, target, start_from_landmarks(rig, landmarks), load_recipe("default"), landmarks)
+Row = Callable[..., None]
+Floor = Callable[[], Any]
+END = 0.015  # m, as far as the last stages of the default preset search
+ROUNDS = 60  # of things that take a few milliseconds
 
 
-def fitted(task: FitTask, preset: str = "default") -> int:
-    """Iterations of one whole fit."""
-    settings = FitTask(task.rig, task.target, task.start, load_recipe(preset), task.landmarks)
-    return list(fit_iterates(settings))[-1].iteration
+def fitted(task: FitTask, recipe: Recipe) -> FitIterate:
+    """The end of one whole fit."""
+    return list(fit_iterates(replace(task, recipe=recipe)))[-1]
 
 
 @pytest.fixture(scope="module")
-def floor(task: FitTask) -> Callable[[], Any]:
-    """One iteration of nothing but posing, rays, the symmetric product and Cholesky, for all vertices."""
-    rig, x = task.rig, task.start
-    normals_of = VertexNormals(rig.faces, len(rig.template))
-    jacobian = Posed(rig, x).rows(np.arange(len(rig.template)), np.tile([0.0, 0.0, 1.0], (len(rig.template), 1)))
-    assert task.target.rays is not None
-    rays = task.target.rays
-
-    def kernels() -> Any:
-        vertices = Posed(rig, x).vertices
-        normals = normals_of(vertices)
-        rays.first_hits(np.concatenate([vertices, vertices]), np.concatenate([normals, -normals]), 0.02)
-        product = jacobian.T @ jacobian
-        return sla.cho_solve(sla.cho_factor(product + np.eye(len(product))), jacobian[0])
-
-    return kernels
+def near(task: FitTask) -> FitTask:
+    """The same task one step before its end, where all parts have their usual work."""
+    return replace(task, start=list(fit_iterates(task))[-2].parameters)
 
 
-def test_floor_of_one_iteration(benchmark: Any, floor: Callable[[], Any]) -> None:
-    benchmark(floor)
+def test_floor_of_one_iteration(benchmark: Any, row: Row, floor: Floor, task: FitTask) -> None:
+    benchmark.pedantic(floor, rounds=ROUNDS, warmup_rounds=5)
+    row(f"scan: {len(task.target.faces):,} triangles; model: {len(task.rig.template):,} vertices", "")
+    row("floor of one iteration: pose, rays, syrk, Cholesky", benchmark, "1.00 floors")
 
 
-def test_posing(benchmark: Any, task: FitTask) -> None:
-    benchmark(lambda: pose(task.rig, task.start))
+def part(benchmark: Any, row: Row, floor: Floor, name: str, run: Callable[[], Any]) -> None:
+    yardstick = InTurn(floor)
+    benchmark.pedantic(run, setup=yardstick, rounds=ROUNDS, warmup_rounds=5)
+    row("  " + name, benchmark, f"{yardstick.ratio(benchmark):.2f} floors")
+
+
+def test_posing(benchmark: Any, row: Row, floor: Floor, near: FitTask) -> None:
+    part(benchmark, row, floor, "posing", lambda: pose(near.rig, near.start))
+
+
+def test_normals(benchmark: Any, row: Row, floor: Floor, near: FitTask) -> None:
+    vertices, normals_of = pose(near.rig, near.start), VertexNormals(near.rig.faces, len(near.rig.template))
+    part(benchmark, row, floor, "normals", lambda: normals_of(vertices))
 
 
 @pytest.mark.parametrize("method", ["rays", "tree", "nearest_vertex"])
-def test_matching(benchmark: Any, task: FitTask, method: str) -> None:
-    vertices = pose(task.rig, task.start)
-    normals = VertexNormals(task.rig.faces, len(vertices))(vertices)
-    benchmark(lambda: match(task.target, vertices, normals, MatchRules(method, max_distance=0.02)))
+def test_matching(benchmark: Any, row: Row, floor: Floor, near: FitTask, method: str) -> None:
+    vertices = pose(near.rig, near.start)
+    normals, rules = VertexNormals(near.rig.faces, len(vertices))(vertices), MatchRules(method, max_distance=END)
+    part(benchmark, row, floor, f"matching by {method}", lambda: match(near.target, vertices, normals, rules))
 
 
-def test_rows_of_the_jacobian(benchmark: Any, task: FitTask) -> None:
-    everyone = np.arange(len(task.rig.template))
-    normals = np.tile([0.0, 0.0, 1.0], (len(everyone), 1))
-    benchmark(lambda: Posed(task.rig, task.start).rows(everyone, normals))
+def test_rows_of_the_jacobian(benchmark: Any, row: Row, floor: Floor, near: FitTask) -> None:
+    everyone = np.arange(len(near.rig.template))
+    normals, posed = np.tile([0.0, 0.0, 1.0], (len(everyone), 1)), Posed(near.rig, near.start)
+    part(benchmark, row, floor, "rows of the Jacobian, all vertices", lambda: posed.rows(everyone, normals))
 
 
-@pytest.mark.parametrize("preset", ["default", "paper"])
-def test_whole_fit(benchmark: Any, task: FitTask, preset: str) -> None:
-    benchmark.extra_info["iterations"] = benchmark.pedantic(lambda: fitted(task, preset), rounds=5, warmup_rounds=1)
+def one_iteration(task: FitTask) -> Callable[[], FitIterate]:
+    """One iteration of the last stage: pose, normals, matches, terms, step."""
+    recipe = load_recipe("default")
+    last = recipe.stages[-1].model_copy(update={"iterations": 1})
+    alone = replace(task, recipe=recipe.model_copy(update={"stages": (last,)}))
+
+    def run() -> FitIterate:
+        iterates = fit_iterates(alone)
+        next(iterates)
+        return next(iterates)
+
+    return run
 
 
-def test_read_clean_and_index(benchmark: Any) -> None:
-    def prepare() -> Any:
-        surface = clean(read_scan(EXAMPLE / "scan.ply", None, "auto"))
-        target = ScanTarget(surface.vertices, surface.faces)
-        return target.rays, target.search, target.normals, target.on_border, target.vertex_tree
-
-    benchmark.pedantic(prepare, rounds=5, warmup_rounds=1)
+def test_one_iteration(benchmark: Any, row: Row, floor: Floor, near: FitTask) -> None:
+    part(benchmark, row, floor, "one iteration of the last stage and its next match", one_iteration(near))
 
 
-def test_peer_nricp_amberg(benchmark: Any, task: FitTask) -> None:
+def test_whole_fit(benchmark: Any, row: Row, floor: Floor, task: FitTask) -> None:
+    recipe = load_recipe("default")
+    end = fitted(task, recipe)
+    yardstick = InTurn(floor, end.iteration)
+    benchmark.pedantic(lambda: fitted(task, recipe), setup=yardstick, rounds=30, warmup_rounds=2)
+    name = f"whole fit, {end.iteration} iterations, {1e3 * end.mean_distance:.2f} mm"
+    row(name, benchmark, f"{yardstick.ratio(benchmark):.2f} floors of {end.iteration} iterations; aim: 80 ms, 2 floors")
+
+
+def against_our_fit(benchmark: Any, row: Row, task: FitTask, name: str, run: Callable[[], Any], rounds: int) -> None:
+    yardstick = InTurn(lambda: fitted(task, load_recipe("default")))
+    benchmark.pedantic(run, setup=yardstick, rounds=rounds, warmup_rounds=0)
+    row("  " + name, benchmark, f"{yardstick.ratio(benchmark):.2f} of our fits")
+
+
+def test_with_the_papers_correspondence(benchmark: Any, row: Row, task: FitTask) -> None:
+    recipe = load_recipe("default")
+    stages = tuple(stage.model_copy(update={"method": "nearest_vertex"}) for stage in recipe.stages)
+    other = recipe.model_copy(update={"stages": stages})
+    end = fitted(task, other)
+    name = f"with the paper's correspondence, {end.iteration} it., {1e3 * end.mean_distance:.2f} mm"
+    against_our_fit(benchmark, row, task, name, lambda: fitted(task, other), 10)
+
+
+def test_with_the_papers_preset(benchmark: Any, row: Row, task: FitTask) -> None:
+    end = fitted(task, load_recipe("paper"))
+    name = f"with the paper's preset, {end.iteration} it., {1e3 * end.mean_distance:.2f} mm"
+    against_our_fit(benchmark, row, task, name, lambda: fitted(task, load_recipe("paper")), 10)
+
+
+def test_peer_nricp_amberg(benchmark: Any, row: Row, task: FitTask) -> None:
     """trimesh's free-form registration of the same template from the same start to the same scan."""
     source = trimesh.Trimesh(pose(task.rig, task.start), task.rig.faces, process=False)
     goal = trimesh.Trimesh(task.target.vertices, task.target.faces, process=False)
-    benchmark.pedantic(
-        lambda: trimesh.registration.nricp_amberg(source, goal, use_faces=False), rounds=1, warmup_rounds=0
-    )
+    name = "peer: trimesh nricp_amberg, same start"
+    run = lambda: trimesh.registration.nricp_amberg(source, goal, use_faces=False)  # noqa: E731
+    against_our_fit(benchmark, row, task, name, run, 1)
