@@ -4,7 +4,10 @@ All women share one mesh, so that a vertex is the same point of the skin in both
 women).  model_assets/virtual_patient/make_cohort.py writes the files.
 """
 
+import hashlib
+import io
 import json
+import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -47,6 +50,7 @@ class Bodies:
     scanned: Booleans  # (V,) False on the forearms, which whoever scans crops
     origin: str
     licence: str
+    sha256: str  # of bodies.npz
     patients: tuple[VirtualPatient, ...]
 
 
@@ -55,14 +59,16 @@ def read_bodies(folder: Path | None = None) -> Bodies:
     folder = folder or asset_folder("cohort")
     try:
         about = json.loads((folder / "patients.json").read_text("utf-8"))
-        with np.load(folder / "bodies.npz", allow_pickle=False) as archive:
+        data = (folder / "bodies.npz").read_bytes()
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
             stored = {name: archive[name] for name in archive.files}
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, zipfile.BadZipFile) as error:
         raise BadInput(f"{folder} does not hold the virtual cohort (bodies.npz, patients.json): {error}") from error
     if about.get("schema") != SCHEMA:
         raise BadInput(f"{folder}/patients.json is of the schema {about.get('schema')!r}; this program reads {SCHEMA}.")
     vertices = float(stored["step_m"]) * stored["vertices"].astype(np.float64)
     faces = stored["faces"].astype(np.int64)
+    sha256 = hashlib.sha256(data).hexdigest()
     patients = []
     for index, each in enumerate(about["patients"]):
         points = SurfacePoints(stored["landmark_faces"][index], stored["landmark_barycentric"][index])
@@ -73,7 +79,7 @@ def read_bodies(folder: Path | None = None) -> Bodies:
             table = float(stored["table_m"][index]) if stance == "supine" else None
             bodies.append(VirtualBody(stance, skin, landmarks, table))
         patients.append(VirtualPatient(each["name"], each, tuple(bodies)))
-    return Bodies(faces, stored["scanned"], about["origin"], about["license"], tuple(patients))
+    return Bodies(faces, stored["scanned"], about["origin"], about["license"], sha256, tuple(patients))
 
 
 def closed(vertices: Array, faces: Integers) -> tuple[Array, Integers]:

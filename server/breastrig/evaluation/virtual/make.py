@@ -10,6 +10,7 @@ import trimesh
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from breastrig import __version__
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.units import METRES_PER_UNIT
@@ -25,18 +26,34 @@ def make_cohort(folder: Path, progress: Callable[[str], None], patients: Sequenc
     """PATIENT/patient.json and PATIENT/STANCE/{scan.ply, landmarks.json, case.json, truth.ply} in the folder.
 
     The same bytes each time on one machine; `patients` names those wanted, all when None.  About a minute on
-    one core for all seven in both stances.
+    one core for all seven in both stances.  Patients that are there already, of these bodies and this version, stay.
     """
     bodies = read_bodies()
     for index, patient in enumerate(bodies.patients):
-        if patients is None or patient.name in patients:
+        if patients is not None and patient.name not in patients:
+            continue
+        if not _is_there(folder / patient.name, bodies):
             _write_patient(folder / patient.name, bodies, patient, index, progress)
+
+
+def _is_there(folder: Path, bodies: Bodies) -> bool:
+    """patient.json is written last, so where it is and names the same maker, all is there."""
+    try:
+        about = json.loads((folder / "patient.json").read_text("utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(about, dict) and about.get("made_by") == _made_by(bodies)
+
+
+def _made_by(bodies: Bodies) -> dict[str, str]:
+    return {"breastrig": __version__, "bodies_sha256": bodies.sha256}
 
 
 def _write_patient(
     folder: Path, bodies: Bodies, patient: VirtualPatient, index: int, progress: Callable[[str], None]
 ) -> None:
     folder.mkdir(parents=True, exist_ok=True)
+    (folder / "patient.json").unlink(missing_ok=True)
     for number, body in enumerate(patient.bodies):
         random = np.random.default_rng((SEED, index, number))  # each scan its own: none hangs on those before it
         scan = scan_body(bodies, body, random)
@@ -75,11 +92,11 @@ def _write_patient(
             },
         )
         progress(f"{patient.name} {body.stance}: {len(scan.faces)} triangles")
-    # Last, so that a patient without it is one that was not finished.
     _write_json(
         folder / "patient.json",
         {"family": "makehuman", "virtual": True, "origin": bodies.origin, "licence": bodies.licence}
-        | {key: value for key, value in patient.about.items() if key != "name"},
+        | {key: value for key, value in patient.about.items() if key != "name"}
+        | {"made_by": _made_by(bodies)},
     )
 
 

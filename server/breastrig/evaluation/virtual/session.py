@@ -7,6 +7,7 @@ and high the scanning box reaches, how much of each arm is inside, and where wet
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.evaluation.virtual.bodies import VirtualBody
@@ -18,6 +19,7 @@ CAMERA = DepthCamera(noise=0.0015, wave=0.0013, shift=0.0021, turn=0.0026)  # he
 # Heights of the camera and of what it looks at, as shares of the way from navel to notch.
 STANDING_ROWS = ((-0.35, 0.05), (0.15, 0.15), (0.65, 0.55), (1.3, 0.85), (2.0, 0.95))
 LYING_ROWS = (-0.6, -0.1, 0.45, 1.0, 1.45)
+FREE = 0.035  # m around each landmark where the skin is neither wet nor shining
 TABLE = 0.36  # m, half its width
 
 
@@ -86,7 +88,8 @@ def _above(navel: float, notch: float, table: float, reach: float) -> list[View]
 
 
 def _blind_spots(body: VirtualBody, skin: Booleans, random: np.random.Generator) -> Array:
-    """(18, 4) m: three blotches of irregular form, six discs each."""
-    places = body.vertices[random.choice(np.flatnonzero(skin), 3, replace=False)]
+    """(18, 4) m: three blotches of irregular form, six discs each; nobody keeps a scan without its landmarks."""
+    away, _ = cKDTree(np.array(list(body.landmarks.values()))).query(body.vertices)
+    places = body.vertices[random.choice(np.flatnonzero(skin & (away > FREE)), 3, replace=False)]
     centres = np.repeat(places, 6, axis=0) + 0.010 * random.standard_normal((18, 3))
     return np.column_stack([centres, random.uniform(0.005, 0.012, 18)])
