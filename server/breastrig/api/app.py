@@ -18,6 +18,7 @@ from breastrig.api.page import PageFile, page
 from breastrig.api.scans import scans
 from breastrig.api.security import register_security
 from breastrig.api.served_model import serve_model
+from breastrig.api.sign_in import sign_in
 from breastrig.jobs.service import Service
 
 
@@ -46,7 +47,7 @@ def _bare_app() -> APIFlask:
     app.json.sort_keys = False  # type: ignore[attr-defined]
     app.url_map.merge_slashes = False  # an address has one spelling; no redirects
     app.url_map.converters["page_file"] = PageFile
-    for blueprint in (scans, fits, fits_of_scans, events, models, meta, docs, page):
+    for blueprint in (scans, fits, fits_of_scans, events, models, meta, docs, sign_in, page):
         app.register_blueprint(blueprint)
     app.spec_processor(finish_document)
     return app

@@ -1,10 +1,11 @@
 """The service behind the request at hand."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from flask import current_app
 
 from breastrig.api.config import Config
+from breastrig.api.rate_limits import RateLimits
 from breastrig.api.served_model import ServedModel
 from breastrig.jobs.service import Service
 
@@ -16,6 +17,7 @@ class Behind:
     config: Config
     service: Service
     model: ServedModel
+    rates: RateLimits = field(default_factory=RateLimits)
 
 
 def behind() -> Behind:

@@ -10,6 +10,7 @@ import json
 from typing import Any
 
 from breastrig.api import wire
+from breastrig.api.session import COOKIE
 from breastrig.core.notice import LIMITS_OF_USE
 
 REFERENCE = "#/components/schemas/"
@@ -33,8 +34,11 @@ def finish_document(document: dict[str, Any]) -> dict[str, Any]:
             _describe_errors(operation)
             if "requestBody" in operation:
                 operation["requestBody"]["required"] = True
-    document["components"]["securitySchemes"] = {"token": {"type": "http", "scheme": "bearer"}}
-    document["security"] = [{}, {"token": []}]
+    document["components"]["securitySchemes"] = {
+        "token": {"type": "http", "scheme": "bearer"},
+        "session": {"type": "apiKey", "in": "cookie", "name": COOKIE, "description": "set by the page /sign-in"},
+    }
+    document["security"] = [{}, {"token": []}, {"session": []}]
     document["info"]["description"] = LIMITS_OF_USE
     document["tags"] = list({tag["name"]: tag for tag in document["tags"]}.values())  # two blueprints may share one
     document["components"]["schemas"] = dict(sorted(schemas.items()))

@@ -7,6 +7,7 @@ from werkzeug.routing import BaseConverter
 
 from breastrig.api.answers import CHECK_AGAIN, FOR_EVER
 from breastrig.api.current import behind
+from breastrig.api.session import in_session
 from breastrig.core.assets import asset_folder
 
 page = Blueprint("page", __name__)
@@ -30,7 +31,13 @@ NOT_BUILT = """<!doctype html>
 
 @page.get("/")
 def index() -> Response:
-    """The page; its address never changes, so the browser asks each time."""
+    """The page; its address never changes, so the browser asks each time.
+
+    Without a session it could show nothing but errors: then the sign-in page comes first.
+    """
+    token = behind().config.token
+    if token is not None and not in_session(token):
+        return Response(status=303, headers={"Location": "/sign-in", "Cache-Control": "no-store"})
     folder = _folder()
     if not (folder / "index.html").is_file():
         return Response(NOT_BUILT, 503, mimetype="text/html", headers={"Cache-Control": "no-store"})

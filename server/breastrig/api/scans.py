@@ -22,12 +22,16 @@ FILE_TYPES = ("ply", "obj", "stl", "glb", "zip")
 @scans.post("")
 @scans.input(wire.ScanUpload, location="files")
 @scans.output(wire.Scan, status_code=201, description="The scan was read and stored")
-@scans.doc(operation_id="uploadScan", responses={413: "Too large", 415: "Not a scan file", 422: "Cannot be read"})
+@scans.doc(
+    operation_id="uploadScan",
+    responses={413: "Too large", 415: "Not a scan file", 422: "Cannot be read", 429: "Too many"},
+)
 def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, str]]:
     """Upload a scan
 
     The file's name serves only to tell its type and is not kept.
     """
+    behind().rates.check("upload")
     suffix = PurePosixPath(files_data.file.filename or "").suffix.lower().lstrip(".")
     if suffix not in FILE_TYPES:
         raise refuse(415, "This is not a scan file; send PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image.")

@@ -3,10 +3,13 @@
 Reading the scans of patients must not be possible from a web page that happens to be open in the same browser:
   * the Host header must name this machine (a foreign name that resolves to 127.0.0.1 is DNS rebinding),
   * a request that changes something must come from our own page when the browser says where it comes from,
-  * with a token set, every call below /api must carry it.
+  * with a token set, every call below /api must carry it, or the cookie of a browser that has signed in with it.
 """
 
 import hmac
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
 from urllib.parse import urlsplit
 
 from apiflask import APIFlask
@@ -15,6 +18,7 @@ from werkzeug.exceptions import HTTPException
 
 from breastrig.api.config import Config
 from breastrig.api.errors import problem
+from breastrig.api.session import in_session
 
 POLICY = "; ".join(
     (
@@ -94,8 +98,12 @@ def _wrong_token(config: Config) -> Response | None:
     kind, _, given = request.headers.get("Authorization", "").partition(" ")
     if kind.lower() == "bearer" and hmac.compare_digest(given.strip().encode(), config.token.encode()):
         return None
+    if in_session(config.token):
+        return None
     return problem(
-        401, "This service needs a bearer token in the Authorization header.", headers={"WWW-Authenticate": "Bearer"}
+        401,
+        "This service needs its token: sign in at /sign-in, or send it as a bearer in the Authorization header.",
+        headers={"WWW-Authenticate": "Bearer"},
     )
 
 
@@ -114,9 +122,19 @@ def _limit_body(config: Config) -> Response | None:
     return None
 
 
-def refuse(status: int, sentence: str) -> HTTPException:
+class Refused(HTTPException):
+    """An HTTP error with a sentence, and perhaps headers, of ours."""
+
+    def __init__(self, status: int, sentence: str, headers: Mapping[str, str]) -> None:
+        super().__init__(sentence)
+        self.code = status
+        self.ours = True
+        self._headers = headers
+
+    def get_headers(self, *args: Any, **kwargs: Any) -> list[tuple[str, str]]:
+        return [*super().get_headers(*args, **kwargs), *self._headers.items()]
+
+
+def refuse(status: int, sentence: str, headers: Mapping[str, str] = MappingProxyType({})) -> HTTPException:
     """An HTTP error with a sentence of ours, to raise in a view."""
-    error = HTTPException(sentence)
-    error.code = status
-    error.ours = True  # type: ignore[attr-defined]
-    return error
+    return Refused(status, sentence, headers)

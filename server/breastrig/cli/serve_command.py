@@ -73,7 +73,7 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
             print(f"BreastRig is ready: http://{shown}:{server.effective_port}/   (Ctrl-C stops it)", flush=True)
             print(RESEARCH_USE_ONLY, flush=True)
             if not is_loopback(options.host):
-                print(f"Every call must carry the bearer token of {TOKEN_VARIABLE}.", flush=True)
+                print(f"Browsers are asked for the token of {TOKEN_VARIABLE}; scripts send it as a bearer.", flush=True)
             server.run()
     finally:
         server.task_dispatcher.shutdown()

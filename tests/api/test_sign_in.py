@@ -1,0 +1,137 @@
+"""Browsers and the token: the sign-in page, its cookie, and what the cookie is good for."""
+
+import io
+import re
+from dataclasses import replace
+
+import pytest
+from flask.testing import FlaskClient
+from helpers.problems import problem
+
+from breastrig.api import rate_limits, session
+from breastrig.api.config import Config
+
+TOKEN = "a-token-of-more-than-sixteen-characters"
+
+
+@pytest.fixture
+def browser(client_for, config: Config) -> FlaskClient:
+    """Keeps cookies like a browser; nobody has signed in."""
+    return client_for(replace(config, host="0.0.0.0", token=TOKEN))
+
+
+def sign_in(browser: FlaskClient, token: str = TOKEN, **kwargs: object):
+    return browser.post("/sign-in", data={"token": token}, **kwargs)
+
+
+def test_a_browser_is_led_to_the_sign_in_page_and_from_there_to_the_page(browser: FlaskClient) -> None:
+    first = browser.get("/")
+    assert (first.status_code, first.headers["Location"]) == (303, "/sign-in")
+    form = browser.get("/sign-in")
+    assert (form.status_code, form.mimetype, form.headers["Cache-Control"]) == (200, "text/html", "no-store")
+    html = form.get_data(as_text=True)
+    assert 'type="password"' in html
+    assert "<script" not in html
+    assert 'style="' not in html
+    assert "//" not in html
+    [style] = re.findall(r'href="([^"]+\.css)"', html)
+    assert browser.get(style).mimetype == "text/css"
+    answer = sign_in(browser, f" {TOKEN} ")
+    assert (answer.status_code, answer.headers["Location"]) == (303, "/")
+    assert b"the page" in browser.get("/").data
+    assert browser.get("/api/meta").status_code == 200
+    assert "You are signed in" in browser.get("/sign-in").get_data(as_text=True)
+
+
+def test_the_cookie_is_out_of_reach_of_scripts_and_other_sites_and_does_not_hold_the_token(
+    browser: FlaskClient,
+) -> None:
+    cookie = sign_in(browser).headers["Set-Cookie"]
+    assert cookie.startswith(f"{session.COOKIE}=")
+    for word in ("HttpOnly", "SameSite=Strict", "Path=/", f"Max-Age={session.LASTS_S}"):
+        assert word in cookie
+    assert "Secure" not in cookie
+    assert TOKEN not in cookie
+    assert "Secure" in sign_in(browser, base_url="https://scans.example").headers["Set-Cookie"]
+
+
+@pytest.mark.parametrize("token", ["", "wrong", TOKEN[:-1], TOKEN + "x", "é", "\ud800", "x" * 9000])
+def test_a_wrong_token_gets_no_cookie(browser: FlaskClient, token: str) -> None:
+    data = {"token": token.encode("utf-8", "surrogatepass")}
+    answer = browser.post("/sign-in", data=data)
+    assert answer.status_code == 401
+    assert "This is not the token." in answer.get_data(as_text=True)
+    assert "Set-Cookie" not in answer.headers
+    problem(browser.get("/api/meta"), 401)
+
+
+def test_a_form_that_is_none_gets_no_cookie(browser: FlaskClient) -> None:
+    for body, kind in ((b"{}", "application/json"), (b"", None), (b"token", "text/plain")):
+        assert browser.post("/sign-in", data=body, content_type=kind).status_code == 401
+    big = browser.post("/sign-in", data={"token": "x" * 20_000})
+    problem(big, 413)
+
+
+def test_a_session_ends_when_it_is_left_when_it_is_old_and_when_the_token_changes(
+    browser: FlaskClient, client_for, config: Config, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sign_in(browser)
+    cookie = browser.get_cookie(session.COOKIE)
+    assert cookie is not None
+    other = client_for(replace(config, host="0.0.0.0", token=TOKEN[::-1]))
+    other.set_cookie(session.COOKIE, cookie.value)
+    problem(other.get("/api/meta"), 401)
+    with monkeypatch.context() as later:
+        later.setattr(session, "LASTS_S", -1)
+        problem(browser.get("/api/meta"), 401)
+    assert browser.get("/api/meta").status_code == 200
+    left = browser.post("/sign-out")
+    assert (left.status_code, left.headers["Location"]) == (303, "/sign-in")
+    problem(browser.get("/api/meta"), 401)
+
+
+@pytest.mark.parametrize("value", ["", "x", "a.b.c", "InNpZ25lZCBpbiI.aaaaaa.bbbbbbbbbbbbbbbbbbbbbbbbbbb"])
+def test_a_made_up_cookie_opens_nothing(browser: FlaskClient, value: str) -> None:
+    browser.set_cookie(session.COOKIE, value)
+    problem(browser.get("/api/meta"), 401)
+    assert browser.get("/").status_code == 303
+
+
+def test_another_site_can_neither_sign_a_browser_in_nor_use_its_session(browser: FlaskClient) -> None:
+    foreign = {"Origin": "http://evil.example"}
+    problem(sign_in(browser, headers=foreign), 403)
+    sign_in(browser)
+    problem(browser.delete("/api/scans/nobody", headers=foreign), 403)
+    problem(browser.post("/sign-out", headers=foreign), 403)
+    assert browser.delete("/api/scans/nobody").status_code == 204
+
+
+def test_guessing_is_slowed_down_for_each_address_alone(browser: FlaskClient) -> None:
+    answers = [sign_in(browser, "wrong") for _ in range(rate_limits.PER_MINUTE["sign-in"].amount + 1)]
+    assert [answer.status_code for answer in answers[:-1]] == [401] * (len(answers) - 1)
+    assert answers[-1].status_code == 429
+    assert 1 <= int(answers[-1].headers["Retry-After"]) <= 61
+    assert "Too many attempts" in answers[-1].get_data(as_text=True)
+    assert sign_in(browser).status_code == 429
+    assert sign_in(browser, environ_base={"REMOTE_ADDR": "10.0.0.9"}).status_code == 303
+
+
+def test_uploads_are_limited(browser: FlaskClient, monkeypatch: pytest.MonkeyPatch, torso: bytes) -> None:
+    from limits import RateLimitItemPerMinute
+
+    monkeypatch.setitem(rate_limits.PER_MINUTE, "upload", RateLimitItemPerMinute(1))
+    sign_in(browser)
+    data = {"units": "m"}
+    answers = [browser.post("/api/scans", data=data, content_type="multipart/form-data") for _ in range(2)]
+    problem(answers[0], 422)
+    for _ in range(2):
+        last = browser.post("/api/scans", data={"file": (io.BytesIO(torso), "x.exe")})
+    assert "Too many" in problem(last, 429)
+    assert int(last.headers["Retry-After"]) >= 1
+
+
+def test_without_a_token_nobody_signs_in(client: FlaskClient) -> None:
+    assert "needs no token" in client.get("/sign-in").get_data(as_text=True)
+    answer = sign_in(client, "anything")
+    assert (answer.status_code, answer.headers["Location"]) == (303, "/")
+    assert "Set-Cookie" not in answer.headers
