@@ -69,5 +69,5 @@ def test_two_fits_at_once(benchmark: Any, row: Callable[..., None], workers: lis
         f"two fits at once (alone: {1e3 * np.median(alone, axis=0)[0]:.1f} ms)",
         times,
         # on a machine with other work the first number tells of that work, the second of what the two share
-        f"each loses {loss:.0f} % ({processor:.0f} % of the processor's time, load {os.getloadavg()[0]:.1f}); aim: 15 %",
+        f"each loses {loss:.0f} % ({processor:.0f} % of processor time, load {os.getloadavg()[0]:.1f}); aim: 15 %",
     )

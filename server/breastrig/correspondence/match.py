@@ -89,18 +89,14 @@ def _by_nearest_vertex(target: ScanTarget, points: Array) -> _Found:
 def _accepted(target: ScanTarget, points: Array, normals: Array, found: _Found, rules: MatchRules) -> Correspondences:
     index = np.flatnonzero(found.faces >= 0)
     faces, barycentric = found.faces[index], found.barycentric[index]
-    corners = target.faces[faces]
-    at = np.einsum("mc,mcd->md", barycentric, target.vertices[corners])
+    at, scan_normals, border = target.surface_at(faces, barycentric)
     gaps = at - points[index]
     distances = np.sqrt(np.einsum("mi,mi->m", gaps, gaps))
-    near: Booleans = distances <= rules.max_distance
+    good: Booleans = distances <= rules.max_distance
+    good &= np.einsum("mi,mi->m", scan_normals, normals[index]) >= np.cos(rules.max_angle)
     if rules.reject_border:
-        near &= np.einsum("mc,mc->m", barycentric, target.border_share[corners]) < 0.999
-    kept = np.flatnonzero(near)  # normals are dear: only for these
-    scan_normals = target.normals_at(faces[kept], barycentric[kept])
-    agree = np.einsum("mi,mi->m", scan_normals, normals[index[kept]]) >= np.cos(rules.max_angle)
-    good = kept[agree]
-    return Correspondences(index[good], at[good], scan_normals[agree], distances[good])
+        good &= border < 0.999
+    return Correspondences(index[good], at[good], scan_normals[good], distances[good])
 
 
 def match(target: ScanTarget, points: Array, normals: Array, rules: MatchRules) -> Correspondences:

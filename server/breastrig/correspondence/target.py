@@ -51,9 +51,9 @@ class ScanTarget:
         return np.asarray(boundary_vertices(self.faces, len(self.vertices)))
 
     @cached_property
-    def border_share(self) -> Array:
-        """(V,) 1.0 on the border, else 0.0: mixed by barycentric weights it says how much of a point is border"""
-        return np.asarray(self.on_border, dtype=np.float64)
+    def mixed_values(self) -> Array:
+        """(V, 7): position (m), normal, and 1 on the border, side by side, so that matching gathers once."""
+        return np.column_stack([self.vertices, self.normals, self.on_border])
 
     @cached_property
     def search(self) -> ClosestPointSearch:
@@ -74,7 +74,9 @@ class ScanTarget:
         counts = np.bincount(self.faces.ravel(), minlength=len(self.vertices))
         return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64), order // 3
 
-    def normals_at(self, faces: Integers, barycentric: Array) -> Array:
-        """(M, 3) unit normals interpolated inside the triangles."""
-        mixed = np.einsum("mc,mcd->md", barycentric, self.normals[self.faces[faces]])
-        return np.asarray(mixed / np.maximum(np.sqrt(np.einsum("mi,mi->m", mixed, mixed)), 1e-12)[:, None])
+    def surface_at(self, faces: Integers, barycentric: Array) -> tuple[Array, Array, Array]:
+        """(M, 3) m points, (M, 3) unit normals and (M,) share of border vertices at M places inside triangles."""
+        mixed = np.einsum("mc,mcd->md", barycentric, self.mixed_values[self.faces[faces]])
+        normals = mixed[:, 3:6]
+        lengths = np.sqrt(np.einsum("mi,mi->m", normals, normals))
+        return mixed[:, :3], normals / np.maximum(lengths, 1e-12)[:, None], mixed[:, 6]

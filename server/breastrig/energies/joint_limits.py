@@ -4,6 +4,7 @@ r_j = max(0, |turn_j| − limit_j) / σ.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -19,12 +20,16 @@ class JointLimits:
     sigma: float  # rad, how softly the limit is met
     name: str = "joint_limits"
 
+    @cached_property
+    def _limits(self) -> Array:
+        """(J,) rad"""
+        return np.array([joint.rotation_limit for joint in self.joints.joints])
+
     def _angles(self, x: RigParameters) -> tuple[Array, Array, Array]:
         """(J, 3) turn, (J,) its angle, (J,) excess over the limit"""
         turn = self.joints.motion(x).turn
         angle = np.linalg.norm(turn, axis=1)
-        limit = np.array([joint.rotation_limit for joint in self.joints.joints])
-        return turn, angle, np.maximum(angle - limit, 0.0)
+        return turn, angle, np.maximum(angle - self._limits, 0.0)
 
     def residual(self, x: RigParameters) -> Array:
         """(J,)"""

@@ -5,6 +5,7 @@ the expected size, 0 is a hard joint.  It enters the solver with Lagrange multip
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -19,7 +20,7 @@ class JointRest:
     joints: Joints
     name: str = "joint_rest"
 
-    @property
+    @cached_property
     def compliance(self) -> Array:
         """(6J,) m² for the gaps, rad² for the turns"""
         rows = [[j.translation_sigma**2] * 3 + [j.rotation_sigma**2] * 3 for j in self.joints.joints]

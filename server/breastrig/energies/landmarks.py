@@ -34,6 +34,6 @@ class Landmarks:
         body = posed(self.rig, x)
         corners = self.rig.faces[self.points.faces].ravel()  # (3L,)
         weight = (self.points.barycentric / self.sigma[:, None]).ravel()
-        directions = np.asarray(np.kron(np.eye(3), weight[:, None]), dtype=np.float64)  # (9L, 3)
+        directions = (np.eye(3)[:, None] * weight[:, None]).reshape(-1, 3)  # (9L, 3)
         rows = body.rows(np.tile(corners, 3), directions)
         return Linearisation(self.residual(x), rows.reshape(3 * len(self.points), 3, -1).sum(axis=1))

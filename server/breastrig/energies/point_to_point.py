@@ -31,6 +31,6 @@ class PointToPoint:
 
     def linearise(self, x: RigParameters) -> Linearisation:
         """(3M,), (3M, P)"""
-        scale = (np.sqrt(self.weights) / self.sigma)[:, None]
-        directions = np.asarray(np.kron(np.eye(3), scale), dtype=np.float64)  # (3M, 3)
+        scale = np.sqrt(self.weights) / self.sigma
+        directions = (np.eye(3)[:, None] * scale[:, None]).reshape(-1, 3)  # (3M, 3)
         return Linearisation(self.residual(x), posed(self.rig, x).rows(np.tile(self.matches.vertices, 3), directions))

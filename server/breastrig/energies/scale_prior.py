@@ -41,10 +41,15 @@ class ScalePrior:
         """(M,)"""
         return np.asarray(np.einsum("mba,ba->m", self._matrix, x.scales - 1.0))
 
+    @cached_property
+    def _jacobian(self) -> Array:
+        """(M, P), always the same"""
+        matrix, bones = self._matrix, len(self.rig.bones)
+        jacobian = np.zeros((len(matrix), BONE_DOFS * bones + len(self.rig.shapes)))
+        jacobian[:, : BONE_DOFS * bones].reshape(len(matrix), -1, BONE_DOFS)[:, :, 6:9] = matrix
+        jacobian.flags.writeable = False
+        return jacobian
+
     def linearise(self, x: RigParameters) -> Linearisation:
         """(M,), (M, P)"""
-        matrix = self._matrix
-        jacobian = np.zeros((len(matrix), x.dof))
-        blocks = jacobian[:, : BONE_DOFS * len(x.scales)].reshape(len(matrix), -1, BONE_DOFS)
-        blocks[:, :, 6:9] = matrix
-        return Linearisation(self.residual(x), jacobian)
+        return Linearisation(self.residual(x), self._jacobian)

@@ -37,11 +37,12 @@ class Symmetry:
         scales = [(x.scales[a] - x.scales[b]) / self.scale_sigma for a, b in bones]
         return np.concatenate([np.asarray(weights, dtype=np.float64), *scales])
 
-    def linearise(self, x: RigParameters) -> Linearisation:
-        """(M,), (M, P)"""
+    @cached_property
+    def _jacobian(self) -> Array:
+        """(M, P), always the same"""
         shapes, bones = self._pairs
-        first = x.dof - len(x.weights)
-        jacobian = np.zeros((len(shapes) + 3 * len(bones), x.dof))
+        first = BONE_DOFS * len(self.rig.bones)
+        jacobian = np.zeros((len(shapes) + 3 * len(bones), first + len(self.rig.shapes)))
         for row, (a, b, sigma) in enumerate(shapes):
             jacobian[row, first + a] = 1.0 / (self.shape_sigma * sigma)
             jacobian[row, first + b] = -1.0 / (self.shape_sigma * sigma)
@@ -50,4 +51,9 @@ class Symmetry:
                 row = len(shapes) + 3 * pair + axis
                 jacobian[row, BONE_DOFS * a + 6 + axis] = 1.0 / self.scale_sigma
                 jacobian[row, BONE_DOFS * b + 6 + axis] = -1.0 / self.scale_sigma
-        return Linearisation(self.residual(x), jacobian)
+        jacobian.flags.writeable = False
+        return jacobian
+
+    def linearise(self, x: RigParameters) -> Linearisation:
+        """(M,), (M, P)"""
+        return Linearisation(self.residual(x), self._jacobian)

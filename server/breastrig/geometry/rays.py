@@ -91,7 +91,7 @@ class RayCaster:
         start = np.asarray(origins - self._centre, dtype=np.float32, order="C")
         along = np.asarray(directions, dtype=np.float32, order="C")
         if not (np.isfinite(start).all() and np.isfinite(along).all()):
-            sound = np.isfinite(start).all(axis=1) & np.isfinite(along).all(axis=1)
+            sound = np.asarray(np.isfinite(start).all(axis=1) & np.isfinite(along).all(axis=1))
             start, along = np.where(sound[:, None], start, np.float32(0.0)), along.copy()
             along[~sound], limit[~sound] = (0.0, 0.0, 1.0), -1.0
         hits = self._scene.run(start, along, dists=limit, output=True)

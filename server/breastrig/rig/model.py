@@ -150,6 +150,12 @@ class Rig:
         return np.ascontiguousarray(self.blendshapes.transpose(1, 2, 0))
 
     @cached_property
+    def rest_axes(self) -> tuple[Array, Array]:
+        """(3B, 3) and (3B, 1) m: takes a place to its coordinates in all rest frames, axis by axis; for that loop."""
+        axes = self.rest_rotations.transpose(2, 0, 1).reshape(-1, 3)
+        return axes, np.einsum("bij,bi->jb", self.rest_rotations, self.rest_origins).reshape(-1, 1)
+
+    @cached_property
     def weights_by_bone(self) -> Array:
         """(B, V): the skin weights laid out for the same loop."""
         return np.ascontiguousarray(self.skin_weights.T)

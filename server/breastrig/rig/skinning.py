@@ -68,9 +68,8 @@ class Posed:
         bones, count = len(rig.bones), len(chosen)
         columns = np.zeros((x.dof, count))
         # (3, B, M): local axis, bone, vertex
-        rest = rig.rest_rotations.transpose(2, 0, 1).reshape(-1, 3)
-        origins = np.einsum("bij,bi->jb", rig.rest_rotations, rig.rest_origins).reshape(-1, 1)
-        u = (rest @ self.shaped[chosen].T - origins).reshape(3, bones, count)
+        axes, origins = rig.rest_axes
+        u = (axes @ self.shaped[chosen].T - origins).reshape(3, bones, count)
         p = u * x.scales.T[:, :, None]
         weight = rig.weights_by_bone[:, chosen]
         we = (x.rotations.transpose(2, 0, 1).reshape(-1, 3) @ directions.T).reshape(3, bones, count)
