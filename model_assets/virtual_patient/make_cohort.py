@@ -25,8 +25,8 @@ sys.path.insert(0, str(HERE.parent))
 from steps.source import Source, fetch, read_source  # noqa: E402
 from steps.subdivide import subdivide  # noqa: E402
 from virtual_patient.body import Body, Turns, upper_body  # noqa: E402
-from virtual_patient.lie_down import FOOTPRINT, lie_down  # noqa: E402
-from virtual_patient.lying import Tissue, chest_wall  # noqa: E402
+from virtual_patient.lie_down import FOOTPRINT, at_rest, sagged  # noqa: E402
+from virtual_patient.lying import Tissue, back_on_table, chest_wall  # noqa: E402
 from virtual_patient.size import CUPS, FRENCH_BAND, under_bust_and_bust, volume_over  # noqa: E402
 from virtual_patient.true_landmarks import true_landmarks  # noqa: E402
 from virtual_patient.women import AVERAGE, WOMEN, Woman, vertices_of  # noqa: E402
@@ -43,6 +43,7 @@ LOWEST = 0.02  # m, height of MakeHuman's base body below which nothing is kept:
 FOREARM = 1.15  # share of the upper arm up to which arms are kept
 CROP = 0.93  # share of the upper arm that a person who scans keeps
 BEHIND = 0.35  # share of the way from back to navel that lies behind everything that sags
+WAIST = 0.07  # m above the navel: what lies on the table above it is the ribcage, below it the buttocks
 TOLERANCE = 1.0  # cm between measured girths and the size: half the width of a class of cups
 
 
@@ -116,7 +117,8 @@ def patient(source: Source, net: Net, woman: Woman) -> Patient:
     places = {name: point.positions(upright, faces)[0] for name, point in marks.items()}
     navel, back = places["umbilicus"], float(upright[body.arms < 0.5, 2].min())
     tissue = Tissue(shear=Tissue.shear * woman.softness, belly=Tissue.belly * woman.belly)
-    lying, table = lie_down(body, lying_turns(woman), tissue, navel[1], back + BEHIND * (navel[2] - back))
+    lying = sagged(body, lying_turns(woman), tissue, navel[1], back + BEHIND * (navel[2] - back))
+    lying, table = back_on_table(at_rest(lying, body.arms < 0.5, navel[1] + WAIST), tissue)
     straight = body.posed(replace(posture, lean=0.0))[0]  # so that level cuts are square to the trunk
     measured = measurements(
         body, woman, straight, {n: point.positions(straight, faces)[0] for n, point in marks.items()}
@@ -125,11 +127,11 @@ def patient(source: Source, net: Net, woman: Woman) -> Patient:
 
 
 def standing_turns(woman: Woman) -> Turns:
-    left, right = woman.standing_arms
+    left, right = woman.standing_arms  # hanging, but held off the trunk: in the armpit skin must not cross skin
     return Turns(
         lean=woman.lean,
         collar={"L": (-1, 0), "R": (-2, 0)},
-        blade={"L": -5, "R": -5},
+        blade={"L": -2, "R": -2},
         arm={"L": (left, 2), "R": (right, 1)},
     )
 
