@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers.random_pose import random_parameters
-from helpers.subdivide import subdivided
+from helpers.rig_patient import patient
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
@@ -13,25 +12,12 @@ from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 
 
 @pytest.fixture(scope="module")
 def torso() -> Rig:
     return read_rig(default_rig_path())
-
-
-def patient(rig: Rig, seed: int) -> tuple[ScanTarget, dict[str, Array], Array]:
-    """A random patient of the rig: her finer scan, her landmarks, and where each model vertex truly is."""
-    x = random_parameters(rig, np.random.default_rng(seed), turn=0.06, move=0.0, scale=0.03, shape=0.7)
-    lower, upper = (np.array([getattr(shape, side) for shape in rig.shapes]) for side in ("min", "max"))
-    vertices = pose(rig, RigParameters(x.rotations, x.translations, x.scales, np.clip(x.weights, lower, upper)))
-    fine, triangles = subdivided(vertices, rig.faces)
-    centre = fine.mean(axis=0)
-    landmarks = rig.landmark_points().positions(vertices, rig.faces) - centre
-    target = ScanTarget(fine - centre, triangles)
-    return target, dict(zip(rig.landmark_names, landmarks, strict=True)), vertices - centre
 
 
 def for_scans_without_noise(recipe: Recipe) -> Recipe:

@@ -23,6 +23,7 @@ class FitIterate:
     landmark_distance: float | None  # m, mean over the picked landmarks
     elapsed_s: float
     status: Status  # RUNNING on all but the last
+    not_followed: tuple[str, ...] = ()  # picks that were let go
 
 
 @dataclass(frozen=True, eq=False)
