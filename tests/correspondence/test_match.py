@@ -62,3 +62,13 @@ def test_without_rays_the_tree_answers_the_same(ball: ScanTarget, rng: np.random
     assert trees_only.rays is None
     by_rays, by_tree = (match(target, points, normals, MatchRules("rays")) for target in (ball, trees_only))
     np.testing.assert_allclose(by_rays.points, by_tree.points, atol=1e-4)
+
+
+def test_the_surface_inside_a_triangle_is_mixed_from_its_corners(rng: np.random.Generator) -> None:
+    target = ScanTarget(*plane(0.2))
+    faces, weights = rng.integers(0, len(target.faces), 50), rng.dirichlet(np.ones(3), 50)
+    points, normals, border = target.surface_at(faces, weights)
+    corners = target.faces[faces]
+    np.testing.assert_allclose(points, np.einsum("mc,mcd->md", weights, target.vertices[corners]), atol=1e-15)
+    np.testing.assert_allclose(normals, np.tile([0.0, 0.0, 1.0], (50, 1)), atol=1e-12)
+    np.testing.assert_allclose(border, (weights * target.on_border[corners]).sum(axis=1), atol=1e-12)

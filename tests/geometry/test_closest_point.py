@@ -42,3 +42,15 @@ def test_distances_to_a_plane_are_exact(rng: np.random.Generator) -> None:
     found = ClosestPointSearch(*plane()).query(points, candidates=8)
     np.testing.assert_allclose(found.distances, np.abs(points[:, 2]), atol=1e-12)
     np.testing.assert_allclose(found.points[:, :2], points[:, :2], atol=1e-12)
+
+
+def test_fewer_candidates_within_reach_than_asked_for_are_enough(rng: np.random.Generator) -> None:
+    search = ClosestPointSearch(*sphere(0.1))
+    points = 0.1 * (outward := rng.normal(size=(200, 3))) / np.linalg.norm(outward, axis=1, keepdims=True)
+    all_of_them, few = search.query(points, candidates=8), search.query(points, 8, search.largest_reach)
+    np.testing.assert_array_equal(few.faces >= 0, True)
+    assert (few.distances <= all_of_them.distances + 1e-4).all()
+    far = search.query(2.0 * points, 8, search.largest_reach)
+    np.testing.assert_array_equal(far.faces, -1)
+    assert np.isinf(far.distances).all()
+    np.testing.assert_array_equal(far.points, 2.0 * points)

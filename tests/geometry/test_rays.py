@@ -31,6 +31,17 @@ def test_hits_are_right_to_a_micrometre_wherever_the_mesh_lies(shift: float) -> 
     np.testing.assert_allclose(distance, exact, atol=1e-6)
 
 
+def test_the_weights_of_a_hit_give_its_place() -> None:
+    vertices, faces = ball(2.0)
+    directions = np.random.default_rng(2).normal(size=(500, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    found = RayCaster(vertices, faces).hits(np.full((500, 3), 2.0), directions, 1.0)
+    weights = np.stack([1.0 - found.second - found.third, found.second, found.third], axis=1)
+    assert weights.min() > -1e-6
+    places = np.einsum("mc,mcd->md", weights, vertices[faces[found.faces]])
+    np.testing.assert_allclose(places, 2.0 + found.distances[:, None] * directions, atol=1e-6)
+
+
 def test_rays_through_shared_vertices_do_not_leak() -> None:
     vertices, faces = ball()
     directions = vertices / np.linalg.norm(vertices, axis=1, keepdims=True)
@@ -43,6 +54,8 @@ def test_a_miss_is_minus_one_and_infinite() -> None:
     assert hit.dtype == np.int64
     assert hit[0] == -1
     assert distance[0] == np.inf
+    missed = RayCaster(*TRIANGLE).hits(np.array([[3.0, 3, 1]]), DOWN, 9.0)
+    assert missed.second[0] == missed.third[0] == 0.0
 
 
 def test_the_limit_can_differ_by_ray_and_stays_untouched() -> None:

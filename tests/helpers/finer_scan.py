@@ -15,8 +15,8 @@ from breastrig.scan.depth_fusion import fuse, without_small_pieces
 from breastrig.scan.read import read_scan
 
 UP = np.array([0.0, 1.0, 0.0])  # case.json of the standing example
-HEIGHTS = (-0.2, 0.0, 0.2, 0.45)  # m, of the camera over the middle of the scan
-AZIMUTHS = np.radians(np.linspace(-105, 105, 9))  # around the front, as the example itself was scanned
+HEIGHTS = (-0.25, -0.05, 0.15, 0.35, 0.55)  # m, of the camera over the middle of the scan
+AZIMUTHS = np.radians(np.linspace(-110, 110, 13))  # around the front: behind it the inside of the scan would show
 AWAY = 0.64  # m
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from breastrig.least_squares.newton import Bounds, Status, newton_step
+from breastrig.least_squares.newton import Bounds, Status, assemble, newton_step
 from breastrig.least_squares.problem import Linearisation
 from breastrig.least_squares.robust import KERNELS
 
@@ -49,6 +49,17 @@ def step(terms, constraints, x, lower=-np.inf, upper=np.inf, damping=1e-12):
     bounds = Bounds(np.full(size, lower) - x.values, np.full(size, upper) - x.values)
     free = np.ones(size, dtype=bool)
     return newton_step(terms, constraints, x, scaling=np.ones(size), damping=damping, bounds=bounds, free=free)
+
+
+def test_small_and_large_terms_add_up_the_same(rng: np.random.Generator) -> None:
+    terms = [term(rng, rows) for rows in (2, 40, 3, 6)]
+    x = Flat(rng.normal(size=6))
+    system = assemble(terms, [], x)
+    jacobian = np.concatenate([one.matrix for one in terms])
+    residual = np.concatenate([one.residual(x) for one in terms])
+    np.testing.assert_allclose(system.hessian, jacobian.T @ jacobian, atol=1e-12)
+    np.testing.assert_allclose(system.gradient, jacobian.T @ residual, atol=1e-12)
+    assert system.energy == pytest.approx(0.5 * residual @ residual)
 
 
 def test_one_step_solves_a_linear_problem(rng: np.random.Generator) -> None:

@@ -48,6 +48,16 @@ def test_mixed_is_turned_the_right_way(seed: int) -> None:
     assert same(turned, faces)
 
 
+def test_many_pieces_are_each_turned(rng: np.random.Generator) -> None:
+    vertices, faces = sphere(0.1, 2)
+    places = 0.5 * rng.normal(size=(30, 1, 3))
+    vertices, faces = (places + vertices).reshape(-1, 3), np.concatenate([faces + k * len(vertices) for k in range(30)])
+    wrong = rng.random(len(faces)) < 0.5
+    turned, count = outwards(vertices, np.where(wrong[:, None], faces[:, ::-1], faces))
+    assert count == wrong.sum()
+    assert same(turned, faces)
+
+
 def test_edges_of_three_triangles_do_not_confuse_it() -> None:
     vertices, faces = sphere(0.1)
     fin = np.array([[faces[0, 0], faces[0, 1], len(vertices)]])
