@@ -129,7 +129,7 @@ def drawing_json(outcome: FitOutcome) -> dict[str, object]:
     }
 
 
-def _write(path: Path, content: bytes) -> None:
+def write_whole(path: Path, content: bytes) -> None:
     """Whole or not at all."""
     partial = path.with_name(path.name + ".part")
     try:
@@ -140,7 +140,7 @@ def _write(path: Path, content: bytes) -> None:
         raise
 
 
-def _json(document: object) -> bytes:
+def json_bytes(document: object) -> bytes:
     return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
 
 
@@ -153,11 +153,11 @@ def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
     log = "".join(event.model_dump_json(exclude={"nodes"}) + "\n" for event in outcome.log)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        _write(folder / "fitted.ply", ply)
-        _write(folder / "fitted.glb", glb)
-        _write(folder / "drawing.json", _json(drawing_json(outcome)))
-        _write(folder / "fit.log.jsonl", log.encode())
-        _write(folder / "result.json", _json(result))
+        write_whole(folder / "fitted.ply", ply)
+        write_whole(folder / "fitted.glb", glb)
+        write_whole(folder / "drawing.json", json_bytes(drawing_json(outcome)))
+        write_whole(folder / "fit.log.jsonl", log.encode())
+        write_whole(folder / "result.json", json_bytes(result))
     except OSError as error:
         raise BadInput(
             f"The results cannot be written ({error.strerror}); free space or choose another folder."
