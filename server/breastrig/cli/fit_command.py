@@ -1,17 +1,24 @@
-"""`breastrig fit SCAN -o OUT`: one scan in, five files out."""
+"""`breastrig fit SCAN -o OUT`: one scan in, five files out.
+
+With `--with SCAN_B` two stances of one patient are fitted together, with one body: OUT/first and OUT/second get the
+five files each, OUT/pair.json says what they share.
+"""
 
 import argparse
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
-from breastrig.core.errors import BadScan
+from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.jobs.events import Done, Iterated, Started
+from breastrig.jobs.events import Done, Event, Iterated, Started
 from breastrig.jobs.run_fit import STANCES, FitJob, run_fit
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.jobs.run_pair import run_pair
+from breastrig.scan.landmark_files import landmark_confidences, read_landmarks
 from breastrig.scan.read import read_scan
 
 
@@ -21,6 +28,10 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument("--landmarks", type=Path, metavar="FILE", help="picked points: JSON, CSV, .pp or .mrk.json")
     parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
     parser.add_argument("--stance", default="auto", choices=STANCES)
+    parser.add_argument("--with", dest="other", type=Path, metavar="SCAN_B", help="the same patient in another stance")
+    parser.add_argument("--with-landmarks", type=Path, metavar="FILE", help="picked points on SCAN_B")
+    parser.add_argument("--with-units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of SCAN_B")
+    parser.add_argument("--with-stance", default="auto", choices=STANCES, help="stance of SCAN_B")
     parser.add_argument("--preset", default="default", metavar="NAME", help="default, paper, or a TOML file")
     parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
     parser.add_argument("--drawing", default="lumpectomy", metavar="NAME", help="a drawing of the model, or none")
@@ -39,39 +50,58 @@ def landmarks_in_mm(file: Path | None, scan: Path, units: str) -> dict[str, list
     return {name: [factor * float(value) for value in place] for name, place in places.items()}
 
 
-def run(options: argparse.Namespace) -> int:
-    """Fits and writes; returns 0."""
-    if not options.scan.is_file():
-        raise BadScan(f"There is no scan file {options.scan}; check the name.")
-    job = FitJob(
-        scan=options.scan,
-        out=options.output,
-        landmarks_mm=landmarks_in_mm(options.landmarks, options.scan, options.units),
-        units=options.units,
-        stance=options.stance,
+def _job(options: argparse.Namespace, scan: Path, landmarks: Path | None, units: str, stance: str, out: Path) -> FitJob:
+    if not scan.is_file():
+        raise BadScan(f"There is no scan file {scan}; check the name.")
+    return FitJob(
+        scan=scan,
+        out=out,
+        landmarks_mm=landmarks_in_mm(landmarks, scan, units),
+        landmark_confidence=landmark_confidences(landmarks) if landmarks else {},
+        units=units,
+        stance=stance,
         preset=options.preset,
         drawing=None if options.drawing == "none" else options.drawing,
         model=options.model,
         refine=options.refine,
     )
+
+
+def _stories(options: argparse.Namespace) -> Iterator[tuple[int, Event]]:
+    """(0, or 1 for the second scan; its next event)."""
+    first = options.scan, options.landmarks, options.units, options.stance
+    if options.other is None:
+        if options.with_landmarks or (options.with_units, options.with_stance) != ("auto", "auto"):
+            raise BadSettings("--with-landmarks, --with-units and --with-stance need --with SCAN_B.")
+        yield from ((0, event) for event in run_fit(_job(options, *first, options.output)))
+        return
+    second = options.other, options.with_landmarks, options.with_units, options.with_stance
+    yield from run_pair(
+        _job(options, *first, options.output / "first"),
+        _job(options, *second, options.output / "second"),
+        options.output / "pair.json",
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Fits and writes; returns 0."""
+    results: dict[int, dict[str, Any]] = {}
     quiet = options.no_progress or not sys.stderr.isatty()
     with threadpool_limits(1), tqdm(disable=quiet, unit="step", leave=False) as bar:
-        for event in run_fit(job):
+        for which, event in _stories(options):
             if isinstance(event, Started):
                 bar.reset(event.iterations_limit)
             elif isinstance(event, Iterated):
                 bar.update(event.iteration - bar.n)
                 bar.set_postfix_str(f"{event.stage}, {event.mean_distance_mm:.2f} mm")
             elif isinstance(event, Done):
-                result = event.result
-    doubted = result["landmarks_not_followed"]
-    assert isinstance(doubted, list)
-    for pick in doubted:
-        print(f"breastrig: {pick['reason']}", file=sys.stderr)
-    surface, landmarks = result["surface_distance_mm"], result["landmark_distance_mm"]
-    assert isinstance(surface, dict)
-    assert isinstance(landmarks, dict)
-    if sys.stdout.isatty():
-        to_landmarks = "" if landmarks["mean"] is None else f", {landmarks['mean']:.2f} mm to the landmarks"
-        print(f"{surface['mean']:.2f} mm to the scan{to_landmarks}; results in {options.output}")
+                results[which] = event.result
+    for which, result in results.items():
+        scan = f"{(options.scan, options.other)[which]}: " if len(results) > 1 else ""
+        for pick in result["landmarks_not_followed"]:
+            print(f"breastrig: {scan}{pick['reason']}", file=sys.stderr)
+        surface, landmarks = result["surface_distance_mm"], result["landmark_distance_mm"]
+        if sys.stdout.isatty():
+            to_landmarks = "" if landmarks["mean"] is None else f", {landmarks['mean']:.2f} mm to the landmarks"
+            print(f"{scan}{surface['mean']:.2f} mm to the scan{to_landmarks}; results in {options.output}")
     return 0

@@ -1,0 +1,61 @@
+"""`breastrig fit A --with B`: what it leaves, and one clear line for what it refuses."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from breastrig.cli.main import main
+from breastrig.core.assets import asset_folder
+
+EXAMPLE = asset_folder("example")
+STANDING, SUPINE = EXAMPLE / "standing", EXAMPLE / "supine"
+
+
+def test_two_folders_of_a_fit_and_what_they_share(tmp_path: Path) -> None:
+    code = main(
+        [
+            *("fit", str(STANDING / "scan.ply"), "--landmarks", str(STANDING / "landmarks.json")),
+            *("--with", str(SUPINE / "scan.ply"), "--with-landmarks", str(SUPINE / "landmarks.json")),
+            *("--with-stance", "supine", "-o", str(tmp_path / "out")),
+        ]
+    )
+    assert code == 0
+    assert {file.name for file in (tmp_path / "out").iterdir()} == {"first", "second", "pair.json"}
+    pair = json.loads((tmp_path / "out" / "pair.json").read_text())
+    assert pair["results"] == {"first": "first/result.json", "second": "second/result.json"}
+    results = [json.loads((tmp_path / "out" / name).read_text()) for name in pair["results"].values()]
+    assert [result["stance"] for result in results] == pair["stances"] == ["standing", "supine"]
+    assert results[1]["stance_reason"] == "As asked for."
+    for result in results:
+        assert result["surface_distance_mm"]["mean"] < 2.35
+        assert len(result["landmark_distance_mm"]["each"]) == 12
+        for bone in result["parameters"]["bones"]:
+            assert bone["scale"] == pair["shared"]["bone_scales"][bone["name"]]
+
+
+def test_without_landmarks_each_scan_finds_its_own_start(tmp_path: Path) -> None:
+    scans = [str(STANDING / "scan.ply"), "--with", str(SUPINE / "scan.ply")]
+    assert main(["fit", *scans, "--drawing", "none", "-o", str(tmp_path / "out")]) == 0
+    for name, stance in (("first", "standing"), ("second", "supine")):
+        result = json.loads((tmp_path / "out" / name / "result.json").read_text())
+        assert result["stance"] == stance
+        assert result["surface_distance_mm"]["mean"] < 2.35
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--with", str(STANDING / "scan.ply")], "same file"),
+        (["--with", "nowhere.ply"], "no scan file nowhere.ply"),
+        (["--with-stance", "supine"], "need --with SCAN_B"),
+        (["--with-landmarks", str(SUPINE / "landmarks.json")], "need --with SCAN_B"),
+    ],
+)
+def test_what_cannot_be_fitted_together_is_refused_in_one_line(
+    arguments: list[str], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["fit", str(STANDING / "scan.ply"), *arguments, "-o", str(tmp_path / "out")]) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert sentence in line
+    assert not (tmp_path / "out").exists()
