@@ -7,7 +7,13 @@ import numpy as np
 import pytest
 
 from breastrig.core.errors import BadLandmarks
-from breastrig.scan.landmark_files import FILE_TYPES, landmark_file, read_landmarks, write_landmarks
+from breastrig.scan.landmark_files import (
+    FILE_TYPES,
+    landmark_confidences,
+    landmark_file,
+    read_landmarks,
+    write_landmarks,
+)
 
 PLACES = {
     "nipple_L": np.array([102.25, -11.0, 1e-3]),
@@ -161,3 +167,17 @@ def test_too_many_points_are_refused() -> None:
 def test_an_unknown_kind_cannot_be_written() -> None:
     with pytest.raises(BadLandmarks, match="known are: json, csv, pp"):
         landmark_file(PLACES, "docx")
+
+
+def test_confidences_of_proposed_landmarks() -> None:
+    text = b'{"landmarks": {"xiphoid": [1, 2, 3], "nipple_L": [4, 5, 6]}, "confidence": {"nipple_L": 0.25}}'
+    assert landmark_confidences(text) == {"nipple_L": 0.25}
+    assert landmark_confidences(b'{"landmarks": {"xiphoid": [1, 2, 3]}}') == {}
+    assert landmark_confidences(b"name,x,y,z\nxiphoid,1,2,3\n") == {}
+
+
+@pytest.mark.parametrize("value", ["2", "-0.1", "true", '"high"', "NaN"])
+def test_a_confidence_that_is_none(value: str) -> None:
+    text = f'{{"landmarks": {{"xiphoid": [1, 2, 3]}}, "confidence": {{"xiphoid": {value}}}}}'
+    with pytest.raises(BadLandmarks, match="confidence of xiphoid in this landmark file must be from 0 to 1"):
+        landmark_confidences(text.encode())

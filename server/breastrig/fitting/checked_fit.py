@@ -28,7 +28,11 @@ def contradicted(task: FitTask, x: RigParameters) -> str | None:
     if not task.landmarks:
         return None
     picks = LeftOut(task, x)
-    limit = {name: LIMIT_ON_SMOOTH_SKIN.get(name.removesuffix("_L").removesuffix("_R"), LIMIT) for name in picks.names}
+    limit = {
+        name: LIMIT_ON_SMOOTH_SKIN.get(name.removesuffix("_L").removesuffix("_R"), LIMIT)
+        + task.landmark_errors.get(name, 0.0)
+        for name in picks.names
+    }
     gaps = picks.gaps()
     suspects = [name for name in picks.names if gaps[name] > limit[name]]
     if not suspects and max(picks.distances.values()) > DOUBTFUL:  # one is far already: it, or a neighbour, is wrong

@@ -45,11 +45,12 @@ def scan_terms(
         terms.append(PointToPoint(task.rig, matches, weights, along(stage.along_sigma, progress)))
     if task.landmarks:
         names = tuple(task.landmarks)
-        sigma = np.full(len(names), along(stage.landmark_sigma, progress))
+        unsure = np.array([task.landmark_errors.get(name, 0.0) for name in names])
+        sigma = np.hypot(along(stage.landmark_sigma, progress), unsure)
         targets, points = np.array([task.landmarks[name] for name in names]), task.rig.landmark_points(names)
         if stage.landmark_kernel_scale is not None:
             gaps = np.linalg.norm(points.positions(vertices, task.rig.faces) - targets, axis=1)
-            trust = KERNELS["geman_mcclure"](gaps / along(stage.landmark_kernel_scale, progress))
+            trust = KERNELS["geman_mcclure"](gaps / np.hypot(along(stage.landmark_kernel_scale, progress), unsure))
             sigma = sigma / np.sqrt(np.maximum(trust, 1e-6))
         terms.append(Landmarks(task.rig, points, targets, sigma))
     return terms

@@ -1,6 +1,7 @@
 """What a fit is asked and what it answers: one task in, a stream of frozen iterates out."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
@@ -36,3 +37,4 @@ class FitTask:
     recipe: Recipe
     landmarks: dict[str, Array]  # name -> (3,) m, in the target's frame
     stance: str = "standing"  # standing | supine
+    landmark_errors: Mapping[str, float] = field(default_factory=dict)  # m, expected beyond a click's; absent: none

@@ -5,7 +5,7 @@ Whoever stops consuming the generator cancels the fit; nothing is written then b
 
 from collections.abc import Iterator
 
-from breastrig.fitting.fit import fit_iterates
+from breastrig.fitting.checked_fit import checked_iterates
 from breastrig.jobs.events import Event
 from breastrig.jobs.scan_fit import STANCES, Clock, FitJob, ScanStory, made_ready, read_model
 
@@ -23,7 +23,7 @@ def run_fit(job: FitJob) -> Iterator[Event]:
     yield ready.started
     clock.lap()
     solve = 0.0
-    steps = fit_iterates(ready.task)
+    steps = checked_iterates(ready.task)
     while True:
         iterate = next(steps, None)
         solve += clock.lap()

@@ -16,6 +16,7 @@ from breastrig.drawings.on_scan import on_scan
 from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.landmark_check import Doubt, doubts, sides_exchanged
 from breastrig.fitting.orientation import best_start
+from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.refine import refined
 from breastrig.gltf.pose_nodes import node_poses
@@ -50,6 +51,7 @@ class FitJob:
     preset: str = "default"
     drawing: str | None = "lumpectomy"
     model: Path | None = None  # None: the torso of the package
+    landmark_confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of proposed ones; absent: 1
     refine: bool = False  # a free-form layer on top, for fitted.ply, the drawing and the numbers
 
 
@@ -168,7 +170,15 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
         exchanged=exchanged,
         drawing=drawing,
         stance_reason=frame.stance_reason if job.stance == "auto" else "As asked for.",
-        task=FitTask(rig, target, start, recipe, followed, frame.stance if job.stance == "auto" else job.stance),
+        task=FitTask(
+            rig,
+            target,
+            start,
+            recipe,
+            followed,
+            stance=frame.stance if job.stance == "auto" else job.stance,
+            landmark_errors={name: expected_error(share) for name, share in job.landmark_confidence.items()},
+        ),
         timing_s=timing,
     )
 
@@ -202,7 +212,7 @@ class ScanStory:
             timing["refine"] = clock.lap()
         fitted_landmarks = rig.landmark_points().positions(vertices, rig.faces)
         found = dict(zip(rig.landmark_names, fitted_landmarks, strict=True))
-        doubtful = ready.exchanged or doubts(rig, found, ready.task.landmarks)
+        doubtful = ready.exchanged or doubts(rig, found, ready.task.landmarks, last.not_followed)
         distances = surface_distances(target, vertices, rig.faces)
         lines = on_scan(rig, vertices, ready.drawing, target) if ready.drawing else ()
         timing["total"] = clock.total()

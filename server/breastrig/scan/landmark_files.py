@@ -53,6 +53,24 @@ def read_landmarks(source: Path | bytes, file_type: str | None = None) -> tuple[
     return _checked(pairs), unit
 
 
+def landmark_confidences(source: Path | bytes) -> dict[str, float]:
+    """Name -> confidence (0 to 1) of a file that `breastrig landmarks` proposed; empty for picks of a person.
+
+    Raises BadLandmarks with one sentence.
+    """
+    text = _text(source)
+    if text.lstrip()[:1] != "{":
+        return {}
+    _from_json(text)
+    found = json.loads(text).get("confidence", {})
+    if not isinstance(found, dict):
+        raise BadLandmarks('"confidence" in this landmark file must name landmarks; remove it or propose them again.')
+    for name, value in found.items():
+        if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value <= 1.0:
+            raise BadLandmarks(f"The confidence of {name[:LIMIT_NAME]} in this landmark file must be from 0 to 1.")
+    return {name: float(value) for name, value in found.items()}
+
+
 def landmark_file(places: Mapping[str, Array], file_type: str = "json", unit: str | None = None) -> bytes:
     """The bytes of a landmark file; file_type is one of FILE_TYPES.
 
