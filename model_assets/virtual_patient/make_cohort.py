@@ -29,7 +29,8 @@ from virtual_patient.lie_down import FOOTPRINT, at_rest, sagged  # noqa: E402
 from virtual_patient.lying import Tissue, back_on_table, chest_wall  # noqa: E402
 from virtual_patient.size import CUPS, FRENCH_BAND, under_bust_and_bust, volume_over  # noqa: E402
 from virtual_patient.true_landmarks import true_landmarks  # noqa: E402
-from virtual_patient.women import AVERAGE, WOMEN, Woman, vertices_of  # noqa: E402
+from virtual_patient.woman import AVERAGE, Woman, vertices_of  # noqa: E402
+from virtual_patient.women import WOMEN  # noqa: E402
 
 from breastrig.core.notice import LIMITS_OF_USE  # noqa: E402
 from breastrig.geometry.closest_point import ClosestPointSearch  # noqa: E402

@@ -1,12 +1,14 @@
 """The tracked bodies of the virtual cohort are what they are said to be; they are not made again here."""
 
+import hashlib
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from virtual_patient.size import girth
-from virtual_patient.women import AVERAGE, OLDEST, WOMEN, YOUNGEST, figure
+from virtual_patient.woman import AVERAGE, OLDEST, YOUNGEST, figure
+from virtual_patient.women import WOMEN
 
 from breastrig.core.assets import asset_folder
 from breastrig.evaluation.virtual.bodies import Bodies, VirtualBody, VirtualPatient, closed, read_bodies
@@ -183,3 +185,10 @@ def test_a_lid_closes_every_opening_and_moves_no_skin(bodies: Bodies) -> None:
     edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     _, uses = np.unique(edges, axis=0, return_counts=True)
     assert (uses == 2).all()
+
+
+def test_the_readme_names_the_files_that_are_there(model_assets: Path) -> None:
+    said = (model_assets / "README.md").read_text("utf-8")
+    for name in ("bodies.npz", "patients.json"):
+        found = hashlib.sha256((asset_folder("cohort") / name).read_bytes()).hexdigest()
+        assert f"| `cohort/{name}` | `{found}` |" in said
