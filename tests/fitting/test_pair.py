@@ -15,6 +15,7 @@ from breastrig.energies.landmarks import Landmarks
 from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
+from breastrig.fitting.coupling import ALIKE, ONE_BODY, Coupling, Springs
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.landmark_check import start_from_landmarks
 from breastrig.fitting.orientation import best_start
@@ -123,10 +124,12 @@ def test_the_same_scan_twice_is_fitted_as_once(torso: Rig) -> None:
             np.testing.assert_allclose(pose(torso, side.parameters), expected, atol=1e-6)
 
 
-def test_the_joint_gradient_equals_finite_differences() -> None:
+@pytest.mark.parametrize("coupling", [ONE_BODY, ALIKE, Coupling(exact=False, soft=0.2)])
+def test_the_joint_gradient_equals_finite_differences(coupling: Coupling) -> None:
     rig = toy_rig()
     rng = np.random.default_rng(11)
-    layout = SharedBody(rig)
+    layout = SharedBody(rig, coupling.exact)
+    springs = Springs(rig, coupling, layout)
     state = layout.agreed(random_parameters(rig, rng), random_parameters(rig, rng))
     points = rig.landmark_points()
     terms = [
@@ -138,15 +141,48 @@ def test_the_joint_gradient_equals_finite_differences() -> None:
         ]
         for _ in range(2)
     ]
-    system = layout.system(assemble(terms[0], [], state.first), assemble(terms[1], [], state.second))
+    apart = assemble(terms[0], [], state.first), assemble(terms[1], [], state.second)
+    system = springs.added_to(layout.system(*apart), state)
 
     def energy_at(point: TwoStances) -> float:
-        return energy(terms[0], [], point.first) + energy(terms[1], [], point.second)
+        return energy(terms[0], [], point.first) + energy(terms[1], [], point.second) + springs.energy(point)
 
     assert system.energy == pytest.approx(energy_at(state))
     for k, move in enumerate(1e-6 * np.eye(layout.size)):
         slope = (energy_at(state.retract(move)) - energy_at(state.retract(-move))) / 2e-6
         assert system.gradient[k] == pytest.approx(slope, abs=2e-6 * np.abs(system.gradient).max()), k
+
+
+def test_the_springs_hessian_is_the_gradients_derivative() -> None:
+    rig = toy_rig()
+    rng = np.random.default_rng(12)
+    layout = SharedBody(rig, exact=False)
+    springs = Springs(rig, ALIKE, layout)
+    state = layout.agreed(random_parameters(rig, rng), random_parameters(rig, rng))
+    nothing = layout.system(assemble([], [], state.first), assemble([], [], state.second))
+    system, move = springs.added_to(nothing, state), rng.normal(size=layout.size)
+    change = springs.added_to(nothing, state.retract(move)).gradient - system.gradient
+    np.testing.assert_allclose(system.hessian @ move, change, atol=1e-9 * np.abs(system.hessian).max())
+
+
+def test_without_springs_two_bodies_are_two_single_fits(torso: Rig) -> None:
+    recipe = load_recipe("default")
+    stop = recipe.stop.model_copy(update={"patience": 100})  # as many iterations in both
+    recipe = recipe.model_copy(update={"stop": stop})
+    tasks = [task_of(torso, x, recipe)[0] for x in two_stances(torso, 2)]
+    last = list(fit_pair_iterates(*tasks, Coupling(exact=False)))[-1]
+    for task, side in zip(tasks, (last.first, last.second), strict=True):
+        alone = list(fit_iterates(task))[-1]
+        np.testing.assert_allclose(pose(torso, side.parameters), pose(torso, alone.parameters), atol=1e-5)
+
+
+def test_bodies_that_are_alike_are_nearer_to_each_other_than_bodies_apart(torso: Rig) -> None:
+    tasks = [task_of(torso, x, load_recipe("default"))[0] for x in two_stances(torso, 2)]
+    gaps = []
+    for coupling in (Coupling(exact=False), ALIKE, ONE_BODY):
+        last = list(fit_pair_iterates(*tasks, coupling))[-1]
+        gaps.append(np.abs(last.first.parameters.scales - last.second.parameters.scales).mean())
+    assert gaps[0] > gaps[1] > gaps[2] == 0.0
 
 
 def test_a_scan_without_landmarks_starts_by_itself(torso: Rig) -> None:

@@ -22,6 +22,7 @@ class SharedBody:
     """Which of a stance's P entries are the body's, and where the second stance's entries stand."""
 
     rig: Rig
+    exact: bool = True  # False: nothing stands once, each stance has a body of its own
 
     @cached_property
     def body_shapes(self) -> Booleans:
@@ -34,7 +35,7 @@ class SharedBody:
         bones = len(self.rig.bones)
         blocks = np.zeros((bones, BONE_DOFS), dtype=np.bool_)
         blocks[:, 6:9] = True
-        return np.concatenate([blocks.ravel(), self.body_shapes])
+        return np.concatenate([blocks.ravel(), self.body_shapes]) & self.exact
 
     @cached_property
     def second(self) -> Integers:
@@ -98,7 +99,9 @@ class SharedBody:
         return result
 
     def agreed(self, first: RigParameters, second: RigParameters) -> "TwoStances":
-        """Two stances with their mean body."""
+        """Two stances with their mean body; as they are when each has its own."""
+        if not self.exact:
+            return TwoStances(first, second, self)
         scales, weights = 0.5 * (first.scales + second.scales), 0.5 * (first.weights + second.weights)
 
         def with_body(x: RigParameters) -> RigParameters:
@@ -126,9 +129,9 @@ class TwoStances:
         )
 
     def with_weights(self, first: Array, second: Array) -> "TwoStances":
-        """Other (S,) shape weights; where they differ in the body, the smaller one is taken for both."""
-        body = np.where(self.layout.body_shapes, np.minimum(first, second), 0.0)
-        own = ~self.layout.body_shapes
+        """Other (S,) shape weights; where they differ in a shared body, the smaller one is taken for both."""
+        own = ~self.layout.body_shapes | (not self.layout.exact)
+        body = np.where(own, 0.0, np.minimum(first, second))
         return TwoStances(
             replace(self.first, weights=body + own * first),
             replace(self.second, weights=body + own * second),
