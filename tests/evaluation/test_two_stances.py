@@ -16,7 +16,7 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 
-WAYS = ("separate_mm", "together_mm", "smooth_separate_mm", "smooth_together_mm")
+WAYS = [f"{smooth}{fits}_mm" for smooth in ("", "smooth_") for fits in ("separate", "together", "alike")]
 
 
 @pytest.fixture

@@ -5,9 +5,9 @@ the vertex.  Measured are the vertices that both scans saw (a scan point within 
 degrees) on chest and breasts: within 130 mm of the line between the nipples.  A point starts on scan A and ends
 on scan B.  Ways:
 
-* `separate`, `together`: from scan A to the nearest point of the fitted model, the same point of the model on B,
-  along the normal to scan B; the two fits made apart or with one body;
-* `smooth_separate`, `smooth_together`: the program's transfer (drawings/carry.py) between the same fits;
+* `separate`, `together`, `alike`: from scan A to the nearest point of the fitted model, the same point of the model
+  on B, along the normal to scan B; the two fits made apart, with one body, or with bodies held alike;
+* `smooth_separate`, `smooth_together`, `smooth_alike`: the program's transfer (drawings/carry.py) between these fits;
 * `rigid`, `spline`: a rigid motion and a thin-plate spline through the landmarks, then to the nearest skin of B.
 
 Every way is measured with the true landmarks, and again (`clicks`) with picks 5 mm off along the skin.
@@ -28,6 +28,7 @@ from breastrig.drawings.carry import FittedScan, carried
 from breastrig.drawings.on_scan import ON_SKIN
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.questions.scene import SEEN_COSINE, SEEN_DISTANCE, Scene, read_scene
+from breastrig.fitting.coupling import ALIKE, ONE_BODY, Coupling
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.pair import fit_pair_iterates
 from breastrig.fitting.recipe import Recipe
@@ -119,13 +120,13 @@ def _fitted_apart(rig: Rig, recipe: Recipe, scene: Scene, picks: Picks) -> Fitte
 
 
 def _fitted_together(
-    rig: Rig, recipe: Recipe, scenes: tuple[Scene, Scene], picks: tuple[Picks, Picks]
+    rig: Rig, recipe: Recipe, scenes: tuple[Scene, Scene], picks: tuple[Picks, Picks], coupling: Coupling
 ) -> tuple[FittedScan, FittedScan]:
     tasks = [
         FitTask(rig, scene.target, scene.start(rig, given), recipe, given, scene.case.stance)
         for scene, given in zip(scenes, picks, strict=True)
     ]
-    last = list(fit_pair_iterates(*tasks))[-1]
+    last = list(fit_pair_iterates(tasks[0], tasks[1], coupling))[-1]
     fits = [
         FittedScan(scene.target, pose(rig, side.parameters), given, scene.case.stance)
         for scene, side, given in zip(scenes, (last.first, last.second), picks, strict=True)
@@ -146,11 +147,12 @@ def _errors(
     """The errors of every way there and back, for one set of picks."""
     scenes = asked[0].a, asked[0].b
     apart = _fitted_apart(rig, recipe, scenes[0], picks[0]), _fitted_apart(rig, recipe, scenes[1], picks[1])
-    both = _fitted_together(rig, recipe, scenes, picks)
+    both = _fitted_together(rig, recipe, scenes, picks, ONE_BODY)
+    alike = _fitted_together(rig, recipe, scenes, picks, ALIKE)
     rows: list[dict[str, object]] = []
     for question, back in zip(asked, (False, True), strict=True):
         row: dict[str, object] = {}
-        for name, fits in (("separate", apart), ("together", both)):
+        for name, fits in (("separate", apart), ("together", both), ("alike", alike)):
             a, b = (fits[1], fits[0]) if back else fits
             row[f"{name}_mm"] = question.summary(by_models(rig, a, b, question.points))
             row[f"smooth_{name}_mm"] = question.summary(carried(rig, a, b, question.points))
