@@ -57,7 +57,7 @@ class Posed:
     @cached_property
     def vertices(self) -> Array:
         """(V, 3) m: equation 3."""
-        return np.asarray((self.linear @ self.shaped[:, :, None])[:, :, 0] + self._blended[:, 9:])
+        return np.asarray(np.einsum("vij,vj->vi", self.linear, self.shaped) + self._blended[:, 9:])
 
     def rows(self, chosen: Integers, directions: Array) -> Array:
         """(M, P): directionsᵀ ∂M/∂x for M chosen vertices with one direction (M, 3) each.
