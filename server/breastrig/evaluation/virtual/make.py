@@ -72,8 +72,8 @@ def _write_patient(
                 "schema": "breastrig/landmarks@1",
                 "unit": unit,
                 "landmarks": {
-                    name: [round(float(x), 6) for x in at]
-                    for name, at in zip(names, _moved(places, placed), strict=True)
+                    name: [round(x, 6) for x in at]
+                    for name, at in zip(names, _moved(places, placed).tolist(), strict=True)
                 },
             },
         )
@@ -83,7 +83,9 @@ def _write_patient(
                 "unit": unit,
                 "stance": body.stance,
                 "body_mm_to_scan": (placed @ np.diag([1e-3, 1e-3, 1e-3, 1.0])).tolist(),
-                "landmark_gap_mm": {n: round(1e3 * float(gap), 1) for n, gap in zip(names, gaps, strict=True)},
+                "landmark_gap_mm": {
+                    n: round(1e3 * float(gap), 1) for n, gap in zip(names, np.atleast_1d(gaps), strict=True)
+                },
                 "vertices": len(scan.vertices),
                 "triangles": len(scan.faces),
                 "scan_to_truth_mm": round(1e3 * scan.error, 3),
