@@ -1,0 +1,67 @@
+"""What the scan does not show stays plausible: half of the example's scan against the fit of the whole.
+
+On ten dev scans cut in the same three ways the bones kept 0.85 to 1.20 of their scales, the volume 0.80 to 1.08.
+"""
+
+import numpy as np
+import pytest
+from helpers.example_patient import Patient, example_patient
+
+from breastrig.core.arrays import Array, Booleans
+from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import pose
+from breastrig.scan.clean import compact
+
+CUTS = ("navel", "nipples", "left half")
+UNSEEN_MEAN = {"navel": 0.004, "nipples": 0.010, "left half": 0.010}  # m between the two fits
+UNSEEN_WORST = {"navel": 0.06, "nipples": 0.07, "left half": 0.07}  # m; hips and the other arm
+
+
+@pytest.fixture(scope="module")
+def patient() -> Patient:
+    return example_patient()
+
+
+def kept(patient: Patient, cut: str, points: Array) -> Booleans:
+    """Which of (M, 3) points the cut leaves."""
+    if cut == "left half":
+        return np.asarray(points[:, 0] > patient.landmarks["xiphoid"][0] - 0.005)
+    below = "umbilicus" if cut == "navel" else "nipple_L"
+    return np.asarray(points[:, 1] > patient.landmarks[below][1] - 0.005)
+
+
+def cut_fit(patient: Patient, cut: str) -> RigParameters:
+    inside = kept(patient, cut, patient.vertices)[patient.faces].all(axis=1)
+    landmarks = {n: p for n, p in patient.landmarks.items() if kept(patient, cut, p[None])[0]}
+    return patient.parameters(*compact(patient.vertices, patient.faces[inside]), landmarks)
+
+
+def volume(patient: Patient, vertices: Array) -> float:
+    """m³ between the skin and the body's middle."""
+    corners = vertices[patient.rig.faces] - vertices.mean(axis=0)
+    return float(np.linalg.det(corners).sum() / 6.0)
+
+
+@pytest.mark.parametrize("cut", CUTS)
+def test_unseen_parts_keep_human_proportions(patient: Patient, cut: str) -> None:
+    x, full = cut_fit(patient, cut), patient.x
+    ratio = x.scales / full.scales
+    assert ratio.min() > 0.8, f"smallest share of a bone's scale {ratio.min():.2f}"
+    assert ratio.max() < 1.25, f"largest share of a bone's scale {ratio.max():.2f}"
+    share = volume(patient, pose(patient.rig, x)) / volume(patient, patient.fitted)
+    assert 0.85 < share < 1.1, f"volume {share:.3f} of the full scan's fit"
+    sizes = [np.sqrt(np.mean((p.weights / [shape.sigma for shape in patient.rig.shapes]) ** 2)) for p in (x, full)]
+    assert sizes[0] < 1.1 * sizes[1], "less to see must not make the shapes wilder"
+    gap = np.linalg.norm(pose(patient.rig, x) - patient.fitted, axis=1)
+    assert gap.mean() < UNSEEN_MEAN[cut], f"{1e3 * gap.mean():.1f} mm"
+    assert gap.max() < UNSEEN_WORST[cut], f"{1e3 * gap.max():.0f} mm"
+
+
+def test_the_other_side_follows_the_one_that_is_seen(patient: Patient) -> None:
+    """Half a body: the unseen breast takes the size of the seen one."""
+    x = cut_fit(patient, "left half")
+    names = [shape.name for shape in patient.rig.shapes]
+    for k, shape in enumerate(patient.rig.shapes):
+        if shape.name.startswith("volume") and shape.name.endswith("_L"):
+            other = x.weights[names.index(shape.mirror)]
+            assert abs(other - x.weights[k]) < 0.5 * abs(x.weights[k]) + 0.05
