@@ -1,47 +1,18 @@
-"""A cohort of one patient in two stances, made with the rig itself: small scans, whose truth is the scan."""
+"""A cohort of one patient in two stances."""
 
-import json
 from pathlib import Path
 
-import numpy as np
 import pytest
-import trimesh
+from helpers.cohort import write_case as write_case  # other tests of this folder take it from here
+from helpers.cohort import write_patient
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import RigParameters, rest_parameters
-from breastrig.rig.skinning import pose
 
 
 @pytest.fixture(scope="session")
 def rig() -> Rig:
     return read_rig(default_rig_path())
-
-
-def write_case(folder: Path, rig: Rig, parameters: RigParameters, stance: str) -> None:
-    """scan, truth, true landmarks and case.json of one posed rig, in metres."""
-    folder.mkdir(parents=True)
-    vertices = pose(rig, parameters)
-    for name in ("scan.ply", "truth.ply"):
-        trimesh.Trimesh(vertices, rig.faces, process=False).export(folder / name)
-    places = rig.landmark_points().positions(vertices, rig.faces)
-    named = {name: place.tolist() for name, place in zip(rig.landmark_names, places, strict=True)}
-    landmarks = {"schema": "breastrig/landmarks@1", "unit": "m", "landmarks": named}
-    (folder / "landmarks.json").write_text(json.dumps(landmarks))
-    (folder / "case.json").write_text(json.dumps({"unit": "m", "stance": stance}))
-
-
-def write_patient(folder: Path, rig: Rig, seed: int, family: str) -> None:
-    """One body of moderate shapes in both stances."""
-    rng = np.random.default_rng(seed)
-    for stance in ("standing", "supine"):
-        rest = rest_parameters(rig)
-        sigmas = np.array([shape.sigma for shape in rig.shapes])
-        weights = 0.4 * rng.normal(size=len(sigmas)) * sigmas
-        weights = np.clip(weights, [shape.min for shape in rig.shapes], [shape.max for shape in rig.shapes])
-        posed = RigParameters(rest.rotations, rest.translations, rest.scales, weights)
-        write_case(folder / stance, rig, posed, stance)
-    (folder / "patient.json").write_text(json.dumps({"family": family}))
 
 
 @pytest.fixture

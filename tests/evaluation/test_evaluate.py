@@ -2,16 +2,24 @@
 
 import csv
 import json
+import re
+import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from helpers.cohort import write_patient
+from PIL import Image
 
+from breastrig.cli import evaluate_command
 from breastrig.cli.main import main
-from breastrig.evaluation import work
+from breastrig.evaluation import publish, work
 from breastrig.evaluation.cohort import read_cohort
+from breastrig.evaluation.pictures import signed_distances_mm
 from breastrig.evaluation.questions.scene import read_scene
+from breastrig.geometry.normals import vertex_normals
+from breastrig.rig.model import Rig
 from breastrig.scan.landmark_files import read_landmarks
 
 QUICK = ["--quick", "--rotations", "1", "--jobs", "1", "--preset", "default"]
@@ -23,6 +31,13 @@ def rows(file: Path) -> list[dict[str, str]]:
 
 def kept(out: Path) -> dict[str, dict[str, Any]]:
     return {file.name: json.loads(file.read_text()) for file in (out / "work").glob("*.json")}
+
+
+@pytest.fixture
+def tables_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No figures and pictures, which other tests look at."""
+    monkeypatch.setattr(publish, "have_plots", lambda: False)
+    monkeypatch.setattr(publish, "fit_pictures", lambda *_: [])
 
 
 @pytest.fixture
@@ -39,6 +54,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return labels
 
 
+@pytest.mark.usefixtures("tables_only")
 def test_finished_work_is_kept_and_a_changed_input_is_measured_anew(
     cohort: Path, tmp_path: Path, counted: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -89,6 +105,7 @@ def test_finished_work_is_kept_and_a_changed_input_is_measured_anew(
     }
 
 
+@pytest.mark.usefixtures("tables_only")
 def test_a_failed_fit_is_told_and_the_others_go_on(cohort: Path, tmp_path: Path) -> None:
     place = cohort / "patient_x" / "supine"
     (place / "scan.ply").write_text("ply\nformat ascii 1.0\nend_header\n")  # nothing in it
@@ -133,3 +150,100 @@ def test_a_pick_along_the_skin_is_on_the_skin_and_as_far_as_asked(cohort: Path, 
         moved = scene.along_the_skin(scene.landmarks[name], 0.005, rng)
         assert scene.target.search.query(moved[None]).distances[0] < 1e-6
         assert np.linalg.norm(moved - scene.landmarks[name]) == pytest.approx(0.005, abs=0.001)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory, rig: Rig) -> Path:
+    """A run with all studies on one scan, and its folder."""
+    folder = tmp_path_factory.mktemp("whole")
+    write_patient(folder / "cohort" / "patient_y", rig, 2, "somebody else's", stances=("standing",))
+    options = ["--rotations", "0", "--jobs", "1", "--preset", "default"]
+    assert main(["evaluate", str(folder / "cohort"), *options, "-o", str(folder / "out")]) == 0
+    return folder / "out"
+
+
+def test_the_page_stands_alone_and_answers_every_question(whole: Path) -> None:
+    page = (whole / "index.html").read_text()
+    words = re.sub(r'"data:[^"]*"', '""', page)
+    for word in ("Virtual patients", "Research use only", "Independent bodies", "breastrig evaluate cohort"):
+        assert word in page
+    assert "MakeHuman bodies" not in page  # none are in this cohort
+    anchors = ("surface", "pictures", "landmarks", "clicks", "wrong-picks", "blendshapes", "compliances", "presets")
+    for anchor in (*anchors, "peers", "refined", "failures"):
+        assert f'<section id="{anchor}">' in page
+        assert f'href="#{anchor}"' in page
+    assert "<script" not in page
+    assert "http" not in words
+    addresses = re.findall(r'(?:src|srcset|href)="([^"]*)"', page)
+    assert len(addresses) > 20
+    assert all(address.startswith(("data:image/", "#")) for address in addresses)
+    assert str(whole.parent) not in words  # a page that is handed on tells no paths
+    assert not re.search(r"\b(None|nan|inf)\b", words)
+
+
+def test_the_tables_of_the_studies_hold_what_was_measured(whole: Path) -> None:
+    found = list(kept(whole).values())
+    compliances = {
+        (row["compliance"], float(row["factor"])): float(row["surface_mm"]) for row in rows(whole / "compliances.csv")
+    }
+    for record in (record for record in found if record["question"] == "compliance"):
+        term, factor = record["settings"]["term"], record["settings"]["factor"]
+        terms = {name for name, _ in compliances} if factor == 1.0 else {term}
+        for name in terms:
+            assert compliances[name, factor] == pytest.approx(record["answer"]["surface_mm"], rel=1e-4)
+    assert len(compliances) == 25
+
+    shapes = {(row["order"], int(row["shapes"])): row for row in rows(whole / "blendshapes.csv")}
+    assert [count for order, count in shapes if order == "rig"] == [0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55]
+    by_count = {len(r["settings"]["names"]): r["answer"] for r in found if r["question"] == "shape_count"}
+    for order in ("rig", "usefulness"):
+        for count in (0, 55):  # the same shapes in both orders
+            assert float(shapes[order, count]["surface_mm"]) == pytest.approx(by_count[count]["surface_mm"], rel=1e-4)
+    assert by_count[55]["surface_mm"] < by_count[0]["surface_mm"]  # the scan was made with them
+    order = rows(whole / "blendshape_order.csv")
+    moved = [float(row["standing_moved_mm"]) for row in order]
+    assert moved == sorted(moved, reverse=True)
+    assert len({row["standing_shape"] for row in order}) == 55
+
+    methods = {row["method"]: row for row in rows(whole / "peers.csv")}
+    assert set(methods) == {"BreastRig, default", "rigid closest points", "free-form (nricp_amberg)"}
+    surfaces = {method: float(row["surface_mm"]) for method, row in methods.items()}
+    assert surfaces["BreastRig, default"] < surfaces["rigid closest points"]
+
+
+def test_figures_are_pictures_in_two_looks(whole: Path) -> None:
+    names = {file.stem for file in (whole / "figures").glob("*.png")}
+    assert names >= {"table1", "landmarks", "clicks", "wrong_picks", "blendshapes", "compliances_default", "peers"}
+    assert "fit_independent_best" in names
+    with Image.open(whole / "figures" / "fit_independent_best.png") as picture:
+        colours = np.asarray(picture.convert("RGB"), dtype=float)
+    assert colours.shape[1] > 1000
+    coloured = np.abs(colours[..., 0] - colours[..., 2]) > 30  # blue or orange
+    assert coloured.mean() > 0.01  # the colour bar: this model is all but on its scan
+    page = (whole / "index.html").read_text()
+    charts = [name for name in names if not name.startswith("fit_")]
+    assert page.count('(prefers-color-scheme: dark)"><img') == len(charts)
+
+
+def test_signed_distances_tell_outside_from_inside(cohort: Path, rig: Rig) -> None:
+    scene = read_scene(read_cohort(cohort)[0])
+    skin = scene.target.vertices
+    normals = vertex_normals(skin, rig.faces)
+    for moved_mm in (2.0, -2.0):
+        found = signed_distances_mm(scene, rig, skin + 1e-3 * moved_mm * normals)
+        assert np.nanmedian(found) == pytest.approx(moved_mm, abs=0.05)
+
+
+def test_without_matplotlib_tables_and_page_are_still_written(
+    cohort: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for module in (publish, evaluate_command):
+        monkeypatch.setattr(module, "have_plots", lambda: False)
+    monkeypatch.setattr(publish, "fit_pictures", lambda *_: [])
+    shutil.rmtree(cohort / "patient_x" / "supine")
+    out = tmp_path / "out"
+    assert main(["evaluate", str(cohort), *QUICK, "--rotations", "0", "-o", str(out)]) == 0
+    assert "pip install breastrig[plots]" in capsys.readouterr().err
+    assert (out / "table1.csv").is_file()
+    assert not (out / "figures" / "table1.png").exists()
+    assert "<picture>" not in (out / "index.html").read_text()

@@ -11,9 +11,12 @@ from pathlib import Path
 from tqdm import tqdm
 
 from breastrig.core.errors import BadInput
+from breastrig.evaluation.charts import have_plots
 from breastrig.evaluation.cohort import read_cohort
-from breastrig.evaluation.evaluate import measured, written
+from breastrig.evaluation.evaluate import measured
+from breastrig.evaluation.page import Circumstances
 from breastrig.evaluation.plan import QUICK_ROTATIONS, ROTATIONS, Plan
+from breastrig.evaluation.publish import NO_PLOTS, published
 from breastrig.evaluation.tables import console
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path
@@ -95,7 +98,22 @@ def run(options: argparse.Namespace) -> int:
             bar.update()
 
         results = measured(plan, options.output, options.jobs, options.again, progress)
-    files = written(results, options.output)
+        about = Circumstances(_command(options), "virtual cohort" if options.virtual else "cohort folder", options.jobs)
+        published(results, about, options.output, lambda what: bar.set_postfix_str(what))
     print(console(results.records, plan.recipes[0].name))
-    print(f"{len(files)} files stand in {options.output}.")
+    if not have_plots():
+        print(f"breastrig: {NO_PLOTS}", file=sys.stderr)
+    print(f"Tables, figures and the page: {options.output / 'index.html'}")
     return 0
+
+
+def _command(options: argparse.Namespace) -> str:
+    """The command to do it again, with the folders' own names only: a page that is handed on tells no paths."""
+    words = ["breastrig", "evaluate", "--virtual" if options.virtual else options.cohort.name]
+    for preset in options.preset or ():
+        words += ["--preset", Path(preset).name]
+    if options.model:
+        words += ["--model", options.model.name]
+    words += ["--quick"] if options.quick else []
+    words += ["--rotations", str(options.rotations)] if options.rotations is not None else []
+    return " ".join([*words, "-o", options.output.name])

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from breastrig.evaluation import tables
+from breastrig.evaluation import study_tables, tables
 from breastrig.evaluation.plan import Plan, shape_effects
 from breastrig.evaluation.table import Table
 from breastrig.evaluation.work import Record, records
@@ -40,6 +40,7 @@ def measured(plan: Plan, folder: Path, jobs: int, again: bool, progress: Callabl
 def all_tables(results: Results) -> list[Table]:
     """Every table that has rows, Table 1 first."""
     found, presets = results.records, [recipe.name for recipe in results.plan.recipes]
+    rig, studied = read_rig(results.plan.model), not results.plan.quick
     made = [
         tables.table_1(found, presets[0]),
         tables.refined_table(found, presets[0]),
@@ -48,15 +49,11 @@ def all_tables(results: Results) -> list[Table]:
         tables.turns_table(found),
         tables.clicks_table(found),
         tables.wrong_picks_table(found),
+        study_tables.shapes_table(found, rig, results.useful),
+        *([study_tables.shape_order_table(rig, results.useful)] if studied else []),
+        study_tables.compliance_table(found, presets),
+        study_tables.peers_table(found, presets),
+        study_tables.two_stances_table(found),
         tables.failures_table(found),
     ]
     return [table for table in made if table.rows]
-
-
-def written(results: Results, folder: Path) -> list[Path]:
-    """Writes the CSV files and returns what was written."""
-    files = []
-    for table in all_tables(results):
-        files.append(folder / f"{table.name}.csv")
-        files[-1].write_text(table.csv(), "utf-8")
-    return files

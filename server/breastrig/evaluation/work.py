@@ -76,7 +76,7 @@ def source_digest(question: str) -> str:
     """Hash of the code that answers: the numerics and the question's own module, as they were when first asked."""
     total = hashlib.sha256()
     module = ANSWERS[question].__module__.removeprefix("breastrig.").replace(".", "/") + ".py"
-    own = (module, "evaluation/two_stances.py") if question == "two_stances" else (module,)
+    own = (module, "evaluation/two_stances.py", "drawings") if question == "two_stances" else (module,)
     for name in (*ANSWERING, *own):
         place = PACKAGE / name
         files = sorted(place.rglob("*")) if place.is_dir() else [place]
