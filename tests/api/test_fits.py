@@ -34,6 +34,7 @@ def test_a_fit_is_accepted_carried_out_and_described(client: FlaskClient, servic
         "preset": "default",
         "drawing": "lumpectomy",
         "refine": False,
+        "partner": None,
         "last_event": 6,
         "iterations": 4,
         "numbers": {
@@ -141,7 +142,7 @@ def test_a_key_is_forgotten_with_its_fit(client: FlaskClient, service: Service, 
 def test_many_threads_with_one_key_get_one_fit(client: FlaskClient, service: Service, scan_id: str) -> None:
     wish, once = FitWish(scan=scan_id, landmarks_mm={}), Once.of("key", "request")
     with ThreadPoolExecutor(8) as threads:
-        made = set(threads.map(lambda _: service.add_fit(wish, once), range(16)))
+        made = set(threads.map(lambda _: service.add_fit(wish, once=once), range(16)))
     assert len(made) == 1
     ended(service, made.pop())
 

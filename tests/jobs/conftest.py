@@ -5,9 +5,10 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
+from helpers.fake_fit import quick_pair
 from helpers.fake_proposals import at_the_nipple
 
-from breastrig.jobs.carry_out import Runner
+from breastrig.jobs.carry_out import PairRunner, Runner
 from breastrig.jobs.limits import FitLimits, UploadLimits
 from breastrig.jobs.proposals import Proposer
 from breastrig.jobs.service import Service
@@ -41,11 +42,21 @@ def serving(storage: Storage) -> MakeService:
     """`with serving(runner) as service:`, with two workers and short patience."""
 
     def make(
-        runner: Runner, proposer: Proposer = at_the_nipple, uploads: UploadLimits | None = None, **limits: float
+        runner: Runner,
+        pair_runner: PairRunner = quick_pair,
+        proposer: Proposer = at_the_nipple,
+        uploads: UploadLimits | None = None,
+        **limits: float,
     ) -> AbstractContextManager[Service]:
         fits = FitLimits(**{"workers": 2, "wall_s": 30.0, "grace_s": 0.2, **limits})
         service = Service(
-            Storage(storage.root), runner=runner, proposer=proposer, uploads=uploads, fits=fits, keep_days=None
+            Storage(storage.root),
+            runner=runner,
+            pair_runner=pair_runner,
+            proposer=proposer,
+            uploads=uploads,
+            fits=fits,
+            keep_days=None,
         )
         return service.started()
 

@@ -33,7 +33,7 @@ def test_whoever_asks_gets_one_computation_which_outlives_the_server(serving, st
         assert answers == [FOUND] * 5
         assert service.proposed_landmarks(scan, "a" * 64, 20.0) == FOUND
         until(lambda: get_proposals(storage, scan_id, "a" * 64) is not None, "the row")
-    with serving(fake_fit.quick, fake_proposals.failing) as service:
+    with serving(fake_fit.quick, proposer=fake_proposals.failing) as service:
         assert service.proposed_landmarks(scan, "a" * 64, 0.0) == FOUND
     assert times_made(storage, scan_id) == 1
 
@@ -69,7 +69,7 @@ def test_a_failure_is_a_sentence_and_is_not_kept(
     serving, storage: Storage, scan_id: str, proposer, sentence: str
 ) -> None:
     scan = get_scan(storage, scan_id)
-    with serving(fake_fit.quick, proposer, replace(UploadLimits(), wall_s=0.3)) as service:
+    with serving(fake_fit.quick, proposer=proposer, uploads=replace(UploadLimits(), wall_s=0.3)) as service:
         for _ in range(2):
             with pytest.raises(FitFailed, match=sentence):
                 service.proposed_landmarks(scan, "a" * 64, 20.0)
@@ -79,7 +79,7 @@ def test_a_failure_is_a_sentence_and_is_not_kept(
 
 def test_deleting_the_scan_ends_the_search_and_removes_what_was_found(serving, storage: Storage, scan_id: str) -> None:
     scan = get_scan(storage, scan_id)
-    with serving(fake_fit.quick, fake_proposals.hanging) as service:
+    with serving(fake_fit.quick, proposer=fake_proposals.hanging) as service:
         told: list[BreastRigError] = []
 
         def ask() -> None:

@@ -24,6 +24,7 @@ export function fitLinks(id: string) {
     fitted_ply: at("fitted.ply"),
     drawing: at("drawing.json"),
     cancel: at("cancel"),
+    shares: at("shares"),
   };
 }
 

@@ -18,6 +18,8 @@ from breastrig.api.page import PageFile, page
 from breastrig.api.scans import scans
 from breastrig.api.security import register_security
 from breastrig.api.served_model import serve_model
+from breastrig.api.shared import share_page, shared
+from breastrig.api.shares import shares
 from breastrig.api.sign_in import sign_in
 from breastrig.jobs.service import Service
 
@@ -47,7 +49,20 @@ def _bare_app() -> APIFlask:
     app.json.sort_keys = False  # type: ignore[attr-defined]
     app.url_map.merge_slashes = False  # an address has one spelling; no redirects
     app.url_map.converters["page_file"] = PageFile
-    for blueprint in (scans, fits, fits_of_scans, events, models, meta, docs, sign_in, page):
+    for blueprint in (
+        scans,
+        fits,
+        fits_of_scans,
+        events,
+        models,
+        meta,
+        shares,
+        shared,
+        share_page,
+        docs,
+        sign_in,
+        page,
+    ):
         app.register_blueprint(blueprint)
     app.spec_processor(finish_document)
     return app

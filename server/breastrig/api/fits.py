@@ -10,7 +10,7 @@ from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answe
 from breastrig.api.current import behind
 from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.security import refuse
-from breastrig.core.errors import BadDrawing, BadSettings, Conflict, NotFound, unknown_name
+from breastrig.core.errors import BadDrawing, BadScan, BadSettings, Conflict, NotFound, unknown_name
 from breastrig.fitting.recipe import preset_names
 from breastrig.jobs.iteration_file import iteration_gltf
 from breastrig.storage.fits import FitRow, FitWish, Once, fits_page, get_fit
@@ -36,31 +36,47 @@ def start_fit(
 
     With an `Idempotency-Key` the same request may be sent again: it is answered with the fit that it started
     first, as long as that fit is kept.  The same key with another request gives 422.
+
+    With `with` two stances of one patient are fitted together, by one job: each has a fit of its own, with its own
+    events and files, and names the other as its `partner`.  Cancelling one cancels both.
     """
     here = behind()
     storage = here.service.storage
-    scan = get_scan(storage, json_data.scan)
-    model = here.model
+    rig = here.model.rig
     presets = preset_names()
     if json_data.preset not in presets:
         raise BadSettings(unknown_name("preset", json_data.preset, presets))
-    if json_data.drawing is not None and json_data.drawing not in model.rig.drawing_names:
-        raise BadDrawing(unknown_name("drawing", json_data.drawing, model.rig.drawing_names))
-    landmarks = json_data.landmarks
-    if landmarks is None:
-        landmarks = get_landmarks(storage, scan.id)
-    check_landmarks(landmarks, scan, model)
-    wish = FitWish(
-        scan=scan.id,
-        stance=json_data.stance,
-        preset=json_data.preset,
-        drawing=json_data.drawing,
-        landmarks_mm=landmarks,
-        refine=json_data.refine,
+    if json_data.drawing is not None and json_data.drawing not in rig.drawing_names:
+        raise BadDrawing(unknown_name("drawing", json_data.drawing, rig.drawing_names))
+    other = json_data.with_
+    if other is not None and other.scan == json_data.scan:
+        raise BadScan("Two stances need two scans; leave `with` out to fit one scan.")
+    wish = _wish(json_data, json_data)
+    fit_id = here.service.add_fit(
+        wish, None if other is None else _wish(json_data, other), _once(headers_data.idempotency_key, json_data)
     )
-    fit_id = here.service.add_fit(wish, _once(headers_data.idempotency_key, json_data))
+    partner_id = get_fit(storage, fit_id).partner
+    partner = None if partner_id is None else wire.FitPartner(id=partner_id, links=fit_links(partner_id))
     links = fit_links(fit_id)
-    return wire.FitAccepted(id=fit_id, links=links), 202, {"Location": links.self}
+    return wire.FitAccepted(id=fit_id, links=links, partner=partner), 202, {"Location": links.self}
+
+
+def _wish(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance) -> FitWish:
+    """One scan's part of the request."""
+    here = behind()
+    scan = get_scan(here.service.storage, stance.scan)
+    landmarks = stance.landmarks
+    if landmarks is None:
+        landmarks = get_landmarks(here.service.storage, scan.id)
+    check_landmarks(landmarks, scan, here.model)
+    return FitWish(
+        scan=scan.id,
+        stance=stance.stance,
+        preset=asked.preset,
+        drawing=asked.drawing,
+        landmarks_mm=landmarks,
+        refine=asked.refine,
+    )
 
 
 def _once(key: str | None, asked: wire.FitRequest) -> Once | None:
@@ -72,10 +88,10 @@ def _once(key: str | None, asked: wire.FitRequest) -> Once | None:
 
 
 @fits_of_scans.get("/<scan_id>/fits")
-@fits_of_scans.input(wire.FitPageQuery, location="query")
+@fits_of_scans.input(wire.PageQuery, location="query")
 @fits_of_scans.output(wire.FitPage)
 @fits_of_scans.doc(operation_id="listFits")
-def list_fits(scan_id: str, query_data: wire.FitPageQuery) -> wire.FitPage:
+def list_fits(scan_id: str, query_data: wire.PageQuery) -> wire.FitPage:
     """The fits of a scan, the newest first"""
     storage = behind().service.storage
     get_scan(storage, scan_id)
@@ -174,6 +190,7 @@ def fit_links(fit_id: str) -> wire.FitLinks:
         fitted_ply=f"{place}/fitted.ply",
         drawing=f"{place}/drawing.json",
         cancel=f"{place}/cancel",
+        shares=f"{place}/shares",
     )
 
 
@@ -188,6 +205,7 @@ def fit_answer(row: FitRow) -> wire.Fit:
         preset=row.preset,
         drawing=row.drawing,
         refine=row.refine,
+        partner=row.partner,
         last_event=row.last_event,
         iterations=row.iterations,
         numbers=row.numbers,

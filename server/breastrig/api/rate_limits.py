@@ -17,6 +17,7 @@ from breastrig.api.security import refuse
 PER_MINUTE: dict[str, RateLimitItem] = {
     "sign-in": RateLimitItemPerMinute(20),  # a person mistypes a few times
     "share": RateLimitItemPerMinute(60),  # a ward round opens some
+    "passcode": RateLimitItemPerMinute(10),  # of one share, from all addresses: four digits hold for half a day
     "upload": RateLimitItemPerMinute(600),  # a script with small scans; a person needs one
 }
 
@@ -27,17 +28,20 @@ class RateLimits:
     def __init__(self) -> None:
         self._limiter = MovingWindowRateLimiter(MemoryStorage())
 
-    def wait_s(self, purpose: str) -> int:
-        """Counts this request; 0 when it may go on, else the seconds until the next may."""
-        limit, who = PER_MINUTE[purpose], request.remote_addr or "unknown"
+    def wait_s(self, purpose: str, whose: str | None = None) -> int:
+        """Counts this request; 0 when it may go on, else the seconds until the next may.
+
+        Counted by address, or by `whose`: what is being opened, whoever tries.
+        """
+        limit, who = PER_MINUTE[purpose], whose or request.remote_addr or "unknown"
         if self._limiter.hit(limit, purpose, who):
             return 0
         reset = self._limiter.get_window_stats(limit, purpose, who).reset_time
         return max(1, math.ceil(reset - time.time()))
 
-    def check(self, purpose: str) -> None:
+    def check(self, purpose: str, whose: str | None = None) -> None:
         """Counts this request; raises the 429 when it is one too many."""
-        seconds = self.wait_s(purpose)
+        seconds = self.wait_s(purpose, whose)
         if seconds:
             raise refuse(
                 429, f"Too many requests of this kind; try again in {seconds} s.", {"Retry-After": str(seconds)}

@@ -93,7 +93,7 @@ def urlsplit_netloc(origin: str) -> str:
 
 
 def _wrong_token(config: Config) -> Response | None:
-    if config.token is None or not request.path.startswith("/api/"):
+    if config.token is None or not request.path.startswith("/api/") or _is_for_visitors():
         return None
     kind, _, given = request.headers.get("Authorization", "").partition(" ")
     if kind.lower() == "bearer" and hmac.compare_digest(given.strip().encode(), config.token.encode()):
@@ -105,6 +105,11 @@ def _wrong_token(config: Config) -> Response | None:
         "This service needs its token: sign in at /sign-in, or send it as a bearer in the Authorization header.",
         headers={"WWW-Authenticate": "Bearer"},
     )
+
+
+def _is_for_visitors() -> bool:
+    """Share links bring a credential of their own, which these calls check themselves."""
+    return (request.endpoint or "").startswith("shared.")
 
 
 def _limit_body(config: Config) -> Response | None:

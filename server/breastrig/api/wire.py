@@ -105,6 +105,22 @@ class FitRequest(Wire):
     refine: bool = Field(
         False, strict=True, description="after the fit a smooth free-form layer where the scan shows skin"
     )
+    with_: "OtherStance | None" = Field(
+        None,
+        alias="with",
+        description="another scan of the same patient: both are fitted together, sharing the body; preset, drawing "
+        "and refine hold for both",
+    )
+
+
+class OtherStance(Wire):
+    """The second scan of a fit of two stances together."""
+
+    scan: Name = Field(description="id of the second scan, of the same patient")
+    stance: StanceWish = "auto"
+    landmarks: dict[Name, Point] | None = Field(
+        None, max_length=200, description="millimetres, the second scan's own frame; by default those stored with it"
+    )
 
 
 class FitHeaders(BaseModel):
@@ -124,11 +140,18 @@ class FitLinks(Wire):
     fitted_ply: str
     drawing: str
     cancel: str
+    shares: str
+
+
+class FitPartner(Wire):
+    id: str
+    links: FitLinks
 
 
 class FitAccepted(Wire):
     id: str
     links: FitLinks
+    partner: FitPartner | None = Field(None, description="the fit of the second scan, when there is one")
 
 
 class IterationNumbers(Wire):
@@ -152,6 +175,7 @@ class Fit(Wire):
     preset: str
     drawing: str | None
     refine: bool
+    partner: str | None = Field(description="id of the other stance's fit when both are fitted together")
     last_event: int = Field(description="number of the last stored event, 0 before the first")
     iterations: int = Field(description="number of iterated events so far")
     numbers: IterationNumbers | None = Field(description="of the last iteration")
@@ -183,9 +207,68 @@ class FitPage(Wire):
     next: str | None = Field(description="address of the next page, null on the last")
 
 
-class FitPageQuery(Wire):
-    limit: int = Field(50, ge=1, le=200, description="at most so many fits")
+class PageQuery(Wire):
+    limit: int = Field(50, ge=1, le=200, description="at most so many entries")
     before: int | None = Field(None, ge=0, le=2**31, description="as the link to the next page says")
+
+
+ShareScan = Literal["none", "plain", "full"]
+
+
+class ShareRequest(Wire):
+    expires_in_days: int = Field(7, ge=1, le=90)
+    passcode: str | None = Field(None, min_length=4, max_length=100, description="asked for at the opening")
+    scan: ShareScan = Field(
+        "none", description="whether the scan is shown: not at all, its shape without colours, or with its colours"
+    )
+
+
+class ShareLinks(Wire):
+    self: str
+
+
+class Share(Wire):
+    id: str = Field(description="for the owner; it opens nothing")
+    created_at: str = Field(description="ISO 8601, UTC")
+    expires_at: str
+    revoked_at: str | None
+    is_open: bool = Field(description="neither expired nor revoked")
+    scan: ShareScan
+    has_passcode: bool
+    openings: int
+    last_opened_at: str | None
+    links: ShareLinks
+
+
+class ShareMade(Share):
+    url: str = Field(description="address of the page with the secret behind #; it is told only once")
+
+
+class ShareWithOpenings(Share):
+    opened_at: list[str] = Field(description="the last openings, the newest first; nothing about who")
+
+
+class SharePage(Wire):
+    shares: list[Share] = Field(description="the newest first")
+    next: str | None = Field(description="address of the next page, null on the last")
+
+
+class ShareOpening(Wire):
+    token: Name = Field(description="what stands behind # in the link")
+    passcode: str | None = Field(None, max_length=100)
+
+
+class SharedLinks(Wire):
+    result: str
+    fitted_glb: str
+    fitted_ply: str
+    drawing: str
+    mesh: str | None = Field(description="null when the link does not show the scan")
+
+
+class SharedResult(Wire):
+    expires_at: str
+    links: SharedLinks
 
 
 class ExampleEntry(Wire):

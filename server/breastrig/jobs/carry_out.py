@@ -5,8 +5,9 @@ Whatever goes wrong becomes the story's last event with a sentence, unless the s
 """
 
 import logging
-from collections.abc import Callable, Iterator
-from contextlib import closing
+from collections.abc import Callable, Generator, Iterator
+from contextlib import ExitStack, closing, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,21 @@ from breastrig.core.errors import BreastRigError, Conflict, NotFound
 from breastrig.jobs.events import Event, Failed
 from breastrig.jobs.run_fit import FitJob
 from breastrig.storage.events import append
-from breastrig.storage.fits import FitRow, claim_fit
+from breastrig.storage.fits import FitRow, claim_fit, get_fit
 from breastrig.storage.scans import get_scan
 from breastrig.storage.storage import Storage
 
 Runner = Callable[[FitJob], Iterator[Event]]
+PairRunner = Callable[[FitJob, FitJob], Iterator[tuple[int, Event]]]
+
+
+@dataclass(frozen=True)
+class Runners:
+    """How a fit is carried out, and how two stances together; both importable by name in a worker process."""
+
+    one: Runner
+    two: PairRunner
+
 
 log = logging.getLogger(__name__)
 
@@ -27,19 +38,21 @@ class _Over(Exception):
     """The story has been ended by someone else."""
 
 
-def carry_out(root: Path, fit_id: str, runner: Runner, model: Path | None) -> None:
-    """Runs the queued fit to its end; does nothing when it is no longer queued.
+def carry_out(root: Path, fit_id: str, runners: Runners, model: Path | None) -> None:
+    """Runs the queued fit, and its partner with it, to the end; does nothing when it is no longer queued.
 
-    Holds the fit's folder before the claim, so that whoever has ended the fit can wait until nothing more is
-    written into it.
+    Holds the folders before the claim, so that whoever has ended the fit can wait until nothing more is written
+    into them.
     """
     storage = Storage(root)
     try:
-        with storage.folders.held(storage.folders.fit(fit_id)):
+        with ExitStack() as stack:
+            for each in get_fit(storage, fit_id).both:
+                stack.enter_context(storage.folders.held(storage.folders.fit(each)))
             fit = claim_fit(storage, fit_id)
             if fit is not None:
-                _run(storage, fit, runner, model)
-    except FileNotFoundError:
+                _run(storage, fit, runners, model)
+    except (FileNotFoundError, NotFound):
         log.info("fit %s was deleted before it ran", fit_id)
     except _Over:
         pass
@@ -47,21 +60,41 @@ def carry_out(root: Path, fit_id: str, runner: Runner, model: Path | None) -> No
         storage.close()
 
 
-def _run(storage: Storage, fit: FitRow, runner: Runner, model: Path | None) -> None:
+def _run(storage: Storage, fit: FitRow, runners: Runners, model: Path | None) -> None:
+    def fail(reason: str) -> None:
+        for each in fit.both:
+            with suppress(_Over):  # the first of two may be done already
+                store(storage, each, Failed(reason=reason))
+
     try:
-        job = fit_job(storage, fit, model)
-        with closing(runner(job)) as story:  # type: ignore[type-var]
-            for event in story:
-                store(storage, fit.id, event)
+        with closing(_story(storage, fit, runners, model)) as story:
+            for fit_id, event in story:
+                store(storage, fit_id, event)
     except BreastRigError as error:
-        store(storage, fit.id, Failed(reason=str(error)))
+        fail(str(error))
     except MemoryError:
-        store(storage, fit.id, Failed(reason="The fit needed more memory than it may use; give a smaller scan."))
+        fail("The fit needed more memory than it may use; give a smaller scan.")
     except _Over:
         raise
     except Exception:
         log.exception("fit %s broke", fit.id)
-        store(storage, fit.id, Failed(reason="The fit broke for a reason inside BreastRig; the server's log says it."))
+        fail("The fit broke for a reason inside BreastRig; the server's log says it.")
+
+
+def _story(
+    storage: Storage, fit: FitRow, runners: Runners, model: Path | None
+) -> Generator[tuple[str, Event], None, None]:
+    """(id of the fit, its next event)."""
+    job = fit_job(storage, fit, model)
+    if fit.partner is None:
+        with closing(runners.one(job)) as events:  # type: ignore[type-var]
+            for event in events:
+                yield fit.id, event
+        return
+    other = fit_job(storage, get_fit(storage, fit.partner), model)
+    with closing(runners.two(job, other)) as pairs:  # type: ignore[type-var]
+        for which, event in pairs:
+            yield fit.both[which], event
 
 
 def fit_job(storage: Storage, fit: FitRow, model: Path | None) -> FitJob:

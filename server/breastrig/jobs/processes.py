@@ -26,6 +26,7 @@ PRELOAD = (
     "breastrig.jobs.propose_on_scan",
     "breastrig.jobs.read_upload",
     "breastrig.jobs.run_fit",
+    "breastrig.jobs.run_pair",
 )
 
 

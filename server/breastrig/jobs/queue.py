@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.jobs.carry_out import Runner, carry_out, event_json
+from breastrig.jobs.carry_out import Runners, carry_out, event_json
 from breastrig.jobs.events import Cancelled, Event, Failed
 from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.processes import Processes
@@ -34,12 +34,12 @@ class FitQueue:
     """Starts, watches and stops fits.  All methods may be called from any thread."""
 
     def __init__(
-        self, storage: Storage, processes: Processes, limits: FitLimits, runner: Runner, model: Path | None
+        self, storage: Storage, processes: Processes, limits: FitLimits, runners: Runners, model: Path | None
     ) -> None:
         self._storage = storage
         self._processes = processes
         self._limits = limits
-        self._runner = runner
+        self._runners = runners
         self._model = model
         self._lock = threading.RLock()
         self._running: dict[str, Any] = {}  # fit id -> future
@@ -65,21 +65,28 @@ class FitQueue:
                 self._start(fit_id)
 
     def cancel(self, fit_id: str) -> FitRow:
-        """Ends the fit and kills its process.  Raises NotFound, or Conflict when it is done or failed."""
-        try:
-            append(self._storage, fit_id, event_json(Cancelled()))
-        except Conflict:
-            fit = get_fit(self._storage, fit_id)
-            if fit.state != "cancelled":
-                raise
-        self._kill(fit_id)
-        return get_fit(self._storage, fit_id)
+        """Ends the fit, and its partner, and kills their process.
+
+        Raises NotFound, or Conflict when it is done or failed.
+        """
+        asked = get_fit(self._storage, fit_id)
+        if asked.ended and asked.state != "cancelled":
+            raise Conflict(f"This fit has already ended: it is {asked.state}.")
+        for each in asked.both:
+            self._end(each, Cancelled())
+        self._kill(asked.both[0])
+        found = get_fit(self._storage, fit_id)
+        if found.state != "cancelled":  # it came to its own end in between
+            raise Conflict(f"This fit has already ended: it is {found.state}.")
+        return found
 
     def drop(self, fit_ids: list[str]) -> None:
         """Ends fits that are about to be deleted, or already are, and waits until their processes are dead."""
         for fit_id in fit_ids:
-            self._end(fit_id, Cancelled(reason="The scan was deleted."))
-            self._kill(fit_id)
+            for each in self._both(fit_id):
+                why = "The scan was deleted." if each in fit_ids else "The other stance's scan was deleted."
+                self._end(each, Cancelled(reason=why))
+                self._kill(each)
         for fit_id in fit_ids:
             if not self._storage.folders.wait_until_free(self._storage.folders.fit(fit_id), KILL_S):
                 log.error("the process of fit %s does not end", fit_id)
@@ -96,7 +103,7 @@ class FitQueue:
 
     def _start(self, fit_id: str) -> None:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
-        args = (self._storage.root, fit_id, self._runner, self._model)
+        args = (self._storage.root, fit_id, self._runners, self._model)
         future = self._processes.schedule(carry_out, args, timeout=self._limits.wall_s)
         self._running[fit_id] = future
         future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
@@ -115,21 +122,28 @@ class FitQueue:
             log.exception("after the end of fit %s", fit_id)
 
     def _settle(self, fit_id: str, error: BaseException | None) -> None:
-        """Makes sure that the fit has an end."""
-        try:
-            fit = get_fit(self._storage, fit_id)
-        except NotFound:  # deleted in the meantime
-            self._starts.pop(fit_id, None)
-            return
-        if not fit.ended:
+        """Makes sure that the fit, and its partner, have an end."""
+        for each in self._both(fit_id):
+            try:
+                fit = get_fit(self._storage, each)
+            except NotFound:  # deleted in the meantime
+                continue
+            if fit.ended:
+                continue
             if isinstance(error, TimeoutError):
-                self._end(fit_id, Failed(reason=f"The fit took longer than {self._limits.wall_s:g} s and was stopped."))
+                self._end(each, Failed(reason=f"The fit took longer than {self._limits.wall_s:g} s and was stopped."))
             elif fit.state == "queued" and self._starts[fit_id] < STARTS:
                 return
             else:
-                log.error("fit %s ended without an end: %r", fit_id, error)
-                self._end(fit_id, Failed(reason=SILENT if error is None else DIED))
+                log.error("fit %s ended without an end: %r", each, error)
+                self._end(each, Failed(reason=SILENT if error is None else DIED))
         self._starts.pop(fit_id, None)
+
+    def _both(self, fit_id: str) -> tuple[str, ...]:
+        """The fit and its partner, the leading one first, as far as they are still known."""
+        with suppress(NotFound):
+            return get_fit(self._storage, fit_id).both
+        return (fit_id,)
 
     def _end(self, fit_id: str, event: Event) -> None:
         with suppress(NotFound, Conflict):  # it may have ended otherwise in the meantime

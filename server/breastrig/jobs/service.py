@@ -18,7 +18,7 @@ from typing import IO, Any
 
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, NotFound, unknown_name
-from breastrig.jobs.carry_out import Runner
+from breastrig.jobs.carry_out import PairRunner, Runner, Runners
 from breastrig.jobs.follow import Bell, Heartbeat, follow
 from breastrig.jobs.limits import FitLimits, UploadLimits
 from breastrig.jobs.processes import Processes
@@ -27,10 +27,11 @@ from breastrig.jobs.propose_on_scan import propose_on_file
 from breastrig.jobs.queue import FitQueue
 from breastrig.jobs.read_upload import UploadJob, read_upload
 from breastrig.jobs.run_fit import run_fit
+from breastrig.jobs.run_pair import run_pair
 from breastrig.jobs.sweep import KEEP_DAYS, Sweep
 from breastrig.storage import scans as scan_rows
 from breastrig.storage.events import StoredEvent
-from breastrig.storage.fits import FitRow, FitWish, Once, add_fit, fit_ids, fits_of_scan
+from breastrig.storage.fits import FitRow, FitWish, Once, add_fits, fit_ids, fits_of_scan
 from breastrig.storage.folders import new_id
 from breastrig.storage.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, utc_now
@@ -56,6 +57,7 @@ class Service:
         storage: Storage,
         *,
         runner: Runner = run_fit,
+        pair_runner: PairRunner = run_pair,
         proposer: Proposer = propose_on_file,
         model: Path | None = None,
         examples: Path | None = None,
@@ -72,7 +74,7 @@ class Service:
             self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s
         )
         self._workers = Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes)
-        self._queue = FitQueue(storage, self._workers, fit_limits, runner, model)
+        self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner), model)
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self._bell = Bell(storage)
         self._sweep = None if keep_days is None else Sweep(storage, self.delete_scan, keep_days)
@@ -158,24 +160,26 @@ class Service:
             row = self.add_scan(source, "ply", "auto")
         return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
 
-    def add_fit(self, wish: FitWish, once: Once | None = None) -> str:
-        """Puts a fit into the queue; its id.  The same request `once` more gives the id of the first.
+    def add_fit(self, wish: FitWish, other: FitWish | None = None, once: Once | None = None) -> str:
+        """Puts a fit into the queue; its id.  With `other` it is fitted together with a second stance.
 
-        Raises NotFound when the scan is gone, BadInput when `once` has the key of another request.
+        The same request `once` more gives the id of the first.  Raises NotFound when a scan is gone, BadInput when
+        `once` has the key of another request.
         """
-        fit_id = new_id()
-        folder = self.storage.folders.fit(fit_id)
-        self.storage.folders.make(folder)
+        wishes = {new_id(): one for one in (wish, other) if one is not None}
+        folders = [self.storage.folders.fit(fit_id) for fit_id in wishes]
+        for folder in folders:
+            self.storage.folders.make(folder)
         try:
-            made = add_fit(self.storage, fit_id, utc_now(), wish, once)
+            made = add_fits(self.storage, utc_now(), wishes, once)
         except BaseException:
-            self.storage.folders.remove(folder)
+            self.storage.folders.remove(*folders)
             raise
-        if made != fit_id:
-            self.storage.folders.remove(folder)
+        if made not in wishes:
+            self.storage.folders.remove(*folders)
             return made
         self._queue.wake()
-        return fit_id
+        return made
 
     def cancel_fit(self, fit_id: str) -> FitRow:
         """Raises NotFound, or Conflict when the fit is done or failed."""

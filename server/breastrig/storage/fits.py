@@ -32,6 +32,8 @@ class FitRow(FitWish):
     """What was asked for, and how far it has come; `stance` is the decided one once the fit has started."""
 
     id: str
+    partner: str | None  # the fit of the other stance, made by the same job
+    leads: bool  # of two partners the one that waits in the queue for both
     created_at: str
     state: str  # queued, running, done, failed, cancelled
     last_event: int
@@ -42,6 +44,13 @@ class FitRow(FitWish):
     @property
     def ended(self) -> bool:
         return self.state in ENDED
+
+    @property
+    def both(self) -> tuple[str, ...]:
+        """The ids of this fit and its partner, the leading one first."""
+        if self.partner is None:
+            return (self.id,)
+        return (self.id, self.partner) if self.leads else (self.partner, self.id)
 
 
 @dataclass(frozen=True)
@@ -58,33 +67,39 @@ class Once:
         return cls(key_sha256, request_sha256)
 
 
-def add_fit(storage: Storage, fit_id: str, created_at: str, wish: FitWish, once: Once | None = None) -> str:
-    """Puts a fit at the end of the queue; its id, or that of the fit which the same request has made before.
+def add_fits(storage: Storage, created_at: str, wishes: dict[str, FitWish], once: Once | None = None) -> str:
+    """Puts a fit {id: wish}, or two stances to be fitted together, at the end of the queue.
 
-    Raises NotFound when the scan is gone, BadInput when the key came with another request.
+    Gives the first id, or that of the fit which the same request has made before.  Raises NotFound when a scan is
+    gone, BadInput when the key came with another request.
     """
+    first, *others = wishes
     with storage.database.writing() as connection:
         if once is not None:
             made = _made_before(connection, once)
             if made is not None:
                 return made
-        if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == wish.scan)).first() is None:
-            raise NotFound("There is no such scan; it may have been deleted.")
-        place = connection.execute(select(func.coalesce(func.max(schema.fits.c.place), 0) + 1)).scalar_one()
-        values = {
-            **asdict(wish),
-            "landmarks_mm": json.dumps(wish.landmarks_mm),
-            "id": fit_id,
-            "place": place,
-            "created_at": created_at,
-            "state": "queued",
-            "last_event": 0,
-            "iterations": 0,
-        }
-        connection.execute(insert(schema.fits).values(values))
+        for fit_id, wish in wishes.items():
+            if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == wish.scan)).first() is None:
+                raise NotFound("There is no such scan; it may have been deleted.")
+            place = connection.execute(select(func.coalesce(func.max(schema.fits.c.place), 0) + 1)).scalar_one()
+            partner = others[0] if others and fit_id == first else first
+            values = {
+                **asdict(wish),
+                "landmarks_mm": json.dumps(wish.landmarks_mm),
+                "id": fit_id,
+                "partner": partner if others else None,
+                "leads": fit_id == first,
+                "place": place,
+                "created_at": created_at,
+                "state": "queued",
+                "last_event": 0,
+                "iterations": 0,
+            }
+            connection.execute(insert(schema.fits).values(values))
         if once is not None:
-            connection.execute(insert(schema.asked_once).values(fit=fit_id, **asdict(once)))
-    return fit_id
+            connection.execute(insert(schema.asked_once).values(fit=first, **asdict(once)))
+    return first
 
 
 def _made_before(connection: Connection, once: Once) -> str | None:
@@ -107,24 +122,27 @@ def get_fit(storage: Storage, fit_id: str) -> FitRow:
 
 
 def claim_fit(storage: Storage, fit_id: str) -> FitRow | None:
-    """Turns a queued fit into a running one; None when it is no longer queued."""
+    """Turns a queued fit, and its partner with it, into a running one; None when it is no longer queued."""
+    table = schema.fits
     with storage.database.writing() as connection:
         statement = (
-            update(schema.fits)
-            .where(schema.fits.c.id == fit_id, schema.fits.c.state == "queued")
+            update(table)
+            .where(table.c.id == fit_id, table.c.state == "queued")
             .values(state="running")
-            .returning(schema.fits)
+            .returning(table)
         )
         row = connection.execute(statement).one_or_none()
+        if row is not None and row.partner is not None:
+            connection.execute(update(table).where(table.c.id == row.partner).values(state="running"))
     return None if row is None else _fit_row(row)
 
 
 def next_queued(storage: Storage, besides: set[str]) -> str | None:
-    """The oldest queued fit that is not among `besides`."""
+    """The oldest queued fit that is not among `besides`; of two partners the one that leads."""
     with storage.database.reading() as connection:
         query = (
             select(schema.fits.c.id)
-            .where(schema.fits.c.state == "queued", schema.fits.c.id.not_in(besides))
+            .where(schema.fits.c.state == "queued", schema.fits.c.leads, schema.fits.c.id.not_in(besides))
             .order_by(schema.fits.c.place)
             .limit(1)
         )
@@ -160,6 +178,8 @@ def fit_ids(storage: Storage) -> set[str]:
 def _fit_row(row: Row[Any]) -> FitRow:
     return FitRow(
         id=row.id,
+        partner=row.partner,
+        leads=row.leads,
         scan=row.scan,
         created_at=row.created_at,
         state=row.state,

@@ -4,7 +4,7 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import delete, insert, select
+from sqlalchemy import delete, insert, select, update
 from sqlalchemy.dialects.sqlite import insert as upsert
 
 from breastrig.core.errors import NotFound
@@ -61,6 +61,7 @@ def delete_scan(storage: Storage, scan_id: str) -> list[str]:
     """Deletes the scan's row and all rows that hang on it; the ids of its fits.  No such scan is no error."""
     with storage.database.writing() as connection:
         fit_ids = list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.scan == scan_id)).scalars())
+        connection.execute(update(schema.fits).where(schema.fits.c.partner.in_(fit_ids)).values(partner=None))
         connection.execute(delete(schema.scans).where(schema.scans.c.id == scan_id))
     storage.database.forget_deleted()
     return fit_ids

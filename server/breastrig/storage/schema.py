@@ -19,6 +19,7 @@ from sqlalchemy import (
     Text,
     UniqueConstraint,
     false,
+    true,
 )
 
 metadata = MetaData()
@@ -61,6 +62,8 @@ fits = Table(
     Column("drawing", String(100)),
     Column("landmarks_mm", Text, nullable=False),  # JSON, as they were when the fit was asked for
     Column("refine", Boolean, nullable=False, server_default=false()),
+    Column("partner", String(32)),  # the fit of the other stance, when both are fitted together
+    Column("leads", Boolean, nullable=False, server_default=true()),  # of two partners one waits in the queue for both
     Column("last_event", Integer, nullable=False, default=0),
     Column("iterations", Integer, nullable=False, default=0),
     Column("numbers", Text),  # JSON, the last iterated event without its nodes
@@ -73,6 +76,28 @@ asked_once = Table(  # requests with an Idempotency-Key; neither the key nor the
     Column("key_sha256", String(64), primary_key=True),
     Column("request_sha256", String(64), nullable=False),
     Column("fit", String(32), ForeignKey("fits.id", ondelete="CASCADE"), nullable=False, index=True),
+)
+
+shares = Table(
+    "shares",
+    metadata,
+    Column("position", Integer, primary_key=True, autoincrement=True),  # order of making
+    Column("id", String(32), nullable=False, unique=True),  # for the owner; it opens nothing
+    Column("fit", String(32), ForeignKey("fits.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column("token_sha256", String(64), nullable=False, unique=True),  # of the secret in the link
+    Column("created_at", String(32), nullable=False),
+    Column("expires_at", String(32), nullable=False),
+    Column("revoked_at", String(32)),
+    Column("scan", String(8), nullable=False),  # none, plain, full
+    Column("passcode_hash", String(300)),  # salted scrypt
+)
+
+openings = Table(  # when a share was opened; not by whom and not what was looked at
+    "openings",
+    metadata,
+    Column("id", Integer, primary_key=True, autoincrement=True),
+    Column("share", String(32), ForeignKey("shares.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column("opened_at", String(32), nullable=False),
 )
 
 events = Table(

@@ -117,6 +117,8 @@ export type Fit = {
   preset: string;
   drawing: string | null;
   refine: boolean;
+  /** id of the other stance's fit when both are fitted together */
+  partner: string | null;
   /** number of the last stored event, 0 before the first */
   last_event: number;
   /** number of iterated events so far */
@@ -131,6 +133,8 @@ export type Fit = {
 export type FitAccepted = {
   id: string;
   links: FitLinks;
+  /** the fit of the second scan, when there is one */
+  partner?: FitPartner | null;
 };
 
 export type FitLinks = {
@@ -141,6 +145,7 @@ export type FitLinks = {
   fitted_ply: string;
   drawing: string;
   cancel: string;
+  shares: string;
 };
 
 export type FitPage = {
@@ -148,6 +153,11 @@ export type FitPage = {
   fits: Fit[];
   /** address of the next page, null on the last */
   next: string | null;
+};
+
+export type FitPartner = {
+  id: string;
+  links: FitLinks;
 };
 
 export type FitRequest = {
@@ -161,6 +171,8 @@ export type FitRequest = {
   landmarks?: Record<string, [number, number, number]> | null;
   /** after the fit a smooth free-form layer where the scan shows skin */
   refine?: boolean;
+  /** another scan of the same patient: both are fitted together, sharing the body; preset, drawing and refine hold for both */
+  with?: OtherStance | null;
 };
 
 /** How the body seems to lie in the scan's own axes; a proposal for the camera. */
@@ -294,6 +306,15 @@ export type NodePose = {
   weights?: number[] | null;
 };
 
+/** The second scan of a fit of two stances together. */
+export type OtherStance = {
+  /** id of the second scan, of the same patient */
+  scan: string;
+  stance?: "auto" | "standing" | "supine";
+  /** millimetres, the second scan's own frame; by default those stored with it */
+  landmarks?: Record<string, [number, number, number]> | null;
+};
+
 /** RFC 9457 problem details. */
 export type Problem = {
   type: string;
@@ -396,6 +417,97 @@ export type ScanUpload = {
   file: Blob;
   /** unit of the file's numbers; auto decides from the size and says so */
   units?: "auto" | "m" | "dm" | "cm" | "mm" | "in";
+};
+
+export type Share = {
+  /** for the owner; it opens nothing */
+  id: string;
+  /** ISO 8601, UTC */
+  created_at: string;
+  expires_at: string;
+  revoked_at: string | null;
+  /** neither expired nor revoked */
+  is_open: boolean;
+  scan: "none" | "plain" | "full";
+  has_passcode: boolean;
+  openings: number;
+  last_opened_at: string | null;
+  links: ShareLinks;
+};
+
+export type ShareLinks = {
+  self: string;
+};
+
+export type ShareMade = {
+  /** for the owner; it opens nothing */
+  id: string;
+  /** ISO 8601, UTC */
+  created_at: string;
+  expires_at: string;
+  revoked_at: string | null;
+  /** neither expired nor revoked */
+  is_open: boolean;
+  scan: "none" | "plain" | "full";
+  has_passcode: boolean;
+  openings: number;
+  last_opened_at: string | null;
+  links: ShareLinks;
+  /** address of the page with the secret behind #; it is told only once */
+  url: string;
+};
+
+export type ShareOpening = {
+  /** what stands behind # in the link */
+  token: string;
+  passcode?: string | null;
+};
+
+export type SharePage = {
+  /** the newest first */
+  shares: Share[];
+  /** address of the next page, null on the last */
+  next: string | null;
+};
+
+export type ShareRequest = {
+  expires_in_days?: number;
+  /** asked for at the opening */
+  passcode?: string | null;
+  /** whether the scan is shown: not at all, its shape without colours, or with its colours */
+  scan?: "none" | "plain" | "full";
+};
+
+export type ShareWithOpenings = {
+  /** for the owner; it opens nothing */
+  id: string;
+  /** ISO 8601, UTC */
+  created_at: string;
+  expires_at: string;
+  revoked_at: string | null;
+  /** neither expired nor revoked */
+  is_open: boolean;
+  scan: "none" | "plain" | "full";
+  has_passcode: boolean;
+  openings: number;
+  last_opened_at: string | null;
+  links: ShareLinks;
+  /** the last openings, the newest first; nothing about who */
+  opened_at: string[];
+};
+
+export type SharedLinks = {
+  result: string;
+  fitted_glb: string;
+  fitted_ply: string;
+  drawing: string;
+  /** null when the link does not show the scan */
+  mesh: string | null;
+};
+
+export type SharedResult = {
+  expires_at: string;
+  links: SharedLinks;
 };
 
 export type Stance = {

@@ -1,0 +1,18 @@
+"""The shape alone of a mesh for display: what is shown of a scan when its colours are to stay private.
+
+Skin colour, tattoos and birthmarks can tell who a person is; the shape tells less.
+"""
+
+from breastrig.core.glb import split_glb
+from breastrig.gltf.accessors import GltfArrays
+from breastrig.gltf.mesh_glb import mesh_glb
+
+
+def plain_mesh(glb: bytes) -> bytes:
+    """The same triangles and normals as in a .glb of `mesh_glb`, without texture and colours."""
+    document, binary = split_glb(glb)
+    arrays = GltfArrays(document, binary)
+    primitive = document["meshes"][0]["primitives"][0]
+    attributes = primitive["attributes"]
+    faces = arrays.read(primitive["indices"]).reshape(-1, 3)
+    return mesh_glb(arrays.read(attributes["POSITION"]), faces, arrays.read(attributes["NORMAL"]))
