@@ -18,7 +18,9 @@ from breastrig.evaluation import publish, work
 from breastrig.evaluation.cohort import read_cohort
 from breastrig.evaluation.pictures import signed_distances_mm
 from breastrig.evaluation.questions.scene import read_scene
+from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.normals import vertex_normals
+from breastrig.gltf.read_rig import default_rig_path
 from breastrig.rig.model import Rig
 from breastrig.scan.landmark_files import read_landmarks
 
@@ -247,3 +249,17 @@ def test_without_matplotlib_tables_and_page_are_still_written(
     assert (out / "table1.csv").is_file()
     assert not (out / "figures" / "table1.png").exists()
     assert "<picture>" not in (out / "index.html").read_text()
+
+
+def test_worker_processes_give_the_same_answers(cohort: Path, tmp_path: Path) -> None:
+    case = read_cohort(cohort)[0]
+    units = [
+        work.Unit((case,), "compliance", load_recipe("default"), default_rig_path(), {"term": "data", "factor": factor})
+        for factor in (1.0, 100.0)
+    ]
+    told: list[str] = []
+    alone = work.records(units, tmp_path / "alone", 1, False, told.append)
+    together = work.records(units, tmp_path / "together", 2, False, told.append)
+    assert [record.answer for record in together] == [record.answer for record in alone]
+    assert alone[1].answer["surface_mm"] > alone[0].answer["surface_mm"]  # the data counted for less
+    assert told == 4 * ["patient_x-standing-compliance"]

@@ -7,6 +7,7 @@ from typing import Any
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.questions import accuracy, landmark_study, orientation_study, peers, sensitivity
 from breastrig.evaluation.questions.scene import read_scene
+from breastrig.evaluation.two_stances import gain
 from breastrig.fitting.recipe import Recipe
 from breastrig.rig.model import Rig
 
@@ -24,8 +25,6 @@ def _of_one_case(question: Answer) -> Answer:
 
 def two_stances(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[str, Any]:
     """The gain of fitting two stances of one patient together."""
-    from breastrig.evaluation.two_stances import gain
-
     return {"rows": gain(cases, rig, recipe, lambda _: None)}
 
 

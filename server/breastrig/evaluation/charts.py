@@ -19,6 +19,7 @@ ON_DARK = ("#56B4E9", "#F0803C", "#2CC295", "#E093C0", "#F0B93A", "#9AD4F5")  # 
 MARKERS = ("o", "D", "s", "^", "v", "P")
 DASHES = ("-", (0, (4, 1.6)), (0, (1.2, 1.2)), (0, (5, 1.4, 1.2, 1.4)), (0, (8, 2)))
 DPI = 150
+LEGEND_LETTERS = 110  # that fit below a chart, with six for each line
 ROW_HEIGHT = 0.24  # inches a row
 
 
@@ -79,7 +80,6 @@ class CurvePanel:
     curves: Sequence[Curve]
     log_x: bool = False
     mark_x: float | None = None  # a thin upright line
-    y_top: float | None = None
 
 
 @dataclass(frozen=True)
@@ -206,7 +206,7 @@ def _row_panel(axes: "Axes", panel: Panel, heights: Sequence[float], look: Look,
     if panel.log:
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter("{x:g}")
-        axes.xaxis.set_minor_formatter("")
+        axes.minorticks_off()
     elif from_zero:
         axes.set_xlim(left=0.0)
 
@@ -235,18 +235,19 @@ def _curves(chart: CurveChart, look: Look) -> "Figure":
             if panel.log_x:
                 axes.set_xscale("log")
                 axes.xaxis.set_major_formatter("×{x:g}")
-                axes.xaxis.set_minor_formatter("")
+                axes.minorticks_off()
             axes.set_title(panel.title)
-            axes.set_ylim(bottom=0.0, top=panel.y_top)
             if column == 0:
                 axes.set_ylabel(panel.y_label)
             if row == rows - 1:
                 axes.set_xlabel(panel.x_label)
+        axes_of_row[0].set_ylim(bottom=0.0)  # only now: the row's panels share what they need above
+    fitting = max(1, int(LEGEND_LETTERS / (6 + max(map(len, handles)))))
     figure.legend(
         handles.values(),
         handles.keys(),
         loc="outside lower center",
-        ncols=min(len(handles), 5),
+        ncols=-(-len(handles) // -(-len(handles) // fitting)),  # as many as fit, in rows of the same length
         title=chart.legend_title or None,
         handlelength=3.2,
     )

@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import json
+import os
 import platform
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -77,7 +78,7 @@ def facts(results: Results, rig: Rig, about: Circumstances) -> list[tuple[str, s
     for recipe in results.plan.recipes:
         contents = json.dumps(recipe.model_dump(mode="json"), sort_keys=True)
         presets.append(f"{recipe.name} ({hashlib.sha256(contents.encode()).hexdigest()[:12]})")
-    machine = f"{platform.machine()}, {platform.system()}, {about.jobs} processes with one thread each"
+    machine = f"{platform.machine()}, {platform.system()}, {os.cpu_count()} cores, {about.jobs} used"
     versions = f"BreastRig {__version__}, Python {platform.python_version()}, NumPy {numpy.__version__}"
     return [
         ("Command", about.command),

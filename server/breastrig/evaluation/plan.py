@@ -5,7 +5,6 @@ Two rounds: the number of blendshapes is studied in the order of their usefulnes
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from itertools import groupby
 from pathlib import Path
 
@@ -53,8 +52,6 @@ class Plan:
         return sorted(units, key=lambda unit: place[unit.cases[0]])  # by case, whose scan is then read once
 
     def _pairs_of_stances(self) -> list[Unit]:
-        if find_spec("breastrig.evaluation.two_stances") is None:
-            return []
         units = []
         for _, group in groupby(self.cases, lambda case: case.patient):
             cases = tuple(group)

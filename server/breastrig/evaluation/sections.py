@@ -38,10 +38,9 @@ def surface(results: Results) -> Section:
     return Section(
         "surface",
         "How near is the surface, and how long does it take?",
-        "The paper's Table 1: every scan fitted with all its landmarks. Surface: from each model vertex with "
-        "an accepted "
-        "pair to the scan. Truth: from each vertex that the scan shows to the noise-free skin. Time: the solver alone, "
-        "the median of three fits.",
+        "The paper's Table 1: every scan fitted with all its landmarks. Surface: from each model vertex with an "
+        "accepted pair to the scan. Truth: from each vertex that the scan shows to the noise-free skin. Time: the "
+        "solver alone on one core, the median of three fits.",
         tuple(answers),
         ("table1",),
         ("table1",),
@@ -151,8 +150,8 @@ def wrong_picks(results: Results) -> Section:
             answers.append(
                 f"{capital(family)}: {words} in {named} of {len(trials)} fits, with {alarms} false alarms; the model "
                 f"came "
-                f"{mm(mean(trial['truth_mm'] for trial in trials))} near the true skin and "
-                f"{mm(mean(trial['wrong_landmarks_mm'] for trial in trials), 1)} near the true places of the wrong "
+                f"{mm(mean(trial['truth_mm'] for trial in trials))} from the true skin and "
+                f"{mm(mean(trial['wrong_landmarks_mm'] for trial in trials), 1)} from the true places of the wrong "
                 f"picks."
             )
     return Section(
