@@ -15,6 +15,7 @@ from tqdm import tqdm
 
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.fitting.coupling import ALIKE, ONE_BODY
 from breastrig.jobs.events import Done, Event, Iterated, Started
 from breastrig.jobs.run_fit import STANCES, FitJob, run_fit
 from breastrig.jobs.run_pair import run_pair
@@ -32,6 +33,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument("--with-landmarks", type=Path, metavar="FILE", help="picked points on SCAN_B")
     parser.add_argument("--with-units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of SCAN_B")
     parser.add_argument("--with-stance", default="auto", choices=STANCES, help="stance of SCAN_B")
+    parser.add_argument(
+        "--alike", action="store_true", help="with SCAN_B: bodies held alike instead of one body, as chests flatten"
+    )
     parser.add_argument("--preset", default="default", metavar="NAME", help="default, paper, or a TOML file")
     parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
     parser.add_argument("--drawing", default="lumpectomy", metavar="NAME", help="a drawing of the model, or none")
@@ -71,8 +75,9 @@ def _stories(options: argparse.Namespace) -> Iterator[tuple[int, Event]]:
     """(0, or 1 for the second scan; its next event)."""
     first = options.scan, options.landmarks, options.units, options.stance
     if options.other is None:
-        if options.with_landmarks or (options.with_units, options.with_stance) != ("auto", "auto"):
-            raise BadSettings("--with-landmarks, --with-units and --with-stance need --with SCAN_B.")
+        given = options.with_landmarks or options.alike
+        if given or (options.with_units, options.with_stance) != ("auto", "auto"):
+            raise BadSettings("--with-landmarks, --with-units, --with-stance and --alike need --with SCAN_B.")
         yield from ((0, event) for event in run_fit(_job(options, *first, options.output)))
         return
     second = options.other, options.with_landmarks, options.with_units, options.with_stance
@@ -80,6 +85,7 @@ def _stories(options: argparse.Namespace) -> Iterator[tuple[int, Event]]:
         _job(options, *first, options.output / "first"),
         _job(options, *second, options.output / "second"),
         options.output / "pair.json",
+        ALIKE if options.alike else ONE_BODY,
     )
 
 

@@ -5,15 +5,22 @@ system in which the body stands once (shared_body.py), and one damped Newton ste
 and priors are the single fit's.  The body's priors count once for each stance, as its data do, so a scan fitted
 with itself gives the single fit.
 
-Tried on four virtual patients, six pairs of stances (two kinds of supine model), mean error in mm of points carried
-from standing to supine by the models alone, exact landmarks / landmarks clicked 5 mm off:
-two fits apart 7.0 / 8.2; one body 11.5 / 12.0 (breast outline apart 11.1 / 11.8; all shapes of breast and thorax
-apart, soft shapes alike 7.8 / 8.6; scales apart, breast outline alike 8.1 / 8.8; only depths and thorax alike
-7.1 / 7.9); everything alike, scales to 0.1, body and soft shapes to 0.5 sigma 7.0 / 7.8, body to 1 and soft to 0.5
-sigma (ALIKE) 6.8 / 7.7, body to 0.5 and soft to 1 sigma 7.3 / 8.3, scales to 0.05 7.2 / 8.1, alike by the strain
-between the stances 7.0 / 7.9.  These patients' chests are up to a quarter flatter when lying, which one body cannot
-show: with true correspondences it stays 6.1 mm away, two bodies 2.3 mm.  Scans of a body that does keep its shape
-gain (tests/evaluation/test_two_stances.py).  What is left is sliding along the skin, which drawings/carry.py mends.
+Mean error in mm of points carried by the fitted models alone, there and back, over chest and breasts
+(evaluation/two_stances.py; exact landmarks / landmarks clicked 5 mm off):
+
+                                              apart         ONE_BODY       ALIKE
+    two independent virtual patients          7.4 /  7.6    13.5 / 13.8    6.9 / 6.8
+    two of the template's origin              7.0 /  9.4    10.2 / 11.6    7.2 / 9.0
+    seven others of the template's origin     6.1 /  7.3     7.3 /  7.8    6.9 / 7.7
+
+These patients' chests are up to a quarter flatter when lying, which one body cannot show: with true correspondences
+it stays 6.1 mm away, two bodies 2.3 mm.  Scans of a body that keeps its shape do gain.  Other couplings, on the
+first four from standing to supine, where apart gave 7.5 / 8.4 (an earlier preset): one body 11.5 / 12.0, breast
+outline apart 11.1 / 11.8, all shapes of breast and thorax apart and soft shapes alike 7.8 / 8.6, scales apart and
+breast outline alike 8.1 / 8.8, everything alike to half a sigma 7.0 / 7.8, alike by the strain between the stances
+7.0 / 7.9; and where apart gave 7.0 / 8.2: body alike to 1 and soft to 0.5 sigma (ALIKE) 6.8 / 7.7, body to 0.5 and
+soft to 1 sigma 7.3 / 8.3, scales to 0.05 instead of 0.1 7.2 / 8.1.  What is left is sliding along the skin, which
+drawings/carry.py mends: 3.3 / 5.1 over the first four, whatever the coupling.
 """
 
 from collections.abc import Iterator

@@ -10,6 +10,7 @@ from typing import Any
 
 from breastrig.core.errors import BadInput, BadScan, BadSettings
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.fitting.coupling import ONE_BODY, Coupling
 from breastrig.fitting.pair import fit_pair_iterates
 from breastrig.fitting.shared_body import SharedBody
 from breastrig.jobs.events import Done, Event
@@ -18,7 +19,9 @@ from breastrig.jobs.scan_fit import Clock, FitJob, ScanStory, made_ready, read_m
 from breastrig.rig.model import Rig
 
 
-def run_pair(first: FitJob, second: FitJob, pair_file: Path | None = None) -> Iterator[tuple[int, Event]]:
+def run_pair(
+    first: FitJob, second: FitJob, pair_file: Path | None = None, coupling: Coupling = ONE_BODY
+) -> Iterator[tuple[int, Event]]:
     """(0 or 1 for the stance, its event): each stance's Started, Iterated …, Done; a BreastRigError ends both.
 
     Each stance leaves the five files of a fit in its own job's folder before its Done; pair_file (breastrig/pair@1),
@@ -36,7 +39,7 @@ def run_pair(first: FitJob, second: FitJob, pair_file: Path | None = None) -> It
         yield which, each.started
     clock.lap()
     solve = 0.0
-    steps = fit_pair_iterates(ready[0].task, ready[1].task)
+    steps = fit_pair_iterates(ready[0].task, ready[1].task, coupling)
     while True:
         iterate = next(steps, None)
         solve += clock.lap()
@@ -48,7 +51,7 @@ def run_pair(first: FitJob, second: FitJob, pair_file: Path | None = None) -> It
         clock.lap()
     done = stories[0].finished(solve, clock), stories[1].finished(solve, clock)
     if pair_file is not None:
-        _write_pair_file(pair_file, rig, (first, second), done)
+        _write_pair_file(pair_file, rig, (first, second), done, coupling)
     yield 0, done[0]
     yield 1, done[1]
 
@@ -67,7 +70,9 @@ def shared_body(rig: Rig, result: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _write_pair_file(file: Path, rig: Rig, jobs: tuple[FitJob, FitJob], done: tuple[Done, Done]) -> None:
+def _write_pair_file(
+    file: Path, rig: Rig, jobs: tuple[FitJob, FitJob], done: tuple[Done, Done], coupling: Coupling
+) -> None:
     results: list[dict[str, Any]] = [each.result for each in done]
     document = {
         "schema": "breastrig/pair@1",
@@ -77,7 +82,8 @@ def _write_pair_file(file: Path, rig: Rig, jobs: tuple[FitJob, FitJob], done: tu
             for name, job in zip(("first", "second"), jobs, strict=True)
         },
         "stances": [result["stance"] for result in results],
-        "shared": shared_body(rig, results[0]),
+        "bodies": "one" if coupling.exact else "alike",
+        "shared": shared_body(rig, results[0]) if coupling.exact else None,
         "converged": results[0]["converged"],
         "stop_reason": results[0]["stop_reason"],
         "iterations": results[0]["iterations"],
