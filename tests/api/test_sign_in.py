@@ -29,6 +29,7 @@ def test_a_browser_is_led_to_the_sign_in_page_and_from_there_to_the_page(browser
     assert (first.status_code, first.headers["Location"]) == (303, "/sign-in")
     form = browser.get("/sign-in")
     assert (form.status_code, form.mimetype, form.headers["Cache-Control"]) == (200, "text/html", "no-store")
+    assert form.headers["Referrer-Policy"] == "same-origin"  # else browsers send the form with "Origin: null"
     html = form.get_data(as_text=True)
     assert 'type="password"' in html
     assert "<script" not in html
@@ -61,6 +62,7 @@ def test_a_wrong_token_gets_no_cookie(browser: FlaskClient, token: str) -> None:
     answer = browser.post("/sign-in", data=data)
     assert answer.status_code == 401
     assert "This is not the token." in answer.get_data(as_text=True)
+    assert answer.headers["Referrer-Policy"] == "same-origin"
     assert "Set-Cookie" not in answer.headers
     problem(browser.get("/api/meta"), 401)
 

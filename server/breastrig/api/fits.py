@@ -5,7 +5,7 @@ import re
 from apiflask import APIBlueprint
 from flask import Response
 
-from breastrig.api import wire
+from breastrig.api import wire, wire_files
 from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answer, file_answer, file_of
 from breastrig.api.current import behind
 from breastrig.api.landmark_check import check_landmarks
@@ -136,7 +136,7 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
 
 
 @fits.get("/<fit_id>/result.json")
-@fits.output(wire.ResultFile, description="Numbers and parameters")
+@fits.output(wire_files.ResultFile, description="Numbers and parameters")
 @fits.doc(operation_id="getResult", responses={409: "Not done"})
 def show_result(fit_id: str) -> Response:
     """result.json, as the command line writes it"""
@@ -158,7 +158,7 @@ def show_fitted_ply(fit_id: str) -> Response:
 
 
 @fits.get("/<fit_id>/drawing.json")
-@fits.output(wire.DrawingFile, description="Polylines on the scan")
+@fits.output(wire_files.DrawingFile, description="Polylines on the scan")
 @fits.doc(operation_id="getDrawing", responses={409: "Not done"})
 def show_drawing(fit_id: str) -> Response:
     """The drawing on the scan's surface, in the scan's frame and unit"""

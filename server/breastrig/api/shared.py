@@ -7,7 +7,7 @@ from apiflask import APIBlueprint
 from flask import Response, render_template
 from werkzeug.security import check_password_hash
 
-from breastrig.api import wire
+from breastrig.api import wire_files, wire_shares
 from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, bytes_answer, file_answer, file_of
 from breastrig.api.current import behind
 from breastrig.api.security import refuse
@@ -27,8 +27,8 @@ MEDIA_TYPES = {"result.json": JSON, "fitted.glb": GLB, "fitted.ply": BINARY, "dr
 
 
 @shared.post("/open")
-@shared.input(wire.ShareOpening)
-@shared.output(wire.SharedResult)
+@shared.input(wire_shares.ShareOpening)
+@shared.output(wire_shares.SharedResult)
 @shared.doc(
     operation_id="openShare",
     responses={
@@ -38,7 +38,7 @@ MEDIA_TYPES = {"result.json": JSON, "fitted.glb": GLB, "fitted.ply": BINARY, "dr
         429: "Too many",
     },
 )
-def open_share(json_data: wire.ShareOpening) -> Response:
+def open_share(json_data: wire_shares.ShareOpening) -> Response:
     """Open a share link
 
     Takes the secret after # and sets the cookie that the other calls need.  The time of the opening is noted for
@@ -60,15 +60,15 @@ def open_share(json_data: wire.ShareOpening) -> Response:
 
 
 @shared.get("")
-@shared.output(wire.SharedResult)
+@shared.output(wire_shares.SharedResult)
 @shared.doc(operation_id="getShared", responses={401: "No link was opened", 410: "Expired or revoked"})
-def show_shared() -> wire.SharedResult:
+def show_shared() -> wire_shares.SharedResult:
     """What the opened link shows"""
     return _result(visited_share())
 
 
 @shared.get("/result.json")
-@shared.output(wire.ResultFile, description="Numbers and parameters")
+@shared.output(wire_files.ResultFile, description="Numbers and parameters")
 @shared.doc(operation_id="getSharedResult", responses={401: "No link was opened", 410: "Expired or revoked"})
 def show_result() -> Response:
     """The shared fit's result.json"""
@@ -92,7 +92,7 @@ def show_fitted_ply() -> Response:
 
 
 @shared.get("/drawing.json")
-@shared.output(wire.DrawingFile, description="Polylines on the scan")
+@shared.output(wire_files.DrawingFile, description="Polylines on the scan")
 @shared.doc(operation_id="getSharedDrawing", responses={401: "No link was opened", 410: "Expired or revoked"})
 def show_drawing() -> Response:
     """The shared fit's drawing"""
@@ -136,10 +136,10 @@ def _file(name: str) -> Response:
     return file_answer(path, MEDIA_TYPES[name], NO_STORE, download_as=name)
 
 
-def _result(share: ShareRow) -> wire.SharedResult:
-    return wire.SharedResult(
+def _result(share: ShareRow) -> wire_shares.SharedResult:
+    return wire_shares.SharedResult(
         expires_at=share.expires_at,
-        links=wire.SharedLinks(
+        links=wire_shares.SharedLinks(
             result="/api/shared/result.json",
             fitted_glb="/api/shared/fitted.glb",
             fitted_ply="/api/shared/fitted.ply",

@@ -5,7 +5,7 @@ from datetime import UTC, datetime, timedelta
 from apiflask import APIBlueprint
 from werkzeug.security import generate_password_hash
 
-from breastrig.api import wire
+from breastrig.api import wire, wire_shares
 from breastrig.api.current import behind
 from breastrig.api.share_credential import new_token, token_sha256
 from breastrig.core.errors import Conflict
@@ -28,10 +28,10 @@ shares = APIBlueprint("shares", __name__, url_prefix="/api/fits", tag=SHARES_TAG
 
 
 @shares.post("/<fit_id>/shares")
-@shares.input(wire.ShareRequest)
-@shares.output(wire.ShareMade, status_code=201, description="The link; it is told only now")
+@shares.input(wire_shares.ShareRequest)
+@shares.output(wire_shares.ShareMade, status_code=201, description="The link; it is told only now")
 @shares.doc(operation_id="makeShare", responses={409: "The fit is not done"})
-def make_share(fit_id: str, json_data: wire.ShareRequest) -> tuple[wire.ShareMade, int, dict[str, str]]:
+def make_share(fit_id: str, json_data: wire_shares.ShareRequest) -> tuple[wire_shares.ShareMade, int, dict[str, str]]:
     """Make a read-only link to a fit's result
 
     The secret is in the address's fragment, which browsers do not send to servers.  It is stored only as a hash:
@@ -51,32 +51,32 @@ def make_share(fit_id: str, json_data: wire.ShareRequest) -> tuple[wire.ShareMad
         passcode_hash=generate_password_hash(json_data.passcode) if json_data.passcode else None,
     )
     add_share(storage, share, token_sha256(token))
-    answer = wire.ShareMade(url=f"/s#{token}", **share_answer(share).model_dump())
+    answer = wire_shares.ShareMade(url=f"/s#{token}", **share_answer(share).model_dump())
     return answer, 201, {"Location": answer.links.self}
 
 
 @shares.get("/<fit_id>/shares")
 @shares.input(wire.PageQuery, location="query")
-@shares.output(wire.SharePage)
+@shares.output(wire_shares.SharePage)
 @shares.doc(operation_id="listShares")
-def list_shares(fit_id: str, query_data: wire.PageQuery) -> wire.SharePage:
+def list_shares(fit_id: str, query_data: wire.PageQuery) -> wire_shares.SharePage:
     """The links to a fit's result, the newest first"""
     storage = behind().service.storage
     get_fit(storage, fit_id)
     rows, before = shares_page(storage, fit_id, query_data.limit, query_data.before)
     more = None if before is None else f"/api/fits/{fit_id}/shares?before={before}&limit={query_data.limit}"
-    return wire.SharePage(shares=[share_answer(row) for row in rows], next=more)
+    return wire_shares.SharePage(shares=[share_answer(row) for row in rows], next=more)
 
 
 @shares.get("/<fit_id>/shares/<share_id>")
-@shares.output(wire.ShareWithOpenings)
+@shares.output(wire_shares.ShareWithOpenings)
 @shares.doc(operation_id="getShare")
-def show_share(fit_id: str, share_id: str) -> wire.ShareWithOpenings:
+def show_share(fit_id: str, share_id: str) -> wire_shares.ShareWithOpenings:
     """One link, and when it was opened"""
     storage = behind().service.storage
     share = get_share(storage, fit_id, share_id)
     opened = openings_of(storage, share.id, OPENINGS_SHOWN)
-    return wire.ShareWithOpenings(opened_at=opened, **share_answer(share).model_dump())
+    return wire_shares.ShareWithOpenings(opened_at=opened, **share_answer(share).model_dump())
 
 
 @shares.delete("/<fit_id>/shares/<share_id>")
@@ -92,9 +92,9 @@ def remove_share(fit_id: str, share_id: str) -> tuple[str, int]:
     return "", 204
 
 
-def share_answer(row: ShareRow) -> wire.Share:
+def share_answer(row: ShareRow) -> wire_shares.Share:
     """The stored row as the owner sees it."""
-    return wire.Share(
+    return wire_shares.Share(
         id=row.id,
         created_at=row.created_at,
         expires_at=row.expires_at,
@@ -104,5 +104,5 @@ def share_answer(row: ShareRow) -> wire.Share:
         has_passcode=row.passcode_hash is not None,
         openings=row.openings,
         last_opened_at=row.last_opened_at,
-        links=wire.ShareLinks(self=f"/api/fits/{row.fit}/shares/{row.id}"),
+        links=wire_shares.ShareLinks(self=f"/api/fits/{row.fit}/shares/{row.id}"),
     )

@@ -10,6 +10,8 @@ from breastrig.api.session import end_session, in_session, start_session
 
 sign_in = Blueprint("sign_in", __name__, template_folder="templates")
 
+# Under "no-referrer", which all else has, browsers say "Origin: null" for a form: it would look foreign.
+PAGE_HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "same-origin"}
 FORM_BYTES = 10_000  # a token is shorter
 WRONG = "This is not the token. Whoever started the service knows it."
 NOT_NEEDED = "This service needs no token."
@@ -58,7 +60,7 @@ def _page(problem: str = "", status: int = 200) -> Response:
     note = NOT_NEEDED if token is None else problem
     signed_in = token is not None and in_session(token)
     html = render_template("sign_in.html", needed=token is not None, note=note, signed_in=signed_in)
-    return Response(html, status, mimetype="text/html", headers={"Cache-Control": "no-store"})
+    return Response(html, status, mimetype="text/html", headers=PAGE_HEADERS)
 
 
 def _to(place: str) -> Response:

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from apiflask.fields import UploadFile
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from breastrig.jobs.events import DoubtedPick, FitEvent
+from breastrig.jobs.events import FitEvent
 
 Units = Literal["auto", "m", "dm", "cm", "mm", "in"]
 StanceWish = Literal["auto", "standing", "supine"]
@@ -212,65 +212,6 @@ class PageQuery(Wire):
     before: int | None = Field(None, ge=0, le=2**31, description="as the link to the next page says")
 
 
-ShareScan = Literal["none", "plain", "full"]
-
-
-class ShareRequest(Wire):
-    expires_in_days: int = Field(7, ge=1, le=90)
-    passcode: str | None = Field(None, min_length=4, max_length=100, description="asked for at the opening")
-    scan: ShareScan = Field(
-        "none", description="whether the scan is shown: not at all, its shape without colours, or with its colours"
-    )
-
-
-class ShareLinks(Wire):
-    self: str
-
-
-class Share(Wire):
-    id: str = Field(description="for the owner; it opens nothing")
-    created_at: str = Field(description="ISO 8601, UTC")
-    expires_at: str
-    revoked_at: str | None
-    is_open: bool = Field(description="neither expired nor revoked")
-    scan: ShareScan
-    has_passcode: bool
-    openings: int
-    last_opened_at: str | None
-    links: ShareLinks
-
-
-class ShareMade(Share):
-    url: str = Field(description="address of the page with the secret behind #; it is told only once")
-
-
-class ShareWithOpenings(Share):
-    opened_at: list[str] = Field(description="the last openings, the newest first; nothing about who")
-
-
-class SharePage(Wire):
-    shares: list[Share] = Field(description="the newest first")
-    next: str | None = Field(description="address of the next page, null on the last")
-
-
-class ShareOpening(Wire):
-    token: Name = Field(description="what stands behind # in the link")
-    passcode: str | None = Field(None, max_length=100)
-
-
-class SharedLinks(Wire):
-    result: str
-    fitted_glb: str
-    fitted_ply: str
-    drawing: str
-    mesh: str | None = Field(description="null when the link does not show the scan")
-
-
-class SharedResult(Wire):
-    expires_at: str
-    links: SharedLinks
-
-
 class ExampleEntry(Wire):
     name: str
     label: str
@@ -369,89 +310,3 @@ class Problem(Wire):
     status: int
     detail: str = Field(description="one sentence: what is wrong, what to do")
     errors: list[FieldError] | None = Field(None, description="each field that was refused")
-
-
-class Document(BaseModel):
-    """A file that another part of BreastRig writes; here only to describe it, so it may hold more."""
-
-    model_config = ConfigDict(extra="allow")
-
-
-class Distances(Document):
-    mean: float | None
-    std: float | None
-    max: float | None
-    p95: float | None
-
-
-class SurfaceDistances(Distances):
-    coverage: float = Field(description="share of the model's vertices with an accepted pair")
-
-
-class LandmarkDistances(Document):
-    mean: float | None
-    std: float | None
-    max: float | None
-    min: float | None
-    each: dict[str, float]
-
-
-class ResultScan(Document):
-    vertices: int
-    triangles: int
-    unit: str
-    sha256: str
-
-
-class ResultBone(Document):
-    name: str
-    rotation_xyzw: list[float]
-    translation_m: list[float]
-    scale: list[float]
-
-
-class ResultParameters(Document):
-    bones: list[ResultBone]
-    blendshapes: dict[str, float]
-
-
-class ResultFile(Document):
-    """result.json; also the `result` of a done event."""
-
-    schema_: Literal["breastrig/result@1"] = Field(alias="schema")
-    scan: ResultScan
-    model: ModelSummary
-    stance: StanceName
-    stance_reason: str
-    preset: str
-    refined: bool = Field(description="whether surface, drawing and distances are those of the free-form layer")
-    converged: bool
-    stop_reason: str
-    iterations: int
-    timing_s: dict[str, float]
-    surface_distance_mm: SurfaceDistances
-    scan_to_model_mm: Distances
-    landmark_distance_mm: LandmarkDistances
-    landmarks_not_followed: list[DoubtedPick] = Field([], description="picks that cannot be right, by name")
-    landmarks: dict[str, Three] = Field(description="of the fitted model, in the scan's frame and unit")
-    parameters: ResultParameters
-    notes: list[str]
-    versions: dict[str, str]
-
-
-class DrawnShape(Document):
-    name: str
-    closed: bool
-    color: str | None = None
-    points: list[Three] = Field(description="on the scan's surface, in the scan's frame and unit")
-    bridged: list[bool] | None = Field(
-        None, description="true where the scan has a hole and the model carries the line"
-    )
-
-
-class DrawingFile(Document):
-    """drawing.json"""
-
-    schema_: Literal["breastrig/drawing@1"] = Field(alias="schema")
-    unit: str
-    shapes: list[DrawnShape]

@@ -1,0 +1,94 @@
+"""The JSON shapes of the files that a fit leaves, as far as the API describes them."""
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from breastrig.api.wire import ModelSummary, StanceName, Three
+from breastrig.jobs.events import DoubtedPick
+
+
+class Document(BaseModel):
+    """A file that another part of BreastRig writes; here only to describe it, so it may hold more."""
+
+    model_config = ConfigDict(extra="allow")
+
+
+class Distances(Document):
+    mean: float | None
+    std: float | None
+    max: float | None
+    p95: float | None
+
+
+class SurfaceDistances(Distances):
+    coverage: float = Field(description="share of the model's vertices with an accepted pair")
+
+
+class LandmarkDistances(Document):
+    mean: float | None
+    std: float | None
+    max: float | None
+    min: float | None
+    each: dict[str, float]
+
+
+class ResultScan(Document):
+    vertices: int
+    triangles: int
+    unit: str
+    sha256: str
+
+
+class ResultBone(Document):
+    name: str
+    rotation_xyzw: list[float]
+    translation_m: list[float]
+    scale: list[float]
+
+
+class ResultParameters(Document):
+    bones: list[ResultBone]
+    blendshapes: dict[str, float]
+
+
+class ResultFile(Document):
+    """result.json; also the `result` of a done event."""
+
+    schema_: Literal["breastrig/result@1"] = Field(alias="schema")
+    scan: ResultScan
+    model: ModelSummary
+    stance: StanceName
+    stance_reason: str
+    preset: str
+    refined: bool = Field(description="whether surface, drawing and distances are those of the free-form layer")
+    converged: bool
+    stop_reason: str
+    iterations: int
+    timing_s: dict[str, float]
+    surface_distance_mm: SurfaceDistances
+    scan_to_model_mm: Distances
+    landmark_distance_mm: LandmarkDistances
+    landmarks_not_followed: list[DoubtedPick] = Field([], description="picks that cannot be right, by name")
+    landmarks: dict[str, Three] = Field(description="of the fitted model, in the scan's frame and unit")
+    parameters: ResultParameters
+    notes: list[str]
+    versions: dict[str, str]
+
+
+class DrawnShape(Document):
+    name: str
+    closed: bool
+    color: str | None = None
+    points: list[Three] = Field(description="on the scan's surface, in the scan's frame and unit")
+    bridged: list[bool] | None = Field(
+        None, description="true where the scan has a hole and the model carries the line"
+    )
+
+
+class DrawingFile(Document):
+    """drawing.json"""
+
+    schema_: Literal["breastrig/drawing@1"] = Field(alias="schema")
+    unit: str
+    shapes: list[DrawnShape]
