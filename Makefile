@@ -11,7 +11,7 @@ help:
 	@echo "make serve   build the page and serve it at http://127.0.0.1:$(PORT)   (PORT=... DATA=... to change)"
 	@echo "make test    everything that must hold: check, unit tests of page and package, browser test"
 	@echo "make check   lint and types only"
-	@echo "make bench   measure the hot paths"
+	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
 	@echo "make clean   remove what make made (data stays)"
 
 serve: page $(VENV)/.stamp-serve
@@ -37,7 +37,7 @@ browser: page web-packages $(VENV)/.stamp-test
 	    $(IN_VENV) npm --prefix web run e2e
 
 bench: $(VENV)/.stamp-test
-	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest tests/benchmarks --benchmark-only --benchmark-columns=min,median,rounds --benchmark-sort=name
+	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest tests/benchmarks --benchmark-only --benchmark-columns=min,median,rounds --benchmark-sort=name $${BENCH}
 
 clean:
 	rm -rf "$(VENV)" web/node_modules web/dist dist .mypy_cache .ruff_cache .hypothesis

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from benchmarks.conftest import InTurn
 
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
@@ -21,6 +20,7 @@ from breastrig.rig.skinning import Posed, pose
 
 Row = Callable[..., None]
 Floor = Callable[[], Any]
+InTurn = Callable[..., Any]
 END = 0.015  # m, as far as the last stages of the default preset search
 ROUNDS = 60  # of things that take a few milliseconds
 
@@ -42,32 +42,31 @@ def test_floor_of_one_iteration(benchmark: Any, row: Row, floor: Floor, task: Fi
     row("floor of one iteration: pose, rays, syrk, Cholesky", benchmark, "1.00 floors")
 
 
-def part(benchmark: Any, row: Row, floor: Floor, name: str, run: Callable[[], Any]) -> None:
-    yardstick = InTurn(floor)
+def part(benchmark: Any, row: Row, yardstick: Any, name: str, run: Callable[[], Any]) -> None:
     benchmark.pedantic(run, setup=yardstick, rounds=ROUNDS, warmup_rounds=5)
     row("  " + name, benchmark, f"{yardstick.ratio(benchmark):.2f} floors")
 
 
-def test_posing(benchmark: Any, row: Row, floor: Floor, near: FitTask) -> None:
-    part(benchmark, row, floor, "posing", lambda: pose(near.rig, near.start))
+def test_posing(benchmark: Any, row: Row, in_turn: InTurn, floor: Floor, near: FitTask) -> None:
+    part(benchmark, row, in_turn(floor), "posing", lambda: pose(near.rig, near.start))
 
 
-def test_normals(benchmark: Any, row: Row, floor: Floor, near: FitTask) -> None:
+def test_normals(benchmark: Any, row: Row, in_turn: InTurn, floor: Floor, near: FitTask) -> None:
     vertices, normals_of = pose(near.rig, near.start), VertexNormals(near.rig.faces, len(near.rig.template))
-    part(benchmark, row, floor, "normals", lambda: normals_of(vertices))
+    part(benchmark, row, in_turn(floor), "normals", lambda: normals_of(vertices))
 
 
 @pytest.mark.parametrize("method", ["rays", "tree", "nearest_vertex"])
-def test_matching(benchmark: Any, row: Row, floor: Floor, near: FitTask, method: str) -> None:
+def test_matching(benchmark: Any, row: Row, in_turn: InTurn, floor: Floor, near: FitTask, method: str) -> None:
     vertices = pose(near.rig, near.start)
     normals, rules = VertexNormals(near.rig.faces, len(vertices))(vertices), MatchRules(method, max_distance=END)
-    part(benchmark, row, floor, f"matching by {method}", lambda: match(near.target, vertices, normals, rules))
+    part(benchmark, row, in_turn(floor), f"matching by {method}", lambda: match(near.target, vertices, normals, rules))
 
 
-def test_rows_of_the_jacobian(benchmark: Any, row: Row, floor: Floor, near: FitTask) -> None:
+def test_rows_of_the_jacobian(benchmark: Any, row: Row, in_turn: InTurn, floor: Floor, near: FitTask) -> None:
     everyone = np.arange(len(near.rig.template))
     normals, posed = np.tile([0.0, 0.0, 1.0], (len(everyone), 1)), Posed(near.rig, near.start)
-    part(benchmark, row, floor, "rows of the Jacobian, all vertices", lambda: posed.rows(everyone, normals))
+    part(benchmark, row, in_turn(floor), "rows of the Jacobian, all vertices", lambda: posed.rows(everyone, normals))
 
 
 def one_iteration(task: FitTask) -> Callable[[], FitIterate]:
@@ -84,44 +83,46 @@ def one_iteration(task: FitTask) -> Callable[[], FitIterate]:
     return run
 
 
-def test_one_iteration(benchmark: Any, row: Row, floor: Floor, near: FitTask) -> None:
-    part(benchmark, row, floor, "one iteration of the last stage and its next match", one_iteration(near))
+def test_one_iteration(benchmark: Any, row: Row, in_turn: InTurn, floor: Floor, near: FitTask) -> None:
+    part(benchmark, row, in_turn(floor), "a fit of one last iteration: set-up, 2 matches, step", one_iteration(near))
 
 
-def test_whole_fit(benchmark: Any, row: Row, floor: Floor, task: FitTask) -> None:
+def test_whole_fit(benchmark: Any, row: Row, in_turn: InTurn, floor: Floor, task: FitTask) -> None:
     recipe = load_recipe("default")
     end = fitted(task, recipe)
-    yardstick = InTurn(floor, end.iteration)
+    yardstick = in_turn(floor, end.iteration)
     benchmark.pedantic(lambda: fitted(task, recipe), setup=yardstick, rounds=30, warmup_rounds=2)
     name = f"whole fit, {end.iteration} iterations, {1e3 * end.mean_distance:.2f} mm"
     row(name, benchmark, f"{yardstick.ratio(benchmark):.2f} floors of {end.iteration} iterations; aim: 80 ms, 2 floors")
 
 
-def against_our_fit(benchmark: Any, row: Row, task: FitTask, name: str, run: Callable[[], Any], rounds: int) -> None:
-    yardstick = InTurn(lambda: fitted(task, load_recipe("default")))
+def against_our_fit(
+    benchmark: Any, row: Row, in_turn: InTurn, task: FitTask, name: str, run: Callable[[], Any], rounds: int
+) -> None:
+    yardstick = in_turn(lambda: fitted(task, load_recipe("default")))
     benchmark.pedantic(run, setup=yardstick, rounds=rounds, warmup_rounds=0)
     row("  " + name, benchmark, f"{yardstick.ratio(benchmark):.2f} of our fits")
 
 
-def test_with_the_papers_correspondence(benchmark: Any, row: Row, task: FitTask) -> None:
+def test_with_the_papers_correspondence(benchmark: Any, row: Row, in_turn: InTurn, task: FitTask) -> None:
     recipe = load_recipe("default")
     stages = tuple(stage.model_copy(update={"method": "nearest_vertex"}) for stage in recipe.stages)
     other = recipe.model_copy(update={"stages": stages})
     end = fitted(task, other)
     name = f"with the paper's correspondence, {end.iteration} it., {1e3 * end.mean_distance:.2f} mm"
-    against_our_fit(benchmark, row, task, name, lambda: fitted(task, other), 10)
+    against_our_fit(benchmark, row, in_turn, task, name, lambda: fitted(task, other), 10)
 
 
-def test_with_the_papers_preset(benchmark: Any, row: Row, task: FitTask) -> None:
+def test_with_the_papers_preset(benchmark: Any, row: Row, in_turn: InTurn, task: FitTask) -> None:
     end = fitted(task, load_recipe("paper"))
     name = f"with the paper's preset, {end.iteration} it., {1e3 * end.mean_distance:.2f} mm"
-    against_our_fit(benchmark, row, task, name, lambda: fitted(task, load_recipe("paper")), 10)
+    against_our_fit(benchmark, row, in_turn, task, name, lambda: fitted(task, load_recipe("paper")), 10)
 
 
-def test_peer_nricp_amberg(benchmark: Any, row: Row, task: FitTask) -> None:
+def test_peer_nricp_amberg(benchmark: Any, row: Row, in_turn: InTurn, task: FitTask) -> None:
     """trimesh's free-form registration of the same template from the same start to the same scan."""
     source = trimesh.Trimesh(pose(task.rig, task.start), task.rig.faces, process=False)
     goal = trimesh.Trimesh(task.target.vertices, task.target.faces, process=False)
     name = "peer: trimesh nricp_amberg, same start"
     run = lambda: trimesh.registration.nricp_amberg(source, goal, use_faces=False)  # noqa: E731
-    against_our_fit(benchmark, row, task, name, run, 1)
+    against_our_fit(benchmark, row, in_turn, task, name, run, 1)
