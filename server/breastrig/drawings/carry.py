@@ -63,7 +63,7 @@ class FittedScan:
 
     target: ScanTarget
     vertices: Array  # (V, 3) of the model
-    landmarks: dict[str, Array]  # picked, (3,)
+    landmarks: dict[str, Array]  # picked and not doubted, (3,)
     stance: str  # standing | supine
 
 
