@@ -7,7 +7,7 @@ from sqlalchemy import insert, select
 from sqlalchemy.exc import IntegrityError
 
 from breastrig.storage import schema
-from breastrig.storage.fits import get_fit
+from breastrig.storage.fits import get_fit, next_queued
 from breastrig.storage.storage import Storage
 
 LANDMARKS_OF_NOBODY = {"scan": "nobody", "points_mm": "{}"}
@@ -76,10 +76,14 @@ def test_preparing_twice_changes_nothing(storage: Storage, scan_id: str) -> None
 def test_a_data_folder_of_an_older_version_gets_the_columns_it_lacks(storage: Storage, scan_id: str) -> None:
     add_waiting_fit(storage, scan_id, "fit-1")
     with storage.database.writing() as connection:
-        connection.exec_driver_sql("ALTER TABLE fits DROP COLUMN refine")
+        for column in ("refine", "partner", "leads"):
+            connection.exec_driver_sql(f"ALTER TABLE fits DROP COLUMN {column}")
+        connection.exec_driver_sql("DROP TABLE asked_once")
     again = Storage(storage.root)
     again.prepare()
     assert get_fit(again, "fit-1").refine is False
+    assert get_fit(again, "fit-1").both == ("fit-1",)
+    assert next_queued(again, set()) == "fit-1"
     again.close()
 
 

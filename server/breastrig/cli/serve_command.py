@@ -9,7 +9,7 @@ from types import FrameType
 from typing import Any
 
 from breastrig.api.app import create_app
-from breastrig.api.config import TOKEN_VARIABLE, Config, is_loopback, read_token
+from breastrig.api.config import TOKEN_VARIABLE, Config, read_token
 from breastrig.api.wsgi_server import listen
 from breastrig.cli.data_option import add_data_option, data_folder
 from breastrig.cli.purge_command import days
@@ -72,7 +72,7 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
             shown = f"[{options.host}]" if ":" in options.host else options.host
             print(f"BreastRig is ready: http://{shown}:{server.effective_port}/   (Ctrl-C stops it)", flush=True)
             print(RESEARCH_USE_ONLY, flush=True)
-            if not is_loopback(options.host):
+            if config.token is not None:
                 print(f"Browsers are asked for the token of {TOKEN_VARIABLE}; scripts send it as a bearer.", flush=True)
             server.run()
     finally:
