@@ -1,6 +1,7 @@
 """`breastrig evaluate`: what is measured is kept, resumed, measured anew when its input changes, and tabulated."""
 
 import csv
+import html
 import json
 import re
 import shutil
@@ -122,6 +123,12 @@ def test_a_failed_fit_is_told_and_the_others_go_on(cohort: Path, tmp_path: Path)
     assert len(rows(out / "failures.csv")) == 6  # questions
     failed = [record for record in kept(out).values() if record["failed"]]
     assert {record["case"] for record in failed} == {"supine"}
+    assert sentence in html.unescape((out / "index.html").read_text())
+
+    (cohort / "patient_x" / "standing" / "scan.ply").write_text((place / "scan.ply").read_text())  # now all fail
+    assert main(["evaluate", str(cohort), *QUICK, "--rotations", "0", "-o", str(out)]) == 0
+    assert {row["truth_mean_mm"] for row in rows(out / "table1.csv")} == {""}
+    assert "12 fits were not possible" in (out / "index.html").read_text()
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from breastrig.evaluation.evaluate import measured
 from breastrig.evaluation.page import Circumstances
 from breastrig.evaluation.plan import QUICK_ROTATIONS, ROTATIONS, Plan
 from breastrig.evaluation.publish import NO_PLOTS, published
-from breastrig.evaluation.tables import console
+from breastrig.evaluation.tables import console, failures_table
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path
 
@@ -101,6 +101,9 @@ def run(options: argparse.Namespace) -> int:
         about = Circumstances(_command(options), "virtual cohort" if options.virtual else "cohort folder", options.jobs)
         published(results, about, options.output, lambda what: bar.set_postfix_str(what))
     print(console(results.records, plan.recipes[0].name))
+    failed = len(failures_table(results.records).rows)
+    if failed:
+        print(f"{failed} fits were not possible; {options.output / 'failures.csv'} says why.")
     if not have_plots():
         print(f"breastrig: {NO_PLOTS}", file=sys.stderr)
     print(f"Tables, figures and the page: {options.output / 'index.html'}")

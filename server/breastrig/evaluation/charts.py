@@ -94,6 +94,13 @@ class CurveChart:
 Chart = RowChart | CurveChart
 
 
+def has_numbers(chart: Chart) -> bool:
+    """Whether there is anything to draw."""
+    if isinstance(chart, RowChart):
+        return any(some for panel in chart.panels for series in panel.series for some in series.values)
+    return any(y is not None for row in chart.rows for panel in row for curve in panel.curves for y in curve.y)
+
+
 def have_plots() -> bool:
     """Whether matplotlib is installed."""
     return find_spec("matplotlib") is not None
@@ -184,7 +191,7 @@ def _row_panel(axes: "Axes", panel: Panel, heights: Sequence[float], look: Look,
     for index, series in enumerate(panel.series):
         points = [(x, y) for y, some in zip(heights, series.values, strict=True) for x in some]
         colour = look.ink if series.wrong else look.colours[index % len(look.colours)]
-        if series.wrong and not points:
+        if not points:
             continue
         many = max((len(some) for some in series.values), default=0) > 1
         axes.scatter(

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from breastrig.evaluation.charts import Chart, Curve, CurveChart, CurvePanel, Panel, RowChart, Series
+from breastrig.evaluation.charts import Chart, Curve, CurveChart, CurvePanel, Panel, RowChart, Series, has_numbers
 from breastrig.evaluation.evaluate import Results
 from breastrig.evaluation.plan import FACTORS, ORDERS
 from breastrig.evaluation.questions.sensitivity import TERMS
@@ -278,4 +278,4 @@ def all_figures(results: Results, tables: dict[str, Table]) -> dict[str, Chart]:
         charts["peers"] = peers_figure(tables["peers"])
     if "two_stances" in tables and any(not row.note for row in tables["two_stances"].rows):
         charts["two_stances"] = two_stances_figure(tables["two_stances"])
-    return charts
+    return {name: chart for name, chart in charts.items() if has_numbers(chart)}

@@ -40,7 +40,8 @@ def surface(results: Results) -> Section:
         "How near is the surface, and how long does it take?",
         "The paper's Table 1: every scan fitted with all its landmarks. Surface: from each model vertex with an "
         "accepted pair to the scan. Truth: from each vertex that the scan shows to the noise-free skin. Time: the "
-        "solver alone on one core, the median of three fits.",
+        "solver alone on one core, the median of three fits. On seven real patients, so not like with like, the paper "
+        "reports 2.35 mm to the surface, 8.03 mm to given landmarks and 20.1 mm to others, in 2.03 s.",
         tuple(answers),
         ("table1",),
         ("table1",),

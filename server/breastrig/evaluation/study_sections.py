@@ -26,10 +26,12 @@ def blendshapes(table: Table, effects: Table) -> Section:
         if not rows:
             continue
         without, with_all = _near(rows, 0, 4), _near(rows, last, 4)
+        if without is None or with_all is None:
+            continue
         enough = last
         for count in sorted({int(row.cells[3] or 0) for row in rows}, reverse=True):
             here = _near(rows, count, 4)
-            if here is not None and with_all is not None and here <= 1.1 * with_all:
+            if here is not None and here <= 1.1 * with_all:
                 enough = count
             else:
                 break
