@@ -55,6 +55,18 @@ TERMS: dict[str, Callable[[Rig, np.random.Generator], Any]] = {
 }
 
 
+def test_point_to_point_can_stand_for_point_to_plane_too(toy_rig: Rig) -> None:
+    rng = np.random.default_rng(1)
+    found, weights, x = matches(toy_rig, rng), rng.uniform(0.1, 1, 40), random_parameters(toy_rig, rng)
+    both = PointToPoint(toy_rig, found, weights, 0.01, 0.003)
+    assert_jacobian_matches_finite_differences(both, toy_rig, x)
+    apart = [PointToPoint(toy_rig, found, weights, 0.01), PointToPlane(toy_rig, found, weights, 0.003)]
+    lin, lins = both.linearise(x), [term.linearise(x) for term in apart]
+    hessian = sum(part.jacobian.T @ part.jacobian for part in lins)
+    np.testing.assert_allclose(lin.jacobian.T @ lin.jacobian, hessian, rtol=1e-9, atol=1e-9 * np.abs(hessian).max())
+    assert lin.residual @ lin.residual == pytest.approx(sum(part.residual @ part.residual for part in lins))
+
+
 def test_no_term_is_forgotten() -> None:
     assert {module.name for module in pkgutil.iter_modules(breastrig.energies.__path__)} == set(TERMS)
 

@@ -5,6 +5,7 @@ hinders when it only has to slide: the presets fade it out.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -22,15 +23,24 @@ class PointToPoint:
     matches: Correspondences
     weights: Array  # (M,) robust weight of each match
     sigma: float  # m
+    plane_sigma: float | None = None  # m; with it the term stands for `point_to_plane` of the same matches too
     name: str = "point_to_point"
+
+    @cached_property
+    def _weighing(self) -> Array:
+        """(M, 3, 3) symmetric W with WᵀW = w (I/σ² + nnᵀ/σ_plane²): three rows a match do the work of four."""
+        along = 1.0 / self.sigma
+        across = along if self.plane_sigma is None else np.hypot(along, 1.0 / self.plane_sigma)
+        n = self.matches.normals
+        turned = along * np.eye(3) + (across - along) * n[:, :, None] * n[:, None, :]
+        return np.asarray(turned * np.sqrt(self.weights)[:, None, None])
 
     def residual(self, x: RigParameters) -> Array:
         """(3M,), axis by axis"""
         gap = posed(self.rig, x).vertices[self.matches.vertices] - self.matches.points
-        return np.asarray((gap * (np.sqrt(self.weights) / self.sigma)[:, None]).T.ravel())
+        return np.asarray(np.einsum("mij,mj->im", self._weighing, gap).ravel())
 
     def linearise(self, x: RigParameters) -> Linearisation:
         """(3M,), (3M, P)"""
-        scale = np.sqrt(self.weights) / self.sigma
-        directions = (np.eye(3)[:, None] * scale[:, None]).reshape(-1, 3)  # (3M, 3)
+        directions = self._weighing.transpose(1, 0, 2).reshape(-1, 3)
         return Linearisation(self.residual(x), posed(self.rig, x).rows(np.tile(self.matches.vertices, 3), directions))

@@ -38,11 +38,11 @@ def scan_terms(
 ) -> list[ResidualTerm[RigParameters]]:
     """The terms that the scan and its landmarks give for the model's (V, 3) vertices (m)."""
     weights = KERNELS[stage.kernel](matches.distances / along(stage.kernel_scale, progress))
-    terms: list[ResidualTerm[RigParameters]] = [
-        PointToPlane(task.rig, matches, weights, along(stage.data_sigma, progress))
-    ]
+    data_sigma = along(stage.data_sigma, progress)
+    data: ResidualTerm[RigParameters] = PointToPlane(task.rig, matches, weights, data_sigma)
     if stage.along_sigma is not None:
-        terms.append(PointToPoint(task.rig, matches, weights, along(stage.along_sigma, progress)))
+        data = PointToPoint(task.rig, matches, weights, along(stage.along_sigma, progress), data_sigma)
+    terms = [data]
     if task.landmarks:
         names = tuple(task.landmarks)
         unsure = np.array([task.landmark_errors.get(name, 0.0) for name in names])
