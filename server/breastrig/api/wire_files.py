@@ -71,6 +71,7 @@ class ResultFile(Document):
     landmark_distance_mm: LandmarkDistances
     landmarks_not_followed: list[DoubtedPick] = Field([], description="picks that cannot be right, by name")
     landmarks: dict[str, Three] = Field(description="of the fitted model, in the scan's frame and unit")
+    landmarks_picked: dict[str, Three] = Field({}, description="as given, in the scan's frame and unit")
     parameters: ResultParameters
     notes: list[str]
     versions: dict[str, str]

@@ -10,9 +10,10 @@ import numpy as np
 import trimesh
 
 from breastrig import __version__
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.on_scan import ScanLine
 from breastrig.fitting.landmark_check import Doubt
 from breastrig.geometry.rotations import quaternion_from_rotation
@@ -30,6 +31,7 @@ class FitOutcome:
     """All that is known at the end of a fit; parameters are in the scan's frame, metres."""
 
     scan: Scan
+    target: ScanTarget  # the cleaned scan, in the frame shifted by `centre`
     rig: Rig
     stance: str
     stance_reason: str
@@ -92,6 +94,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         "landmark_distance_mm": landmark_summary_mm(model_landmarks, outcome.landmarks),
         "landmarks_not_followed": [{"names": list(d.names), "reason": d.reason} for d in outcome.doubts],
         "landmarks": {name: _rounded(place / per_unit) for name, place in model_landmarks.items()},
+        "landmarks_picked": {name: _rounded(place / per_unit) for name, place in outcome.landmarks.items()},
         "parameters": {
             "bones": [
                 {
@@ -144,15 +147,22 @@ def json_bytes(document: object) -> bytes:
     return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
 
 
+def _ply(vertices: Array, faces: Integers) -> bytes:
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    return bytes(mesh.export(file_type="ply", include_attributes=False))
+
+
 def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
-    """Writes the five files and returns result.json's document; BadInput when the folder cannot be written."""
-    mesh = trimesh.Trimesh(outcome.vertices / outcome.scan.metres_per_unit, outcome.rig.faces, process=False)
-    ply = mesh.export(file_type="ply", include_attributes=False)
+    """Writes the six files and returns result.json's document; BadInput when the folder cannot be written."""
+    per_unit = outcome.scan.metres_per_unit
+    ply = _ply(outcome.vertices / per_unit, outcome.rig.faces)
+    scan = _ply((outcome.target.vertices + outcome.centre) / per_unit, outcome.target.faces)
     glb = fitted_glb(outcome.rig, outcome.history, outcome.times_s, outcome.drawing, {"preset": outcome.preset})
     result = result_json(outcome)
     log = "".join(event.model_dump_json(exclude={"nodes"}) + "\n" for event in outcome.log)
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        write_whole(folder / "scan.ply", scan)
         write_whole(folder / "fitted.ply", ply)
         write_whole(folder / "fitted.glb", glb)
         write_whole(folder / "drawing.json", json_bytes(drawing_json(outcome)))

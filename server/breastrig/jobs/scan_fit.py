@@ -201,7 +201,7 @@ class ScanStory:
         return self._events[-1]
 
     def finished(self, solve_s: float, clock: Clock) -> Done:
-        """Writes the five files into the job's folder."""
+        """Writes the six files into the job's folder."""
         ready, (last, x) = self.ready, self._iterates[-1]
         rig, target = ready.task.rig, ready.task.target
         timing = ready.timing_s | {"solve": solve_s}
@@ -218,6 +218,7 @@ class ScanStory:
         timing["total"] = clock.total()
         outcome = FitOutcome(
             scan=ready.scan,
+            target=target,
             rig=rig,
             stance=ready.task.stance,
             stance_reason=ready.stance_reason,

@@ -2,7 +2,7 @@
 
     data/breastrig.sqlite3      rows
     data/scans/ID/              scan.ply, .obj, ... (the bytes as uploaded), mesh.glb (for display)
-    data/fits/ID/               result.json, fitted.ply, fitted.glb, drawing.json, fit.log.jsonl
+    data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json, fit.log.jsonl
     data/rubbish/               on its way out: a folder is first moved here, so that no path into it works any more
 
 Original file names are never stored.

@@ -368,6 +368,8 @@ export type ResultFile = {
   landmarks_not_followed?: DoubtedPick[];
   /** of the fitted model, in the scan's frame and unit */
   landmarks: Record<string, [number, number, number]>;
+  /** as given, in the scan's frame and unit */
+  landmarks_picked?: Record<string, [number, number, number]>;
   parameters: ResultParameters;
   notes: string[];
   versions: Record<string, string>;
