@@ -89,3 +89,13 @@ def test_who_stops_listening_stops_both(tmp_path: Path) -> None:
     steps.close()  # type: ignore[attr-defined]
     assert not (tmp_path / "a").exists()
     assert not (tmp_path / "b").exists()
+
+
+def test_a_wrong_pick_on_one_scan_is_named_there_and_followed_nowhere(tmp_path: Path) -> None:
+    right, wrong = job("standing", tmp_path / "a"), job("supine", tmp_path / "b")
+    x, y, z = wrong.landmarks_mm["suprasternal_notch"]
+    wrong.landmarks_mm["suprasternal_notch"] = [x + 50.0, y, z]
+    first, second = [event.result for _, event in run_pair(right, wrong) if isinstance(event, Done)]
+    assert first["landmarks_not_followed"] == []
+    assert [doubt["names"] for doubt in second["landmarks_not_followed"]] == [["suprasternal_notch"]]
+    assert second["surface_distance_mm"]["mean"] < 2.35

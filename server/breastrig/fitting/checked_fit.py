@@ -70,3 +70,12 @@ def checked_iterates(task: FitTask) -> Iterator[FitIterate]:
         iteration, elapsed = told.iteration, told.elapsed_s
         remaining = {other: place for other, place in task.landmarks.items() if other != name}
         task = replace(task, start=iterate.parameters, landmarks=remaining)
+
+
+def agreeing_picks(task: FitTask) -> tuple[FitTask, tuple[str, ...]]:
+    """The task without the picks that all else contradicts, and their names, found by a fit of its own."""
+    if not task.landmarks:
+        return task, ()
+    *_, last = checked_iterates(task)
+    kept = {name: place for name, place in task.landmarks.items() if name not in last.not_followed}
+    return replace(task, landmarks=kept), last.not_followed

@@ -5,11 +5,13 @@ Whoever stops consuming the generator cancels both.
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadInput, BadScan, BadSettings
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.fitting.checked_fit import agreeing_picks
 from breastrig.fitting.coupling import ONE_BODY, Coupling
 from breastrig.fitting.pair import fit_pair_iterates
 from breastrig.fitting.shared_body import SharedBody
@@ -39,13 +41,17 @@ def run_pair(
         yield which, each.started
     clock.lap()
     solve = 0.0
-    steps = fit_pair_iterates(ready[0].task, ready[1].task, coupling)
+    (task, let_go), (other_task, other_let_go) = (agreeing_picks(each.task) for each in ready)
+    steps = fit_pair_iterates(task, other_task, coupling)
     while True:
         iterate = next(steps, None)
         solve += clock.lap()
         if iterate is None:
             break
-        told = stories[0].told(iterate.first), stories[1].told(iterate.second)
+        told = (
+            stories[0].told(replace(iterate.first, not_followed=let_go)),
+            stories[1].told(replace(iterate.second, not_followed=other_let_go)),
+        )
         yield 0, told[0]
         yield 1, told[1]
         clock.lap()
