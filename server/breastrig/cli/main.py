@@ -5,7 +5,15 @@ import sys
 from collections.abc import Sequence
 
 from breastrig import __version__
-from breastrig.cli import evaluate_command, fit_command, landmarks_command, model_command, purge_command, serve_command
+from breastrig.cli import (
+    evaluate_command,
+    fit_command,
+    landmarks_command,
+    model_command,
+    purge_command,
+    serve_command,
+    transfer_command,
+)
 from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.notice import LIMITS_OF_USE, RESEARCH_USE_ONLY
 
@@ -18,7 +26,15 @@ def parser() -> argparse.ArgumentParser:
     )
     root.add_argument("--version", action="version", version=f"BreastRig {__version__}. {RESEARCH_USE_ONLY}")
     commands = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for module in (fit_command, landmarks_command, evaluate_command, model_command, serve_command, purge_command):
+    for module in (
+        fit_command,
+        transfer_command,
+        landmarks_command,
+        evaluate_command,
+        model_command,
+        serve_command,
+        purge_command,
+    ):
         module.add_parser(commands)
     return root
 

@@ -53,6 +53,7 @@ SURFACE_SCALE = 0.012  # m, matches farther than this are let go
 ON_SCAN = MatchRules("rays", max_distance=0.012, max_angle=1.0)
 TO_SCAN_B = MatchRules("tree", max_distance=0.03, max_angle=np.pi / 3, candidates=8)
 ROUNDS = 3  # the first by landmarks and models alone, then twice with the surface; more slide along the skin
+INVERSE_ROUNDS = 8  # each leaves the way's local stretch, at most a third, of the gap
 REACH = 0.22  # m from the breasts: arms are raised between the stances and no smooth way leads along
 MIN_SEEN = 30  # vertices of the model that must lie on each scan
 
@@ -135,15 +136,21 @@ class SkinMap:
         """(M, 3) m: points of A's frame moved into B's frame, not yet on B's skin."""
         return np.asarray(self._motion(points) + self._basis(points) @ self._weights)
 
+    def moved_back(self, points: Array) -> Array:
+        """(M, 3) m: points of B's frame moved into A's frame, not yet on A's skin: the inverse of `moved`."""
+        found = self._moved_model.query(points, candidates=16)
+        at = SurfacePoints(found.faces, found.barycentric).positions(self._a.vertices, self._rig.faces)
+        for _ in range(INVERSE_ROUNDS):
+            at = at + self._turn.inv().apply(points - self.moved(at))
+        return np.asarray(at)
+
     def to_b(self, points: Array) -> Array:
         """(M, 3) m: the skin of A at (M, 3) points, on the surface of scan B."""
         return np.asarray(self._b.target.search.query(self.moved(points), candidates=16).points)
 
     def to_a(self, points: Array) -> Array:
         """(M, 3) m: the skin of B at (M, 3) points, on the surface of scan A."""
-        found = self._moved_model.query(points, candidates=16)
-        at = SurfacePoints(found.faces, found.barycentric).positions(self._a.vertices, self._rig.faces)
-        return np.asarray(self._a.target.search.query(at, candidates=16).points)
+        return np.asarray(self._a.target.search.query(self.moved_back(points), candidates=16).points)
 
 
 def carried(rig: Rig, a: FittedScan, b: FittedScan, points: Array) -> Array:

@@ -1,0 +1,173 @@
+"""A drawing made on one scan, shown on another.
+
+Between two stances of one patient the skin itself is followed (carry.py).  Between two patients nothing is the same
+skin; there "the same place" is the same place of the model, and each fit says where that is on its scan.
+
+Either way a line keeps its corners, gets points in between, and every point ends on the skin of the target where
+that has skin facing the right way; over a hole the line goes on as far above the skin as it does at the hole's
+rims, and is marked as bridged.  Beside each point stands how far the two fits were from their scans there.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Booleans
+from breastrig.core.errors import BadDrawing
+from breastrig.correspondence.match import MatchRules, match
+from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.carry import FittedScan, SkinMap
+from breastrig.drawings.drawing_file import ScanShape
+from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.rig.model import Rig
+from breastrig.scan.clean import Surface
+
+SPACING = 0.003  # m between points of a line: finer than a pen, coarser than the noise
+OFF_THE_SKIN = 0.005  # m; a drawn point farther from its scan belongs to another scan, frame or unit
+STEP = 0.002  # m, for the tangents of a way; it bends over centimetres
+ROUNDS = 3  # to find the place of the model over which a scan's point stands; the third moves it by micrometres
+NEAREST_SKIN = MatchRules(method="tree", max_distance=0.03, max_angle=np.pi / 3, candidates=16)
+ALONG_THE_NORMAL = MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3, candidates=16)
+
+Way = Callable[[Array, Array], tuple[Array, Array]]  # (M, 3) points and normals on A -> near B's skin, and normals
+
+
+@dataclass(frozen=True, eq=False)
+class CarriedShape:
+    """A polyline on scan B."""
+
+    name: str
+    closed: bool
+    color: str
+    points: Array  # (M, 3) m
+    bridged: Booleans  # (M,) scan B has no skin there
+    distance_from: Array  # (M,) m between A's scan and A's fitted model there; nan without skin
+    distance_to: Array  # (M,) m between B's scan and B's fitted model there; nan without skin
+
+
+def transferred(
+    rig: Rig, a: FittedScan, b: FittedScan, shapes: Sequence[ScanShape], other_patient: bool = False
+) -> tuple[CarriedShape, ...]:
+    """The shapes on scan A, at the same skin of scan B or, for another patient, at the same place of the model.
+
+    Raises BadDrawing for a point off A's skin that is not said to be bridged, and for fits off their scans.
+    """
+    lines = [_on_the_skin(a, shape) for shape in shapes]
+    points = np.concatenate([line.points for line in lines])
+    skipped = np.concatenate([line.bridged for line in lines])
+    on_a = a.target.search.query(points, candidates=16)
+    normals = _unit(a.target.surface_at(on_a.faces, on_a.barycentric)[1])
+    models = [ClosestPointSearch(each.vertices, rig.faces) for each in (a, b)]
+    way = _by_the_model(rig, a, b, models[0]) if other_patient else _by_the_skin(rig, a, b)
+    near, facing = way(points, normals)
+    rules = (ALONG_THE_NORMAL, NEAREST_SKIN) if other_patient else (NEAREST_SKIN, ALONG_THE_NORMAL)
+    there = near.copy()
+    missing = np.arange(len(near))
+    for rule in rules:
+        found = match(b.target, near[missing], facing[missing], rule)
+        there[missing[found.vertices]] = found.points
+        missing = np.delete(missing, found.vertices)
+    bridged = np.zeros(len(near), dtype=np.bool_)
+    bridged[missing] = True
+    gaps = [model.query(each, candidates=16).distances for model, each in zip(models, (points, there), strict=True)]
+    gaps[0][skipped], gaps[1][bridged] = np.nan, np.nan
+    result, first = [], 0
+    for line in lines:
+        part = slice(first, first + len(line.points))
+        first = part.stop
+        placed = _bridges(near[part], there[part], bridged[part], line.closed)
+        result.append(
+            CarriedShape(line.name, line.closed, line.color, placed, bridged[part], gaps[0][part], gaps[1][part])
+        )
+    return tuple(result)
+
+
+def _on_the_skin(scan: FittedScan, shape: ScanShape) -> ScanShape:
+    """The shape with points in between, on the scan where it is not bridged."""
+    given = scan.target.search.query(shape.points, candidates=16).distances
+    off = np.flatnonzero((given > OFF_THE_SKIN) & ~shape.bridged)
+    if len(off):
+        raise BadDrawing(
+            f'Point {off[0] + 1} of "{shape.name}" is {1e3 * given[off[0]]:.0f} mm away from the scan; draw on the '
+            "skin, and check that drawing and scan have the same unit and frame."
+        )
+    points, bridged = _with_points_between(shape.points, shape.bridged, shape.closed)
+    at = scan.target.search.query(points, candidates=16).points
+    return ScanShape(shape.name, shape.closed, shape.color, np.where(bridged[:, None], points, at), bridged)
+
+
+def _with_points_between(points: Array, bridged: Booleans, closed: bool) -> tuple[Array, Booleans]:
+    """The polyline with its own points and others between them, at most SPACING apart."""
+    ends = np.roll(np.arange(len(points)), -1)[: len(points) if closed and len(points) > 2 else -1]
+    parts, flags = [], []
+    for start, end in enumerate(ends):
+        count = max(1, int(np.ceil(np.linalg.norm(points[end] - points[start]) / SPACING)))
+        parts.append(
+            points[start] + np.linspace(0.0, 1.0, count, endpoint=False)[:, None] * (points[end] - points[start])
+        )
+        flags.append(np.array([bridged[start]] + [bridged[start] or bridged[end]] * (count - 1)))
+    if len(ends) < len(points):
+        parts.append(points[-1:])
+        flags.append(bridged[-1:])
+    return np.concatenate(parts), np.concatenate(flags)
+
+
+def _by_the_skin(rig: Rig, a: FittedScan, b: FittedScan) -> Way:
+    """The same skin in another stance; see carry.carried for the direction."""
+    backwards = a.stance == "supine" and b.stance != "supine"
+    skin = SkinMap(rig, b, a) if backwards else SkinMap(rig, a, b)
+    move = skin.moved_back if backwards else skin.moved
+
+    def way(points: Array, normals: Array) -> tuple[Array, Array]:
+        near = move(points)
+        side = np.eye(3)[np.abs(normals).argmin(axis=1)]
+        first = _unit(np.cross(normals, side))
+        second = np.cross(normals, first)
+        along, across = (move(points + STEP * each) - near for each in (first, second))
+        return near, _unit(np.cross(along, across))
+
+    return way
+
+
+def _by_the_model(rig: Rig, a: FittedScan, b: FittedScan, model: ClosestPointSearch) -> Way:
+    """The same place of the model: over which point of the model does it stand, and where is that on B."""
+    turned = vertex_normals(a.vertices, rig.faces)
+    there = vertex_normals(b.vertices, rig.faces)
+
+    def way(points: Array, _normals: Array) -> tuple[Array, Array]:
+        asked = points
+        for _ in range(ROUNDS):
+            found = model.query(asked, candidates=16)
+            places = SurfacePoints(found.faces, found.barycentric)
+            normals = _unit(places.positions(turned, rig.faces))
+            gap = points - found.points
+            asked = found.points + gap - np.einsum("mi,mi->m", gap, normals)[:, None] * normals
+        return places.positions(b.vertices, rig.faces), _unit(places.positions(there, rig.faces))
+
+    return way
+
+
+def _bridges(near: Array, there: Array, bridged: Booleans, closed: bool) -> Array:
+    """(M, 3) m: `there`, and where bridged `near` moved as its neighbours on the skin were."""
+    if not bridged.any() or bridged.all():
+        return there
+    skin = np.flatnonzero(~bridged)
+    moves = (there - near)[skin]
+    where = np.arange(len(near))
+    period = len(near) if closed else None
+    filled = np.stack([np.interp(where, skin, moves[:, axis], period=period) for axis in range(3)], axis=1)
+    return np.where(bridged[:, None], near + filled, there)
+
+
+def _unit(vectors: Array) -> Array:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12))
+
+
+def centred(surface: Surface, vertices: Array, landmarks: dict[str, Array], stance: str) -> tuple[FittedScan, Array]:
+    """A fitted scan around the origin, where rays are precise, and the (3,) m that were taken off."""
+    centre = surface.vertices.mean(axis=0)
+    places = {name: place - centre for name, place in landmarks.items()}
+    return FittedScan(ScanTarget(surface.vertices - centre, surface.faces), vertices - centre, places, stance), centre
