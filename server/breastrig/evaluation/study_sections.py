@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from breastrig.evaluation import sections
+from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.evaluate import Results
 from breastrig.evaluation.section import Section, capital, mm
 from breastrig.evaluation.study_tables import PICKS
@@ -10,27 +11,38 @@ from breastrig.evaluation.table import Row, Table, mean
 from breastrig.evaluation.tables import FAMILIES
 
 
-def _near(rows: Sequence[Row], count: int, column: int) -> float | None:
-    return mean(_number(row.cells[column]) for row in rows if row.cells[3] == count)
+def _over_scans(rows: Sequence[Row], column: int, cases: Sequence[Case]) -> float | None:
+    """The mean over scans of a column of means of settings, whose rows begin with family and setting."""
+    total, scans = 0.0, 0
+    for row in rows:
+        number = _number(row.cells[column])
+        here = sum((FAMILIES[case.family], case.name) == row.cells[:2] for case in cases)
+        if number is not None and not row.note:
+            total, scans = total + here * number, scans + here
+    return total / scans if scans else None
 
 
 def _number(cell: object) -> float | None:
     return float(cell) if isinstance(cell, int | float) else None
 
 
-def blendshapes(table: Table, effects: Table) -> Section:
+def blendshapes(table: Table, effects: Table, cases: Sequence[Case]) -> Section:
     last = max(int(row.cells[3] or 0) for row in table.rows)
     answers = []
     for family, word in FAMILIES.items():
         rows = [row for row in table.rows if row.cells[0] == word and row.cells[2] == "usefulness"]
         if not rows:
             continue
-        without, with_all = _near(rows, 0, 4), _near(rows, last, 4)
+
+        def at(count: int, column: int, rows: Sequence[Row] = rows) -> float | None:
+            return _over_scans([row for row in rows if row.cells[3] == count], column, cases)
+
+        without, with_all = at(0, 4), at(last, 4)
         if without is None or with_all is None:
             continue
         enough = last
         for count in sorted({int(row.cells[3] or 0) for row in rows}, reverse=True):
-            here = _near(rows, count, 4)
+            here = at(count, 4)
             if here is not None and here <= 1.1 * with_all:
                 enough = count
             else:
@@ -38,7 +50,7 @@ def blendshapes(table: Table, effects: Table) -> Section:
         answers.append(
             f"{capital(family)}: {mm(without)} from the scanned skin without blendshapes and {mm(with_all)} with all "
             f"{last}; the {enough} most useful ones come within a tenth of that. Solving takes "
-            f"{_near(rows, 0, 7):.3f} s without and {_near(rows, last, 7):.3f} s with all."
+            f"{at(0, 7):.3f} s without and {at(last, 7):.3f} s with all."
         )
     return Section(
         "blendshapes",
@@ -86,16 +98,14 @@ def compliances(table: Table, names: Sequence[str]) -> Section:
     )
 
 
-def peers(table: Table) -> Section:
+def peers(table: Table, cases: Sequence[Case]) -> Section:
     answers = []
     for family, word in FAMILIES.items():
         parts = []
         rows = [row for row in table.rows if row.cells[0] == word]
         for method in dict.fromkeys(str(row.cells[2]) for row in rows):
-            numbers = [
-                mean(_number(row.cells[k]) for row in rows if row.cells[2] == method and not row.note)
-                for k in (3, 4, 6)
-            ]
+            same = [row for row in rows if row.cells[2] == method]
+            numbers = [_over_scans(same, column, cases) for column in (3, 4, 6)]
             time = "" if numbers[2] is None else f", {numbers[2]:.2f} s"
             truth = "" if numbers[1] is None else f", {mm(numbers[1])} from the true one"
             parts.append(f"{method} {mm(numbers[0])} from the scanned skin{truth}{time}")
@@ -152,12 +162,12 @@ def all_sections(results: Results, tables: dict[str, Table]) -> list[Section]:
         found.append(sections.turns(results))
     found += [sections.clicks(results), sections.wrong_picks(results)]
     if "blendshapes" in tables:
-        found.append(blendshapes(tables["blendshapes"], tables["blendshape_order"]))
+        found.append(blendshapes(tables["blendshapes"], tables["blendshape_order"], results.plan.cases))
     if "compliances" in tables:
         found.append(compliances(tables["compliances"], [recipe.name for recipe in results.plan.recipes]))
     found.append(sections.presets(results))
     if "peers" in tables:
-        found.append(peers(tables["peers"]))
+        found.append(peers(tables["peers"], results.plan.cases))
     if "two_stances" in tables:
         found.append(two_stances(tables["two_stances"]))
     return [*found, sections.refined(results), sections.failures(tables.get("failures"))]
