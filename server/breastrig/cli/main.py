@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from breastrig import __version__
 from breastrig.cli import (
+    compare_command,
     evaluate_command,
     fit_command,
     landmarks_command,
@@ -29,6 +30,7 @@ def parser() -> argparse.ArgumentParser:
     for module in (
         fit_command,
         transfer_command,
+        compare_command,
         landmarks_command,
         evaluate_command,
         model_command,

@@ -29,7 +29,7 @@ SPACING = 0.003  # m between points of a line: finer than a pen, coarser than th
 OFF_THE_SKIN = 0.005  # m; a drawn point farther from its scan belongs to another scan, frame or unit
 STEP = 0.002  # m, for the tangents of a way; it bends over centimetres
 ROUNDS = 3  # to find the place of the model over which a scan's point stands; the third moves it by micrometres
-NEAREST_SKIN = MatchRules(method="tree", max_distance=0.03, max_angle=np.pi / 3, candidates=16)
+NEAREST_SKIN = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3, candidates=16)
 ALONG_THE_NORMAL = MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3, candidates=16)
 
 Way = Callable[[Array, Array], tuple[Array, Array]]  # (M, 3) points and normals on A -> near B's skin, and normals
@@ -61,6 +61,11 @@ def transferred(
     on_a = a.target.search.query(points, candidates=16)
     normals = _unit(a.target.surface_at(on_a.faces, on_a.barycentric)[1])
     models = [ClosestPointSearch(each.vertices, rig.faces) for each in (a, b)]
+    beside = models[0].query(points[skipped], candidates=16)  # without skin the model says which way is out
+    facing_out = SurfacePoints(beside.faces, beside.barycentric).positions(
+        vertex_normals(a.vertices, rig.faces), rig.faces
+    )
+    normals[skipped] = _unit(facing_out)
     way = _by_the_model(rig, a, b, models[0]) if other_patient else _by_the_skin(rig, a, b)
     near, facing = way(points, normals)
     rules = (ALONG_THE_NORMAL, NEAREST_SKIN) if other_patient else (NEAREST_SKIN, ALONG_THE_NORMAL)

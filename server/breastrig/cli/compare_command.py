@@ -1,0 +1,31 @@
+"""`breastrig compare --on OUT FIRST SECOND -o DIR`: two drawings on one scan, superimposed.
+
+For instance the surgeon's own drawing (shown black) and the model's (shown white), or one drawn lying and one that was
+carried there.  DIR gets compare.png, compare.csv and compare.json: for each shape that both have the distance in mm,
+both ways: mean, 95 % and largest.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from breastrig.jobs.compare import CompareJob, compare
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("compare", help="superimpose two drawings of one scan", description=__doc__)
+    parser.add_argument("first", type=Path, metavar="FIRST", help="a drawing on the scan, or on the model; black")
+    parser.add_argument("second", type=Path, metavar="SECOND", help="another one; white")
+    parser.add_argument("--on", dest="fit", type=Path, required=True, metavar="OUT", help="the scan's fit")
+    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig of the fit, when not the package's")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measures, draws and writes; returns 0."""
+    document = compare(CompareJob(options.fit, options.first, options.second, options.output, options.model))
+    if sys.stdout.isatty():
+        for row in document["distances"]:
+            print(f"{row['shape']}: mean {row['mean_mm']:.2f}, 95 % {row['p95_mm']:.2f}, max {row['max_mm']:.2f} mm")
+    return 0
