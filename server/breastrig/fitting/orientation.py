@@ -15,7 +15,10 @@ from scipy.spatial import cKDTree
 from breastrig.core.arrays import Array, Integers
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.landmark_check import MIN_LANDMARKS, start_from_landmarks
+from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.similarity import Similarity, similar_parameters, umeyama
+from breastrig.fitting.stance import found_stance
+from breastrig.fitting.task import FitTask
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
@@ -138,11 +141,12 @@ def upright_frame(rig: Rig, vertices: Array, faces: Integers) -> Frame:
     target = ScanTarget(vertices - centre, faces)
     seen = propose_frame(target.vertices, faces)
     start = start_from_scan(rig, target, seen.front)
+    stance, reason = found_stance(FitTask(rig, target, start.parameters, load_recipe("default"), {}), seen)
     return Frame(
         up=start.rotation[:, 1],
         front=start.rotation[:, 2],
         confidence=round(float(np.clip(5.0 * start.margin, 0.0, 1.0)), 2),
         reason="This is how the model fits best; turn the view if it is wrong.",
-        stance=seen.stance,
-        stance_reason=seen.stance_reason,
+        stance=stance,
+        stance_reason=reason,
     )

@@ -6,7 +6,7 @@ navel of a slim belly) slide.  It is halved where the scan shows no skin, and it
 orientation was not clear.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,9 +16,11 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.stance import found_stance
 from breastrig.geometry.normals import vertex_normals
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
+from breastrig.scan.orient import Frame
 
 EXPECTED_ERROR = {  # m, mean over the ten dev scans; names without their side
     "suprasternal_notch": 0.009,
@@ -51,10 +53,11 @@ class Proposal:
     on_scan: bool  # on skin that the scan shows
 
 
-def propose_landmarks(rig: Rig, target: ScanTarget, front: Array, stance: str, recipe: Recipe) -> dict[str, Proposal]:
-    """All landmarks of the rig on a scan whose (3,) front is about known."""
-    start = start_from_scan(rig, target, front)
-    last = list(fit_iterates(FitTask(rig, target, start.parameters, recipe, {}, stance)))[-1]
+def propose_landmarks(rig: Rig, target: ScanTarget, frame: Frame, recipe: Recipe) -> dict[str, Proposal]:
+    """All landmarks of the rig on a scan whose front is about known."""
+    start = start_from_scan(rig, target, frame.front)
+    task = FitTask(rig, target, start.parameters, recipe, {})
+    *_, last = fit_iterates(replace(task, stance=found_stance(task, frame)[0]))
     vertices = pose(rig, last.parameters)
     points = rig.landmark_points()
     places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))

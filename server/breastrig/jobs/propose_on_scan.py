@@ -34,7 +34,7 @@ def propose_on_scan(rig: Rig, scan: Scan) -> dict[str, Proposal]:
     centre = surface.vertices.mean(axis=0)
     target = ScanTarget(surface.vertices - centre, surface.faces)
     frame = propose_frame(target.vertices, target.faces)
-    proposals = propose_landmarks(rig, target, frame.front, frame.stance, load_recipe("default"))
+    proposals = propose_landmarks(rig, target, frame, load_recipe("default"))
     return {name: replace(proposal, point=proposal.point + centre) for name, proposal in proposals.items()}
 
 

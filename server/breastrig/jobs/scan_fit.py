@@ -4,28 +4,30 @@ The single fit and the fit of two stances share it: both make each scan ready, t
 """
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.core.errors import BadDrawing, BadLandmarks, BadSettings, FitFailed, unknown_name
+from breastrig.core.errors import BadLandmarks, BadSettings, FitFailed, unknown_name
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.on_scan import on_scan
+from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.landmark_check import Doubt, doubts, sides_exchanged
 from breastrig.fitting.orientation import best_start
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.refine import refined
+from breastrig.fitting.stance import found_stance
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.jobs.events import Done, DoubtedPick, Iterated, NodePose, Started
 from breastrig.jobs.fit_files import FitOutcome, write_fit_files
 from breastrig.least_squares.newton import Status
 from breastrig.report.distances import surface_distances
-from breastrig.rig.model import ModelDrawing, Rig
+from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import clean
@@ -49,7 +51,7 @@ class FitJob:
     file_type: str | None = None  # None: from the content
     stance: str = "auto"
     preset: str = "default"
-    drawing: str | None = "lumpectomy"
+    drawing: str | None = "lumpectomy"  # see drawings/patterns.py: names, patterns with parameters, joined by +
     model: Path | None = None  # None: the torso of the package
     landmark_confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of proposed ones; absent: 1
     refine: bool = False  # a free-form layer on top, for fitted.ply, the drawing and the numbers
@@ -68,16 +70,6 @@ class Clock:
 
     def total(self) -> float:
         return time.perf_counter() - self._began
-
-
-def chosen_drawing(rig: Rig, name: str | None) -> ModelDrawing | None:
-    """The rig's drawing of that name; None for none."""
-    if name is None:
-        return None
-    for drawing in rig.drawings:
-        if drawing.name == name:
-            return drawing
-    raise BadDrawing(unknown_name("drawing of this model", name, rig.drawing_names))
 
 
 def checked_landmarks(rig: Rig, landmarks_mm: dict[str, list[float]]) -> dict[str, Array]:
@@ -115,7 +107,7 @@ class ReadyScan:
     centre: Array  # (3,) m
     landmarks: dict[str, Array]  # picked, m, in the scan's frame
     exchanged: tuple[Doubt, ...]
-    drawing: ModelDrawing | None
+    drawing: AskedDrawing | None
     stance_reason: str
     task: FitTask
     timing_s: dict[str, float]
@@ -144,7 +136,7 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
     if job.stance not in STANCES:
         raise BadSettings(unknown_name("stance", job.stance, STANCES))
     recipe = load_recipe(job.preset)
-    drawing = chosen_drawing(rig, job.drawing)
+    drawing = None if job.drawing is None else asked_drawing(rig, job.drawing)
     landmarks = checked_landmarks(rig, job.landmarks_mm)
     clock = Clock()
     scan = read_scan(job.scan, job.file_type, job.units, texture=False)
@@ -160,6 +152,9 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
     exchanged = (Doubt(tuple(picked), ALL_EXCHANGED),) if sides_exchanged(rig, picked) else ()
     followed = {} if exchanged else picked
     start = best_start(rig, target, followed, frame.front)
+    errors = {name: expected_error(share) for name, share in job.landmark_confidence.items()}
+    task = FitTask(rig, target, start, recipe, followed, landmark_errors=errors)
+    stance, reason = found_stance(task, frame) if job.stance == "auto" else (job.stance, "As asked for.")
     timing["align"] = clock.lap()
     return ReadyScan(
         job=job,
@@ -169,16 +164,8 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
         landmarks=landmarks,
         exchanged=exchanged,
         drawing=drawing,
-        stance_reason=frame.stance_reason if job.stance == "auto" else "As asked for.",
-        task=FitTask(
-            rig,
-            target,
-            start,
-            recipe,
-            followed,
-            stance=frame.stance if job.stance == "auto" else job.stance,
-            landmark_errors={name: expected_error(share) for name, share in job.landmark_confidence.items()},
-        ),
+        stance_reason=reason,
+        task=replace(task, stance=stance),
         timing_s=timing,
     )
 
@@ -214,7 +201,8 @@ class ScanStory:
         found = dict(zip(rig.landmark_names, fitted_landmarks, strict=True))
         doubtful = ready.exchanged or doubts(rig, found, ready.task.landmarks, last.not_followed)
         distances = surface_distances(target, vertices, rig.faces)
-        lines = on_scan(rig, vertices, ready.drawing, target) if ready.drawing else ()
+        drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None
+        lines = on_scan(rig, vertices, drawing, target) if drawing else ()
         timing["total"] = clock.total()
         outcome = FitOutcome(
             scan=ready.scan,
@@ -234,7 +222,7 @@ class ScanStory:
             distances=distances,
             landmarks=ready.landmarks,
             doubts=doubtful,
-            drawing=ready.drawing,
+            drawing=drawing,
             lines=lines,
             centre=ready.centre,
             notes=ready.notes,

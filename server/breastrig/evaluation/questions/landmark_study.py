@@ -43,7 +43,9 @@ def halves(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
 
 def no_landmarks(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
     """A fit from the scan alone, as it lies, stance found by the program."""
-    return scene.numbers(rig, scene.fitted(rig, recipe, {}, stance=scene.frame.stance).vertices)
+    start = scene.start(rig, {})
+    fit = scene.fitted(rig, recipe, {}, start=start, stance=scene.found_stance(rig, recipe, start))
+    return scene.numbers(rig, fit.vertices)
 
 
 def clicks(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
@@ -56,7 +58,7 @@ def clicks(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
         if not exact:
             picked = {name: scene.along_the_skin(at, CLICK_ERROR, rng) for name, at in scene.landmarks.items()}
         fit = scene.fitted(rig, recipe, picked)
-        named = sorted({name for doubt in scene.doubts(rig, fit.vertices, picked) for name in doubt.names})
+        named = sorted({name for doubt in scene.doubts(rig, fit, picked) for name in doubt.names})
         trials.append(scene.numbers(rig, fit.vertices) | {"named": named})
     mean = {key: float(np.mean([trial[key] for trial in trials[1:]])) for key in ("surface_mm", "landmarks_mm")}
     known = [trial["truth_mm"] for trial in trials[1:] if trial["truth_mm"] is not None]
@@ -68,7 +70,7 @@ def _judged(scene: Scene, rig: Rig, recipe: Recipe, picked: dict[str, Array], wr
     """A fit to partly wrong picks: who was named, who without reason, how far the model is from the true places."""
     exchanged = sides_exchanged(rig, picked)
     fit = scene.fitted(rig, recipe, {} if exchanged else picked)
-    named = {name for doubt in scene.doubts(rig, fit.vertices, picked) for name in doubt.names}
+    named = {name for doubt in scene.doubts(rig, fit, picked) for name in doubt.names}
     if exchanged:
         named = {name for name in picked if partner(rig, name) != name}  # "left and right look exchanged"
     return scene.numbers(rig, fit.vertices) | {

@@ -68,10 +68,11 @@ def random_turns(scene: Scene, rig: Rig, recipe: Recipe, rotations: int) -> dict
             about: dict[str, Any] = {"variant": variant, "failed": None}
             try:
                 now, middle = turned(of, rotation, shift)
-                fit = now.fitted(rig, recipe, {}, stance=now.frame.stance)
+                start = now.start(rig, {})
+                about["stance"] = now.found_stance(rig, recipe, start)
+                fit = now.fitted(rig, recipe, {}, start=start, stance=about["stance"])
                 back = (fit.vertices + middle - shift) @ rotation
                 about |= wrong_way(rig, back, of.landmarks) | of.numbers(rig, back)
-                about["stance"] = now.frame.stance
             except BreastRigError as error:
                 about["failed"] = str(error)
             trials.append(about)

@@ -17,10 +17,12 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.cohort import Case
-from breastrig.fitting.fit import FitTask, fit_iterates
+from breastrig.fitting.checked_fit import checked_iterates
+from breastrig.fitting.fit import FitTask
 from breastrig.fitting.landmark_check import Doubt, doubts
 from breastrig.fitting.orientation import best_start
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.stance import found_stance
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.report.distances import ACCEPTED, summary_mm
@@ -44,6 +46,7 @@ class Fitted:
     parameters: RigParameters
     seconds: float  # of the solver alone: one core's time, so that work beside it does not count
     iterations: int
+    not_followed: tuple[str, ...]  # picks that were let go
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +64,10 @@ class Scene:
         """Front and stance as the program proposes them."""
         return propose_frame(self.target.vertices, self.target.faces)
 
+    def found_stance(self, rig: Rig, recipe: Recipe, start: RigParameters) -> str:
+        """The stance that the program finds by itself, without landmarks."""
+        return found_stance(FitTask(rig, self.target, start, recipe, {}), self.frame)[0]
+
     def start(self, rig: Rig, given: dict[str, Array]) -> RigParameters:
         """The start that the program chooses for these landmarks ((3,) m by name)."""
         return best_start(rig, self.target, given, self.frame.front)
@@ -73,18 +80,18 @@ class Scene:
         start: RigParameters | None = None,
         stance: str | None = None,
     ) -> Fitted:
-        """One fit from the program's own start (or `start`) in the known stance (or `stance`); FitFailed."""
+        """The program's fit from its own start (or `start`) in the known stance (or `stance`); FitFailed."""
         first = self.start(rig, given) if start is None else start
         task = FitTask(rig, self.target, first, recipe, given, stance or self.case.stance)
         began = time.process_time()
-        last = list(fit_iterates(task))[-1]
+        *_, last = checked_iterates(task)
         seconds = time.process_time() - began
         vertices = pose(rig, last.parameters)
         if not np.isfinite(vertices).all():
             raise FitFailed("The fit broke down: a number is not finite.")
         if not np.isfinite(last.mean_distance):
             raise FitFailed("The model found no skin of the scan near it.")
-        return Fitted(vertices, last.parameters, seconds, last.iteration)
+        return Fitted(vertices, last.parameters, seconds, last.iteration, last.not_followed)
 
     def landmark_errors(self, rig: Rig, vertices: Array, names: tuple[str, ...] = ()) -> Array:
         """(L,) m between the model's landmarks and the true ones; all that are known when none are named."""
@@ -112,10 +119,10 @@ class Scene:
             "landmarks_mm": summary_mm(self.landmark_errors(rig, vertices))["mean"],
         }
 
-    def doubts(self, rig: Rig, vertices: Array, picked: dict[str, Array]) -> tuple[Doubt, ...]:
+    def doubts(self, rig: Rig, fit: Fitted, picked: dict[str, Array]) -> tuple[Doubt, ...]:
         """What the program says of these picks after the fit."""
-        places = rig.landmark_points().positions(vertices, rig.faces)
-        return doubts(rig, dict(zip(rig.landmark_names, places, strict=True)), picked)
+        places = rig.landmark_points().positions(fit.vertices, rig.faces)
+        return doubts(rig, dict(zip(rig.landmark_names, places, strict=True)), picked, fit.not_followed)
 
     def along_the_skin(self, place: Array, distance: float, rng: np.random.Generator) -> Array:
         """A pick on the scan's skin about `distance` m away from (3,) m, in a random direction."""
