@@ -12,6 +12,7 @@ from breastrig.cli import (
     landmarks_command,
     model_command,
     purge_command,
+    report_command,
     serve_command,
     transfer_command,
 )
@@ -31,6 +32,7 @@ def parser() -> argparse.ArgumentParser:
         fit_command,
         transfer_command,
         compare_command,
+        report_command,
         landmarks_command,
         evaluate_command,
         model_command,

@@ -57,6 +57,15 @@ def surface_distances(target: ScanTarget, vertices: Array, faces: Integers) -> S
     return SurfaceDistances(model, closest.distances[inside & agree & (closest.distances <= REACH)])
 
 
+def signed_distances(target: ScanTarget, vertices: Array, faces: Integers) -> Array:
+    """(V,) m, above zero where the model lies outside the scan's skin; nan where no pair was accepted."""
+    found = match(target, vertices, vertex_normals(vertices, faces), ACCEPTED)
+    result = np.full(len(vertices), np.nan)
+    outside = np.einsum("mi,mi->m", vertices[found.vertices] - found.points, found.normals)
+    result[found.vertices] = np.where(outside < 0.0, -found.distances, found.distances)
+    return result
+
+
 def surface_summary_mm(model: Array) -> dict[str, float | None]:
     """summary_mm with coverage, the share of model vertices that have a pair."""
     return {**summary_mm(model), "coverage": round(float(np.isfinite(model).mean()), 4)}

@@ -1,0 +1,26 @@
+"""Measures of one fit, or of two stances of one patient, as JSON, CSV and two pages of PDF."""
+
+import argparse
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+from breastrig.jobs.report import ReportJob, write_report
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("report", help="measures and pictures of one or two fits", description=__doc__)
+    parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
+    parser.add_argument(
+        "--with", dest="other", type=Path, metavar="OUT_B", help="fit of the same patient in another stance"
+    )
+    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fits were made with")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the three files")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Writes report.json, measures.csv and report.pdf; returns 0."""
+    with threadpool_limits(1):
+        write_report(ReportJob(options.fit, options.other, options.model), options.output)
+    return 0

@@ -1,0 +1,121 @@
+"""The report of one fit, or of two stances of one patient, from the folders that `breastrig fit` wrote."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+
+from breastrig.core.errors import BadInput
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.jobs.fit_files import json_bytes, write_whole
+from breastrig.jobs.fit_folder import FitFolder, fit_folder_of
+from breastrig.report.document import Reported, report_document, stance_names
+from breastrig.report.measures import measures
+from breastrig.report.pdf import report_pdf
+from breastrig.report.stance import DrawnLine, Stance
+from breastrig.report.table import csv_bytes
+from breastrig.rig.model import Rig
+
+
+@dataclass(frozen=True)
+class ReportJob:
+    """What a report needs to know, as plain values that travel between processes."""
+
+    fit: Path  # folder of a fit
+    other: Path | None = None  # of the same patient in another stance
+    model: Path | None = None  # None: the torso of the package
+
+
+class _Shape(BaseModel):
+    model_config = ConfigDict(extra="ignore")
+
+    name: str
+    closed: bool
+    color: str | None = None
+    points: list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]] = Field(min_length=1)
+    bridged: list[bool] | None = None
+
+
+class _Drawing(BaseModel):
+    model_config = ConfigDict(extra="ignore")
+
+    shapes: list[_Shape]
+
+
+def drawn_lines(folder: Path, metres_per_unit: float) -> tuple[DrawnLine, ...]:
+    """The lines of the folder's drawing.json, in metres; none where there is no such file."""
+    file = folder / "drawing.json"
+    if not file.is_file():
+        return ()
+    try:
+        drawing = _Drawing.model_validate_json(file.read_bytes())
+    except (OSError, ValidationError) as error:
+        raise BadInput(f"{file} is damaged; fit the scan again.") from error
+    lines = []
+    for shape in drawing.shapes:
+        bridged = np.array(shape.bridged or [False] * len(shape.points), dtype=np.bool_)
+        if len(bridged) != len(shape.points):
+            raise BadInput(f"{file} is damaged ({shape.name[:60]}); fit the scan again.")
+        points = metres_per_unit * np.array(shape.points, dtype=np.float64)
+        lines.append(DrawnLine(shape.name, shape.closed, shape.color, points, bridged))
+    return tuple(lines)
+
+
+def stance_of(folder: Path, fit: FitFolder) -> Stance:
+    """A fit's folder as measures, pictures and exports want it."""
+    return Stance(
+        rig=fit.rig,
+        vertices=fit.vertices,
+        scan_vertices=fit.surface.vertices,
+        scan_faces=fit.surface.faces,
+        name=fit.stance,
+        picked=fit.landmarks,
+        lines=drawn_lines(folder, fit.metres_per_unit),
+    )
+
+
+def reported(job: ReportJob) -> list[Reported]:
+    """Reads and measures; BadInput says what is wrong with a folder."""
+    rig: Rig = read_rig(job.model or default_rig_path())
+    folders = [job.fit] if job.other is None else [job.fit, job.other]
+    fits = [fit_folder_of(folder, rig) for folder in folders]
+    stances = [stance_of(folder, fit) for folder, fit in zip(folders, fits, strict=True)]
+    names = stance_names([stance.name for stance in stances])
+    return [
+        Reported(name, stance, fit.result, measures(stance))
+        for name, stance, fit in zip(names, stances, fits, strict=True)
+    ]
+
+
+def report_files(job: ReportJob) -> dict[str, bytes]:
+    """report.json, measures.csv and report.pdf."""
+    stances = reported(job)
+    document = report_document(stances)
+    rows: Any = document["measures"]
+    return {
+        "report.json": json_bytes(document),
+        "measures.csv": csv_bytes(rows),
+        "report.pdf": report_pdf(stances),
+    }
+
+
+def write_report(job: ReportJob, folder: Path) -> None:
+    """Writes the three files; BadInput when the folder cannot be written."""
+    write_all(report_files(job), folder)
+
+
+def write_all(files: dict[str, bytes], folder: Path) -> None:
+    """Each file whole or not at all; BadInput when the folder cannot be written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in files.items():
+            write_whole(folder / name, content)
+    except OSError as error:
+        raise BadInput(f"{folder} cannot be written ({error.strerror}); choose another folder.") from error
+
+
+def report_pdf_of(job: ReportJob) -> bytes:
+    """The PDF alone: what the service's worker makes."""
+    return report_pdf(reported(job))

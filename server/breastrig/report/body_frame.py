@@ -1,0 +1,48 @@
+"""The patient's own left, up and front, and her median plane, from the fitted model.
+
+The model is symmetric, so the rigid motion that carries its trunk onto the patient's carries its median plane too.
+Breasts and arms are left out: they differ between the sides and hang or lie as gravity says.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from breastrig.core.arrays import Array, Integers
+from breastrig.rig.model import Rig
+
+NOT_TRUNK = ("arm", "breast", "areola")  # beginnings of the names of regions
+
+
+@dataclass(frozen=True, eq=False)
+class BodyFrame:
+    """Directions of one patient."""
+
+    axes: Array  # (3, 3), columns: her left, up and front; unit, right-handed
+    middle: Array  # (3,) m, a point of the median plane
+
+    def lateral(self, points: Array) -> Array:
+        """(...,) m: how far to her left of the median plane."""
+        return np.asarray((points - self.middle) @ self.axes[:, 0])
+
+    def height(self, points: Array) -> Array:
+        """(...,) m: how far towards her head."""
+        return np.asarray((points - self.middle) @ self.axes[:, 1])
+
+
+def trunk(rig: Rig) -> Integers:
+    """The vertices that are neither arm nor breast."""
+    kept = np.ones(len(rig.template), dtype=np.bool_)
+    for name, members in rig.regions.items():
+        if name.startswith(NOT_TRUNK):
+            kept[members] = False
+    return np.flatnonzero(kept & kept[rig.mirror_vertices])
+
+
+def body_frame(rig: Rig, vertices: Array) -> BodyFrame:
+    """The frame of (V, 3) m fitted vertices."""
+    chosen = trunk(rig)
+    rest, here = rig.template[chosen], vertices[chosen]
+    turn, _ = Rotation.align_vectors(here - here.mean(axis=0), rest - rest.mean(axis=0))
+    return BodyFrame(turn.as_matrix(), 0.5 * (here + vertices[rig.mirror_vertices[chosen]]).mean(axis=0))

@@ -1,0 +1,48 @@
+"""report.json: the numbers of one or two fitted stances, with what they were made by."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from breastrig import __version__
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.report.row import Row
+from breastrig.report.stance import Stance
+from breastrig.report.table import flat_rows
+
+FROM_RESULT = (
+    "stance", "stance_reason", "preset", "refined", "scan", "model", "converged", "stop_reason", "iterations",
+    "surface_distance_mm", "scan_to_model_mm", "landmark_distance_mm", "landmarks_not_followed", "notes", "versions",
+)  # fmt: skip  # no times: the same fit gives the same report
+SIGNS = "difference is left less right; a row of two stances is the second less the first; sides are the patient's"
+
+
+@dataclass(frozen=True, eq=False)
+class Reported:
+    """One stance of the report."""
+
+    name: str  # as the report calls it
+    stance: Stance
+    result: dict[str, Any]  # its result.json
+    rows: tuple[Row, ...]
+
+
+def stance_names(kinds: Sequence[str]) -> list[str]:
+    """standing, supine; or standing A, standing B."""
+    if len(kinds) == len(set(kinds)):
+        return list(kinds)
+    return [f"{kind} {letter}" for kind, letter in zip(kinds, "AB", strict=False)]
+
+
+def report_document(stances: Sequence[Reported]) -> dict[str, object]:
+    """The document breastrig/report@1."""
+    return {
+        "schema": "breastrig/report@1",
+        "notice": LIMITS_OF_USE,
+        "breastrig": __version__,
+        "stances": [
+            {"name": one.name} | {key: one.result[key] for key in FROM_RESULT if key in one.result} for one in stances
+        ],
+        "signs": SIGNS,
+        "measures": flat_rows([(one.name, one.rows) for one in stances]),
+    }

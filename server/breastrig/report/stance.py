@@ -1,0 +1,86 @@
+"""One fitted stance of a patient: all that measures, pictures and exports look at.
+
+Everything is in one frame, the scan's, in metres; where it came from (a folder, a service, a test) does not matter.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.correspondence.target import ScanTarget
+from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.report.distances import signed_distances
+from breastrig.rig.model import DrawnShape, Rig
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnLine:
+    """A polyline on the scan."""
+
+    name: str
+    closed: bool
+    color: str | None  # "#rrggbb"
+    points: Array  # (M, 3) m
+    bridged: Booleans  # (M,) on the model, because the scan has a hole there
+
+
+@dataclass(frozen=True, eq=False)
+class Stance:
+    """V model vertices, S scan vertices."""
+
+    rig: Rig
+    vertices: Array  # (V, 3) m, the fitted model
+    scan_vertices: Array  # (S, 3) m, cleaned
+    scan_faces: Integers  # (G, 3)
+    name: str  # standing | supine
+    picked: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that were picked and not doubted
+    lines: tuple[DrawnLine, ...] = ()
+
+    @cached_property
+    def search(self) -> ClosestPointSearch:
+        """The fitted surface, ready for closest points."""
+        return ClosestPointSearch(self.vertices, self.rig.faces)
+
+    @cached_property
+    def distances(self) -> Array:
+        """(V,) m, above zero where the model lies outside the scan's skin; nan where the scan shows nothing."""
+        centre = self.scan_vertices.mean(axis=0)  # the search works in float32 around the origin
+        target = ScanTarget(self.scan_vertices - centre, self.scan_faces)
+        return signed_distances(target, self.vertices - centre, self.rig.faces)
+
+    def on_model(self, points: Array) -> SurfacePoints:
+        """The points of the fitted surface closest to (M, 3) m points."""
+        found = self.search.query(points, candidates=16)
+        return SurfacePoints(found.faces, found.barycentric)
+
+    def shape(self, *names: str) -> DrawnShape | None:
+        """The first of the named shapes that a drawing of the model has."""
+        shapes = {shape.name: shape for drawing in self.rig.drawings for shape in drawing.shapes}
+        return next((shapes[name] for name in names if name in shapes), None)
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where a landmark is on this patient, and who says so."""
+
+    name: str
+    point: Array  # (3,) m
+    source: str  # picked | model
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.source})"
+
+
+def places(stance: Stance) -> dict[str, Place]:
+    """Every landmark of the rig: as picked where it was picked and not doubted, else the fitted model's."""
+    rig = stance.rig
+    model = rig.landmark_points().positions(stance.vertices, rig.faces)
+    return {
+        name: Place(name, np.asarray(stance.picked[name]), "picked")
+        if name in stance.picked
+        else Place(name, point, "model")
+        for name, point in zip(rig.landmark_names, model, strict=True)
+    }

@@ -1,0 +1,59 @@
+"""The ratios M1 to M6 of breast symmetry (Reece et al. 2016, PMC5685181, figure 1), from 0 to 1 = symmetric.
+
+There they are read off a photograph from the front; here off the body's own left and up, so that neither a turned
+patient nor a turned camera counts as asymmetry.  M1 compares the nipples' difference in height with their distance
+across; the others are the smaller over the larger of left and right.  With N the nipples, V the lowest and L the
+most lateral point of each breast (of the model inside its breast outline), S the notch:
+
+    M1 = 1 − |N_L − N_R|_up / |N_L − N_R|_across   M2: N to V, up      M3: N to midline, across
+    M4: N to L, across                             M5: V to S, up      M6: L to midline, across
+"""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.report.body_frame import BodyFrame
+from breastrig.report.row import Row, Value
+from breastrig.report.stance import Place, Stance
+from breastrig.report.volume import vertices_within
+
+MODEL_PART = "model inside its breast base outline"
+
+
+def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> Iterator[Row]:
+    """The rows that the rig allows: none without both nipples, M2, M4, M5, M6 only with outlines of the breasts."""
+    if not {"nipple_L", "nipple_R"} <= known.keys():
+        return
+    nipples = [known["nipple_L"], known["nipple_R"]]
+    across = np.abs([float(frame.lateral(place.point)) for place in nipples])
+    heights = np.array([float(frame.height(place.point)) for place in nipples])
+    apart = float(abs(frame.lateral(nipples[0].point) - frame.lateral(nipples[1].point)))
+    names = tuple(map(str, nipples))
+    how = "of left and right, the smaller over the larger: "
+    level = max(0.0, 1.0 - abs(heights[0] - heights[1]) / max(apart, 1e-9))
+    yield _row("M1", "nipple heights", level, names, "1 less their difference in height over their distance across")
+    yield _row("M3", "nipple to midline", _ratio(across), names, how + "nipple to median plane, across")
+    members = [vertices_within(stance.rig, side) for side in ("L", "R")]
+    if any(part is None for part in members):
+        return
+    lowest = np.array([frame.height(stance.vertices[part]).min() for part in members])
+    lateral = np.array([np.abs(frame.lateral(stance.vertices[part])).max() for part in members])
+    outline = (MODEL_PART,)
+    yield _row("M2", "nipple to lowest point", _ratio(heights - lowest), names + outline, how + "in height")
+    yield _row("M4", "nipple to lateral end", _ratio(lateral - across), names + outline, how + "across")
+    if "suprasternal_notch" in known:
+        notch = known["suprasternal_notch"]
+        drop = float(frame.height(notch.point)) - lowest
+        yield _row("M5", "lowest point to notch", _ratio(drop), (str(notch), *outline), how + "in height")
+    yield _row("M6", "lateral end to midline", _ratio(lateral), outline, how + "across")
+
+
+def _ratio(pair: Array) -> float:
+    low, high = np.sort(np.abs(pair))
+    return float(low / high) if high > 0.0 else 1.0
+
+
+def _row(name: str, label: str, ratio: float, landmarks: tuple[str, ...], method: str) -> Row:
+    return Row(name, f"{name}  {label}", "ratio", "1", None, None, Value(ratio), landmarks, method)
