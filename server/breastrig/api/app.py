@@ -21,6 +21,7 @@ from breastrig.api.served_model import serve_model
 from breastrig.api.shared import share_page, shared
 from breastrig.api.shares import shares
 from breastrig.api.sign_in import sign_in
+from breastrig.api.transfers import transfers
 from breastrig.jobs.service import Service
 
 
@@ -54,6 +55,7 @@ def _bare_app() -> APIFlask:
         fits,
         fits_of_scans,
         events,
+        transfers,
         models,
         meta,
         shares,

@@ -95,30 +95,32 @@ def read_fit_folder(folder: Path, model: Path | None = None) -> FitFolder:
 
 def fit_folder_of(folder: Path, rig: Rig) -> FitFolder:
     """As read_fit_folder, with a rig that has been read."""
-    file = folder / "result.json"
+    file, shown = folder / "result.json", folder.resolve().name  # a message names no place outside of the folder
     try:
         text = file.read_bytes() if file.stat().st_size <= RESULT_BYTES else b""
     except OSError as error:
-        raise BadInput(f"There is no fit in {folder}; give a folder that `breastrig fit` wrote.") from error
+        raise BadInput(f"There is no fit in {shown}; give a folder that `breastrig fit` wrote.") from error
     try:
         result = _Result.model_validate_json(text)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         where = ".".join(map(str, first["loc"])) or "it is no result of a fit"
-        raise BadInput(f"{file} is damaged or of another version ({where}); fit the scan again.") from error
+        raise BadInput(
+            f"{shown}/result.json is damaged or of another version ({where}); fit the scan again."
+        ) from error
     if result.model.sha256 != rig.sha256:
         raise BadInput(
-            f"{folder} was fitted with another model ({result.model.name}); name its file with --model, or fit again."
+            f"{shown} was fitted with another model ({result.model.name}); fit the scan again, or give that model."
         )
     per_unit = METRES_PER_UNIT[result.scan.unit]
     surface_vertices, surface_faces = _mesh(folder / "scan.ply", result.scan.unit)
     vertices, faces = _mesh(folder / "fitted.ply", result.scan.unit)
     if not np.array_equal(faces, rig.faces) or len(vertices) != len(rig.template):
-        raise BadInput(f"{folder / 'fitted.ply'} is not the fitted model; fit the scan again.")
+        raise BadInput(f"{shown}/fitted.ply is not the fitted model; fit the scan again.")
     doubted = {name for doubt in result.landmarks_not_followed for name in doubt.names}
     places = {name: np.array(place) for name, place in result.landmarks_picked.items() if name not in doubted}
     if any(place.shape != (3,) or name not in rig.landmark_names for name, place in places.items()):
-        raise BadInput(f"{file} is damaged (landmarks_picked); fit the scan again.")
+        raise BadInput(f"{shown}/result.json is damaged (landmarks_picked); fit the scan again.")
     return FitFolder(
         rig=rig,
         result=_document(text),
@@ -127,7 +129,7 @@ def fit_folder_of(folder: Path, rig: Rig) -> FitFolder:
         landmarks={name: per_unit * place for name, place in places.items()},
         stance=result.stance,
         metres_per_unit=per_unit,
-        parameters=_parameters(file, rig, result.parameters),
+        parameters=_parameters(f"{shown}/result.json", rig, result.parameters),
     )
 
 
@@ -138,16 +140,17 @@ def _document(text: bytes) -> dict[str, Any]:
 
 def _mesh(file: Path, unit: str) -> tuple[Array, Integers]:
     """(V, 3) m vertices and (F, 3) triangles."""
+    shown = f"{file.parent.resolve().name}/{file.name}"
     if not file.is_file():
-        raise BadInput(f"{file} is missing; fit the scan again with this version of BreastRig.")
+        raise BadInput(f"{shown} is missing; fit the scan again with this version of BreastRig.")
     try:
         mesh = read_scan(file, "ply", unit, texture=False)
     except BadScan as error:
-        raise BadInput(f"{file} is damaged; fit the scan again.") from error
+        raise BadInput(f"{shown} is damaged; fit the scan again.") from error
     return np.asarray(mesh.vertices), np.asarray(mesh.faces)
 
 
-def _parameters(file: Path, rig: Rig, found: _Parameters) -> RigParameters:
+def _parameters(file: str, rig: Rig, found: _Parameters) -> RigParameters:
     names = tuple(bone.name for bone in found.bones)
     if names != rig.bone_names or set(found.blendshapes) != set(rig.shape_names):
         raise BadInput(f"{file} names other bones or shapes than the model; fit the scan again.")

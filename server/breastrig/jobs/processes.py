@@ -27,6 +27,7 @@ PRELOAD = (
     "breastrig.jobs.read_upload",
     "breastrig.jobs.run_fit",
     "breastrig.jobs.run_pair",
+    "breastrig.jobs.transfer",
 )
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from breastrig.core.assets import asset_folder
-from breastrig.core.errors import BadScan, NotFound, unknown_name
+from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound, unknown_name
 from breastrig.jobs.carry_out import PairRunner, Runner, Runners
 from breastrig.jobs.follow import Bell, Heartbeat, follow
 from breastrig.jobs.limits import FitLimits, UploadLimits
@@ -29,14 +29,16 @@ from breastrig.jobs.read_upload import UploadJob, read_upload
 from breastrig.jobs.run_fit import run_fit
 from breastrig.jobs.run_pair import run_pair
 from breastrig.jobs.sweep import KEEP_DAYS, Sweep
+from breastrig.jobs.transfer import TransferJob, transfer
 from breastrig.storage import scans as scan_rows
 from breastrig.storage.events import StoredEvent
-from breastrig.storage.fits import FitRow, FitWish, Once, add_fits, fit_ids, fits_of_scan
+from breastrig.storage.fits import FitRow, FitWish, Once, add_fits, fit_ids, fits_of_scan, get_fit
 from breastrig.storage.folders import new_id
 from breastrig.storage.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, utc_now
 
 CHUNK = 2**20
+TRANSFER_WALL_S = 60.0  # a transfer takes a second or two; a slow machine with huge scans may take many
 
 log = logging.getLogger(__name__)
 
@@ -75,6 +77,7 @@ class Service:
         )
         self._workers = Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes)
         self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner), model)
+        self._model = model
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self._bell = Bell(storage)
         self._sweep = None if keep_days is None else Sweep(storage, self.delete_scan, keep_days)
@@ -190,6 +193,30 @@ class Service:
     ) -> Iterator[StoredEvent | Heartbeat]:
         """The fit's events above `after`, as they come."""
         return follow(self.storage, self._bell, fit_id, after, heartbeat_s, gone)
+
+    def transfer(
+        self, from_fit: str, to_fit: str, drawing: dict[str, Any] | None, other_patient: bool
+    ) -> dict[str, Any]:
+        """A drawing of one fit's scan, on the other's (breastrig/drawing@1), made in a process of its own.
+
+        Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
+        """
+        places = [self.storage.folders.fit(fit_id) for fit_id in (from_fit, to_fit)]
+        job = TransferJob(places[0], places[1], drawing, other_patient, self._model)
+        try:
+            carried: dict[str, Any] = self._readers.schedule(transfer, (job,), TRANSFER_WALL_S).result()
+        except BreastRigError:
+            for fit_id in (from_fit, to_fit):
+                get_fit(self.storage, fit_id)
+            raise
+        except TimeoutError as error:
+            raise FitFailed(
+                f"Carrying this drawing took longer than {TRANSFER_WALL_S:g} s; give smaller scans."
+            ) from error
+        except (OSError, RuntimeError) as error:
+            log.warning("the process that carried a drawing died: %r", error)
+            raise FitFailed("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
+        return carried
 
     def _read(self, job: UploadJob) -> dict[str, object]:
         try:

@@ -39,16 +39,16 @@ def drawing_document(file: Path) -> dict[str, Any]:
     """A drawing file's JSON object."""
     try:
         if file.stat().st_size > DRAWING_BYTES:
-            raise TooLarge(f"{file} is larger than {DRAWING_BYTES // 1_000_000} MB; this is no drawing.")
+            raise TooLarge(f"{file.name} is larger than {DRAWING_BYTES // 1_000_000} MB; this is no drawing.")
         content = file.read_bytes()
     except OSError as error:
-        raise BadDrawing(f"There is no drawing {file} that can be read; check the name.") from error
+        raise BadDrawing(f"There is no drawing {file.name} that can be read; check the name.") from error
     try:
         document = json.loads(content)
     except (ValueError, RecursionError) as error:
-        raise BadDrawing(f"{file} is not JSON; give a file such as drawing.json that a fit leaves.") from error
+        raise BadDrawing(f"{file.name} is not JSON; give a file such as drawing.json that a fit leaves.") from error
     if not isinstance(document, dict):
-        raise BadDrawing(f"{file} is no drawing; it must hold a JSON object of the form breastrig/drawing@1.")
+        raise BadDrawing(f"{file.name} is no drawing; it must hold a JSON object of the form breastrig/drawing@1.")
     return document
 
 

@@ -10,6 +10,30 @@ export type Cancelled = {
   reason?: string;
 };
 
+export type CarriedDrawing = {
+  schema: "breastrig/drawing@1";
+  name: string;
+  /** of the second scan */
+  unit: "m" | "dm" | "cm" | "mm" | "in";
+  notice: string;
+  carried_by: "skin" | "model";
+  shapes: CarriedShape[];
+};
+
+export type CarriedShape = {
+  name: string;
+  closed: boolean;
+  color: string;
+  /** on the second scan, in its frame and unit */
+  points: [number, number, number][];
+  /** true where the second scan has no skin to lie on */
+  bridged: boolean[];
+  /** how far the first fit was from its scan there; null without skin */
+  distance_from_mm: (number | null)[];
+  /** how far the second fit was from its scan there; null without skin */
+  distance_to_mm: (number | null)[];
+};
+
 export type Distances = {
   mean: number | null;
   std: number | null;
@@ -183,6 +207,30 @@ export type Frame = {
   front: [number, number, number];
   confidence: number;
   reason: string;
+};
+
+export type GivenDrawing = {
+  schema?: "breastrig/drawing@1";
+  name?: string | null;
+  /** as a drawing.json has it; ignored */
+  notice?: string | null;
+  /** by default the first scan's */
+  unit?: "m" | "dm" | "cm" | "mm" | "in" | null;
+  shapes: GivenShape[];
+};
+
+/** One polyline; a single point is one too. */
+export type GivenShape = {
+  name: string;
+  label?: string;
+  closed?: boolean;
+  color?: string;
+  /** on the first scan's skin, in its frame and the drawing's unit */
+  points?: [number, number, number][] | null;
+  /** true where the point is not on the skin */
+  bridged?: boolean[] | null;
+  /** instead of points: places on the model */
+  surface_points?: SurfacePoint[] | null;
 };
 
 export type Health = {
@@ -543,4 +591,15 @@ export type SurfaceDistances = {
 export type SurfacePoint = {
   face: number;
   barycentric: [number, number, number];
+};
+
+export type TransferRequest = {
+  /** id of the fit of the scan that was drawn on */
+  from_fit: string;
+  /** id of the fit of the scan that shall show it */
+  to_fit: string;
+  /** null: the drawing that the first fit left */
+  drawing?: GivenDrawing | null;
+  /** the scans are of two patients: the same place of the model, not the same skin */
+  other_patient?: boolean;
 };

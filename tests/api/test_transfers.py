@@ -1,0 +1,116 @@
+"""Drawings carried between two fits of the service: the real work on the example patient, and what is refused."""
+
+import json
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from flask.testing import FlaskClient
+from helpers.waiting import ended
+
+from breastrig.api.app import create_app
+from breastrig.api.config import Config
+from breastrig.correspondence.target import ScanTarget
+from breastrig.jobs.fit_folder import read_fit_folder
+from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.service import Service
+from breastrig.storage.storage import Storage
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, FlaskClient, dict[str, str]]]:
+    """A service with the fits of the example patient standing and lying."""
+    service = Service(Storage(tmp_path_factory.mktemp("transfers")), fits=FitLimits(workers=1, grace_s=0.1))
+    with service.started():
+        client = create_app(Config(), service).test_client()
+        fits = {}
+        for name in ("standing", "supine"):
+            scan = client.post(f"/api/examples/{name}").json
+            picked = scan["example_landmarks"]["landmarks"]
+            fits[name] = client.post("/api/fits", json={"scan": scan["id"], "landmarks": picked}).json["id"]
+            assert ended(service, fits[name]).state == "done"
+        yield service, client, fits
+
+
+@pytest.mark.parametrize("other_patient", [False, True])
+def test_the_fits_own_drawing_is_shown_on_the_other_scan(
+    other_patient: bool, real: tuple[Service, FlaskClient, dict[str, str]]
+) -> None:
+    service, client, fits = real
+    wish = {"from_fit": fits["standing"], "to_fit": fits["supine"], "other_patient": other_patient}
+    answer = client.post("/api/transfers", json=wish)
+    assert answer.status_code == 201, answer.json
+    drawing = answer.json
+    assert drawing["carried_by"] == ("model" if other_patient else "skin")
+    assert {shape["name"] for shape in drawing["shapes"]} == {"sternum_upper", "sternum_lower", "breast_L", "breast_R"}
+    goal = read_fit_folder(service.storage.folders.fit(fits["supine"]))
+    assert drawing["unit"] == goal.unit
+    target = ScanTarget(goal.surface.vertices, goal.surface.faces)
+    for shape in drawing["shapes"]:
+        points, bridged = goal.metres_per_unit * np.array(shape["points"]), np.array(shape["bridged"])
+        assert bridged.mean() < 0.3
+        assert target.search.query(points[~bridged], candidates=16).distances.max() < 0.3e-3
+        for key in ("distance_from_mm", "distance_to_mm"):
+            known = [gap for gap in shape[key] if gap is not None]
+            assert len(shape[key]) == len(points)
+            assert np.mean(known) < 5.0
+        assert [gap is None for gap in shape["distance_to_mm"]] == shape["bridged"]
+
+
+def test_a_drawing_of_the_caller_comes_back_in_the_other_scans_unit(
+    real: tuple[Service, FlaskClient, dict[str, str]],
+) -> None:
+    service, client, fits = real
+    nipple = read_fit_folder(service.storage.folders.fit(fits["standing"])).landmarks["nipple_L"]
+    drawing = {"unit": "mm", "shapes": [{"name": "here", "points": [list(1e3 * nipple)]}]}
+    wish = {"from_fit": fits["standing"], "to_fit": fits["supine"], "drawing": drawing}
+    (shape,) = client.post("/api/transfers", json=wish).json["shapes"]
+    goal = read_fit_folder(service.storage.folders.fit(fits["supine"]))
+    assert len(shape["points"]) == 1
+    there = goal.metres_per_unit * np.array(shape["points"][0])
+    assert np.linalg.norm(there - goal.landmarks["nipple_L"]) < 6e-3
+
+
+@pytest.mark.parametrize(
+    ("drawing", "sentence"),
+    [
+        ({"shapes": []}, "This drawing is empty; draw at least one line or point first."),
+        ({"shapes": [{"name": "a", "points": []}]}, "This drawing is empty; draw at least one line or point first."),
+        ({"unit": "m", "shapes": [{"name": "a", "points": [[9, 9, 9]]}]}, 'Point 1 of "a" is '),
+        (
+            {"shapes": [{"name": "a", "surface_points": [{"face": 99999, "barycentric": [1, 0, 0]}]}]},
+            "another model",
+        ),
+        ({"shapes": [{"name": "a", "colour": "red"}]}, "colour"),
+    ],
+)
+def test_what_cannot_be_carried_is_one_sentence(
+    drawing: dict, sentence: str, real: tuple[Service, FlaskClient, dict[str, str]]
+) -> None:
+    _, client, fits = real
+    wish = {"from_fit": fits["standing"], "to_fit": fits["supine"], "drawing": drawing}
+    answer = client.post("/api/transfers", json=wish)
+    assert (answer.status_code, answer.mimetype) == (422, "application/problem+json")
+    assert sentence in answer.json["detail"]
+    assert answer.json["detail"].endswith(".")
+
+
+def test_unknown_fits_and_fits_that_are_not_done_are_refused(
+    client: FlaskClient, service: Service, scan_id: str, fit_id: str
+) -> None:
+    for pair in ((fit_id, "nothing"), ("nothing", fit_id)):
+        answer = client.post("/api/transfers", json={"from_fit": pair[0], "to_fit": pair[1]})
+        assert answer.status_code == 404
+    running = client.post("/api/fits", json={"scan": scan_id, "preset": "paper"}).json["id"]
+    answer = client.post("/api/transfers", json={"from_fit": fit_id, "to_fit": running})
+    assert answer.status_code == 409
+    client.post(f"/api/fits/{running}/cancel")
+    assert ended(service, running).state == "cancelled"
+
+
+def test_a_sentence_about_damaged_files_names_no_place_of_the_server(
+    client: FlaskClient, service: Service, fit_id: str
+) -> None:
+    answer = client.post("/api/transfers", json={"from_fit": fit_id, "to_fit": fit_id})
+    assert answer.status_code == 422  # the fits of this service write no real files
+    assert str(service.storage.root) not in json.dumps(answer.json)
