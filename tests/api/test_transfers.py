@@ -71,6 +71,20 @@ def test_a_drawing_of_the_caller_comes_back_in_the_other_scans_unit(
     assert np.linalg.norm(there - goal.landmarks["nipple_L"]) < 6e-3
 
 
+def test_what_a_fit_left_may_be_sent_as_it_is_and_a_carried_drawing_sent_back(
+    real: tuple[Service, FlaskClient, dict[str, str]],
+) -> None:
+    service, client, fits = real
+    left = json.loads((service.storage.folders.fit(fits["standing"]) / "drawing.json").read_text())
+    wish = {"from_fit": fits["standing"], "to_fit": fits["supine"]}
+    there = client.post("/api/transfers", json=wish | {"drawing": left}).json
+    assert there == client.post("/api/transfers", json=wish).json
+    back = client.post(
+        "/api/transfers", json={"from_fit": wish["to_fit"], "to_fit": wish["from_fit"], "drawing": there}
+    )
+    assert back.status_code == 201
+
+
 @pytest.mark.parametrize(
     ("drawing", "sentence"),
     [
@@ -81,7 +95,7 @@ def test_a_drawing_of_the_caller_comes_back_in_the_other_scans_unit(
             {"shapes": [{"name": "a", "surface_points": [{"face": 99999, "barycentric": [1, 0, 0]}]}]},
             "another model",
         ),
-        ({"shapes": [{"name": "a", "colour": "red"}]}, "colour"),
+        ({"shapes": [{"name": "a", "color": "red"}]}, "color"),
     ],
 )
 def test_what_cannot_be_carried_is_one_sentence(

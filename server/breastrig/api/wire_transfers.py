@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from breastrig.api.wire import Name, Point, SurfacePoint, Three, Wire
 
@@ -10,7 +10,13 @@ Colour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 LineUnit = Literal["m", "dm", "cm", "mm", "in"]
 
 
-class GivenShape(Wire):
+class Given(Wire):
+    """A part of a drawing file, which may be sent as it is: what a transfer does not need is passed over."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+
+
+class GivenShape(Given):
     """One polyline; a single point is one too."""
 
     name: Name
@@ -26,10 +32,9 @@ class GivenShape(Wire):
     )
 
 
-class GivenDrawing(Wire):
+class GivenDrawing(Given):
     schema_: Literal["breastrig/drawing@1"] = Field("breastrig/drawing@1", alias="schema")
     name: Name | None = None
-    notice: str | None = Field(None, max_length=1000, description="as a drawing.json has it; ignored")
     unit: LineUnit | None = Field(None, description="by default the first scan's")
     shapes: list[GivenShape] = Field(max_length=500)
 

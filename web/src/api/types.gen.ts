@@ -212,8 +212,6 @@ export type Frame = {
 export type GivenDrawing = {
   schema?: "breastrig/drawing@1";
   name?: string | null;
-  /** as a drawing.json has it; ignored */
-  notice?: string | null;
   /** by default the first scan's */
   unit?: "m" | "dm" | "cm" | "mm" | "in" | null;
   shapes: GivenShape[];
