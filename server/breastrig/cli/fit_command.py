@@ -15,6 +15,7 @@ from tqdm import tqdm
 
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.drawings.patterns import pattern_help, tumour_text
 from breastrig.fitting.coupling import ALIKE, ONE_BODY
 from breastrig.jobs.events import Done, Event, Iterated, Started
 from breastrig.jobs.run_fit import STANCES, FitJob, run_fit
@@ -38,7 +39,21 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )
     parser.add_argument("--preset", default="default", metavar="NAME", help="default, paper, or a TOML file")
     parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
-    parser.add_argument("--drawing", default="lumpectomy", metavar="NAME", help="a drawing of the model, or none")
+    parser.add_argument(
+        "--drawing",
+        default="lumpectomy",
+        metavar="NAME",
+        help="a drawing of the model (lumpectomy, anatomy, mastectomy), a pattern drawn to the patient's measures "
+        "(reduction:areola_mm=42,limb_mm=50), several joined by +, or none. " + pattern_help(),
+    )
+    parser.add_argument(
+        "--tumour",
+        action="append",
+        default=[],
+        metavar="SIDE:HOUR,DISTANCE,RADIUS",
+        help="adds a tumour's circle, may be given again: L:10,45,12 is the left breast at 10 o'clock (as read by an "
+        "observer who faces her), 45 mm from the nipple along the skin, radius 12 mm",
+    )
     parser.add_argument("--refine", action="store_true", help="add a smooth free-form layer where the scan shows skin")
     parser.add_argument("--no-progress", action="store_true", help="no progress bar")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="folder for the results")
@@ -54,6 +69,11 @@ def landmarks_in_mm(file: Path | None, scan: Path, units: str) -> dict[str, list
     return {name: [factor * float(value) for value in place] for name, place in places.items()}
 
 
+def _drawing(options: argparse.Namespace) -> str | None:
+    parts = [] if options.drawing == "none" else [options.drawing]
+    return "+".join([*parts, *(tumour_text(short) for short in options.tumour)]) or None
+
+
 def _job(options: argparse.Namespace, scan: Path, landmarks: Path | None, units: str, stance: str, out: Path) -> FitJob:
     if not scan.is_file():
         raise BadScan(f"There is no scan file {scan}; check the name.")
@@ -65,7 +85,7 @@ def _job(options: argparse.Namespace, scan: Path, landmarks: Path | None, units:
         units=units,
         stance=stance,
         preset=options.preset,
-        drawing=None if options.drawing == "none" else options.drawing,
+        drawing=_drawing(options),
         model=options.model,
         refine=options.refine,
     )

@@ -250,6 +250,8 @@ def _drawing(drawing: DrawingFile, file: str, faces: int) -> ModelDrawing:
     for shape in drawing.shapes:
         for point in shape.surface_points:
             _check_point(point, faces, f'Shape "{shape.name}" of {file}')
+        if any(corner >= len(shape.surface_points) for corner in shape.corners):
+            raise BadModel(f'Shape "{shape.name}" of {file} has a corner at a point that it does not have.')
     _unique(f"shape of {file}", [shape.name for shape in drawing.shapes])
     return ModelDrawing(
         name=drawing.name,
@@ -264,6 +266,7 @@ def _drawing(drawing: DrawingFile, file: str, faces: int) -> ModelDrawing:
                     np.array([point.face for point in shape.surface_points], np.int64),
                     np.array([point.barycentric for point in shape.surface_points]),
                 ),
+                corners=tuple(shape.corners),
             )
             for shape in drawing.shapes
         ),

@@ -94,6 +94,7 @@ class DrawnShapeEntry(FilePart):
     closed: bool = False
     color: str = Field("#101010", pattern=r"^#[0-9a-fA-F]{6}$")
     surface_points: list[SurfacePointEntry] = Field(min_length=1)
+    corners: list[NonNegativeInt] = []
 
 
 class DrawingFile(FilePart):

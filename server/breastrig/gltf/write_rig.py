@@ -109,6 +109,7 @@ def _drawing_file(drawing: ModelDrawing) -> dict[str, Any]:
                     {"face": int(face), "barycentric": barycentric.tolist()}
                     for face, barycentric in zip(shape.points.faces, shape.points.barycentric, strict=True)
                 ],
+                **({"corners": list(shape.corners)} if shape.corners else {}),
             }
             for shape in drawing.shapes
         ],

@@ -82,6 +82,7 @@ class DrawnShape:
     closed: bool
     color: str  # "#rrggbb"
     points: SurfacePoints
+    corners: tuple[int, ...] = ()  # indices of points at which the line turns sharply; they and the ends stay
 
 
 @dataclass(frozen=True, eq=False)

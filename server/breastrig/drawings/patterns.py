@@ -1,0 +1,143 @@
+"""Everything that can be drawn on a fitted model: its own drawings, and patterns made from millimetres.
+
+A drawing is asked for by a text, in a command, a job or a request:
+
+    lumpectomy
+    reduction:areola_mm=42,limb_mm=55
+    lumpectomy+tumour:side=L,clock=10,distance_mm=45,radius_mm=12
+
+A drawing of the model is a file (fixed surface points); a pattern is a class that knows its parameters and draws
+itself on this patient's skin.  The text is checked before a fit begins, the pattern is built when it has ended.
+"""
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from pydantic import BaseModel, ValidationError
+
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BadDrawing, unknown_name
+from breastrig.drawings.clock import FittedSkin
+from breastrig.drawings.reduction import Reduction
+from breastrig.drawings.tumour import Tumour
+from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
+
+
+class Pattern(Protocol):
+    """Parameters that draw themselves."""
+
+    def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
+        """The lines on one patient's fitted skin; BadDrawing when they do not fit there."""
+
+
+PATTERNS: dict[str, type[BaseModel]] = {"reduction": Reduction, "tumour": Tumour}
+LABELS = {"reduction": "Reduction (Wise pattern)", "tumour": "Tumour"}
+
+
+@dataclass(frozen=True, eq=False)
+class AskedDrawing:
+    """A checked wish, not yet drawn."""
+
+    text: str
+    fixed: tuple[ModelDrawing, ...]
+    patterns: tuple[tuple[str, Pattern], ...]
+
+    def on_model(self, rig: Rig, vertices: Array) -> ModelDrawing:
+        """All of it as surface points, for (V, 3) m fitted vertices."""
+        skin = FittedSkin(rig, vertices)
+        shapes = [shape for drawing in self.fixed for shape in drawing.shapes]
+        shapes += [shape for _, pattern in self.patterns for shape in pattern.drawn(skin)]
+        names = [drawing.name for drawing in self.fixed] + [name for name, _ in self.patterns]
+        labels = [drawing.label for drawing in self.fixed] + [LABELS[name] for name, _ in self.patterns]
+        return ModelDrawing("_and_".join(dict.fromkeys(names)), ", ".join(dict.fromkeys(labels)), _unique(shapes))
+
+
+def known_drawings(rig: Rig) -> tuple[str, ...]:
+    """Names that `asked_drawing` takes; a file of the model goes before a pattern of the same name."""
+    return (*rig.drawing_names, *(name for name in PATTERNS if name not in rig.drawing_names))
+
+
+def asked_drawing(rig: Rig, text: str) -> AskedDrawing:
+    """The checked wish; BadDrawing says which word or number is wrong."""
+    fixed, patterns = [], []
+    of_the_model = {drawing.name: drawing for drawing in rig.drawings}
+    for part in text.split("+"):
+        name, colon, values = (word.strip() for word in part.partition(":"))
+        if name in of_the_model:
+            if colon:
+                raise BadDrawing(f'The drawing "{name}" is a fixed one of the model and has no parameters.')
+            fixed.append(of_the_model[name])
+        elif name in PATTERNS:
+            patterns.append((name, _parameters(name, values)))
+        else:
+            raise BadDrawing(unknown_name("drawing of this model", name, known_drawings(rig)))
+    return AskedDrawing(text, tuple(fixed), tuple(patterns))
+
+
+def tumour_text(short: str) -> str:
+    """`L:10,45,12` (side: hour, distance mm, radius mm) as a part of a drawing's text."""
+    side, colon, rest = short.partition(":")
+    numbers = rest.split(",")
+    if not colon or len(numbers) != 3:
+        raise BadDrawing(
+            f'"{short}" is not a tumour; write SIDE:HOUR,DISTANCE_MM,RADIUS_MM, for instance L:10,45,12 for the left '
+            "breast at 10 o'clock, 45 mm from the nipple, radius 12 mm."
+        )
+    return f"tumour:side={side},clock={numbers[0]},distance_mm={numbers[1]},radius_mm={numbers[2]}"
+
+
+def pattern_help() -> str:
+    """Every pattern with its parameters, for people."""
+    told = []
+    for name, kind in PATTERNS.items():
+        words = []
+        for parameter, field in kind.model_fields.items():
+            default = "" if field.is_required() or field.default is None else f" (if not said {field.default})"
+            words.append(f"{parameter}: {field.description}{default}")
+        told.append(f"{name} has " + "; ".join(words))
+    return ". ".join(told) + "."
+
+
+def _parameters(name: str, values: str) -> Pattern:
+    kind = PATTERNS[name]
+    given: dict[str, str] = {}
+    for pair in filter(None, (word.strip() for word in values.split(","))):
+        key, equals, value = (word.strip() for word in pair.partition("="))
+        if not equals:
+            raise BadDrawing(f'"{pair}" is not a parameter of {name}; write name=value, for instance {_example(kind)}.')
+        if key not in kind.model_fields:
+            raise BadDrawing(unknown_name(f"parameter of {name}", key, tuple(kind.model_fields)))
+        if key in given:
+            raise BadDrawing(f"The parameter {key} of {name} is given twice.")
+        given[key] = value
+    try:
+        return kind.model_validate(given)  # type: ignore[return-value]  # each class of PATTERNS is a Pattern
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = str(first["loc"][0]) if first["loc"] else ""
+        if first["type"] == "missing":
+            missing = [str(one["loc"][0]) for one in error.errors() if one["type"] == "missing"]
+            raise BadDrawing(f"The drawing {name} also needs {', '.join(missing)}.") from error
+        reason = first["msg"].removeprefix("Value error, ")
+        reason = reason[:1].lower() + reason[1:]
+        raise BadDrawing(f"{key} of {name} cannot be {given[key]}: {reason}.") from error
+
+
+def _example(kind: type[BaseModel]) -> str:
+    return {Reduction: "areola_mm=42", Tumour: "side=L"}[kind]
+
+
+def _unique(shapes: list[DrawnShape]) -> tuple[DrawnShape, ...]:
+    """The second of a name gets a number before its side: tumour_2_L."""
+    seen: Counter[str] = Counter()
+    result = []
+    for shape in shapes:
+        seen[shape.name] += 1
+        count = seen[shape.name]
+        if count > 1:
+            sided = shape.name[-2:] in ("_L", "_R")
+            stem, side = (shape.name[:-2], shape.name[-2:]) if sided else (shape.name, "")
+            shape = replace(shape, name=f"{stem}_{count}{side}", label=f"{shape.label} {count}")
+        result.append(shape)
+    return tuple(result)

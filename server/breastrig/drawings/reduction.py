@@ -1,0 +1,144 @@
+"""The Wise pattern (inverted T, keyhole) of a breast reduction, constructed on the patient's own skin.
+
+Its lengths are millimetres of a tape on this patient, so it cannot be a fixed line of the model.  Construction, as
+at the drawing board (Wise, Plast. Reconstr. Surg. 17, 1956), each length geodesic:
+
+* the new nipple lies on the meridian (midclavicle to nipple) at the height of the fold, never below the nipple;
+* the keyhole is an arc around it whose length is the new areola's circumference, open below by `opening_deg`;
+* two vertical limbs of equal length leave its ends and diverge;
+* horizontal limbs join their lower ends to the ends of the fold.
+
+Both sides are drawn each from its own landmarks: real breasts differ.
+"""
+
+from typing import Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+from scipy.spatial import cKDTree
+
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BadDrawing
+from breastrig.drawings.clock import SIDES, FittedSkin, on_clock
+from breastrig.geometry.curves import resampled
+from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.rig.model import DrawnShape
+
+CUT, FOLD = "#2c5282", "#b83280"
+MARK = 0.003  # m, radius of the small circle that marks the new nipple
+ARC_STEPS = 24  # of the keyhole
+LIMBS = (50.0, 47.5, 45.0, 42.5, 40.0, 37.5, 35.0, 32.5, 30.0, 27.5, 25.0)  # mm, tried when no length is asked for
+FOLD_GAP = 0.005  # m that must stay between a limb and the fold, so that the horizontal limbs have a wedge to close
+FOLD_STEP = 0.001  # m between the points that are compared
+
+
+class Reduction(BaseModel):
+    """The pattern's dimensions."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    side: Literal["both", "L", "R"] = Field("both", description="the patient's side")
+    areola_mm: float = Field(42.0, ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual")
+    limb_mm: float | None = Field(
+        None, ge=25.0, le=80.0, description="vertical limbs; 45 to 60 is usual; if not said 50, less over a near fold"
+    )
+    limb_angle_deg: float = Field(60.0, ge=20.0, le=110.0, description="between the limbs; wider takes more skin")
+    opening_deg: float = Field(90.0, ge=30.0, le=150.0, description="of the keyhole, seen from the new nipple")
+    nipple_above_fold_mm: float = Field(0.0, ge=-20.0, le=40.0, description="new nipple over the fold's height")
+
+    def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
+        """Four lines for each side; BadDrawing when the pattern does not fit on the breast."""
+        sides = ("L", "R") if self.side == "both" else (self.side,)
+        return tuple(shape for side in sides for shape in self._one_side(skin, side))
+
+    def _one_side(self, skin: FittedSkin, side: str) -> tuple[DrawnShape, ...]:
+        nipple = skin.landmark(f"nipple_{side}")
+        fold = fold_line(skin, side)
+        new = self._new_nipple(skin, side, nipple)
+        gap = np.radians(self.opening_deg) / 2.0
+        radius = 1e-3 * self.areola_mm * np.pi / (2.0 * (np.pi - gap))
+        # clockwise for the observer from the opening's one end to the other; her lateral side is his right or left
+        arc = on_clock(skin, new, radius, np.linspace(np.pi + gap, 3.0 * np.pi - gap, ARC_STEPS + 1))
+        first, last = (SurfacePoints(arc.faces[[k]], arc.barycentric[[k]]) for k in (0, -1))
+        ends = self._limb_ends(skin, side, (first, last), skin.at(fold))
+        # the observer sees the patient's left on his right: the arc begins on his left
+        start, finish = skin.at(fold)[[0, -1]]
+        if (start - finish) @ skin.axes[:, 0] > 0.0:
+            start, finish = finish, start
+        way = skin.geodesics.path
+        parts = [
+            way(skin.nearest(start[None]), ends[0]),
+            way(ends[0], first),
+            skin.at(arc),
+            way(last, ends[1]),
+            way(ends[1], skin.nearest(finish[None])),
+        ]
+        corners = np.cumsum([len(part) - 1 for part in parts])[:-1]
+        cut = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+        word = SIDES[side]
+        geodesics = skin.geodesics
+        return (
+            DrawnShape(
+                f"wise_{side}", f"{word} keyhole and limbs", False, CUT, skin.nearest(cut), tuple(corners.tolist())
+            ),
+            DrawnShape(f"wise_fold_{side}", f"{word} fold", False, FOLD, fold),
+            DrawnShape(
+                f"areola_{side}",
+                f"{word} areola to keep",
+                True,
+                CUT,
+                geodesics.circle_points(int(nipple.faces[0]), nipple.barycentric[0], 0.5e-3 * self.areola_mm),
+            ),
+            DrawnShape(
+                f"new_nipple_{side}",
+                f"new place of the {word} nipple",
+                True,
+                FOLD,
+                geodesics.circle_points(int(new.faces[0]), new.barycentric[0], MARK),
+            ),
+        )
+
+    def _limb_ends(
+        self, skin: FittedSkin, side: str, starts: tuple[SurfacePoints, SurfacePoints], fold: Array
+    ) -> list[SurfacePoints]:
+        """The lower ends of both limbs, which must be equally long to be sewn together."""
+        spread = np.radians(self.limb_angle_deg) / 2.0
+        dense = resampled(fold, FOLD_STEP, False)
+        for length in [self.limb_mm] if self.limb_mm is not None else LIMBS:
+            ends = [
+                on_clock(skin, start, 1e-3 * length, np.array([np.pi + turn]))
+                for start, turn in zip(starts, (spread, -spread), strict=True)
+            ]
+            limbs = [resampled(skin.geodesics.path(*both), FOLD_STEP, False) for both in zip(starts, ends, strict=True)]
+            if np.min(cKDTree(dense).query(np.concatenate(limbs))[0]) > FOLD_GAP:
+                return ends
+        raise BadDrawing(
+            f"The limbs of {length:g} mm reach the fold of the {SIDES[side]} breast; choose shorter limbs (limb_mm), "
+            "a narrower angle (limb_angle_deg) or a smaller areola (areola_mm)."
+        )
+
+    def _new_nipple(self, skin: FittedSkin, side: str, nipple: SurfacePoints) -> SurfacePoints:
+        meridian = skin.geodesics.path(skin.landmark(f"midclavicle_{side}"), nipple)
+        heights: Array = meridian @ skin.axes[:, 1]
+        fold = skin.at(skin.landmark(f"inframammary_fold_{side}"))[0] @ skin.axes[:, 1]
+        wanted = fold + 1e-3 * self.nipple_above_fold_mm
+        if wanted <= heights[-1]:
+            return nipple
+        above = np.flatnonzero(heights >= wanted)
+        if len(above) == 0:
+            raise BadDrawing(
+                f"The {SIDES[side]} nipple cannot be moved up to {self.nipple_above_fold_mm:g} mm above the fold: "
+                "that is above the collarbone; check the landmarks."
+            )
+        k = int(above[-1])  # the last crossing on the way down
+        share = (heights[k] - wanted) / max(heights[k] - heights[k + 1], 1e-12)
+        return skin.nearest(((1.0 - share) * meridian[k] + share * meridian[k + 1])[None])
+
+
+def fold_line(skin: FittedSkin, side: str) -> SurfacePoints:
+    """The model's line inframammary_fold_L or _R."""
+    name = f"inframammary_fold_{side}"
+    for drawing in skin.rig.drawings:
+        for shape in drawing.shapes:
+            if shape.name == name and not shape.closed:
+                return shape.points
+    raise BadDrawing(f"This drawing ends at the line {name}, which no drawing of this model has.")

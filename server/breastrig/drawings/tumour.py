@@ -1,0 +1,66 @@
+"""The tumour's projection on the skin: a circle of true radius around a place that the surgeon names."""
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BadDrawing
+from breastrig.drawings.clock import SIDES, FittedSkin, angle_of, on_clock
+from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.rig.model import DrawnShape
+
+COLOR = "#c53030"
+OFF_BREAST = 0.03  # m beyond the base of the breast; its axillary tail reaches so far
+OFF_SKIN = 0.03  # m from a given point to the fitted skin; more is another frame or unit
+
+
+def _on_the_dial(hour: float) -> float:
+    if not 0.0 < hour < 13.0:
+        raise ValueError("an hour of the clock lies above 0 and below 13 (12.5 is half past twelve)")
+    return hour
+
+
+class Tumour(BaseModel):
+    """Where the tumour is and how large."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    side: Literal["L", "R"] = Field(description="the patient's side")
+    clock: Annotated[float, AfterValidator(_on_the_dial)] = Field(
+        description="hour as read by an observer who faces her: 3 is towards her left on both breasts"
+    )
+    distance_mm: float = Field(ge=0.0, le=200.0, description="from the nipple along the skin; a breast is not longer")
+    radius_mm: float = Field(ge=1.0, le=80.0, description="of the circle along the skin; margin included, T3 is 25")
+
+    def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
+        """The circle `tumour_L` or `tumour_R`; BadDrawing when it is not on that breast."""
+        nipple = skin.landmark(f"nipple_{self.side}")
+        centre = nipple
+        if self.distance_mm > 0.0:
+            centre = on_clock(skin, nipple, 1e-3 * self.distance_mm, np.array([angle_of(self.clock)]))
+        breast = skin.rig.regions.get(f"breast_{self.side}")
+        if breast is not None:
+            gap = float(np.linalg.norm(skin.vertices[breast] - skin.at(centre), axis=1).min())
+            if gap > OFF_BREAST:
+                raise BadDrawing(
+                    f"A tumour at {self.clock:g} o'clock, {self.distance_mm:g} mm from the nipple, would lie "
+                    f"{1e3 * gap:.0f} mm beside the {SIDES[self.side]} breast; check side, hour and distance."
+                )
+        return (circle(skin, centre, 1e-3 * self.radius_mm, self.side),)
+
+
+def tumour_at(skin: FittedSkin, place: Array, radius: float) -> DrawnShape:
+    """The circle around the skin's point next to (3,) m `place`; BadDrawing when that is off the skin."""
+    centre = skin.nearest(np.asarray(place, dtype=np.float64)[None])
+    gap = float(np.linalg.norm(skin.at(centre)[0] - place))
+    if not gap <= OFF_SKIN:
+        raise BadDrawing(f"The tumour's centre is {1e3 * gap:.0f} mm off the skin; check its frame and unit.")
+    left = float((skin.at(centre)[0] - skin.vertices.mean(axis=0)) @ skin.axes[:, 0]) > 0.0
+    return circle(skin, centre, radius, "L" if left else "R")
+
+
+def circle(skin: FittedSkin, centre: SurfacePoints, radius: float, side: str) -> DrawnShape:
+    """All points at `radius` (m) along the skin."""
+    rim = skin.geodesics.circle_points(int(centre.faces[0]), centre.barycentric[0], radius)
+    return DrawnShape(f"tumour_{side}", f"tumour of the {SIDES[side]} breast", True, COLOR, rim)
