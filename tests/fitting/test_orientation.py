@@ -11,12 +11,14 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose
 
 
+@pytest.mark.parametrize("all_sides", [False, True])
 @pytest.mark.parametrize("seed", range(4))
-def test_a_scan_turned_at_random_is_put_upright(seed: int) -> None:
+def test_a_scan_turned_at_random_is_put_upright(seed: int, all_sides: bool) -> None:
     rig = read_rig(default_rig_path())
     rng = np.random.default_rng(seed)
     vertices = pose(rig, random_parameters(rig, rng, turn=0.05, move=0.0, scale=0.03, shape=0.4))
-    seen = (vertices[rig.faces].mean(axis=1) @ [0.0, 0.0, 1.0]) > -0.02  # the camera saw the front
+    behind = -np.inf if all_sides else -0.02  # what the camera saw from the front
+    seen = vertices[rig.faces].mean(axis=1)[:, 2] > behind
     fine, triangles = subdivided(vertices, rig.faces[seen])
     turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     turn *= np.sign(np.linalg.det(turn))
@@ -24,7 +26,7 @@ def test_a_scan_turned_at_random_is_put_upright(seed: int) -> None:
     assert frame.up @ turn[:, 1] > np.cos(np.radians(15))
     assert frame.front @ turn[:, 2] > np.cos(np.radians(15))
     assert frame.confidence > 0.2
-    start = start_from_scan(rig, ScanTarget(fine @ turn.T, triangles), frame.front)
+    start = start_from_scan(rig, ScanTarget(fine @ turn.T, triangles), frame.fronts)
     names = rig.landmark_names
     found = rig.landmark_points().positions(pose(rig, start.parameters), rig.faces)
     true = rig.landmark_points().positions(vertices, rig.faces) @ turn.T

@@ -37,7 +37,7 @@ def scan_without_table(place: Path) -> ScanTarget:
 def found(target: ScanTarget) -> tuple[tuple[str, str], Frame]:
     rig, frame = read_rig(default_rig_path()), propose_frame(target.vertices, target.faces)
     none: dict[str, Array] = {}
-    task = FitTask(rig, target, best_start(rig, target, none, frame.front), load_recipe("default"), none)
+    task = FitTask(rig, target, best_start(rig, target, none, frame.fronts), load_recipe("default"), none)
     return found_stance(task, frame), frame
 
 

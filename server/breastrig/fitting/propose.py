@@ -55,7 +55,7 @@ class Proposal:
 
 def propose_landmarks(rig: Rig, target: ScanTarget, frame: Frame, recipe: Recipe) -> dict[str, Proposal]:
     """All landmarks of the rig on a scan whose front is about known."""
-    start = start_from_scan(rig, target, frame.front)
+    start = start_from_scan(rig, target, frame.fronts)
     task = FitTask(rig, target, start.parameters, recipe, {})
     *_, last = fit_iterates(replace(task, stance=found_stance(task, frame)[0]))
     vertices = pose(rig, last.parameters)

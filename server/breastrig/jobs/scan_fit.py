@@ -151,7 +151,7 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
     timing["prepare"] = clock.lap()
     exchanged = (Doubt(tuple(picked), ALL_EXCHANGED),) if sides_exchanged(rig, picked) else ()
     followed = {} if exchanged else picked
-    start = best_start(rig, target, followed, frame.front)
+    start = best_start(rig, target, followed, frame.fronts)
     errors = {name: expected_error(share) for name, share in job.landmark_confidence.items()}
     task = FitTask(rig, target, start, recipe, followed, landmark_errors=errors)
     stance, reason = found_stance(task, frame) if job.stance == "auto" else (job.stance, "As asked for.")

@@ -15,6 +15,7 @@ from breastrig.geometry.normals import face_areas, face_normals
 SAMPLE = 8000  # triangles looked at: enough for a mean and a plane
 PLANE_BIN = 0.01  # m, thickness of a table with the scanner's noise
 TABLE_SHARE = 0.06  # of the scanned area in one plane 2 cm thick; what tells a table from a chest is what lies behind
+ONE_SIDED = 0.12  # length of the mean normal; a closed torso has under 0.1, a scan of its front over 0.4
 BEHIND_SHARE = 0.06  # of the area may lie behind a table (noise, its edge)
 
 
@@ -28,6 +29,7 @@ class Frame:
     reason: str
     stance: str  # standing | supine
     stance_reason: str
+    fronts: Array  # (N, 3) unit, where the front may be: one direction, or six when the scan shows all sides
 
     @property
     def rotation(self) -> Array:
@@ -89,6 +91,7 @@ def propose_frame(vertices: Array, faces: Integers) -> Frame:
     normals, areas = face_normals(vertices, chosen), face_areas(vertices, chosen)
     centres = vertices[chosen].mean(axis=1)
     table = table_plane(centres, normals, areas)
+    seen_around = False
     if table is not None:
         front, stance = table[0], "supine"
         stance_reason = f"{100 * table[2]:.0f} % of the scan lies in one plane behind the body: a table."
@@ -97,9 +100,10 @@ def propose_frame(vertices: Array, faces: Integers) -> Frame:
     else:
         mean = (normals * areas[:, None]).sum(axis=0) / areas.sum()
         strength = float(np.linalg.norm(mean))
-        front, stance = (mean / strength, "standing") if strength > 0.05 else (np.array([0.0, 0.0, 1.0]), "standing")
+        seen_around = strength < ONE_SIDED
+        front, stance = np.array([0.0, 0.0, 1.0]) if seen_around else mean / strength, "standing"
         stance_reason = "There is no table in the scan."
-        reason = "The front is where most of the scanned skin faces" if strength > 0.05 else "The scan shows all sides"
+        reason = "The scan shows all sides" if seen_around else "The front is where most of the scanned skin faces"
         confidence = min(0.8, 2.0 * strength)
     across = np.array([0.0, 1.0, 0.0]) - front[1] * front
     if np.linalg.norm(across) > 0.35:
@@ -114,4 +118,9 @@ def propose_frame(vertices: Array, faces: Integers) -> Frame:
         reason += ", up is the longer extent; check it."
         confidence *= 0.5
     front = front - (front @ up) * up
-    return Frame(up, front / np.linalg.norm(front), round(confidence, 2), reason, stance, stance_reason)
+    front = front / np.linalg.norm(front)
+    fronts = front[None]
+    if seen_around:  # a torso is wide, high and flat: its front lies along one of its axes
+        _, _, axes = np.linalg.svd((centres - centres.mean(axis=0)) * np.sqrt(areas)[:, None], full_matrices=False)
+        fronts = np.concatenate([axes, -axes])
+    return Frame(up, front, round(confidence, 2), reason, stance, stance_reason, fronts)

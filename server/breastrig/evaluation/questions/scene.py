@@ -70,7 +70,7 @@ class Scene:
 
     def start(self, rig: Rig, given: dict[str, Array]) -> RigParameters:
         """The start that the program chooses for these landmarks ((3,) m by name)."""
-        return best_start(rig, self.target, given, self.frame.front)
+        return best_start(rig, self.target, given, self.frame.fronts)
 
     def fitted(
         self,
