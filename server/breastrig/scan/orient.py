@@ -15,7 +15,7 @@ from breastrig.geometry.normals import face_areas, face_normals
 SAMPLE = 8000  # triangles looked at: enough for a mean and a plane
 PLANE_BIN = 0.01  # m, thickness of a table with the scanner's noise
 TABLE_SHARE = 0.06  # of the scanned area in one plane 2 cm thick; what tells a table from a chest is what lies behind
-ONE_SIDED = 0.12  # length of the mean normal; a closed torso has under 0.1, a scan of its front over 0.4
+ONE_SIDED = 0.25  # length of the mean normal; closed torsos have up to 0.13, scans of a front from 0.47
 BEHIND_SHARE = 0.06  # of the area may lie behind a table (noise, its edge)
 
 
