@@ -58,25 +58,8 @@ def transferred(
     lines = [_on_the_skin(a, shape) for shape in shapes]
     points = np.concatenate([line.points for line in lines])
     skipped = np.concatenate([line.bridged for line in lines])
-    on_a = a.target.search.query(points, candidates=16)
-    normals = _unit(a.target.surface_at(on_a.faces, on_a.barycentric)[1])
+    near, there, bridged = points_carried(rig, a, b, points, other_patient, skipped)
     models = [ClosestPointSearch(each.vertices, rig.faces) for each in (a, b)]
-    beside = models[0].query(points[skipped], candidates=16)  # without skin the model says which way is out
-    facing_out = SurfacePoints(beside.faces, beside.barycentric).positions(
-        vertex_normals(a.vertices, rig.faces), rig.faces
-    )
-    normals[skipped] = _unit(facing_out)
-    way = _by_the_model(rig, a, b, models[0]) if other_patient else _by_the_skin(rig, a, b)
-    near, facing = way(points, normals)
-    rules = (ALONG_THE_NORMAL, NEAREST_SKIN) if other_patient else (NEAREST_SKIN, ALONG_THE_NORMAL)
-    there = near.copy()
-    missing = np.arange(len(near))
-    for rule in rules:
-        found = match(b.target, near[missing], facing[missing], rule)
-        there[missing[found.vertices]] = found.points
-        missing = np.delete(missing, found.vertices)
-    bridged = np.zeros(len(near), dtype=np.bool_)
-    bridged[missing] = True
     gaps = [model.query(each, candidates=16).distances for model, each in zip(models, (points, there), strict=True)]
     gaps[0][skipped], gaps[1][bridged] = np.nan, np.nan
     result, first = [], 0
@@ -88,6 +71,35 @@ def transferred(
             CarriedShape(line.name, line.closed, line.color, placed, bridged[part], gaps[0][part], gaps[1][part])
         )
     return tuple(result)
+
+
+def points_carried(
+    rig: Rig, a: FittedScan, b: FittedScan, points: Array, other_patient: bool = False, bridged: Booleans | None = None
+) -> tuple[Array, Array, Booleans]:
+    """Where (M, 3) m points of scan A are on B: (M, 3) m before and after B's skin is met, (M,) where none is met.
+
+    `bridged` (M,) says which points are not on A's skin.  Raises BadDrawing for fits off their scans.
+    """
+    on_a = a.target.search.query(points, candidates=16)
+    normals = _unit(a.target.surface_at(on_a.faces, on_a.barycentric)[1])
+    model = ClosestPointSearch(a.vertices, rig.faces)
+    if bridged is not None and bridged.any():  # without skin the model says which way is out
+        beside = model.query(points[bridged], candidates=16)
+        out = SurfacePoints(beside.faces, beside.barycentric).positions(
+            vertex_normals(a.vertices, rig.faces), rig.faces
+        )
+        normals[bridged] = _unit(out)
+    way = _by_the_model(rig, a, b, model) if other_patient else _by_the_skin(rig, a, b)
+    near, facing = way(points, normals)
+    there = near.copy()
+    missing = np.arange(len(near))
+    for rules in (ALONG_THE_NORMAL, NEAREST_SKIN) if other_patient else (NEAREST_SKIN, ALONG_THE_NORMAL):
+        found = match(b.target, near[missing], facing[missing], rules)
+        there[missing[found.vertices]] = found.points
+        missing = np.delete(missing, found.vertices)
+    no_skin = np.zeros(len(near), dtype=np.bool_)
+    no_skin[missing] = True
+    return near, there, no_skin
 
 
 def _on_the_skin(scan: FittedScan, shape: ScanShape) -> ScanShape:

@@ -60,7 +60,7 @@ class _Question:
         return {"mean": round(float(gaps.mean()), 3), "p95": round(float(np.percentile(gaps, 95)), 3)}
 
 
-def _seen(scene: Scene) -> Booleans:
+def seen(scene: Scene) -> Booleans:
     """(V,) vertices of the truth that the scan shows."""
     assert scene.truth is not None
     distance, nearest = scene.target.vertex_tree.query(scene.truth.vertices)
@@ -69,7 +69,7 @@ def _seen(scene: Scene) -> Booleans:
     return np.asarray((distance < SEEN_DISTANCE) & (facing > SEEN_COSINE))
 
 
-def _on_the_chest(scene: Scene) -> Booleans:
+def on_the_chest(scene: Scene) -> Booleans:
     """(V,) vertices of the truth within CHEST of the line between the nipples."""
     assert scene.truth is not None
     left, right = scene.landmarks["nipple_L"], scene.landmarks["nipple_R"]
@@ -81,7 +81,7 @@ def _on_the_chest(scene: Scene) -> Booleans:
 def _question(a: Scene, b: Scene) -> _Question:
     assert a.truth is not None
     assert b.truth is not None
-    chosen = np.flatnonzero(_seen(a) & _seen(b) & _on_the_chest(a))
+    chosen = np.flatnonzero(seen(a) & seen(b) & on_the_chest(a))
     chosen = chosen[:: -(-len(chosen) // MOST_POINTS) or 1]
     points = a.target.search.query(a.truth.vertices[chosen], candidates=16).points
     return _Question(a, b, points, b.truth.vertices[chosen])
