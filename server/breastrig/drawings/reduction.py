@@ -21,12 +21,14 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import SIDES, FittedSkin, on_clock
 from breastrig.geometry.curves import resampled
+from breastrig.geometry.geodesic import length
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape
 
 CUT, FOLD = "#2c5282", "#b83280"
 MARK = 0.003  # m, radius of the small circle that marks the new nipple
 ARC_STEPS = 24  # of the keyhole
+ARC_ROUNDS = 3  # of adjusting its radius; each leaves about a tenth of the difference
 LIMBS = (50.0, 47.5, 45.0, 42.5, 40.0, 37.5, 35.0, 32.5, 30.0, 27.5, 25.0)  # mm, tried when no length is asked for
 FOLD_GAP = 0.005  # m that must stay between a limb and the fold, so that the horizontal limbs have a wedge to close
 FOLD_STEP = 0.001  # m between the points that are compared
@@ -54,10 +56,7 @@ class Reduction(BaseModel):
         nipple = skin.landmark(f"nipple_{side}")
         fold = fold_line(skin, side)
         new = self._new_nipple(skin, side, nipple)
-        gap = np.radians(self.opening_deg) / 2.0
-        radius = 1e-3 * self.areola_mm * np.pi / (2.0 * (np.pi - gap))
-        # clockwise for the observer from the opening's one end to the other; her lateral side is his right or left
-        arc = on_clock(skin, new, radius, np.linspace(np.pi + gap, 3.0 * np.pi - gap, ARC_STEPS + 1))
+        arc = self._keyhole(skin, new)
         first, last = (SurfacePoints(arc.faces[[k]], arc.barycentric[[k]]) for k in (0, -1))
         ends = self._limb_ends(skin, side, (first, last), skin.at(fold))
         # the observer sees the patient's left on his right: the arc begins on his left
@@ -97,22 +96,34 @@ class Reduction(BaseModel):
             ),
         )
 
+    def _keyhole(self, skin: FittedSkin, new: SurfacePoints) -> SurfacePoints:
+        """Clockwise for the observer, as long as the new areola's rim, which will be sewn to it."""
+        gap = np.radians(self.opening_deg) / 2.0
+        angles = np.linspace(np.pi + gap, 3.0 * np.pi - gap, ARC_STEPS + 1)
+        rim = 1e-3 * self.areola_mm * np.pi
+        radius = rim / (2.0 * (np.pi - gap))
+        arc = on_clock(skin, new, radius, angles)
+        for _ in range(ARC_ROUNDS):  # circles on a breast are shorter than on flat skin
+            radius *= rim / length(skin.at(arc))
+            arc = on_clock(skin, new, radius, angles)
+        return arc
+
     def _limb_ends(
         self, skin: FittedSkin, side: str, starts: tuple[SurfacePoints, SurfacePoints], fold: Array
     ) -> list[SurfacePoints]:
         """The lower ends of both limbs, which must be equally long to be sewn together."""
         spread = np.radians(self.limb_angle_deg) / 2.0
         dense = resampled(fold, FOLD_STEP, False)
-        for length in [self.limb_mm] if self.limb_mm is not None else LIMBS:
+        for limb in [self.limb_mm] if self.limb_mm is not None else LIMBS:
             ends = [
-                on_clock(skin, start, 1e-3 * length, np.array([np.pi + turn]))
+                on_clock(skin, start, 1e-3 * limb, np.array([np.pi + turn]))
                 for start, turn in zip(starts, (spread, -spread), strict=True)
             ]
             limbs = [resampled(skin.geodesics.path(*both), FOLD_STEP, False) for both in zip(starts, ends, strict=True)]
             if np.min(cKDTree(dense).query(np.concatenate(limbs))[0]) > FOLD_GAP:
                 return ends
         raise BadDrawing(
-            f"The limbs of {length:g} mm reach the fold of the {SIDES[side]} breast; choose shorter limbs (limb_mm), "
+            f"The limbs of {limb:g} mm reach the fold of the {SIDES[side]} breast; choose shorter limbs (limb_mm), "
             "a narrower angle (limb_angle_deg) or a smaller areola (areola_mm)."
         )
 
