@@ -8,6 +8,7 @@ from breastrig import __version__
 from breastrig.cli import (
     compare_command,
     evaluate_command,
+    export_command,
     fit_command,
     landmarks_command,
     model_command,
@@ -33,6 +34,7 @@ def parser() -> argparse.ArgumentParser:
         transfer_command,
         compare_command,
         report_command,
+        export_command,
         landmarks_command,
         evaluate_command,
         model_command,

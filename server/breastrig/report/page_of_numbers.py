@@ -175,12 +175,12 @@ def _distances(found: dict[str, float | None]) -> str:
         return "none found"
     words = f"mean {found['mean']:.2f} mm, 95 % {found['p95']:.2f} mm, largest {found['max']:.1f} mm"
     coverage = found.get("coverage")
-    return words if coverage is None else f"{words}; on {100 * coverage:.0f} % of the model"
+    return words if coverage is None else f"{words}; {100 * coverage:.0f} % seen"
 
 
 def _doubts(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
     """Picks that were not followed, and what reading the scans found."""
-    y = sheet.heading(MARGIN, y, "Doubts")
+    y = sheet.heading(MARGIN, y, "Doubts and notes")
     told = []
     for one in stances:
         prefix = f"{one.name.capitalize()}: " if len(stances) > 1 else ""

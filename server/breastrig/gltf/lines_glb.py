@@ -1,0 +1,53 @@
+"""Polylines as .glb: one node and one line strip for each, in metres as glTF demands, in the frame of the points.
+
+Line strips, not ribbons (ribbon.py): this is for programs that compute with the lines, not for looking.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import pygltflib
+from pygltflib import GLTF2, Attributes
+
+from breastrig.core.arrays import Array
+from breastrig.gltf.container import BufferWriter, Node, append, new_document, to_glb
+from breastrig.gltf.skinned import as_float32
+
+LINE_STRIP, POINTS, LINE_LOOP = 3, 0, 2  # glTF's modes
+UNLIT = "KHR_materials_unlit"
+
+
+def lines_glb(
+    lines: Sequence[tuple[str, Array, bool, tuple[int, int, int]]], extras: dict[str, Any] | None = None
+) -> bytes:
+    """A .glb of (name, (M, 3) m points, closed, red green blue of 0 to 255)."""
+    document = new_document(extras)
+    buffer = BufferWriter(document)
+    if lines:
+        document.extensionsUsed = [UNLIT]
+    for name, points, is_closed, colour in lines:
+        mode = POINTS if len(points) == 1 else LINE_LOOP if is_closed else LINE_STRIP
+        primitive = pygltflib.Primitive(
+            attributes=Attributes(
+                POSITION=buffer.add(as_float32(points), target=pygltflib.ARRAY_BUFFER, bounds=True),
+            ),
+            mode=mode,
+            material=_pen(document, colour),
+        )
+        mesh = append(document.meshes, pygltflib.Mesh(name=name, primitives=[primitive]))
+        document.scenes[0].nodes.append(append(document.nodes, Node(name=name, mesh=mesh)))
+    return to_glb(document, buffer)
+
+
+def _pen(document: GLTF2, colour: tuple[int, int, int]) -> int:
+    light = [
+        level / 12.92 if level <= 0.04045 else ((level + 0.055) / 1.055) ** 2.4 for level in (c / 255 for c in colour)
+    ]
+    material = pygltflib.Material(
+        name="pen",
+        pbrMetallicRoughness=pygltflib.PbrMetallicRoughness(
+            baseColorFactor=[*(round(level, 5) for level in light), 1.0], metallicFactor=0.0, roughnessFactor=1.0
+        ),
+        extensions={UNLIT: {}},
+    )
+    return append(document.materials, material)

@@ -1,0 +1,40 @@
+"""A fit's folder turned into files for other programs (Blender, MeshLab, tetrahedral meshers)."""
+
+from pathlib import Path
+
+import trimesh
+
+from breastrig.gltf.lines_glb import lines_glb
+from breastrig.jobs.fit_files import json_bytes
+from breastrig.jobs.fit_folder import read_fit_folder
+from breastrig.jobs.report import stance_of, write_all
+from breastrig.report.exported import closed_model, vertex_sets
+from breastrig.report.line_files import obj_lines, ply_lines, rgb
+
+
+def export_files(folder: Path, model: Path | None = None) -> dict[str, bytes]:
+    """drawing.{glb,obj,ply}, where the fit has a drawing, and surface.{ply,stl,json}; by name.
+
+    Everything is in the scan's frame and unit, apart from drawing.glb, which is in metres as glTF demands.
+    Raises BadInput for a folder that is no fit.
+    """
+    fit = read_fit_folder(folder, model)
+    stance = stance_of(folder, fit)
+    per_unit, unit = fit.metres_per_unit, fit.unit
+    files = {}
+    if stance.lines:
+        named = [(line.name, line.points, line.closed, rgb(line.color)) for line in stance.lines]
+        files["drawing.glb"] = lines_glb(named, {"unit": "m", "scan_unit": unit})
+        files["drawing.obj"] = obj_lines(stance.lines, per_unit, unit)
+        files["drawing.ply"] = ply_lines(stance.lines, per_unit, unit)
+    closed = closed_model(stance)
+    mesh = trimesh.Trimesh(closed.surface.vertices / per_unit, closed.surface.faces, process=False)
+    files["surface.ply"] = mesh.export(file_type="ply", include_attributes=False)
+    files["surface.stl"] = mesh.export(file_type="stl")
+    files["surface.json"] = json_bytes(vertex_sets(stance, closed, unit))
+    return files
+
+
+def write_export(folder: Path, out: Path, model: Path | None = None) -> None:
+    """Writes the files into `out`; BadInput when it cannot be written."""
+    write_all(export_files(folder, model), out)

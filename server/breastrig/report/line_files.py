@@ -1,0 +1,73 @@
+"""A drawing's lines as OBJ and PLY polylines: text, in the unit that is asked for, readable by Blender and MeshLab."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Integers
+from breastrig.core.notice import RESEARCH_USE_ONLY
+from breastrig.report.stance import DrawnLine
+
+
+def obj_lines(lines: Sequence[DrawnLine], metres_per_unit: float, unit: str) -> bytes:
+    """One named object with one `l` element for each line; a closed line comes back to its first point."""
+    text = [f"# {RESEARCH_USE_ONLY}", f"# unit: {unit}, frame: the scan's"]
+    count = 1
+    for line in lines:
+        text.append(f"o {line.name}")
+        text += [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in line.points / metres_per_unit]
+        numbers = [*range(count, count + len(line.points)), *([count] if line.closed else [])]
+        text.append("l " + " ".join(map(str, numbers)) if len(numbers) > 1 else f"p {count}")
+        count += len(line.points)
+    return ("\n".join(text) + "\n").encode()
+
+
+def ply_lines(lines: Sequence[DrawnLine], metres_per_unit: float, unit: str) -> bytes:
+    """Vertices with the number of their line and whether they are bridged, and edges with their line's colour."""
+    points, edges = edges_of(lines)
+    owner = np.repeat(np.arange(len(lines)), [len(line.points) for line in lines])
+    bridged = np.concatenate([np.zeros(0, dtype=np.bool_), *(line.bridged for line in lines)])
+    head = [
+        "ply",
+        "format ascii 1.0",
+        f"comment {RESEARCH_USE_ONLY}",
+        f"comment unit: {unit}, frame: the scan's",
+        *(f"comment line {number}: {line.name}" for number, line in enumerate(lines)),
+        f"element vertex {len(points)}",
+        *(f"property double {axis}" for axis in "xyz"),
+        "property int line",
+        "property uchar bridged",
+        f"element edge {len(edges)}",
+        "property int vertex1",
+        "property int vertex2",
+        *(f"property uchar {name}" for name in ("red", "green", "blue")),
+        "end_header",
+    ]
+    colours = [rgb(line.color) for line in lines]
+    body = [
+        f"{x:.6f} {y:.6f} {z:.6f} {line} {int(over_a_hole)}"
+        for (x, y, z), line, over_a_hole in zip(points / metres_per_unit, owner, bridged, strict=True)
+    ]
+    body += [f"{a} {b} {' '.join(map(str, colours[owner[a]]))}" for a, b in edges]
+    return ("\n".join([*head, *body]) + "\n").encode()
+
+
+def edges_of(lines: Sequence[DrawnLine]) -> tuple[Array, Integers]:
+    """((P, 3) m all points, (E, 2) edges between neighbours on a line)."""
+    points = np.concatenate([np.zeros((0, 3)), *(line.points for line in lines)])
+    edges, count = [np.zeros((0, 2), dtype=np.int64)], 0
+    for line in lines:
+        here = np.arange(len(line.points) - (0 if line.closed and len(line.points) > 2 else 1))
+        edges.append(count + np.stack([here, (here + 1) % len(line.points)], axis=1))
+        count += len(line.points)
+    return points, np.concatenate(edges)
+
+
+def rgb(color: str | None) -> tuple[int, int, int]:
+    """0 to 255 of "#rrggbb"; black where there is none."""
+    digits = (color or "#000000").lstrip("#")
+    try:
+        red, green, blue = bytes.fromhex(digits)
+    except ValueError:
+        return 0, 0, 0
+    return red, green, blue

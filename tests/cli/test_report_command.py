@@ -1,0 +1,180 @@
+"""`breastrig report` and `breastrig export` on the example patient, as a user calls them."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pypdf
+import pytest
+import trimesh
+
+from breastrig.cli.main import main
+from breastrig.core.assets import asset_folder
+from breastrig.core.glb import split_glb
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.geometry.self_intersections import crossing_faces
+
+STANCES = ("standing", "supine")
+
+
+@pytest.fixture(scope="module")
+def fits(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("fits")
+    for stance in STANCES:
+        example = asset_folder("example") / stance
+        scan, landmarks = str(example / "scan.ply"), str(example / "landmarks.json")
+        assert main(["fit", scan, "--landmarks", landmarks, "--refine", "-o", str(folder / stance)]) == 0
+    return {stance: folder / stance for stance in STANCES}
+
+
+@pytest.fixture(scope="module")
+def report(fits: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("report")
+    assert main(["report", str(fits["standing"]), "--with", str(fits["supine"]), "-o", str(out)]) == 0
+    return out
+
+
+def document(folder: Path, name: str) -> dict:
+    return json.loads((folder / name).read_text())
+
+
+def test_csv_and_json_hold_the_same_rows(report: Path) -> None:
+    rows = document(report, "report.json")["measures"]
+    table = list(csv.DictReader((report / "measures.csv").read_text().splitlines()))
+    assert [{k: "" if v is None else str(v) for k, v in row.items()} for row in rows] == table
+    assert {row["stance"] for row in rows} == {"standing", "supine", "supine - standing"}
+    for row in rows:
+        assert row["landmarks"]
+        assert row["method"]
+        if row["left"] is not None and row["unit"] == "mm":
+            assert row["difference"] == pytest.approx(row["left"] - row["right"], abs=0.011)
+
+
+def test_changes_are_the_second_stance_less_the_first(report: Path) -> None:
+    rows = {(r["stance"], r["measure"], r["kind"]): r for r in document(report, "report.json")["measures"]}
+    for (stance, measure, kind), row in rows.items():
+        if stance == "supine - standing":
+            before, after = rows["standing", measure, kind], rows["supine", measure, kind]
+            for cell in ("left", "right", "value"):
+                if row[cell] is not None:
+                    assert row[cell] == pytest.approx(after[cell] - before[cell], abs=0.11)
+
+
+def test_straight_lengths_are_those_between_the_picks(report: Path, fits: dict[str, Path]) -> None:
+    picks = document(asset_folder("example") / "standing", "landmarks.json")["landmarks"]
+    doubted = document(fits["standing"], "result.json")["landmarks_not_followed"]
+    assert doubted == []
+    rows = {(r["stance"], r["measure"], r["kind"]): r for r in document(report, "report.json")["measures"]}
+    row = rows["standing", "nipple_fold", "straight"]
+    for side, key in (("L", "left"), ("R", "right")):
+        apart = np.linalg.norm(np.subtract(picks[f"nipple_{side}"], picks[f"inframammary_fold_{side}"]))
+        assert row[key] == pytest.approx(apart, abs=0.02)
+
+
+def test_the_pdf_has_two_pages_with_the_numbers_the_settings_and_the_limits_of_use(report: Path) -> None:
+    pdf = pypdf.PdfReader(report / "report.pdf")
+    assert len(pdf.pages) == 2
+    texts = [page.extract_text() for page in pdf.pages]
+    for text in texts:
+        assert LIMITS_OF_USE in text
+    found = document(report, "report.json")
+    for row in found["measures"]:
+        if row["unit"] == "mm" and row["stance"] in STANCES:
+            for cell in ("left", "right", "value"):
+                if row[cell] is not None:
+                    assert any(f"{row[cell] + nudge:.1f}" in texts[1] for nudge in (-0.005, 0.0, 0.005)), row
+    for stance in found["stances"]:
+        assert stance["model"]["sha256"][:12] in texts[1]
+        assert stance["scan"]["sha256"][:12] in texts[1]
+        assert f"{stance['surface_distance_mm']['mean']:.2f} mm" in texts[1]
+        assert stance["preset"] in texts[1]
+    assert sum(len(page.images) for page in pdf.pages) == 7  # two scans, four fits, the colour bar
+    assert "+5 mm" in texts[0]
+
+
+def test_the_same_fits_give_the_same_bytes(report: Path, fits: dict[str, Path], tmp_path: Path) -> None:
+    assert main(["report", str(fits["standing"]), "--with", str(fits["supine"]), "-o", str(tmp_path)]) == 0
+    for name in ("report.json", "measures.csv", "report.pdf"):
+        assert (tmp_path / name).read_bytes() == (report / name).read_bytes()
+
+
+def test_one_stance_alone_also_has_two_pages(fits: dict[str, Path], tmp_path: Path) -> None:
+    assert main(["report", str(fits["supine"]), "-o", str(tmp_path)]) == 0
+    assert len(pypdf.PdfReader(tmp_path / "report.pdf").pages) == 2
+    assert {row["stance"] for row in document(tmp_path, "report.json")["measures"]} == {"supine"}
+
+
+def test_the_same_stance_twice_gets_letters(fits: dict[str, Path], tmp_path: Path) -> None:
+    assert main(["report", str(fits["supine"]), "--with", str(fits["supine"]), "-o", str(tmp_path)]) == 0
+    rows = document(tmp_path, "report.json")["measures"]
+    assert {row["stance"] for row in rows} == {"supine A", "supine B", "supine B - supine A"}
+    change = [row for row in rows if row["stance"] == "supine B - supine A"]
+    assert all(row[cell] in (None, 0.0) for row in change for cell in ("left", "right", "value"))
+
+
+@pytest.mark.parametrize("command", ["report", "export"])
+def test_a_folder_that_is_no_fit_is_one_line(command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([command, str(tmp_path), "-o", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "fit" in error
+
+
+def test_a_damaged_drawing_is_one_line(
+    fits: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy = tmp_path / "fit"
+    copy.mkdir()
+    for file in fits["standing"].iterdir():
+        (copy / file.name).write_bytes(file.read_bytes())
+    for damaged in ('{"shapes": [{"name": "x"}]}', '{"shapes": [{"name": "x", "closed": 0, "points": [[1, 2, NaN]]}]}'):
+        (copy / "drawing.json").write_text(damaged)
+        assert main(["report", str(copy), "-o", str(tmp_path / "out")]) == 2
+        error = capsys.readouterr().err
+        assert error.count("\n") == 1
+        assert "drawing.json" in error
+
+
+def test_a_place_that_cannot_be_written_is_one_line(
+    fits: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("in the way")
+    assert main(["export", str(fits["standing"]), "-o", str(tmp_path / "file")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize("stance", STANCES)
+def test_the_exported_surface_is_ready_for_tetrahedra(stance: str, fits: dict[str, Path], tmp_path: Path) -> None:
+    assert main(["export", str(fits[stance]), "-o", str(tmp_path)]) == 0
+    mesh = trimesh.load(tmp_path / "surface.ply", process=False)
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.volume > 0.0
+    assert len(crossing_faces(np.asarray(mesh.vertices), np.asarray(mesh.faces))) == 0
+    assert np.degrees(mesh.face_angles.min()) > 5.0
+    sets = document(tmp_path, "surface.json")
+    fitted = trimesh.load(fits[stance] / "fitted.ply", process=False)
+    assert (mesh.faces[: len(fitted.faces)] == fitted.faces).all()
+    assert sets["volume_ml"] == pytest.approx(1e6 * mesh.volume * (1.0 if sets["unit"] == "m" else 1e-9), rel=1e-3)
+    assert len(sets["caps"]) == 4
+    landmarks = document(fits[stance], "result.json")["landmarks"]
+    per_mm = 1e-3 if sets["unit"] == "m" else 1.0
+    for name, place in landmarks.items():
+        found = sets["landmarks"][name]
+        exact = np.array(found["barycentric"]) @ mesh.vertices[mesh.faces[found["face"]]]
+        assert np.linalg.norm(exact - place) < 0.02 * per_mm + sets["smoothed_by_mm"] * per_mm
+        apart = np.linalg.norm(mesh.vertices[found["vertex"]] - exact) / per_mm
+        assert apart == pytest.approx(found["distance_mm"], abs=0.02)
+    shapes = {shape["name"]: shape for shape in document(fits[stance], "drawing.json")["shapes"]}
+    assert sets["lines"].keys() == shapes.keys()
+    for name, line in sets["lines"].items():
+        assert len(line["surface_points"]) == len(shapes[name]["points"])
+        gaps = [
+            np.linalg.norm(mesh.vertices[line["vertices"]] - point, axis=1).min() for point in shapes[name]["points"]
+        ]
+        assert max(gaps) / per_mm <= line["distance_mm"] + 0.02
+    stl = trimesh.load(tmp_path / "surface.stl")
+    assert stl.is_watertight
+    document_glb, _ = split_glb((tmp_path / "drawing.glb").read_bytes())
+    assert [node["name"] for node in document_glb["nodes"]] == list(shapes)

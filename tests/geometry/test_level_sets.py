@@ -1,0 +1,41 @@
+"""Parts of a plane and a sphere above a level."""
+
+import numpy as np
+import pytest
+from helpers.surfaces import plane, sphere
+
+from breastrig.geometry.boundary import boundary_loops
+from breastrig.geometry.level_sets import crossings, part_above
+from breastrig.geometry.normals import face_areas, face_normals
+
+
+@pytest.mark.parametrize("level", [-0.0333, 0.0, 0.0477])
+def test_half_planes_are_cut_exactly(level: float) -> None:
+    vertices, faces = plane(0.2, 20)
+    values = vertices[:, 0] + 0.5 * vertices[:, 1]
+    part, triangles = part_above(vertices, faces, values, level)
+    assert (part[:, 0] + 0.5 * part[:, 1] > level - 1e-12).all()
+    below, under = part_above(vertices, faces, -values, -level)
+    total = face_areas(part, triangles).sum() + face_areas(below, under).sum()
+    assert total == pytest.approx(0.04, abs=1e-12)
+    kept = face_areas(part, triangles) > 1e-14
+    assert face_normals(part, triangles[kept])[:, 2] == pytest.approx(1.0)
+    line = crossings(vertices, faces, values, level)
+    assert line[:, 0] + 0.5 * line[:, 1] == pytest.approx(level, abs=1e-12)
+
+
+def test_a_cap_of_a_sphere_has_one_border_and_moves_with_the_level() -> None:
+    vertices, faces = sphere(0.1, 4)
+    areas = []
+    for level in (0.013, 0.033, 0.053):
+        part, triangles = part_above(vertices, faces, vertices[:, 2], level)
+        assert len(boundary_loops(triangles)) == 1
+        areas.append(face_areas(part, triangles).sum())
+    assert areas == pytest.approx([2 * np.pi * 0.1 * (0.1 - z) for z in (0.013, 0.033, 0.053)], rel=0.01)
+
+
+def test_all_or_nothing() -> None:
+    vertices, faces = plane()
+    assert len(part_above(vertices, faces, vertices[:, 0], 1.0)[1]) == 0
+    assert len(part_above(vertices, faces, vertices[:, 0], -1.0)[1]) == len(faces)
+    assert len(crossings(vertices, faces, vertices[:, 0], 1.0)) == 0

@@ -1,0 +1,116 @@
+"""Lengths, ratios and volumes where the answer is known: on the symmetric model, on picks, and in a mirror."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from breastrig.report.measures import measures
+from breastrig.report.row import Row
+from breastrig.report.stance import Stance
+from breastrig.rig.model import Rig
+
+LENGTHS = ("notch_nipple", "midclavicle_nipple", "nipple_fold", "nipple_midline", "nipple_nipple", "base_width")
+TOLERANCE = {"mm": 0.1, "ml": 0.5, "1": 1e-3}  # the mesh is mirrored to the micrometre, shortest ways nearly
+
+
+def by_name(rows: tuple[Row, ...]) -> dict[tuple[str, str], Row]:
+    return {(row.measure, row.kind): row for row in rows}
+
+
+@pytest.fixture(scope="module")
+def of_the_asymmetric(asymmetric: Stance) -> dict[tuple[str, str], Row]:
+    return by_name(measures(asymmetric))
+
+
+def test_every_length_is_given_straight_and_along_the_skin_and_says_how(
+    of_the_asymmetric: dict[tuple[str, str], Row],
+) -> None:
+    for name in LENGTHS:
+        straight, tape = of_the_asymmetric[name, "straight"], of_the_asymmetric[name, "along the skin"]
+        for row in (straight, tape):
+            assert row.landmarks
+            assert row.method
+        for a, b in ((straight.left, tape.left), (straight.right, tape.right), (straight.value, tape.value)):
+            assert (a is None) == (b is None)
+            if a is not None and b is not None:
+                assert 20.0 < a.value <= b.value + 1e-6 < 400.0
+
+
+def test_a_symmetric_model_has_ratios_of_1_and_differences_of_0(at_rest: Stance) -> None:
+    rows = measures(at_rest)
+    assert {row.measure for row in rows} == {*LENGTHS, "volume", "M1", "M2", "M3", "M4", "M5", "M6"}
+    for row in rows:
+        if row.kind == "ratio":
+            assert row.value is not None
+            assert row.value.value == pytest.approx(1.0, abs=1e-3)
+        elif row.difference is not None:
+            assert row.difference == pytest.approx(0.0, abs=TOLERANCE[row.unit])
+
+
+def test_a_mirrored_patient_exchanges_left_and_right(
+    of_the_asymmetric: dict[tuple[str, str], Row], mirrored: Stance
+) -> None:
+    there = by_name(measures(mirrored))
+    assert there.keys() == of_the_asymmetric.keys()
+    for key, row in of_the_asymmetric.items():
+        for a, b in ((row.left, there[key].right), (row.right, there[key].left), (row.value, there[key].value)):
+            assert (a is None) == (b is None)
+            if a is not None and b is not None:
+                assert a.value == pytest.approx(b.value, abs=TOLERANCE[row.unit]), key
+
+
+def test_the_larger_breast_has_more_volume_and_a_longer_way_to_the_notch(
+    of_the_asymmetric: dict[tuple[str, str], Row],
+) -> None:
+    volume = of_the_asymmetric["volume", "volume"]
+    assert volume.left is not None
+    assert volume.right is not None
+    assert volume.left.value > volume.right.value + 50.0
+    for side in (volume.left, volume.right):
+        assert side.low is not None
+        assert side.high is not None
+        assert 0.0 < side.low < side.value < side.high
+    for kind in ("straight", "along the skin"):
+        assert (of_the_asymmetric["notch_nipple", kind].difference or 0.0) > 3.0
+    ratios = [row.value.value for row in of_the_asymmetric.values() if row.kind == "ratio" and row.value]
+    assert all(0.0 <= ratio <= 1.0 for ratio in ratios)
+    assert min(ratios) < 0.95
+
+
+def test_a_turned_and_moved_patient_measures_the_same(rig: Rig, asymmetric: Stance) -> None:
+    angle = 1.1
+    turn = np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
+    turn = turn @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+    moved = replace(
+        asymmetric,
+        vertices=asymmetric.vertices @ turn.T + [3.0, -2.0, 1.0],
+        scan_vertices=asymmetric.scan_vertices @ turn.T + [3.0, -2.0, 1.0],
+    )
+    here, there = by_name(measures(asymmetric)), by_name(measures(moved))
+    for key, row in here.items():
+        for a, b in ((row.left, there[key].left), (row.right, there[key].right), (row.value, there[key].value)):
+            if a is not None and b is not None:
+                assert a.value == pytest.approx(b.value, abs=0.2 * TOLERANCE[row.unit]), key
+
+
+def test_picked_landmarks_win_and_every_row_says_so(rig: Rig, asymmetric: Stance) -> None:
+    at = dict(zip(rig.landmark_names, rig.landmark_points().positions(asymmetric.vertices, rig.faces), strict=True))
+    pick = at["nipple_L"] + [0.0, 0.004, 0.003]
+    rows = by_name(measures(replace(asymmetric, picked={"nipple_L": pick})))
+    row = rows["notch_nipple", "straight"]
+    assert row.left is not None
+    assert row.left.value == pytest.approx(1e3 * np.linalg.norm(pick - at["suprasternal_notch"]), abs=1e-9)
+    assert "nipple_L (picked)" in row.landmarks
+    assert "suprasternal_notch (model)" in row.landmarks
+    assert "nipple_R (model)" in row.landmarks
+
+
+def test_a_rig_without_outlines_has_the_lengths_that_its_landmarks_allow(toy_rig: Rig) -> None:
+    scan = np.array(toy_rig.template)
+    rows = by_name(measures(Stance(toy_rig, scan, scan, toy_rig.faces, "standing")))
+    assert set(rows) == {
+        *((name, kind) for name in ("notch_nipple", "nipple_nipple") for kind in ("straight", "along the skin")),
+        ("M1", "ratio"),
+        ("M3", "ratio"),
+    }
