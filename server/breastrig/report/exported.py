@@ -1,9 +1,9 @@
 """A fit for other programs: the drawing as lines, and the model as a closed surface for tetrahedral meshing.
 
 The surface is the fitted model with its neck, arms and waist capped and its crossings smoothed out; the first V
-vertices and F triangles are the model's, in its order.  The named sets beside it say which vertices are landmarks, drawn lines,
-regions and caps, so that a simulation can fix, load and read them without looking; where vertices are too coarse, landmarks and lines
-also stand there as points of triangles.
+vertices and F triangles are the model's, in its order.  The named sets beside it say which vertices are landmarks,
+drawn lines, regions and caps, so that a simulation can fix, load and read them without looking; for where vertices
+are too coarse, landmarks and lines also stand there as points of triangles.
 """
 
 from dataclasses import dataclass
