@@ -5,8 +5,10 @@ from functools import wraps
 from typing import Any
 
 from breastrig.evaluation.cohort import Case
+from breastrig.evaluation.other_patient_study import other_patient
 from breastrig.evaluation.questions import accuracy, landmark_study, orientation_study, peers, sensitivity
 from breastrig.evaluation.questions.scene import read_scene
+from breastrig.evaluation.transfer_study import transfer_study
 from breastrig.evaluation.two_stances import gain
 from breastrig.fitting.recipe import Recipe
 from breastrig.rig.model import Rig
@@ -40,4 +42,6 @@ ANSWERS: dict[str, Answer] = {
     "shape_count": _of_one_case(sensitivity.shape_count),
     "peer": _of_one_case(peers.peer),
     "two_stances": two_stances,
+    "transfer": transfer_study,
+    "other_patient": other_patient,
 }

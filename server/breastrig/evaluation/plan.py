@@ -47,7 +47,7 @@ class Plan:
             for recipe in self.recipes:
                 for term, factor in compliances():
                     units += self._each("compliance", recipe, term=term, factor=factor)
-            units += self._pairs_of_stances()
+            units += self._pairs_of_stances() + self._pairs_of_patients()
         place = {case: k for k, case in enumerate(self.cases)}
         return sorted(units, key=lambda unit: place[unit.cases[0]])  # by case, whose scan is then read once
 
@@ -56,7 +56,19 @@ class Plan:
         for _, group in groupby(self.cases, lambda case: case.patient):
             cases = tuple(group)
             if {case.stance for case in cases} >= {"standing", "supine"}:
-                units.append(Unit(cases, "two_stances", self.recipes[0], self.model))
+                units += [
+                    Unit(cases, question, self.recipes[0], self.model) for question in ("two_stances", "transfer")
+                ]
+        return units
+
+    def _pairs_of_patients(self) -> list[Unit]:
+        """Each patient with the next one of her family in the same setting, the last with the first."""
+        units = []
+        for setting in dict.fromkeys((case.family, case.name) for case in self.cases):
+            same = [case for case in self.cases if (case.family, case.name) == setting]
+            if len(same) > 1:
+                for first, second in zip(same, [*same[1:], same[0]], strict=True):
+                    units.append(Unit((first, second), "other_patient", self.recipes[0], self.model))
         return units
 
     def second_round(self, rig: Rig, useful: dict[str, tuple[str, ...]]) -> list[Unit]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from breastrig.evaluation import sections
+from breastrig.evaluation import sections, transfer_sections
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.evaluate import Results
 from breastrig.evaluation.section import Section, capital, mm
@@ -170,4 +170,8 @@ def all_sections(results: Results, tables: dict[str, Table]) -> list[Section]:
         found.append(peers(tables["peers"], results.plan.cases))
     if "two_stances" in tables:
         found.append(two_stances(tables["two_stances"]))
+    if "transfer" in tables:
+        found.append(transfer_sections.transfer(tables["transfer"]))
+    if "other_patient" in tables:
+        found.append(transfer_sections.other_patient(tables["other_patient"]))
     return [*found, sections.refined(results), sections.failures(tables.get("failures"))]

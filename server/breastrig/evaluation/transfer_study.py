@@ -35,6 +35,7 @@ from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import ModelDrawing, Rig
 
 PICKS = ("true", "5 mm off", "one 30 mm off")
+ALL = "all"  # lines, or regions, together
 WAYS = ("skin", "model", "rigid", "spline")
 CLICK, WRONG = 0.005, 0.03  # m
 WRONG_PICK = "nipple_L"
@@ -82,11 +83,12 @@ def _rows(rig: Rig, recipe: Recipe, scenes: tuple[Scene, Scene]) -> Iterator[dic
             } | by_landmarks((scenes[a], scenes[b]), (picks[a], picks[b]), question.points)
             gaps = {way: 1e3 * np.linalg.norm(found - question.true, axis=1) for way, found in errors.items()}
             about = {"from": scenes[a].case.name, "to": scenes[b].case.name, "picks": kind}
-            for line, on_breast in product(dict.fromkeys(question.lines), (True, False)):
-                part = np.array([each == line for each in question.lines]) & (question.on_breast == on_breast)
+            for line, region in product((ALL, *dict.fromkeys(question.lines)), (ALL, "breasts", "chest")):
+                part = np.array([line in (ALL, each) for each in question.lines])
+                part &= (region == ALL) | (question.on_breast == (region == "breasts"))
                 if part.any():
-                    region = {"line": line, "region": "breasts" if on_breast else "chest", "points": int(part.sum())}
-                    yield about | region | {way: _summary(gap[part]) for way, gap in gaps.items()}
+                    what = {"line": line, "region": region, "points": int(part.sum())}
+                    yield about | what | {way: _summary(gap[part]) for way, gap in gaps.items()}
 
 
 def _summary(gaps: Array) -> dict[str, float]:

@@ -34,6 +34,7 @@ ANSWERING = (  # the code that an answer depends on, besides the module of the q
     *("core", "geometry", "least_squares", "rig", "scan", "correspondence", "energies", "gltf", "fitting", "report"),
     *("evaluation/questions/scene.py", "evaluation/cohort.py", "__init__.py"),
 )
+WITH_DRAWINGS = ("two_stances", "transfer", "other_patient")
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +77,7 @@ def source_digest(question: str) -> str:
     """Hash of the code that answers: the numerics and the question's own module, as they were when first asked."""
     total = hashlib.sha256()
     module = ANSWERS[question].__module__.removeprefix("breastrig.").replace(".", "/") + ".py"
-    own = (module, "evaluation/two_stances.py", "drawings") if question == "two_stances" else (module,)
+    own = (module, "evaluation/two_stances.py", "drawings") if question in WITH_DRAWINGS else (module,)
     for name in (*ANSWERING, *own):
         place = PACKAGE / name
         files = sorted(place.rglob("*")) if place.is_dir() else [place]
