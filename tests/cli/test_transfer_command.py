@@ -1,0 +1,140 @@
+"""`breastrig transfer` and `breastrig compare` as a user calls them, on the example patient standing and lying."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from breastrig.cli.main import main
+from breastrig.core.assets import asset_folder
+from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.drawing_file import parsed_drawing
+from breastrig.drawings.superimposition import gaps
+from breastrig.jobs.fit_folder import FitFolder, read_fit_folder
+
+
+@pytest.fixture(scope="module")
+def fits(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("fits")
+    for name in ("standing", "supine"):
+        example = asset_folder("example") / name
+        scan, landmarks = str(example / "scan.ply"), str(example / "landmarks.json")
+        assert main(["fit", scan, "--landmarks", landmarks, "-o", str(out / name)]) == 0
+    return out
+
+
+def transfer(fits: Path, start: str, goal: str, out: Path, *more: str) -> dict:
+    command = ["transfer", "--from", str(fits / start), "--to", str(fits / goal), "-o", str(out), *more]
+    assert main(command) == 0
+    return json.loads(out.read_text())
+
+
+def skin(folder: FitFolder) -> ScanTarget:
+    return ScanTarget(folder.surface.vertices, folder.surface.faces)
+
+
+@pytest.mark.parametrize("more", [(), ("--other-patient",)])
+def test_every_point_lies_on_the_other_scan_or_is_bridged(more: tuple[str, ...], fits: Path, tmp_path: Path) -> None:
+    drawing = transfer(fits, "standing", "supine", tmp_path / "there" / "drawing.json", *more)
+    goal = read_fit_folder(fits / "supine")
+    assert (drawing["schema"], drawing["unit"]) == ("breastrig/drawing@1", goal.unit)
+    assert "Research use only" in drawing["notice"]
+    for shape in drawing["shapes"]:
+        points, bridged = goal.metres_per_unit * np.array(shape["points"]), np.array(shape["bridged"])
+        assert skin(goal).search.query(points[~bridged], candidates=16).distances.max() < 0.3e-3
+        assert bridged.mean() < 0.3
+        assert len(shape["distance_from_mm"]) == len(shape["distance_to_mm"]) == len(points)
+
+
+@pytest.mark.parametrize("more", [(), ("--other-patient",)])
+def test_a_round_trip_to_the_same_scan_returns_the_drawing(more: tuple[str, ...], fits: Path, tmp_path: Path) -> None:
+    back = transfer(fits, "standing", "standing", tmp_path / "back.json", *more)
+    folder = read_fit_folder(fits / "standing")
+    left = json.loads((fits / "standing" / "drawing.json").read_text())
+    for before, after in zip(left["shapes"], back["shapes"], strict=True):
+        points, bridged = np.array(before["points"]), np.array(before["bridged"])
+        near = np.linalg.norm(np.array(after["points"])[:, None] - points, axis=2).min(axis=0)
+        assert folder.metres_per_unit * near[~bridged].max() < 0.5e-3
+
+
+def test_there_and_back_again_is_close(fits: Path, tmp_path: Path) -> None:
+    transfer(fits, "standing", "supine", tmp_path / "there.json")
+    again = transfer(fits, "supine", "standing", tmp_path / "again.json", "--drawing", str(tmp_path / "there.json"))
+    folder = read_fit_folder(fits / "standing")
+    left = json.loads((fits / "standing" / "drawing.json").read_text())
+    drawings = [parsed_drawing(each, folder.rig, folder.unit).on_scan for each in (left, again)]
+    for gap in gaps(*drawings):
+        assert gap.mean_mm < 1.0
+
+
+def test_a_drawing_on_the_model_and_one_on_the_scan_arrive_at_the_same_place(fits: Path, tmp_path: Path) -> None:
+    rig = read_fit_folder(fits / "standing").rig
+    landmark = next(each for each in rig.landmarks if each.name == "nipple_L")
+    on_model = {"face": landmark.face, "barycentric": list(landmark.barycentric)}
+    document = {"schema": "breastrig/drawing@1", "shapes": [{"name": "nipple", "surface_points": [on_model]}]}
+    (tmp_path / "model.json").write_text(json.dumps(document))
+    found = transfer(fits, "standing", "supine", tmp_path / "out.json", "--drawing", str(tmp_path / "model.json"))
+    goal = read_fit_folder(fits / "supine")
+    there = goal.metres_per_unit * np.array(found["shapes"][0]["points"])
+    assert np.linalg.norm(there - goal.landmarks["nipple_L"], axis=1).max() < 8e-3
+
+
+@pytest.mark.parametrize(
+    ("drawing", "word"),
+    [
+        ('{"shapes": []}', "empty"),
+        ("[1, 2]", "JSON object"),
+        ("Dear surgeon", "not JSON"),
+        ('{"unit": "m", "shapes": [{"name": "a", "points": [[7, 7, 7]]}]}', "away from the scan"),
+        ('{"shapes": [{"name": "a", "surface_points": [{"face": 99999, "barycentric": [1, 0, 0]}]}]}', "another model"),
+        (None, "no drawing"),
+    ],
+)
+def test_a_drawing_that_cannot_be_carried_is_one_line(
+    drawing: str | None, word: str, fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if drawing is not None:
+        (tmp_path / "bad.json").write_text(drawing)
+    pair = ["--from", str(fits / "standing"), "--to", str(fits / "supine")]
+    code = main(["transfer", *pair, "--drawing", str(tmp_path / "bad.json"), "-o", str(tmp_path / "out.json")])
+    said = capsys.readouterr().err
+    assert code == 2
+    assert word in said
+    assert said.count("\n") == 1
+    assert not (tmp_path / "out.json").exists()
+
+
+def test_a_folder_that_is_no_fit_is_one_line(fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pair = ["--from", str(fits / "standing"), "--to", str(tmp_path)]
+    assert main(["transfer", *pair, "-o", str(tmp_path / "out.json")]) == 2
+    assert "There is no fit in" in capsys.readouterr().err
+
+
+def test_two_drawings_are_superimposed(fits: Path, tmp_path: Path) -> None:
+    there = transfer(fits, "standing", "supine", tmp_path / "there.json")
+    own = fits / "supine" / "drawing.json"
+    on = ["--on", str(fits / "supine")]
+    assert main(["compare", str(own), str(tmp_path / "there.json"), *on, "-o", str(tmp_path / "cmp")]) == 0
+    found = json.loads((tmp_path / "cmp" / "compare.json").read_text())
+    assert [row["shape"] for row in found["distances"]] == [shape["name"] for shape in there["shapes"]]
+    for row in found["distances"]:
+        assert 0.0 < row["mean_mm"] <= row["p95_mm"] <= row["max_mm"] < 40.0
+    with (tmp_path / "cmp" / "compare.csv").open(newline="") as table:
+        assert [float(row["mean_mm"]) for row in csv.DictReader(table)] == [r["mean_mm"] for r in found["distances"]]
+    with Image.open(tmp_path / "cmp" / "compare.png") as picture:
+        assert picture.width > 1000
+    assert main(["compare", str(own), str(own), *on, "-o", str(tmp_path / "same")]) == 0
+    same = json.loads((tmp_path / "same" / "compare.json").read_text())
+    assert max(row["max_mm"] for row in same["distances"]) < 1e-6
+    assert same["only_in_one"] == []
+
+
+def test_a_drawing_of_another_scan_cannot_be_compared(
+    fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = [str(fits / name / "drawing.json") for name in ("supine", "standing")]
+    assert main(["compare", *files, "--on", str(fits / "supine"), "-o", str(tmp_path / "cmp")]) == 2
+    assert "must be in the scan's frame" in capsys.readouterr().err
