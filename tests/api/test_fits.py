@@ -165,6 +165,7 @@ def test_a_fit_of_no_scan_is_refused(client: FlaskClient) -> None:
         ("fitted.glb", "model/gltf-binary"),
         ("fitted.ply", "application/octet-stream"),
         ("drawing.json", "application/json"),
+        ("distances.bin", "application/octet-stream"),
     ],
 )
 def test_results_are_files_with_an_etag_that_the_browser_may_keep(
@@ -182,7 +183,7 @@ def test_results_are_files_with_an_etag_that_the_browser_may_keep(
 
 def test_what_a_browser_has_kept_is_worth_nothing_after_delete(client: FlaskClient, scan_id: str, fit_id: str) -> None:
     fit = f"/api/fits/{fit_id}"
-    places = [f"{fit}/{name}" for name in ("result.json", "fitted.glb", "fitted.ply", "drawing.json")]
+    places = [f"{fit}/{name}" for name in ("result.json", "fitted.glb", "fitted.ply", "drawing.json", "distances.bin")]
     places += [f"{fit}/iterations/0.gltf", f"/api/scans/{scan_id}/mesh.glb"]
     kept = {place: client.get(place).headers["ETag"] for place in places}
     client.delete(f"/api/scans/{scan_id}")

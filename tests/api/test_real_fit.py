@@ -48,6 +48,13 @@ def fitted(service: Service, client: FlaskClient, scan: dict, landmarks: dict, *
             assert len(answer.data) > 1000
     with client.get(links["result"]) as answer:
         result = answer.json
+    with client.get(links["distances"]) as answer:
+        each_mm = np.frombuffer(answer.data, "<f4")
+    reported = result["surface_distance_mm"]
+    assert len(each_mm) == result["model"]["vertices"]
+    assert np.isfinite(each_mm).mean() == pytest.approx(reported["coverage"], abs=1e-4)
+    assert np.nanmean(np.abs(each_mm)) == pytest.approx(reported["mean"], abs=1e-3)
+    assert np.nanmax(np.abs(each_mm)) == pytest.approx(reported["max"], abs=1e-3)
     assert events[-1]["event"]["result"] == result
     return result
 

@@ -29,9 +29,17 @@ def document(folder: Path, name: str) -> dict:
     return json.loads((folder / name).read_text())
 
 
-def test_the_six_files_are_there_and_nothing_else(fitted: Path) -> None:
+def test_the_seven_files_are_there_and_nothing_else(fitted: Path) -> None:
     names = {file.name for file in fitted.iterdir()}
-    assert names == {"result.json", "scan.ply", "fitted.ply", "fitted.glb", "drawing.json", "fit.log.jsonl"}
+    assert names == {
+        "result.json",
+        "scan.ply",
+        "fitted.ply",
+        "fitted.glb",
+        "drawing.json",
+        "distances.bin",
+        "fit.log.jsonl",
+    }
 
 
 def test_the_result_keeps_its_contract_and_the_papers_floor(fitted: Path) -> None:

@@ -63,7 +63,15 @@ def test_each_folder_is_that_of_a_fit_and_names_nothing_of_the_other(
     folder = told[0]
     for name, other in (("a", "b"), ("b", "a")):
         files = {file.name for file in (folder / name).iterdir()}
-        assert files == {"result.json", "scan.ply", "fitted.ply", "fitted.glb", "drawing.json", "fit.log.jsonl"}
+        assert files == {
+            "result.json",
+            "scan.ply",
+            "fitted.ply",
+            "fitted.glb",
+            "drawing.json",
+            "distances.bin",
+            "fit.log.jsonl",
+        }
         sha = json.loads((folder / other / "result.json").read_text())["scan"]["sha256"]
         assert sha not in (folder / name / "result.json").read_text()
 

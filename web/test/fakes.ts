@@ -23,6 +23,7 @@ export function fitLinks(id: string) {
     fitted_glb: at("fitted.glb"),
     fitted_ply: at("fitted.ply"),
     drawing: at("drawing.json"),
+    distances: at("distances.bin"),
     cancel: at("cancel"),
     shares: at("shares"),
   };
@@ -56,6 +57,7 @@ export function page(answers: Partial<Client> = {}) {
   const client = {
     mesh: async () => new ArrayBuffer(8),
     landmarks: async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: {} }),
+    proposed: async () => ({ landmarks: {} }),
     saveLandmarks: vi.fn(async (_scan: Scan, file: unknown) => file),
     scan: async (id: string) => scanInfo(id),
     upload: async () => scanInfo("uploaded"),

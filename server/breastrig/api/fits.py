@@ -21,7 +21,13 @@ FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it l
 fits = APIBlueprint("fits", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 fits_of_scans = APIBlueprint("fits_of_scans", __name__, url_prefix="/api/scans", tag=FITS_TAG)
 
-MEDIA_TYPES = {"result.json": JSON, "fitted.glb": GLB, "fitted.ply": BINARY, "drawing.json": JSON}
+MEDIA_TYPES = {
+    "result.json": JSON,
+    "fitted.glb": GLB,
+    "fitted.ply": BINARY,
+    "drawing.json": JSON,
+    "distances.bin": BINARY,
+}
 
 
 @fits.post("")
@@ -165,6 +171,27 @@ def show_drawing(fit_id: str) -> Response:
     return _result_file(fit_id, "drawing.json")
 
 
+@fits.get("/<fit_id>/distances.bin")
+@fits.doc(
+    operation_id="getDistances",
+    responses={
+        200: file_of(
+            BINARY,
+            "float32, little-endian, one number for each vertex of the model in its order: signed distance to the "
+            "scan in millimetres, above zero where the model lies outside the skin, nan where no pair was accepted",
+        ),
+        404: "A fit of an older version has none",
+        409: "Not done",
+    },
+)
+def show_distances(fit_id: str) -> Response:
+    """The distance of each model vertex to the scan, mm, to colour the model by
+
+    The absolute values are those that `surface_distance_mm` of result.json summarises.
+    """
+    return _result_file(fit_id, "distances.bin")
+
+
 def _result_file(fit_id: str, name: str) -> Response:
     storage = behind().service.storage
     fit = get_fit(storage, fit_id)
@@ -189,6 +216,7 @@ def fit_links(fit_id: str) -> wire.FitLinks:
         fitted_glb=f"{place}/fitted.glb",
         fitted_ply=f"{place}/fitted.ply",
         drawing=f"{place}/drawing.json",
+        distances=f"{place}/distances.bin",
         cancel=f"{place}/cancel",
         shares=f"{place}/shares",
     )

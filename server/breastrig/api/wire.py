@@ -139,6 +139,7 @@ class FitLinks(Wire):
     fitted_glb: str
     fitted_ply: str
     drawing: str
+    distances: str
     cancel: str
     shares: str
 

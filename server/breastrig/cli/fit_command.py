@@ -1,7 +1,7 @@
-"""`breastrig fit SCAN -o OUT`: one scan in, six files out.
+"""`breastrig fit SCAN -o OUT`: one scan in, seven files out.
 
 With `--with SCAN_B` two stances of one patient are fitted together, with one body: OUT/first and OUT/second get the
-six files each, OUT/pair.json says what they share.
+seven files each, OUT/pair.json says what they share.
 """
 
 import argparse

@@ -20,7 +20,13 @@ from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.jobs.events import Iterated
 from breastrig.least_squares.newton import Status
-from breastrig.report.distances import SurfaceDistances, landmark_summary_mm, summary_mm, surface_summary_mm
+from breastrig.report.distances import (
+    SurfaceDistances,
+    landmark_summary_mm,
+    signed_distances,
+    summary_mm,
+    surface_summary_mm,
+)
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.scan.scan import Scan
@@ -132,6 +138,15 @@ def drawing_json(outcome: FitOutcome) -> dict[str, object]:
     }
 
 
+def distances_bin(outcome: FitOutcome) -> bytes:
+    """Of each model vertex the signed distance to the scan: little-endian float32, mm, nan where no pair was accepted.
+
+    Above zero the model lies outside the scan's skin.
+    """
+    signed = signed_distances(outcome.target, outcome.vertices - outcome.centre, outcome.rig.faces)
+    return (1e3 * signed).astype("<f4").tobytes()
+
+
 def write_whole(path: Path, content: bytes) -> None:
     """Whole or not at all."""
     partial = path.with_name(path.name + ".part")
@@ -153,11 +168,12 @@ def _ply(vertices: Array, faces: Integers) -> bytes:
 
 
 def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
-    """Writes the six files and returns result.json's document; BadInput when the folder cannot be written."""
+    """Writes the seven files and returns result.json's document; BadInput when the folder cannot be written."""
     per_unit = outcome.scan.metres_per_unit
     ply = _ply(outcome.vertices / per_unit, outcome.rig.faces)
     scan = _ply((outcome.target.vertices + outcome.centre) / per_unit, outcome.target.faces)
     glb = fitted_glb(outcome.rig, outcome.history, outcome.times_s, outcome.drawing, {"preset": outcome.preset})
+    distances = distances_bin(outcome)
     result = result_json(outcome)
     log = "".join(event.model_dump_json(exclude={"nodes"}) + "\n" for event in outcome.log)
     try:
@@ -166,6 +182,7 @@ def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
         write_whole(folder / "fitted.ply", ply)
         write_whole(folder / "fitted.glb", glb)
         write_whole(folder / "drawing.json", json_bytes(drawing_json(outcome)))
+        write_whole(folder / "distances.bin", distances)
         write_whole(folder / "fit.log.jsonl", log.encode())
         write_whole(folder / "result.json", json_bytes(result))
     except OSError as error:

@@ -15,7 +15,8 @@ __all__ = ["STANCES", "FitJob", "run_fit"]
 def run_fit(job: FitJob) -> Iterator[Event]:
     """Started, Iterated …, Done; a BreastRigError instead when it cannot be done.
 
-    Writes result.json, scan.ply, fitted.ply, fitted.glb, drawing.json and fit.log.jsonl into job.out before Done.
+    Writes result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin and fit.log.jsonl into job.out
+    before Done.
     """
     clock = Clock()
     ready = made_ready(job, read_model(job))

@@ -188,7 +188,7 @@ class ScanStory:
         return self._events[-1]
 
     def finished(self, solve_s: float, clock: Clock) -> Done:
-        """Writes the six files into the job's folder."""
+        """Writes the seven files into the job's folder."""
         ready, (last, x) = self.ready, self._iterates[-1]
         rig, target = ready.task.rig, ready.task.target
         timing = ready.timing_s | {"solve": solve_s}

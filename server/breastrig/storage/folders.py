@@ -2,7 +2,8 @@
 
     data/breastrig.sqlite3      rows
     data/scans/ID/              scan.ply, .obj, ... (the bytes as uploaded), mesh.glb (for display)
-    data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json, fit.log.jsonl
+    data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json,
+                                distances.bin, fit.log.jsonl
     data/rubbish/               on its way out: a folder is first moved here, so that no path into it works any more
 
 Original file names are never stored.
@@ -16,8 +17,6 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-
-RESULT_FILES = ("result.json", "fitted.glb", "fitted.ply", "drawing.json")
 
 
 def new_id() -> str:

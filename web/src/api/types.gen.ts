@@ -168,6 +168,7 @@ export type FitLinks = {
   fitted_glb: string;
   fitted_ply: string;
   drawing: string;
+  distances: string;
   cancel: string;
   shares: string;
 };
