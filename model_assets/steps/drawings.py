@@ -1,4 +1,4 @@
-"""The drawings `lumpectomy` and `anatomy`: smooth lines of evenly spaced surface points on the template."""
+"""The drawings `lumpectomy`, `anatomy`, `mastectomy`: smooth lines of evenly spaced surface points on the template."""
 
 from typing import Any
 
@@ -39,14 +39,41 @@ def _around(skin: Skin, angle: float, heights: Array, axis_z: float) -> Array:
     return np.array([skin.ray(np.array([0.0, y, axis_z]), direction).points[0] for y in heights])
 
 
+def _stewart(template: Template, b: Breast, r: dict[str, Any]) -> list[Array]:
+    """Upper and lower edge (M, 3) m of Stewart's ellipse on the left breast, each from the medial to the lateral end.
+
+    A spindle around the areola in the footprint's coordinates: it slants from low beside the sternum up towards
+    the axilla, as the scar shall lie, and is as wide as closes without tension.
+    """
+    medial, lateral = (
+        radius * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+        for angle, radius in (r["medial"], r["lateral"])
+    )
+    tip = template.rings[-1][0]
+    nipple = np.array([b.lateral[tip], b.upward[tip]])
+    axis = lateral - medial
+    across = np.array([-axis[1], axis[0]]) / np.linalg.norm(axis)
+    across *= np.sign(across[1])
+    share = np.linspace(0.0, 1.0, 25)
+    middle = float((nipple - medial) @ axis / (axis @ axis))
+    bend = float((nipple - medial) @ across) * share * (1.0 - share) / (middle * (1.0 - middle))  # through the nipple
+    width = np.sin(np.pi * share)
+    edges = []
+    for half in (r["half_width"], -r["half_width"]):
+        flat = medial + share[:, None] * axis + (bend + half * width)[:, None] * across
+        edges.append(on_footprint(template, b, np.arctan2(flat[:, 1], flat[:, 0]), np.linalg.norm(flat, axis=1)))
+    return edges
+
+
 def drawings(
     template: Template, b: Breast, skin: Skin, marks: dict[str, Array], recipe: dict[str, Any]
 ) -> tuple[ModelDrawing, ...]:
-    """Both drawings; the right side mirrors the left."""
+    """All drawings; the right side mirrors the left."""
     d = recipe["drawings"]
     spacing = d["spacing"]
     turn = np.linspace(0.0, 2 * np.pi, 49)[:-1]
     lines: dict[str, tuple[Array, bool]] = {}
+    cornered = {"stewart": _stewart(template, b, d["stewart"])}
     notch, xiphoid, clavicle = marks["suprasternal_notch"], marks["xiphoid"], marks["midclavicle_L"]
     nipple, fold = marks["nipple_L"], marks["inframammary_fold_L"]
     beside = d["sternum_half_width"]
@@ -80,15 +107,36 @@ def drawings(
         for entry in drawing["shapes"]:
             for side in ("_L", "_R") if entry.get("sided") else ("",):
                 key = entry["line"] + ("_L" if side else "")
-                anchors, closed = lines[key]
+                flip = FLIP if side == "_R" else np.ones(3)
+                corners: tuple[int, ...] = ()
+                if entry["line"] in cornered:
+                    edges = [skin.line(edge * flip, False, spacing, d["rounds"]) for edge in cornered[entry["line"]]]
+                    fitted[key + side], corners = _joined(edges)
+                    closed = True
+                else:
+                    anchors, closed = lines[key]
                 if key + side not in fitted:
-                    flip = FLIP if side == "_R" else np.ones(3)
                     fitted[key + side] = skin.line(anchors * flip, closed, spacing, d["rounds"])
                     if key == "midline":
                         fitted[key] = skin.nearest_on_midline(skin.at(fitted[key]))
                 words = {"_L": "left ", "_R": "right ", "": ""}[side]
                 shapes.append(
-                    DrawnShape(entry["name"] + side, words + entry["label"], closed, entry["color"], fitted[key + side])
+                    DrawnShape(
+                        entry["name"] + side,
+                        words + entry["label"],
+                        closed,
+                        entry["color"],
+                        fitted[key + side],
+                        corners,
+                    )
                 )
         result.append(ModelDrawing(drawing["name"], drawing["label"], tuple(shapes)))
     return tuple(result)
+
+
+def _joined(edges: list[SurfacePoints]) -> tuple[SurfacePoints, tuple[int, ...]]:
+    """Two lines from one end to the other as one closed line that turns sharply at both ends, and those corners."""
+    there, back = edges
+    order = np.arange(len(back))[-2:0:-1]
+    faces = np.concatenate([there.faces, back.faces[order]])
+    return SurfacePoints(faces, np.concatenate([there.barycentric, back.barycentric[order]])), (0, len(there) - 1)

@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from breastrig.rig.check import check_rig
 from breastrig.rig.model import Rig
@@ -53,7 +54,7 @@ def test_sizes_are_those_of_the_specification(torso: Rig) -> None:
     assert len(torso.joints) == 8
     assert len(torso.shapes) == len(set(torso.shape_names)) == 55
     assert len(torso.landmarks) == len(set(torso.landmark_names)) == 12
-    assert {"lumpectomy", "anatomy"} <= set(torso.drawing_names)
+    assert set(torso.drawing_names) == {"anatomy", "lumpectomy", "mastectomy"}
 
 
 def test_skin_weights_sum_to_one_with_at_most_four_bones(torso: Rig) -> None:
@@ -118,6 +119,26 @@ def test_drawings_lie_in_even_steps_on_the_skin(torso: Rig) -> None:
             steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
             assert steps.min() > 0.003, f"{drawing.name} {shape.name}"
             assert steps.max() < 0.009, f"{drawing.name} {shape.name}"
+
+
+@pytest.mark.parametrize("side", ["L", "R"])
+def test_stewarts_ellipse_runs_from_beside_the_sternum_up_to_the_axilla_around_the_areola(
+    torso: Rig, side: str
+) -> None:
+    shapes = {shape.name: shape for drawing in torso.drawings for shape in drawing.shapes}
+    ellipse = shapes[f"stewart_{side}"]
+    line = ellipse.points.positions(torso.template, torso.faces)
+    nipple = torso.landmark_points((f"nipple_{side}",)).positions(torso.template, torso.faces)[0]
+    medial, lateral = line[list(ellipse.corners)]
+    assert ellipse.closed
+    assert 0.02 < abs(medial[0]) < 0.04  # the sternum's border
+    assert medial[1] < nipple[1] < lateral[1] - 0.02
+    assert lateral[2] < nipple[2] - 0.08  # around the side
+    areola = torso.template[torso.regions[f"areola_{side}"]]
+    gaps = np.linalg.norm(line[:, None] - areola, axis=2).min(axis=0)
+    assert gaps.min() > 0.008
+    half = len(line) // 2
+    assert np.linalg.norm(line[half // 2] - line[-half // 2]) > 0.05  # as wide as it must be to hold the areola
 
 
 def test_landmarks_stand_where_anatomy_has_them(torso: Rig) -> None:

@@ -40,6 +40,24 @@ def with_line(rig: Rig, points: SurfacePoints) -> Rig:
     return replace(rig, drawings=(ModelDrawing("drawing", "Drawing", (line,)),))
 
 
+def with_first_line(rig: Rig, **fields: object) -> Rig:
+    drawing = rig.drawings[0]
+    shapes = (replace(drawing.shapes[0], **fields), *drawing.shapes[1:])
+    return replace(rig, drawings=(replace(drawing, shapes=shapes),))
+
+
+def there_and_back(rig: Rig) -> SurfacePoints:
+    points = rig.drawings[0].shapes[0].points
+    order = np.r_[np.arange(len(points)), np.arange(len(points))[::-1]]
+    return SurfacePoints(points.faces[order], points.barycentric[order])
+
+
+def with_sides(rig: Rig, points: SurfacePoints) -> Rig:
+    """The left breast's line once more under the right one's name."""
+    left = rig.drawings[0].shapes[1]
+    return replace(rig, drawings=(ModelDrawing("drawing", "", (left, replace(left, name="breast_R", points=points))),))
+
+
 def with_extra_faces(rig: Rig, faces: list[list[int]], vertices: list[list[float]] | None = None) -> Rig:
     """More vertices on no bone of their own: everything else grows along."""
     more = 0 if vertices is None else len(vertices)
@@ -143,6 +161,15 @@ BREAKINGS: list[tuple[str, Breaking]] = [
     ("landmarks lie on the surface and are explained", lambda rig: with_landmark(rig, definition="")),
     ("drawings lie on the surface", lambda rig: with_line(rig, SurfacePoints(np.array([1, 2]), np.ones((2, 3))))),
     ("drawings lie on the surface", lambda rig: with_line(rig, SurfacePoints(np.array([1]), np.ones((1, 3)) / 3))),
+    ("lines have a colour", lambda rig: with_first_line(rig, color="red")),
+    (
+        "lines run without jumps",
+        lambda rig: with_line(rig, SurfacePoints(np.array([2, 3, 4, 5, 250]), np.ones((5, 3)) / 3)),
+    ),
+    ("open and closed lines say so", lambda rig: with_first_line(rig, points=there_and_back(rig))),
+    ("corners are points of their line", lambda rig: with_first_line(rig, corners=(3, 2))),
+    ("corners are points of their line", lambda rig: with_first_line(rig, corners=(999,))),
+    ("lines of both sides mirror each other", lambda rig: with_sides(rig, rig.drawings[0].shapes[1].points)),
     ("regions name vertices once", lambda rig: replace(rig, regions={"breast_L": np.array([3, 3])})),
     (
         "the mirror map of vertices leads back",
@@ -211,6 +238,8 @@ def test_a_rig_that_calls_itself_torso_must_be_a_whole_torso(toy_rig: Rig) -> No
         "it has the twelve landmarks",
         "it has the drawing anatomy",
         "it has the drawing lumpectomy",
+        "it has the drawing mastectomy",
+        "lines of both sides mirror each other",
         "it has 55 shapes",
         "the shapes cover breast and body",
         "waist, neck and arms are open",

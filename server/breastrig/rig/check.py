@@ -1,8 +1,8 @@
 """The proof that a rig is sound: every rule of the contract, ours or anybody's, with what was found.
 
-Rules for any rig are here, in check_mesh.py and in check_symmetry.py; those of check_torso.py are asked only of
-the rig named "torso", for which advice is law too.  Nothing raises: a broken rig gives findings, so that its
-maker sees all of them at once.
+Rules for any rig are here, in check_mesh.py, check_drawings.py and check_symmetry.py; those of check_torso.py are
+asked only of the rig named "torso", for which advice is law too.  Nothing raises: a broken rig gives findings, so
+that its maker sees all of them at once.
 """
 
 import re
@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
+from breastrig.rig.check_drawings import drawing_findings, on_triangle
 from breastrig.rig.check_mesh import mesh_findings
 from breastrig.rig.check_symmetry import symmetry_findings
 from breastrig.rig.check_torso import torso_findings
@@ -37,7 +38,7 @@ def check_rig(rig: Rig) -> list[Finding]:
     findings += mesh_findings(rig)
     findings += [_weight_sums(rig), _influences(rig), _smooth_weights(rig)]
     findings += [_bones(rig), _rest_frames(rig), _joints(rig), _names(rig), _ranges(rig), _useful_shapes(rig)]
-    findings += [_landmarks(rig), _drawings(rig), _regions(rig), *symmetry_findings(rig)]
+    findings += [_landmarks(rig), *drawing_findings(rig), _regions(rig), *symmetry_findings(rig)]
     if rig.name == "torso":
         findings = [replace(finding, severity="error") for finding in (*findings, *torso_findings(rig))]
     return findings
@@ -222,27 +223,11 @@ def _useful_shapes(rig: Rig) -> Finding:
     return Finding("every shape does something of its own", not wrong, f"{named(wrong)}." if wrong else "all of them")
 
 
-def _on_triangle(barycentric: Array) -> bool:
-    rows = np.atleast_2d(barycentric)
-    return bool(rows.shape[1] == 3 and (rows > -1e-5).all() and (np.abs(rows.sum(axis=1) - 1.0) < 1e-5).all())
-
-
 def _landmarks(rig: Rig) -> Finding:
-    wrong = [mark.name for mark in rig.landmarks if not _on_triangle(mark.barycentric)]
+    wrong = [mark.name for mark in rig.landmarks if not on_triangle(mark.barycentric)]
     wrong += [f"{mark.name} has no definition" for mark in rig.landmarks if not mark.definition or not mark.label]
     detail = f"not inside its triangle or not explained: {named(wrong)}." if wrong else f"{len(rig.landmarks)}"
     return Finding("landmarks lie on the surface and are explained", not wrong, detail)
-
-
-def _drawings(rig: Rig) -> Finding:
-    wrong = []
-    for drawing in rig.drawings:
-        for shape in drawing.shapes:
-            few = len(shape.points) < (3 if shape.closed else 2)
-            if few or not _on_triangle(shape.points.barycentric):
-                wrong.append(f"{shape.name} of {drawing.name}")
-    detail = f"too short or beside its triangles: {named(wrong)}." if wrong else f"{len(rig.drawings)} drawings"
-    return Finding("drawings lie on the surface", not wrong, detail)
 
 
 def _regions(rig: Rig) -> Finding:

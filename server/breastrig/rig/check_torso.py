@@ -38,7 +38,15 @@ LANDMARKS = (
 )
 DRAWINGS: dict[str, tuple[str, ...]] = {
     "lumpectomy": ("sternum_upper", "sternum_lower", "breast_L", "breast_R"),
-    "anatomy": (),
+    "anatomy": (
+        "midline",
+        *(
+            f"{line}_{side}"
+            for line in ("meridian_upper", "meridian_lower", "inframammary_fold", "breast_base", "anterior_axillary")
+            for side in "LR"
+        ),
+    ),
+    "mastectomy": ("stewart_L", "stewart_R"),
 }
 BREAST_EDGE = 0.009  # m, the median on the breasts
 OPENINGS = 4  # waist, neck, two arms
