@@ -43,6 +43,20 @@ export const hook = {
     }),
 };
 
+/** Waits until no camera moves and nothing is drawn any more: then places on the screen hold still. */
+export async function untilStill(page: Page): Promise<void> {
+  let before = -1;
+  await expect
+    .poll(async () => {
+      await page.waitForTimeout(150);
+      const frames = await page.evaluate(() => window.__breastrig!.frames());
+      const isStill = frames === before;
+      before = frames;
+      return isStill;
+    })
+    .toBe(true);
+}
+
 /** Waits until the fit is over and its last iteration and drawing are on the screen. */
 export async function untilFitted(page: Page): Promise<void> {
   await page.waitForFunction(() => {

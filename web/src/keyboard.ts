@@ -15,6 +15,7 @@ export function listenToKeys(store: Store<Session>, actions: Actions): void {
     n: () => landmarks.wantNext(),
     z: (event) => (event.shiftKey ? landmarks.redo() : landmarks.undo()),
     y: () => landmarks.redo(),
+    c: () => landmarks.confirmWanted(),
     f: () => page.view("front"),
     o: () => page.nextOverlay(),
     "?": () => page.help(true),

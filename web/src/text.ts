@@ -120,12 +120,36 @@ export const text = {
     announceImported: (count: number) => `${plural(count, "landmark", "landmarks")} read.`,
   },
 
+  proposals: {
+    looking: "Looking for the landmarks on this scan …",
+    found: (count: number) => `${plural(count, "proposal", "proposals")}, shown dashed; none is used before you confirm it.`,
+    doubtful: (count: number) =>
+      count === 1 ? "One is a rough guess: check it by itself." : `${count} are rough guesses: check each.`,
+    none: (reason: string) => `No proposals: ${reason}`,
+    late: "The service is still busy with it.",
+    again: "Ask again",
+    confirmAll: (count: number) => `Confirm all ${count}`,
+    confirm: (label: string) => `Confirm the proposed ${label}`,
+    confirmLikely: (count: number) => (count === 1 ? "Confirm the likely point" : `Confirm the ${count} likely points`),
+    error: (mm: string) => `±\u00a0${mm}\u00a0mm`,
+    errorHint: (mm: string) => `The proposal is expected to be about ${mm} mm off.`,
+    offScan: "no skin there",
+    offScanHint: "The scan shows no skin here: the model alone says where it would be.",
+    take: (mm: string) => `Take the proposal, ±\u00a0${mm}\u00a0mm`,
+    rowState: (mm: string) => `proposed, about ${mm} millimetres off`,
+    announceFound: (count: number) => `${plural(count, "landmark is", "landmarks are")} proposed.`,
+    announceConfirmed: (labels: readonly string[]) =>
+      labels.length === 1 ? `Confirmed: ${labels[0]}.` : `${labels.length} proposed landmarks confirmed.`,
+  },
+
   fit: {
     before: "The model settles on the scan within seconds, drawing included.",
     stance: "Stance",
     drawing: "Drawing",
     preset: "Settings",
     presets: { default: "Best known (default)", paper: "As in the paper" } as Record<string, string>,
+    refine: "Follow the skin exactly",
+    refineHint: "After the fit the model's surface bends smoothly onto the scan where it shows skin; bones and shapes stay as fitted.",
     cancel: "Cancel the fit",
     waiting: "Waiting for a free worker …",
     running: "Fitting …",
@@ -228,6 +252,7 @@ export const text = {
       ["1 – 4", "Go to a step"],
       ["N", "Next landmark"],
       ["Z · Shift+Z", "Undo · redo"],
+      ["C", "Take the proposed point"],
       ["Esc", "Stop placing"],
       ["F", "View from the front"],
       ["O", "Scan, both or model"],
@@ -235,7 +260,7 @@ export const text = {
       ["?", "This list"],
     ],
     mouse: [
-      ["Click", "Place the wanted landmark"],
+      ["Click", "Place the wanted landmark, or confirm a dashed one"],
       ["Drag", "Turn the view"],
       ["Right drag", "Move the view"],
       ["Scroll", "Zoom"],

@@ -22,6 +22,8 @@ export function formatMm(mm: number | null | undefined): string {
   return mm !== 0 && Math.abs(mm) < 0.1 ? mm.toFixed(2) : mm.toFixed(1);
 }
 
+export const formatMmWhole = (mm: number): string => mm.toFixed(0);
+
 export function formatSeconds(seconds: number | undefined): string {
   if (seconds === undefined) return UNKNOWN;
   return seconds < 10 ? seconds.toFixed(2) : seconds.toFixed(1);

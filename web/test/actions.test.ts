@@ -149,12 +149,14 @@ test("a fit is followed from start to result", async () => {
   const { store, actions } = await withScan({ startFit });
   actions.landmarks.want("nipple_L");
   actions.landmarks.place([1, 2, 3]);
+  actions.fit.chooseRefine(true);
   await actions.fit.start();
   expect(startFit).toHaveBeenCalledWith({
     scan: "s1",
     stance: "auto",
     preset: "default",
     drawing: "lumpectomy",
+    refine: true,
     landmarks: { nipple_L: [1, 2, 3] },
   });
   const source = FakeEventSource.last!;

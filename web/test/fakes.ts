@@ -21,6 +21,7 @@ export function fitLinks(id: string) {
     events: at("events"),
     result: at("result.json"),
     fitted_glb: at("fitted.glb"),
+    report: at("report.pdf"),
     fitted_ply: at("fitted.ply"),
     drawing: at("drawing.json"),
     distances: at("distances.bin"),

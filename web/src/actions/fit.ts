@@ -81,7 +81,7 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
     stop,
 
     async start(): Promise<void> {
-      const { scan, picks, stance, preset, drawing } = store.get();
+      const { scan, picks, stance, preset, drawing, refine } = store.get();
       if (!scan || store.get().isStarting) return;
       store.set((state) => ({
         ...straightened(state, picks.present),
@@ -92,7 +92,7 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
       }));
       try {
         const landmarks = { ...picks.present };
-        const { id, links } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, landmarks });
+        const { id, links } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, refine, landmarks });
         if (store.get().scan?.info.id !== scan.info.id) return;
         follow(id, links, drawing || null, picks.present);
       } catch (error) {
@@ -123,6 +123,7 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
 
     chooseStance: (stance: StanceChoice): void => store.set({ stance }),
     choosePreset: (preset: string): void => store.set({ preset }),
+    chooseRefine: (refine: boolean): void => store.set({ refine }),
     chooseDrawing: (drawing: string): void => store.set({ drawing }),
   };
 }

@@ -4,6 +4,7 @@ import type { Scan, Vector } from "../api/types";
 import { record, redo, undo } from "../state/history";
 import { readLandmarks, UnreadableLandmarks } from "../state/landmarkFiles";
 import { nextMissing, type Picks, withoutPick, withPick } from "../state/landmarks";
+import { ghostsOf } from "../state/proposals";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import { text } from "../text";
@@ -13,7 +14,7 @@ import { straightened } from "./straighten";
 
 const PAUSE_MS = 400; // a run of quick clicks is one save
 
-export function landmarkActions(store: Store<Session>, client: Client) {
+export function landmarkActions(store: Store<Session>, client: Client, onBegun: () => void) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let waiting: { scan: Scan; picks: Picks } | null = null;
 
@@ -82,6 +83,26 @@ export function landmarkActions(store: Store<Session>, client: Client) {
 
     want(name: string | null): void {
       store.set({ active: name, ...(name === null ? {} : { step: "landmarks" as const, overlay: "both" as const }) });
+      if (name !== null) onBegun();
+    },
+
+    /** Proposals become picks like any other: one step of the history, and they can be placed again. */
+    confirm(names: readonly string[]): void {
+      const state = store.get();
+      const taken = ghostsOf(state.proposals, state.picks.present).filter(({ name }) => names.includes(name));
+      if (taken.length === 0) return;
+      const picks = { ...state.picks.present, ...Object.fromEntries(taken.map(({ name, point }) => [name, point])) };
+      const skipped = new Set([...state.skipped].filter((name) => !(name in picks)));
+      const wasWanted = state.active !== null && state.active in picks;
+      const active = wasWanted ? nextMissing(list(), picks, skipped, state.active) : state.active;
+      const announcement = text.proposals.announceConfirmed(taken.map(({ name }) => labelOf(name) ?? name));
+      change(picks, { ...straightened(state, picks), active, skipped, announcement });
+    },
+
+    /** The proposal for the wanted landmark, for the keyboard. */
+    confirmWanted(): void {
+      const { active } = store.get();
+      if (active !== null) this.confirm([active]);
     },
 
     wantNext(): void {

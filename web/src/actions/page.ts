@@ -6,10 +6,12 @@ const OVERLAYS: Overlay[] = ["scan", "both", "model"];
 const THEMES: Theme[] = ["system", "light", "dark"];
 const after = <Item>(items: Item[], item: Item): Item => items[(items.indexOf(item) + 1) % items.length] ?? item;
 
-export function pageActions(store: Store<Session>) {
+export function pageActions(store: Store<Session>, onLandmarks: () => void) {
   return {
-    goTo: (step: Step): void =>
-      store.set((state) => ({ step, active: step === "landmarks" ? state.active : null })),
+    goTo(step: Step): void {
+      store.set((state) => ({ step, active: step === "landmarks" ? state.active : null }));
+      if (step === "landmarks") onLandmarks();
+    },
     view: (name: ViewName): void => store.set((state) => ({ view: { name, asked: state.view.asked + 1 } })),
     overlay: (overlay: Overlay): void => store.set({ overlay }),
     nextOverlay: (): void => store.set((state) => (state.fit ? { overlay: after(OVERLAYS, state.overlay) } : {})),

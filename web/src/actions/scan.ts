@@ -34,6 +34,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
         example: info.example_landmarks ?? null,
       },
       picks: startHistory<Picks>(picks),
+      proposals: null,
       skipped: new Set<string>(),
       active: null,
       saving: "saved",
@@ -108,7 +109,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
     leave(): void {
       generation += 1;
       stopFit();
-      store.set({ scan: null, fit: null, isStarting: false, loading: null, picks: startHistory<Picks>({}), active: null, step: "scan", problems: {} });
+      store.set({ scan: null, fit: null, isStarting: false, loading: null, picks: startHistory<Picks>({}), proposals: null, active: null, step: "scan", problems: {} });
     },
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),

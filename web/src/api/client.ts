@@ -10,6 +10,7 @@ import type {
   Meta,
   ModelSide,
   Problem,
+  ProposedLandmarks,
   Result,
   Scan,
   UnitChoice,
@@ -69,6 +70,12 @@ export const client = {
   mesh: (scan: Scan) => bytes(scan.links.mesh),
   landmarks: (scan: Scan) => askJson<LandmarkFile>(scan.links.landmarks),
   saveLandmarks: (scan: Scan, file: LandmarkFile) => askJson<LandmarkFile>(scan.links.landmarks, "PUT", file, true),
+  /** 202 means: still looking, ask again in so many seconds. */
+  async proposed(scan: Scan): Promise<ProposedLandmarks | { retryAfterS: number }> {
+    const answer = await ask(scan.links.proposed);
+    if (answer.status !== 202) return (await answer.json()) as ProposedLandmarks;
+    return { retryAfterS: Number(answer.headers.get("Retry-After")) || 1 };
+  },
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links">>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
   cancel: (link: string) => askJson<Fit>(link, "POST"),

@@ -12,6 +12,8 @@ export type {
   Meta,
   NodePose,
   Problem,
+  ProposedLandmark,
+  ProposedLandmarks,
   Scan,
   Started,
   SurfacePoint,

@@ -13,6 +13,8 @@ export function createFitPanel(actions: Actions, dismiss: () => void): Panel {
   const stance = select<StanceChoice>(text.fit.stance, actions.fit.chooseStance);
   const drawing = select<string>(text.fit.drawing, actions.fit.chooseDrawing);
   const preset = select<string>(text.fit.preset, actions.fit.choosePreset);
+  const refine = el("input", { type: "checkbox", "aria-describedby": "refine-hint", onchange: () => actions.fit.chooseRefine(refine.checked) });
+  const refining = el("div", { class: "toggle" }, el("label", { class: "check" }, refine, el("span", {}, text.fit.refine)), el("p", { id: "refine-hint" }, text.fit.refineHint));
   const hint = el("p", { class: "look-here", hidden: true });
   const progress = el("progress", { max: 1, "aria-label": text.fit.running });
   const phase = el("p", { class: "phase" });
@@ -23,7 +25,7 @@ export function createFitPanel(actions: Actions, dismiss: () => void): Panel {
   const doubts = el("p", { class: "look-here", hidden: true });
   const notes = el("div", { class: "reasons" });
   const wrong = problem(dismiss);
-  const element = el("div", { class: "panel" }, wrong.element, drawing.element, stance.element, preset.element, hint, running, cancelled, doubts, notes);
+  const element = el("div", { class: "panel" }, wrong.element, drawing.element, stance.element, preset.element, refining, hint, running, cancelled, doubts, notes);
   return {
     element,
     update(state: Session): void {
@@ -34,6 +36,8 @@ export function createFitPanel(actions: Actions, dismiss: () => void): Panel {
       drawing.set((meta?.drawings ?? []).map(({ name, label }) => ({ value: name, label })), state.drawing);
       preset.set((meta?.presets ?? []).map((name) => ({ value: name, label: text.fit.presets[name] ?? name })), state.preset);
       for (const each of [stance, drawing, preset]) each.enable(!busy);
+      refine.checked = state.refine;
+      refine.disabled = busy;
       const count = pickCount(state);
       show(hint, !busy && count < ENOUGH);
       setText(hint, count === 0 ? text.fit.noLandmarks : text.fit.fewLandmarks(count));

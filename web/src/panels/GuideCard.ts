@@ -2,8 +2,10 @@
 import type { Actions } from "../actions";
 import { el, setText, show } from "../dom";
 import { plainLabel, sideOf } from "../state/landmarks";
+import { expectedErrorMm, ghostsOf } from "../state/proposals";
 import type { Session } from "../state/session";
 import { text } from "../text";
+import { formatMmWhole } from "../units";
 import { button } from "./controls";
 import type { Panel } from "./Panel";
 
@@ -20,6 +22,7 @@ export function createGuideCard(actions: Actions): GuideCard {
   const latin = el("p", { class: "latin muted" });
   const definition = el("p", {});
   const skip = button(text.landmarks.skip, () => actions.landmarks.skip(), "quiet outlined");
+  const take = button("", () => actions.landmarks.confirmWanted(), "outlined take", "check");
   const stop = button(text.landmarks.stop, () => actions.landmarks.want(null));
   const element = el(
     "section",
@@ -27,6 +30,7 @@ export function createGuideCard(actions: Actions): GuideCard {
     el("h2", {}, text.landmarks.guideTitle),
     el("div", { class: "picture" }, canvas, light),
     el("div", { class: "guide-words" }, el("div", { class: "guide-head" }, name, side), latin, definition),
+    take,
     el("div", { class: "buttons" }, skip, stop),
     el("p", { class: "muted small" }, text.landmarks.how),
   );
@@ -43,6 +47,9 @@ export function createGuideCard(actions: Actions): GuideCard {
       setText(side, text.landmarks.sides[where]);
       side.className = `chip side-${where}`;
       light.className = `lit-point side-${where}`;
+      const ghost = ghostsOf(state.proposals, state.picks.present).find((each) => each.name === wanted.name);
+      show(take, ghost !== undefined);
+      if (ghost) setText(take.querySelector("span")!, text.proposals.take(formatMmWhole(expectedErrorMm(ghost.confidence))));
       setText(latin, wanted.latin);
       setText(definition, wanted.definition);
     },

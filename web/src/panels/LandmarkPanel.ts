@@ -3,9 +3,11 @@ import type { Actions } from "../actions";
 import type { LandmarkDefinition } from "../api/types";
 import { el, fill, icon, saveFile, setText, show } from "../dom";
 import { toCsv, toJson } from "../state/landmarkFiles";
+import { expectedErrorMm, type Ghost, ghostsOf, isLikely } from "../state/proposals";
 import { onWrongSide, plainLabel, sideOf } from "../state/landmarks";
 import type { Session } from "../state/session";
 import { text } from "../text";
+import { formatMmWhole } from "../units";
 import { button, fileButton, iconButton, problem } from "./controls";
 import type { Panel } from "./Panel";
 
@@ -31,11 +33,13 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
   json.title = text.landmarks.exportHint("JSON");
   csv.title = text.landmarks.exportHint("CSV");
   const warning = el("p", { class: "look-here", hidden: true });
+  const proposals = makeProposals(actions);
   const element = el(
     "div",
     { class: "panel" },
     wrong.element,
     el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, json, csv),
+    proposals.element,
     rows,
     warning,
     example,
@@ -52,7 +56,9 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
         return [...made.values()].map((each) => each.element);
       });
       const wrongSide = session.scan ? onWrongSide(session.picks.present, session.scan.frame) : new Set<string>();
-      for (const [name, each] of made) each.update(session, wrongSide.has(name));
+      const ghosts = new Map(ghostsOf(session.proposals, session.picks.present).map((ghost) => [ghost.name, ghost]));
+      for (const [name, each] of made) each.update(session, wrongSide.has(name), ghosts.get(name) ?? null);
+      proposals.update(session, [...ghosts.values()]);
       const first = list.find((entry) => wrongSide.has(entry.name));
       setText(warning, first ? text.landmarks.wrongSide(text.landmarks.spoken(first)) : "");
       show(warning, first !== undefined);
@@ -71,7 +77,7 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
 function makeRow(entry: LandmarkDefinition, number: number, actions: Actions) {
   const side = sideOf(entry.name);
   const status = el("span", { class: "visually-hidden" });
-  const chip = side === "middle" ? null : el("span", { class: `chip side-${side}`, title: text.landmarks.sides[side] }, text.landmarks.sideWords[side]);
+  const chip = side === "middle" ? null : el("span", { class: `chip side-${side}`, title: text.landmarks.sides[side], "data-short": text.landmarks.sideShort[side] }, text.landmarks.sideWords[side]);
   const place = el(
     "button",
     {
@@ -87,10 +93,12 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: Actions) {
   );
   const remove = iconButton("close", text.landmarks.remove(text.landmarks.spoken(entry)), () => actions.landmarks.remove(entry.name));
   const tick = icon("check");
-  const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, tick, remove);
+  const confirm = el("button", { type: "button", class: "button confirm", onclick: () => actions.landmarks.confirm([entry.name]) }, icon("check"), el("span", {}));
+  const words = confirm.querySelector("span")!;
+  const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, tick, confirm, remove);
   return {
     element,
-    update(state: Session, isWrong: boolean): void {
+    update(state: Session, isWrong: boolean, ghost: Ghost | null): void {
       const isPlaced = entry.name in state.picks.present;
       const isSkipped = state.skipped.has(entry.name) && !isPlaced;
       const isActive = state.active === entry.name;
@@ -101,7 +109,38 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: Actions) {
       element.classList.toggle("is-wrong", isWrong);
       place.setAttribute("aria-pressed", String(isActive));
       show(remove, isPlaced);
-      setText(status, isPlaced ? text.landmarks.placed : isSkipped ? text.landmarks.skippedState : text.landmarks.missing);
+      const mm = ghost ? formatMmWhole(expectedErrorMm(ghost.confidence)) : "";
+      element.classList.toggle("is-proposed", ghost !== null);
+      show(confirm, ghost !== null);
+      confirm.classList.toggle("is-rough", ghost !== null && !isLikely(ghost));
+      setText(words, text.proposals.error(mm));
+      confirm.title = ghost?.on_scan === false ? text.proposals.offScanHint : text.proposals.errorHint(mm);
+      confirm.setAttribute("aria-label", `${text.proposals.confirm(text.landmarks.spoken(entry))}, ${text.proposals.error(mm)}`);
+      const missing = ghost ? text.proposals.rowState(mm) : text.landmarks.missing;
+      setText(status, isPlaced ? text.landmarks.placed : isSkipped ? text.landmarks.skippedState : missing);
+    },
+  };
+}
+
+/** Above the list: what the service proposes, and the one press that takes all of it. */
+function makeProposals(actions: Actions) {
+  const words = el("p", {});
+  let all: readonly string[] = [];
+  const take = button("", () => actions.landmarks.confirm(all), "quiet outlined");
+  const again = button(text.proposals.again, () => void actions.proposals.look(), "quiet outlined");
+  const element = el("div", { class: "proposals", hidden: true }, words, take, again);
+  return {
+    element,
+    update({ proposals }: Session, ghosts: readonly Ghost[]): void {
+      const isNone = proposals?.state === "none";
+      all = ghosts.map(({ name }) => name);
+      const rough = ghosts.filter((ghost) => !isLikely(ghost)).length;
+      show(element, proposals?.state === "looking" || isNone || all.length > 0);
+      const found = rough > 0 ? `${text.proposals.found(all.length)} ${text.proposals.doubtful(rough)}` : text.proposals.found(all.length);
+      setText(words, proposals?.state === "none" ? text.proposals.none(proposals.reason) : proposals?.state === "looking" ? text.proposals.looking : found);
+      show(take, all.length > 0);
+      setText(take.querySelector("span")!, text.proposals.confirmAll(all.length));
+      show(again, isNone);
     },
   };
 }

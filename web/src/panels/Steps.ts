@@ -75,6 +75,7 @@ function wording(next: NextStep, state: Session): string {
     const label = entry ? text.landmarks.spoken(entry) : next.landmark;
     return next.isArmed ? text.next.armed(label) : text.next.start(label);
   }
+  if (next.kind === "confirm") return text.proposals.confirmLikely(next.names.length);
   if (next.kind === "fit" && next.again) return text.fit.again(next.landmarks);
   if (next.kind === "fit") return next.landmarks > 0 ? text.fit.with(next.landmarks) : text.fit.without;
   return next.kind === "save" ? text.result.save : "";
@@ -84,6 +85,7 @@ function createNextButton(actions: Actions): Panel {
   let next: NextStep = { kind: "none" };
   const press = (): void => {
     if (next.kind === "place") actions.landmarks.want(next.isArmed ? null : next.landmark);
+    if (next.kind === "confirm") actions.landmarks.confirm(next.names);
     if (next.kind === "fit") void actions.fit.start();
   };
   const words = el("span", {});
@@ -97,14 +99,14 @@ function createNextButton(actions: Actions): Panel {
     update(state: Session): void {
       next = nextStep(state);
       show(element, next.kind !== "none");
-      show(go, next.kind === "place" || next.kind === "fit");
+      show(go, next.kind !== "none" && next.kind !== "save");
       show(save, next.kind === "save");
       setText(words, wording(next, state));
       go.classList.toggle("is-armed", next.kind === "place" && next.isArmed);
       go.setAttribute("aria-pressed", String(next.kind === "place" && next.isArmed));
       if (next.kind === "save" && state.fit) save.href = state.fit.links.fitted_glb;
       const count = pickCount(state);
-      show(other, next.kind === "place" && state.step === "landmarks" && count > 0);
+      show(other, (next.kind === "place" || next.kind === "confirm") && state.step === "landmarks" && count > 0);
       setText(otherWords, state.fit ? text.fit.again(count) : text.fit.with(count));
     },
   };

@@ -1,10 +1,12 @@
 // The one primary button: what the person would do next, from the state alone.
 import { ENOUGH, nextMissing } from "./landmarks";
+import { ghostsOf, isLikely } from "./proposals";
 import { isFitting, pickCount, type Session } from "./session";
 
 export type NextStep =
   | { kind: "none" }
   | { kind: "place"; landmark: string; isArmed: boolean }
+  | { kind: "confirm"; names: readonly string[] }
   | { kind: "fit"; again: boolean; landmarks: number }
   | { kind: "save" };
 
@@ -15,6 +17,8 @@ export function nextStep(state: Session): NextStep {
   if (!state.scan || state.loading || isFitting(state)) return { kind: "none" };
   const landmarks = pickCount(state);
   if (state.step === "landmarks") {
+    const likely = ghostsOf(state.proposals, state.picks.present).filter((ghost) => isLikely(ghost) && !state.skipped.has(ghost.name));
+    if (state.active === null && likely.length > 0) return { kind: "confirm", names: likely.map(({ name }) => name) };
     const list = state.meta?.landmarks ?? [];
     const landmark = state.active ?? nextMissing(list, state.picks.present, state.skipped);
     if (landmark !== null) return { kind: "place", landmark, isArmed: state.active !== null };

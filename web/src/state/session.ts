@@ -16,6 +16,7 @@ import type {
 } from "../api/types";
 import { type History, startHistory } from "./history";
 import type { Picks } from "./landmarks";
+import type { Proposals } from "./proposals";
 
 export type Step = "scan" | "landmarks" | "fit" | "result";
 export type Overlay = "scan" | "both" | "model";
@@ -60,6 +61,7 @@ export interface Session {
   readonly scan: ScanState | null;
   readonly showColours: boolean;
   readonly picks: History<Picks>;
+  readonly proposals: Proposals | null; // null until somebody asked
   readonly skipped: ReadonlySet<string>;
   readonly active: string | null; // the landmark that the next click places
   readonly saving: "saved" | "saving" | "unsaved";
@@ -67,6 +69,7 @@ export interface Session {
   readonly stance: StanceChoice;
   readonly preset: string;
   readonly drawing: string;
+  readonly refine: boolean;
   readonly fit: FitState | null;
   readonly isStarting: boolean; // the request for a fit is under way
   readonly overlay: Overlay;
@@ -87,6 +90,7 @@ export const initialSession: Session = {
   scan: null,
   showColours: true,
   picks: startHistory<Picks>({}),
+  proposals: null,
   skipped: new Set(),
   active: null,
   saving: "saved",
@@ -94,6 +98,7 @@ export const initialSession: Session = {
   stance: "auto",
   preset: "default",
   drawing: "lumpectomy",
+  refine: false,
   fit: null,
   isStarting: false,
   overlay: "both",

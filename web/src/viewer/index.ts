@@ -12,6 +12,7 @@ import { LandmarkPins } from "./LandmarkPins";
 import { Loupe } from "./Loupe";
 import { ModelPicture } from "./ModelPicture";
 import { pickAt } from "./picking";
+import { ProposalPins } from "./ProposalPins";
 import { Ruler } from "./Ruler";
 import { ScanMesh } from "./ScanMesh";
 import { SideLetters } from "./SideLetters";
@@ -32,7 +33,9 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
   };
   const scan = new ScanMesh(viewer, ready("scan", text.errors.mesh));
   const torso = new TorsoModel(viewer, ready("model", text.errors.model));
+  const proposed = new ProposalPins(viewer, scan);
   const parts: Part[] = [
+    proposed,
     scan,
     torso,
     new Drawings(viewer, scan, torso),
@@ -71,6 +74,8 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
   });
 
   onClick(stage.canvas, (event) => {
+    const ghost = store.get().active === null ? proposed.at(event.clientX, event.clientY) : null;
+    if (ghost !== null) return actions.landmarks.confirm([ghost]);
     const hit = store.get().active === null ? null : pickAt(viewer, scan, event.clientX, event.clientY);
     if (hit) actions.landmarks.place(hit.point);
   });

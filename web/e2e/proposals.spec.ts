@@ -1,0 +1,71 @@
+// Proposed landmarks: ghosts where the API says, confirmed on the canvas, in the list and all at once; undo brings them back.
+import { expect } from "@playwright/test";
+import type { ProposedLandmarks, Vector } from "../src/api/types";
+import { hook, test, untilFitted, untilStill } from "./page";
+
+test("proposals are ghosts until they are confirmed, and then picks like any other", async ({ page, base, troubles }) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("2");
+  const likely = page.getByRole("button", { name: /^Confirm the \d+ likely points$/ });
+  await expect(likely).toBeVisible();
+  const scan = await page.evaluate(() => window.__breastrig!.state().scan!.info);
+  const { landmarks } = (await (await page.request.get(base + scan.links.proposed)).json()) as ProposedLandmarks;
+  expect(await hook.pickCount(page)).toBe(0);
+
+  await test.step("each ghost stands where the API says, with its error", async () => {
+    await expect(page.locator("[data-proposed]")).toHaveCount(Object.keys(landmarks).length);
+    const canvas = (await page.locator("canvas.view").boundingBox())!;
+    for (const [name, { point }] of Object.entries(landmarks)) {
+      const { x, y } = await hook.project(page, point);
+      const style = await page.locator(`[data-proposed=${name}]`).evaluate((each) => (each as HTMLElement).style.transform);
+      const [left, top] = style.match(/-?[\d.]+(?=px)/g)!.map(Number);
+      expect(Math.hypot(left! + canvas.x - x, top! + canvas.y - y), name).toBeLessThan(1);
+    }
+  });
+
+  await test.step("a click on a ghost confirms it: the pick is the API's point", async () => {
+    const { x, y } = await hook.project(page, landmarks.nipple_L!.point);
+    await page.mouse.click(x + 3, y - 3);
+    expect((await hook.pick(page, "nipple_L")) as Vector).toEqual(landmarks.nipple_L!.point);
+    await expect(page.locator("[data-proposed=nipple_L]")).toHaveCount(0);
+    await page.keyboard.press("z");
+    expect(await hook.pickCount(page)).toBe(0);
+    await expect(page.locator("[data-proposed=nipple_L]")).toHaveCount(1);
+  });
+
+  await test.step("in the list, one by one", async () => {
+    await page.getByRole("button", { name: /^Confirm the proposed nipple, patient's right/ }).press("Enter");
+    expect((await hook.pick(page, "nipple_R")) as Vector).toEqual(landmarks.nipple_R!.point);
+  });
+
+  await test.step("the likely ones at once; the service keeps them; the rough ones stay ghosts", async () => {
+    await likely.click();
+    const wanted = Object.values(landmarks).filter((each) => each.on_scan && each.confidence >= 0.5).length;
+    expect(await hook.pickCount(page)).toBe(wanted);
+    await expect(page.locator("[data-proposed]")).toHaveCount(Object.keys(landmarks).length - wanted);
+    await expect(page.locator(".saved")).toHaveText("Saved");
+    const kept = (await (await page.request.get(base + scan.links.landmarks)).json()) as { landmarks: object };
+    expect(Object.keys(kept.landmarks).length).toBe(wanted);
+  });
+
+  await test.step("a confirmed one is placed again by a click", async () => {
+    await page.locator(".landmarks [data-landmark=nipple_L] .landmark-name").click();
+    await untilStill(page);
+    const { x, y } = await hook.project(page, landmarks.nipple_L!.point);
+    await page.mouse.click(x - 25, y);
+    expect(await hook.pick(page, "nipple_L")).not.toEqual(landmarks.nipple_L!.point);
+  });
+
+  await test.step("with the surface following the skin the fit is closer and says so", async () => {
+    await page.keyboard.press("3");
+    await page.getByLabel("Follow the skin exactly").check();
+    await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
+    await untilFitted(page);
+    const fit = (await hook.fit(page))!;
+    const result = await (await page.request.get(`${base}/api/fits/${fit.id}/result.json`)).json();
+    expect(result.refined).toBe(true);
+  });
+  expect(troubles).toEqual([]);
+});
