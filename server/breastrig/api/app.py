@@ -15,6 +15,7 @@ from breastrig.api.meta import meta
 from breastrig.api.models import models
 from breastrig.api.openapi import finish_document
 from breastrig.api.page import PageFile, page
+from breastrig.api.reports import reports
 from breastrig.api.scans import scans
 from breastrig.api.security import register_security
 from breastrig.api.served_model import serve_model
@@ -55,6 +56,7 @@ def _bare_app() -> APIFlask:
         fits,
         fits_of_scans,
         events,
+        reports,
         transfers,
         models,
         meta,

@@ -25,6 +25,7 @@ PRELOAD = (
     "breastrig.jobs.carry_out",
     "breastrig.jobs.propose_on_scan",
     "breastrig.jobs.read_upload",
+    "breastrig.jobs.report",
     "breastrig.jobs.run_fit",
     "breastrig.jobs.run_pair",
     "breastrig.jobs.transfer",

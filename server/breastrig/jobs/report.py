@@ -44,6 +44,54 @@ class _Drawing(BaseModel):
     shapes: list[_Shape]
 
 
+class _Distances(BaseModel):
+    mean: FiniteFloat | None
+    p95: FiniteFloat | None
+    max: FiniteFloat | None
+    coverage: FiniteFloat | None = None
+
+
+class _Landmarks(BaseModel):
+    mean: FiniteFloat | None
+    max: FiniteFloat | None
+    each: dict[str, FiniteFloat]
+
+
+class _Scan(BaseModel):
+    vertices: int
+    triangles: int
+    unit: str
+    sha256: str
+
+
+class _Model(BaseModel):
+    name: str
+    bones: int
+    blendshapes: int
+    sha256: str
+
+
+class _Doubt(BaseModel):
+    reason: str
+
+
+class _Result(BaseModel):
+    """The part of result.json that is shown."""
+
+    scan: _Scan
+    model: _Model
+    stance: str
+    preset: str
+    stop_reason: str
+    iterations: int
+    surface_distance_mm: _Distances
+    scan_to_model_mm: _Distances
+    landmark_distance_mm: _Landmarks
+    landmarks_not_followed: list[_Doubt]
+    notes: list[str]
+    versions: dict[str, str]
+
+
 def drawn_lines(folder: Path, metres_per_unit: float) -> tuple[DrawnLine, ...]:
     """The lines of the folder's drawing.json, in metres; none where there is no such file."""
     file = folder / "drawing.json"
@@ -52,12 +100,12 @@ def drawn_lines(folder: Path, metres_per_unit: float) -> tuple[DrawnLine, ...]:
     try:
         drawing = _Drawing.model_validate_json(file.read_bytes())
     except (OSError, ValidationError) as error:
-        raise BadInput(f"{file} is damaged; fit the scan again.") from error
+        raise BadInput(f"{folder.resolve().name}/drawing.json is damaged; fit the scan again.") from error
     lines = []
     for shape in drawing.shapes:
         bridged = np.array(shape.bridged or [False] * len(shape.points), dtype=np.bool_)
         if len(bridged) != len(shape.points):
-            raise BadInput(f"{file} is damaged ({shape.name[:60]}); fit the scan again.")
+            raise BadInput(f"{folder.resolve().name}/drawing.json is damaged ({shape.name[:60]}); fit the scan again.")
         points = metres_per_unit * np.array(shape.points, dtype=np.float64)
         lines.append(DrawnLine(shape.name, shape.closed, shape.color, points, bridged))
     return tuple(lines)
@@ -81,12 +129,23 @@ def reported(job: ReportJob) -> list[Reported]:
     rig: Rig = read_rig(job.model or default_rig_path())
     folders = [job.fit] if job.other is None else [job.fit, job.other]
     fits = [fit_folder_of(folder, rig) for folder in folders]
+    for folder, fit in zip(folders, fits, strict=True):
+        _check_shown(folder, fit.result)
     stances = [stance_of(folder, fit) for folder, fit in zip(folders, fits, strict=True)]
     names = stance_names([stance.name for stance in stances])
     return [
         Reported(name, stance, fit.result, measures(stance))
         for name, stance, fit in zip(names, stances, fits, strict=True)
     ]
+
+
+def _check_shown(folder: Path, result: dict[str, Any]) -> None:
+    try:
+        _Result.model_validate(result)
+    except ValidationError as error:
+        where = ".".join(map(str, error.errors(include_url=False, include_input=False)[0]["loc"]))
+        shown = f"{folder.resolve().name}/result.json"
+        raise BadInput(f"{shown} is damaged or of another version ({where}); fit the scan again.") from error
 
 
 def report_files(job: ReportJob) -> dict[str, bytes]:
@@ -118,4 +177,7 @@ def write_all(files: dict[str, bytes], folder: Path) -> None:
 
 def report_pdf_of(job: ReportJob) -> bytes:
     """The PDF alone: what the service's worker makes."""
-    return report_pdf(reported(job))
+    try:
+        return report_pdf(reported(job))
+    except MemoryError as error:
+        raise BadInput("The report of this scan needs more memory than it may use; give a smaller scan.") from error

@@ -54,7 +54,13 @@ class Sheet(FPDF):
         self.rule(FOOT)
         self.words(MARGIN, FOOT + 1.6, LIMITS_OF_USE, 6.5, QUIET)
         self.words(
-            MARGIN, FOOT + 1.6, f"BreastRig {__version__}   {self.page_no()} / {self._pages}", 6.5, QUIET, "R", WIDTH
+            MARGIN,
+            FOOT + 1.6,
+            f"BreastRig {__version__} · page {self.page_no()} of {self._pages}",
+            6.5,
+            QUIET,
+            "R",
+            WIDTH,
         )
 
     def words(

@@ -162,7 +162,7 @@ def _said(result: dict[str, Any]) -> dict[str, str]:
             if landmarks["mean"] is None
             else f"mean {landmarks['mean']:.1f} mm, largest {landmarks['max']:.1f} mm, of {len(landmarks['each'])}"
         ),
-        "End of the fit": f"{result['stop_reason'].rstrip('.')}; {result['iterations']} iterations",
+        "End of the fit": f"{result['stop_reason'].rstrip('.')}; {result['iterations']} steps",
         "Preset, stance": f"{result['preset']}{', refined' if result.get('refined') else ''}; {result['stance']}",
         "Scan": f"{scan['vertices']:,} points, {scan['triangles']:,} triangles, {scan['unit']}; {scan['sha256'][:12]}",
         "Model": f"{model['name']}, {model['bones']} bones, {model['blendshapes']} shapes; {model['sha256'][:12]}",
@@ -188,7 +188,7 @@ def _doubts(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
         told += [prefix + note for note in one.result.get("notes", [])]
     if not told:
         told = ["None of the picked landmarks was doubted." if _picked(stances) else "No landmarks were picked."]
-    return sheet.lines(MARGIN + 1.0, y, WIDTH - 2.0, "  ".join(told), 7.5, most=5)
+    return sheet.lines(MARGIN + 1.0, y + 0.8, WIDTH - 2.0, "  ".join(told), 7.5, most=5)
 
 
 def _picked(stances: Sequence[Reported]) -> bool:

@@ -9,12 +9,13 @@ from breastrig.report.pictures import LIMIT_MM, colour_bar, distance_pictures, j
 from breastrig.report.row import Row, Value
 
 GAP = 4.0  # mm between pictures
-LARGE = (0.5 * (WIDTH - GAP), 100.0)  # mm
-SMALL = (0.25 * (WIDTH - 3 * GAP), 50.0)  # mm
+LARGE = (0.5 * (WIDTH - GAP), 92.0)  # mm
+SMALL = (0.25 * (WIDTH - 3 * GAP), 48.0)  # mm
 PIXELS_PER_MM = 7.0  # 180 to the inch: sharp on paper, and half a megabyte
 GLANCE = (
     ("notch_nipple", "along the skin"),
     ("nipple_fold", "along the skin"),
+    ("nipple_midline", "straight"),
     ("base_width", "straight"),
     ("volume", "volume"),
 )
@@ -77,8 +78,9 @@ def _colour_bar(sheet: Sheet, y: float) -> float:
         middle = x + 0.5 * (1.0 + share) * width
         text = f"{share * LIMIT_MM:+g} mm" if share else "0"
         sheet.words(middle - 10.0, y + 4.0, text, 7.0, QUIET, "C", 20.0)
-    sheet.words(MARGIN, y + 8.4, "grey: the scan shows no skin there", 7.0, QUIET, "C", WIDTH)
-    return y + 11.0
+    said = "grey model: the scan shows no skin there.   dotted line: carried by the model over a hole of the scan."
+    sheet.words(MARGIN, y + 8.6, said, 7.0, QUIET, "C", WIDTH)
+    return y + 12.0
 
 
 def _at_a_glance(sheet: Sheet, stances: Sequence[Reported], y: float) -> None:

@@ -1,0 +1,49 @@
+"""The report of a fit as two pages of PDF, made when it is first asked for."""
+
+from apiflask import APIBlueprint
+from flask import Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from breastrig.api.answers import PERSONAL, bytes_answer, file_of
+from breastrig.api.current import behind
+from breastrig.api.fits import FITS_TAG
+from breastrig.core.errors import BadSettings, Conflict
+from breastrig.storage.fits import get_fit
+
+PDF = "application/pdf"
+
+reports = APIBlueprint("reports", __name__, url_prefix="/api/fits", tag=FITS_TAG)
+
+
+class ReportQuery(BaseModel):
+    """Which other stance the report shows too."""
+
+    model_config = ConfigDict(extra="forbid", populate_by_name=True)
+
+    with_: str | None = Field(
+        None, alias="with", max_length=64, description="id of a fit of the same patient in another stance"
+    )
+
+
+@reports.get("/<fit_id>/report.pdf")
+@reports.input(ReportQuery, location="query")
+@reports.doc(
+    operation_id="getReport", responses={200: file_of(PDF, "Two pages: pictures, then numbers"), 409: "Not done"}
+)
+def show_report(fit_id: str, query_data: ReportQuery) -> Response:
+    """Pictures, measures and settings, PDF
+
+    With `with` both stances of one patient and the changes between them.
+    """
+    here = behind()
+    other = query_data.with_
+    if other == fit_id:
+        raise BadSettings("A report shows two different fits; leave `with` out to show one.")
+    for known in (fit_id, other):
+        if known is not None:
+            fit = get_fit(here.service.storage, known)
+            if fit.state != "done":
+                raise Conflict(f"The fit {fit.id} is {fit.state}; a report needs fits that are done.")
+    response = bytes_answer(here.service.reports.pdf(fit_id, other), PDF, PERSONAL)
+    response.headers["Content-Disposition"] = "attachment; filename=report.pdf"
+    return response

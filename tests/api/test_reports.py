@@ -1,0 +1,100 @@
+"""The PDF over HTTP: real fits of the example patient, what is kept with a fit, and what is refused."""
+
+import io
+from collections.abc import Iterator
+
+import pypdf
+import pytest
+from flask.testing import FlaskClient
+from helpers.waiting import ended
+
+from breastrig.api.app import create_app
+from breastrig.api.config import Config
+from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.service import Service
+from breastrig.storage.storage import Storage
+
+Real = tuple[Service, FlaskClient, dict[str, str], dict[str, str]]
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Real]:
+    """A service with the fits of the example patient standing and lying."""
+    service = Service(Storage(tmp_path_factory.mktemp("reports")), fits=FitLimits(workers=1, grace_s=0.1))
+    with service.started():
+        client = create_app(Config(), service).test_client()
+        scans, fits = {}, {}
+        for name in ("standing", "supine"):
+            scan = client.post(f"/api/examples/{name}").json
+            scans[name] = scan["id"]
+            picked = scan["example_landmarks"]["landmarks"]
+            fits[name] = client.post("/api/fits", json={"scan": scan["id"], "landmarks": picked}).json["id"]
+            assert ended(service, fits[name]).state == "done"
+        yield service, client, scans, fits
+
+
+def text_of(content: bytes) -> str:
+    pages = pypdf.PdfReader(io.BytesIO(content)).pages
+    assert len(pages) == 2
+    return "\n".join(page.extract_text() for page in pages)
+
+
+def test_the_report_of_a_fit_is_made_once_and_kept_with_it(real: Real) -> None:
+    service, client, _, fits = real
+    kept = service.storage.folders.fit(fits["standing"]) / "report.pdf"
+    assert not kept.exists()
+    first = client.get(f"/api/fits/{fits['standing']}/report.pdf")
+    assert first.status_code == 200
+    assert first.mimetype == "application/pdf"
+    assert first.headers["Cache-Control"] == "private, no-cache"
+    assert "Research use only" in text_of(first.data)
+    assert kept.read_bytes() == first.data
+    again = client.get(f"/api/fits/{fits['standing']}/report.pdf")
+    assert again.data == first.data
+    unchanged = client.get(f"/api/fits/{fits['standing']}/report.pdf", headers={"If-None-Match": first.headers["ETag"]})
+    assert unchanged.status_code == 304
+
+
+def test_two_stances_in_one_report_which_is_not_kept(real: Real) -> None:
+    service, client, _, fits = real
+    answer = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
+    assert answer.status_code == 200
+    assert "change, supine to standing" in text_of(answer.data)
+    assert not (service.storage.folders.fit(fits["supine"]) / "report.pdf").exists()
+
+
+def test_what_is_refused(real: Real) -> None:
+    _, client, _, fits = real
+    place = f"/api/fits/{fits['standing']}/report.pdf"
+    for address, status in (
+        ("/api/fits/nobody/report.pdf", 404),
+        (f"{place}?with=nobody", 404),
+        (f"{place}?with={fits['standing']}", 422),
+        (f"{place}?other=1", 422),
+    ):
+        answer = client.get(address)
+        assert answer.status_code == status, address
+        assert answer.mimetype == "application/problem+json"
+
+
+def test_a_fit_that_is_not_done_has_no_report(client: FlaskClient, scan_id: str) -> None:
+    fit = client.post("/api/fits", json={"scan": scan_id, "preset": "paper"}).json["id"]
+    answer = client.get(f"/api/fits/{fit}/report.pdf")
+    assert answer.status_code == 409
+    client.post(f"/api/fits/{fit}/cancel")
+
+
+def test_a_fit_without_the_files_of_one_is_a_sentence_without_folders(client: FlaskClient, fit_id: str) -> None:
+    """The fit of this service is a fake, whose files hold nothing."""
+    answer = client.get(f"/api/fits/{fit_id}/report.pdf")
+    assert answer.status_code == 422
+    assert "/" not in answer.json["detail"].replace("/result.json", "")
+
+
+def test_deleting_the_scan_deletes_the_report(real: Real) -> None:
+    service, client, scans, fits = real
+    place = f"/api/fits/{fits['standing']}/report.pdf"
+    assert client.get(place).status_code == 200
+    assert client.delete(f"/api/scans/{scans['standing']}").status_code == 204
+    assert client.get(place).status_code == 404
+    assert not list(service.storage.root.rglob("report.pdf"))
