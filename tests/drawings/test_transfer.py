@@ -76,6 +76,33 @@ def test_a_circle_on_a_sphere_moves_with_the_sphere(other_patient: bool, toy_rig
     assert b.target.search.query(found.points, candidates=16).distances.max() < 1e-9
 
 
+def test_between_corners_that_are_far_apart_the_line_follows_the_skin(toy_rig: Rig) -> None:
+    vertices, faces = sphere()
+    rig = rig_of(toy_rig, vertices, faces)
+    a = fitted(vertices, faces)
+    corners = a.target.search.query(0.1 * np.eye(3), candidates=16).points  # a quarter of a great circle each
+    (found,) = transferred(rig, a, a, [shape(corners, closed=True)])
+    steps = np.linalg.norm(np.roll(found.points, -1, axis=0) - found.points, axis=1)
+    assert steps.max() < 0.0031
+    assert steps.sum() == pytest.approx(3 * 0.1 * np.pi / 2, rel=5e-3)
+    off = np.abs(found.points).min(axis=1)  # three planes through the centre hold the three arcs
+    assert off.max() < 1.5e-3
+    for corner in corners:
+        assert np.linalg.norm(found.points - corner, axis=1).min() < 1e-5
+
+
+def test_over_a_gap_of_the_first_scan_the_line_goes_straight(toy_rig: Rig) -> None:
+    vertices, faces = plane(0.3, 60)
+    rig = rig_of(toy_rig, vertices, faces)
+    a = fitted(vertices, faces, wall_with_a_hole(vertices, faces, behind=False))
+    b = fitted(vertices, faces, (vertices, faces))
+    (found,) = transferred(rig, a, b, [shape(np.array([[-0.05, 0.01, 0.0], [0.05, 0.01, 0.0]]))])
+    assert np.abs(found.points[:, 1:] - [0.01, 0.0]).max() < 1e-6
+    assert np.linalg.norm(np.diff(found.points, axis=0), axis=1).max() < 0.006
+    assert np.isnan(found.distance_from[np.abs(found.points[:, 0]) < 0.015]).all()
+    assert not found.bridged.any()
+
+
 @both_ways
 def test_each_point_says_how_far_both_fits_were_from_their_scans(other_patient: bool, toy_rig: Rig) -> None:
     vertices, faces = sphere()

@@ -14,19 +14,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
-from breastrig.core.errors import BadDrawing
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.carry import FittedScan, SkinMap
 from breastrig.drawings.drawing_file import ScanShape
+from breastrig.drawings.given_line import on_the_skin
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 from breastrig.scan.clean import Surface
 
-SPACING = 0.003  # m between points of a line: finer than a pen, coarser than the noise
-OFF_THE_SKIN = 0.005  # m; a drawn point farther from its scan belongs to another scan, frame or unit
 STEP = 0.002  # m, for the tangents of a way; it bends over centimetres
 ROUNDS = 3  # to find the place of the model over which a scan's point stands; the third moves it by micrometres
 NEAREST_SKIN = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3, candidates=16)
@@ -55,7 +53,7 @@ def transferred(
 
     Raises BadDrawing for a point off A's skin that is not said to be bridged, and for fits off their scans.
     """
-    lines = [_on_the_skin(a, shape) for shape in shapes]
+    lines = [on_the_skin(rig, a, shape) for shape in shapes]
     points = np.concatenate([line.points for line in lines])
     skipped = np.concatenate([line.bridged for line in lines])
     near, there, bridged = points_carried(rig, a, b, points, other_patient, skipped)
@@ -100,36 +98,6 @@ def points_carried(
     no_skin = np.zeros(len(near), dtype=np.bool_)
     no_skin[missing] = True
     return near, there, no_skin
-
-
-def _on_the_skin(scan: FittedScan, shape: ScanShape) -> ScanShape:
-    """The shape with points in between, on the scan where it is not bridged."""
-    given = scan.target.search.query(shape.points, candidates=16).distances
-    off = np.flatnonzero((given > OFF_THE_SKIN) & ~shape.bridged)
-    if len(off):
-        raise BadDrawing(
-            f'Point {off[0] + 1} of "{shape.name}" is {1e3 * given[off[0]]:.0f} mm away from the scan; draw on the '
-            "skin, and check that drawing and scan have the same unit and frame."
-        )
-    points, bridged = _with_points_between(shape.points, shape.bridged, shape.closed)
-    at = scan.target.search.query(points, candidates=16).points
-    return ScanShape(shape.name, shape.closed, shape.color, np.where(bridged[:, None], points, at), bridged)
-
-
-def _with_points_between(points: Array, bridged: Booleans, closed: bool) -> tuple[Array, Booleans]:
-    """The polyline with its own points and others between them, at most SPACING apart."""
-    ends = np.roll(np.arange(len(points)), -1)[: len(points) if closed and len(points) > 2 else -1]
-    parts, flags = [], []
-    for start, end in enumerate(ends):
-        count = max(1, int(np.ceil(np.linalg.norm(points[end] - points[start]) / SPACING)))
-        parts.append(
-            points[start] + np.linspace(0.0, 1.0, count, endpoint=False)[:, None] * (points[end] - points[start])
-        )
-        flags.append(np.array([bridged[start]] + [bridged[start] or bridged[end]] * (count - 1)))
-    if len(ends) < len(points):
-        parts.append(points[-1:])
-        flags.append(bridged[-1:])
-    return np.concatenate(parts), np.concatenate(flags)
 
 
 def _by_the_skin(rig: Rig, a: FittedScan, b: FittedScan) -> Way:

@@ -12,10 +12,11 @@ from PIL import Image
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.drawings.drawing_file import GivenDrawing, ScanShape, parsed_drawing
+from breastrig.drawings.given_line import OFF_THE_SKIN
 from breastrig.drawings.on_scan import on_scan
 from breastrig.drawings.superimposition import gaps
 from breastrig.drawings.superimposition_picture import body_frame, superimposed
-from breastrig.drawings.transfer import OFF_THE_SKIN, centred
+from breastrig.drawings.transfer import centred
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.jobs.fit_files import json_bytes, write_whole
 from breastrig.jobs.fit_folder import fit_folder_of
