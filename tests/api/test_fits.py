@@ -1,6 +1,7 @@
 import io
 import json
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +12,13 @@ from helpers.problems import problem
 from helpers.toy_rig import toy_rig
 from helpers.waiting import ended, until
 
+from breastrig.api.app import create_app
+from breastrig.api.config import Config
 from breastrig.jobs.iteration_file import parameters_of
+from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.service import Service
 from breastrig.storage.fits import FitWish, Once, fit_ids, get_fit
+from breastrig.storage.storage import Storage
 
 PERSONAL = "private, no-cache"
 
@@ -29,6 +34,7 @@ def test_a_fit_is_accepted_carried_out_and_described(client: FlaskClient, servic
         "id": fit_id,
         "scan": scan_id,
         "state": "done",
+        "queue_position": None,
         "created_at": fit["created_at"],
         "stance": "supine",
         "preset": "default",
@@ -259,3 +265,30 @@ def test_unknown_fits_are_not_found(client: FlaskClient) -> None:
     for place in ("", "/events", "/events.json", "/result.json", "/fitted.glb", "/fitted.ply", "/drawing.json"):
         assert "no such fit" in problem(client.get(f"/api/fits/nobody{place}"), 404)
     problem(client.post("/api/fits/nobody/cancel"), 404)
+
+
+def test_a_waiting_fit_says_its_place_and_too_many_are_refused_for_a_while(
+    config: Config, model: Path, tmp_path: Path, torso: bytes
+) -> None:
+    service = Service(
+        Storage(tmp_path / "data"),
+        runner=fake_fit.patient,
+        model=model,
+        fits=FitLimits(workers=1, grace_s=0.1, waiting_per_client=2),
+    )
+    with service.started():
+        client = create_app(config, service).test_client()
+        scan = client.post("/api/scans", data={"file": (io.BytesIO(torso), "torso.ply")}).json["id"]
+        body = {"scan": scan, "drawing": None}
+        running = client.post("/api/fits", json=body).json["links"]
+        until(lambda: client.get(running["self"]).json["state"] == "running", "the first to run")
+        assert client.get(running["self"]).json["queue_position"] is None
+        places = [client.post("/api/fits", json=body).json["links"] for _ in range(2)]
+        assert [client.get(links["self"]).json["queue_position"] for links in places] == [1, 2]
+        refused = client.post("/api/fits", json=body)
+        assert "are waiting already" in problem(refused, 429)
+        assert int(refused.headers["Retry-After"]) > 0
+        with client.get(places[1]["events"]) as stream:
+            lines = stream.iter_encoded()
+            assert next(lines) == b"retry: 1000\n\n"
+            assert next(lines) == b'event: queued\ndata: {"kind":"queued","position":2}\n\n'

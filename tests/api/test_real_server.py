@@ -1,79 +1,17 @@
 """The real thing over a socket: `breastrig serve` as a process, asked by httpx; only the numerics are stood in for."""
 
 import os
-import re
 import signal
 import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
 import pytest
+from helpers.real_server import alive, children, server, story
 from helpers.waiting import until
-
-PROGRAM = Path(__file__).parents[1] / "helpers" / "serve_fake.py"
-
-
-@contextmanager
-def server(data: Path, model: Path, log: Path, **environment: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """(process, address) of a running server."""
-    with log.open("a") as errors:
-        process = subprocess.Popen(
-            [sys.executable, str(PROGRAM), "--port", "0", "--data", str(data), "--model", str(model)],
-            stdout=subprocess.PIPE,
-            stderr=errors,
-            text=True,
-            env=os.environ | {"PYTHONPATH": str(PROGRAM.parents[1]), **environment},
-        )
-    assert process.stdout is not None
-    try:
-        line = process.stdout.readline()
-        found = re.search(r"http://\S+", line)
-        assert found, f"{line}\n{log.read_text()}"
-        yield process, found[0]
-    finally:
-        process.kill()
-        process.wait()
-        process.stdout.close()
-
-
-def children(pid: int) -> set[int]:
-    """All processes below one."""
-    below: set[int] = set()
-    tasks = [pid]
-    while tasks:
-        try:
-            found = Path(f"/proc/{tasks[-1]}/task/{tasks.pop()}/children").read_text().split()
-        except FileNotFoundError:
-            continue
-        new = {int(one) for one in found} - below
-        below |= new
-        tasks.extend(new)
-    return below
-
-
-def alive(pids: set[int]) -> set[int]:
-    """Those that still run (a zombie does not)."""
-    running = set()
-    for pid in pids:
-        try:
-            state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-        except (FileNotFoundError, ProcessLookupError):
-            continue
-        if state != "Z":
-            running.add(pid)
-    return running
-
-
-def story(client: httpx.Client, address: str, **headers: str) -> list[str]:
-    """The event blocks of a stream, to its end."""
-    with client.stream("GET", address, headers=headers) as answer:
-        assert answer.status_code == 200
-        return [block for block in "".join(answer.iter_text()).split("\n\n") if block.startswith("id:")]
 
 
 def test_a_scan_goes_in_and_the_fit_comes_out(tmp_path: Path, model: Path, torso: bytes) -> None:

@@ -76,6 +76,13 @@ def patient(job: FitJob) -> Iterator[Event]:
         time.sleep(0.02)
 
 
+def unhurried(job: FitJob) -> Iterator[Event]:
+    """A whole fit with its files that takes a third of a second."""
+    for event in quick(job):
+        time.sleep(0.05)
+        yield event
+
+
 def hanging(job: FitJob) -> Iterator[Event]:
     """Never comes back by itself."""
     yield started(job)

@@ -1,6 +1,7 @@
 """`breastrig serve` with fits that need no numerics: run as a program by the tests of the real server."""
 
 import argparse
+import os
 import sys
 
 from breastrig.cli import serve_command
@@ -9,4 +10,5 @@ from helpers import fake_fit
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     serve_command.add_parser(parser.add_subparsers())
-    sys.exit(serve_command.serve(parser.parse_args(["serve", *sys.argv[1:]]), fake_fit.mostly_patient))
+    runner = getattr(fake_fit, os.environ.get("FAKE_FIT", "mostly_patient"))
+    sys.exit(serve_command.serve(parser.parse_args(["serve", *sys.argv[1:]]), runner))

@@ -5,8 +5,8 @@ from helpers import fake_fit
 from helpers.rows import add_waiting_fit
 from helpers.waiting import ask_for_fit, story, until
 
-from breastrig.jobs.follow import Bell, Heartbeat, follow
-from breastrig.storage.events import append
+from breastrig.jobs.follow import Bell, Heartbeat, Queued, follow
+from breastrig.storage.events import StoredEvent, append
 from breastrig.storage.scans import delete_scan
 from breastrig.storage.storage import Storage
 
@@ -35,8 +35,9 @@ def test_a_stored_event_is_heard_within_a_tenth_of_a_second(storage: Storage, sc
         times: list[float] = []
 
         def listen() -> None:
-            for _event in follow(storage, bell, "fit", 0, 60.0):
-                times.append(time.monotonic())
+            for event in follow(storage, bell, "fit", 0, 60.0):
+                if isinstance(event, StoredEvent):
+                    times.append(time.monotonic())
 
         thread = threading.Thread(target=listen)
         thread.start()
@@ -55,6 +56,7 @@ def test_a_silent_stream_beats(storage: Storage, scan_id: str) -> None:
     bell.start()
     try:
         stream = follow(storage, bell, "fit", 0, 0.01)
+        assert next(stream) == Queued(1)
         assert isinstance(next(stream), Heartbeat)
         assert isinstance(next(stream), Heartbeat)
         stream.close()
@@ -82,6 +84,6 @@ def test_a_stream_ends_when_the_bell_stops_or_the_viewer_leaves(storage: Storage
     add_waiting_fit(storage, scan_id, "fit")
     bell = Bell(storage)
     bell.start()
-    assert list(follow(storage, bell, "fit", 0, 60.0, gone=lambda: True)) == []
+    assert list(follow(storage, bell, "fit", 0, 60.0, gone=lambda: True)) == [Queued(1)]
     bell.stop()
     assert list(follow(storage, bell, "fit", 0, 60.0)) == []

@@ -15,6 +15,7 @@ STATUS: tuple[tuple[type[errors.BreastRigError], int], ...] = (  # the first tha
     (errors.NotFound, 404),
     (errors.Conflict, 409),
     (errors.TooLarge, 413),
+    (errors.TooMany, 429),
     (errors.BadModel, 503),  # the model is the service's own, the caller cannot mend it
     (errors.BreastRigError, 422),
 )
@@ -57,7 +58,8 @@ def _title(status: int) -> str:
 
 def _breastrig_error(error: errors.BreastRigError) -> Response:
     status = next(status for kind, status in STATUS if isinstance(error, kind))
-    return problem(status, str(error))
+    headers = {"Retry-After": str(error.retry_after_s)} if isinstance(error, errors.TooMany) else {}
+    return problem(status, str(error), headers=headers)
 
 
 def _http_error(error: HTTPException) -> Response:

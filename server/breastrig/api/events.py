@@ -14,7 +14,7 @@ from breastrig.api import wire
 from breastrig.api.current import behind
 from breastrig.api.fits import FITS_TAG
 from breastrig.api.security import refuse
-from breastrig.jobs.follow import Heartbeat
+from breastrig.jobs.follow import Heartbeat, Queued
 from breastrig.storage.events import StoredEvent, events_after
 from breastrig.storage.fits import get_fit
 
@@ -41,7 +41,8 @@ def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
     """Follow a fit: server-sent events
 
     `id:` is the event's number, `event:` its kind.  Continues after `Last-Event-ID` (or `?after=`), sends comments
-    as heartbeats, and closes after done, failed or cancelled.
+    as heartbeats, and closes after done, failed or cancelled.  While the fit waits, an event `queued` without an
+    `id:` says its `position` in the queue (1: the next to run) each time that it changes.
     """
     here = behind()
     after = max(query_data.after, _last_event_id())
@@ -82,11 +83,13 @@ def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
     )
 
 
-def _lines(story: Iterator[StoredEvent | Heartbeat]) -> Iterator[str]:
+def _lines(story: Iterator[StoredEvent | Queued | Heartbeat]) -> Iterator[str]:
     yield f"retry: {RECONNECT_MS}\n\n"
     for item in story:
         if isinstance(item, Heartbeat):
             yield ": still here\n\n"
+        elif isinstance(item, Queued):  # without a number: a viewer who comes again need not hear it
+            yield f'event: queued\ndata: {{"kind":"queued","position":{item.position}}}\n\n'
         else:
             yield f"id: {item.number}\nevent: {item.kind}\ndata: {item.json}\n\n"
 

@@ -3,7 +3,7 @@
 import re
 
 from apiflask import APIBlueprint
-from flask import Response
+from flask import Response, request
 
 from breastrig.api import wire, wire_files
 from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answer, file_answer, file_of
@@ -13,7 +13,7 @@ from breastrig.api.security import refuse
 from breastrig.core.errors import BadDrawing, BadScan, BadSettings, Conflict, NotFound, unknown_name
 from breastrig.fitting.recipe import preset_names
 from breastrig.jobs.iteration_file import iteration_gltf
-from breastrig.storage.fits import FitRow, FitWish, Once, fits_page, get_fit
+from breastrig.storage.fits import FitRow, FitWish, Once, fits_page, get_fit, queue_position
 from breastrig.storage.scans import get_landmarks, get_scan
 
 FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it live, fetch the results."}
@@ -34,7 +34,7 @@ MEDIA_TYPES = {
 @fits.input(wire.FitRequest)
 @fits.input(wire.FitHeaders, location="headers")
 @fits.output(wire.FitAccepted, status_code=202, description="The fit waits for a worker")
-@fits.doc(operation_id="startFit", responses={404: "No such scan"})
+@fits.doc(operation_id="startFit", responses={404: "No such scan", 429: "Too many of yours are waiting"})
 def start_fit(
     json_data: wire.FitRequest, headers_data: wire.FitHeaders
 ) -> tuple[wire.FitAccepted, int, dict[str, str]]:
@@ -59,7 +59,10 @@ def start_fit(
         raise BadScan("Two stances need two scans; leave `with` out to fit one scan.")
     wish = _wish(json_data, json_data)
     fit_id = here.service.add_fit(
-        wish, None if other is None else _wish(json_data, other), _once(headers_data.idempotency_key, json_data)
+        wish,
+        None if other is None else _wish(json_data, other),
+        _once(headers_data.idempotency_key, json_data),
+        client=request.remote_addr or "unknown",
     )
     partner_id = get_fit(storage, fit_id).partner
     partner = None if partner_id is None else wire.FitPartner(id=partner_id, links=fit_links(partner_id))
@@ -229,6 +232,7 @@ def fit_answer(row: FitRow) -> wire.Fit:
         id=row.id,
         scan=row.scan,
         state=row.state,
+        queue_position=queue_position(behind().service.storage, row.id) if row.state == "queued" else None,
         created_at=row.created_at,
         stance=row.stance,
         preset=row.preset,

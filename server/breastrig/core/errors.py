@@ -9,7 +9,8 @@
     │   ├── BadSettings          a preset or setting that cannot be used
     │   ├── NotFound             no such scan, fit, ...
     │   ├── Conflict             the thing is not in a state that allows this
-    │   └── TooLarge             over a stated limit
+    │   ├── TooLarge             over a stated limit
+    │   └── TooMany              too much at once; it works later
     └── FitFailed                the input was fine, the registration was not
 
 Each message is one sentence for a person: what is wrong, then what to do.  Only `api` and `cli` turn
@@ -55,6 +56,14 @@ class Conflict(BadInput):
 
 class TooLarge(BadInput):
     """Over a stated limit."""
+
+
+class TooMany(BadInput):
+    """Too much at once; `retry_after_s` says when to ask again."""
+
+    def __init__(self, sentence: str, retry_after_s: int) -> None:
+        super().__init__(sentence)
+        self.retry_after_s = retry_after_s
 
 
 class FitFailed(BreastRigError):

@@ -16,7 +16,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from breastrig.core.errors import NotFound
 from breastrig.jobs.events import LAST_KINDS
 from breastrig.storage.events import StoredEvent, events_after, last_position
-from breastrig.storage.fits import get_fit
+from breastrig.storage.fits import get_fit, queue_position
 from breastrig.storage.storage import Storage
 
 LOOK_EVERY_S = 0.02  # an iteration takes about 20 ms: later would show two at once
@@ -28,6 +28,13 @@ log = logging.getLogger(__name__)
 @dataclass(frozen=True)
 class Heartbeat:
     """Nothing new, but the stream is alive."""
+
+
+@dataclass(frozen=True)
+class Queued:
+    """The fit waits, so many are before it.  Not part of the story: it is not stored and has no number."""
+
+    position: int  # 1: the next to run
 
 
 class Bell:
@@ -105,12 +112,15 @@ def follow(
     after: int,
     heartbeat_s: float,
     gone: Callable[[], bool] | None = None,
-) -> Iterator[StoredEvent | Heartbeat]:
+) -> Iterator[StoredEvent | Queued | Heartbeat]:
     """The events of a fit with a number above `after`; ends after the last kind.
+
+    While the fit waits, its place in the queue, each time that it changes.
 
     Ends early when the fit is deleted, the bell is stopped, or `gone()` says that nobody listens any more.
     """
     quiet_since = time.monotonic()
+    told: int | None = None
     while not bell.stopped:
         heard = bell.heard()
         for event in events_after(storage, fit_id, after):
@@ -120,9 +130,14 @@ def follow(
             if event.kind in LAST_KINDS:
                 return
         try:
-            get_fit(storage, fit_id)
+            waits = get_fit(storage, fit_id).state == "queued"
         except NotFound:
             return
+        position = queue_position(storage, fit_id) if waits else None
+        if position is not None and position != told:
+            yield Queued(position)
+            told = position
+            quiet_since = time.monotonic()
         left = quiet_since + heartbeat_s - time.monotonic()
         if left <= 0:
             yield Heartbeat()

@@ -19,7 +19,7 @@ from typing import IO, Any
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound, unknown_name
 from breastrig.jobs.carry_out import PairRunner, Runner, Runners
-from breastrig.jobs.follow import Bell, Heartbeat, follow
+from breastrig.jobs.follow import Bell, Heartbeat, Queued, follow
 from breastrig.jobs.limits import FitLimits, UploadLimits
 from breastrig.jobs.processes import Processes
 from breastrig.jobs.proposals import Proposals, Proposer
@@ -31,9 +31,10 @@ from breastrig.jobs.run_fit import run_fit
 from breastrig.jobs.run_pair import run_pair
 from breastrig.jobs.sweep import KEEP_DAYS, Sweep
 from breastrig.jobs.transfer import TransferJob, transfer
+from breastrig.jobs.waiting_cap import WaitingCap
 from breastrig.storage import scans as scan_rows
 from breastrig.storage.events import StoredEvent
-from breastrig.storage.fits import FitRow, FitWish, Once, add_fits, fit_ids, fits_of_scan, get_fit
+from breastrig.storage.fits import FitRow, FitWish, Once, add_fits, fit_ids, fits_of_scan, get_fit, made_before
 from breastrig.storage.folders import new_id
 from breastrig.storage.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, utc_now
@@ -78,6 +79,7 @@ class Service:
         )
         self._workers = Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes)
         self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner), model)
+        self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
         self._model = model
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self.reports = Reports(storage, self._readers, model)
@@ -165,12 +167,25 @@ class Service:
             row = self.add_scan(source, "ply", "auto")
         return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
 
-    def add_fit(self, wish: FitWish, other: FitWish | None = None, once: Once | None = None) -> str:
+    def add_fit(
+        self, wish: FitWish, other: FitWish | None = None, once: Once | None = None, client: str | None = None
+    ) -> str:
         """Puts a fit into the queue; its id.  With `other` it is fitted together with a second stance.
 
         The same request `once` more gives the id of the first.  Raises NotFound when a scan is gone, BadInput when
-        `once` has the key of another request.
+        `once` has the key of another request, TooMany when so many fits of the `client` wait already.
         """
+        if once is not None:
+            made = made_before(self.storage, once)
+            if made is not None:
+                return made
+        with self._waiting.place(client) as waits:
+            made = self._add_fit(wish, other, once)
+            waits(made)
+        self._queue.wake()
+        return made
+
+    def _add_fit(self, wish: FitWish, other: FitWish | None, once: Once | None) -> str:
         wishes = {new_id(): one for one in (wish, other) if one is not None}
         folders = [self.storage.folders.fit(fit_id) for fit_id in wishes]
         for folder in folders:
@@ -182,8 +197,6 @@ class Service:
             raise
         if made not in wishes:
             self.storage.folders.remove(*folders)
-            return made
-        self._queue.wake()
         return made
 
     def cancel_fit(self, fit_id: str) -> FitRow:
@@ -192,8 +205,8 @@ class Service:
 
     def follow(
         self, fit_id: str, after: int, heartbeat_s: float, gone: Callable[[], bool] | None = None
-    ) -> Iterator[StoredEvent | Heartbeat]:
-        """The fit's events above `after`, as they come."""
+    ) -> Iterator[StoredEvent | Queued | Heartbeat]:
+        """The fit's events above `after`, as they come; before the first, its place in the queue."""
         return follow(self.storage, self._bell, fit_id, after, heartbeat_s, gone)
 
     def transfer(

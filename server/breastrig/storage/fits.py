@@ -149,6 +149,47 @@ def next_queued(storage: Storage, besides: set[str]) -> str | None:
         return connection.execute(query).scalar_one_or_none()
 
 
+def queue_position(storage: Storage, fit_id: str) -> int | None:
+    """1 for the next to run, 2 for the one after it; None when the fit does not wait.
+
+    Two stances fitted together stand in the queue once.
+    """
+    table = schema.fits
+    with storage.database.reading() as connection:
+        fit = connection.execute(
+            select(table.c.place, table.c.leads, table.c.partner).where(table.c.id == fit_id, table.c.state == "queued")
+        ).one_or_none()
+        if fit is None:
+            return None
+        place = fit.place
+        if not fit.leads:
+            place = connection.execute(select(table.c.place).where(table.c.id == fit.partner)).scalar_one()
+        before = select(func.count()).where(table.c.state == "queued", table.c.leads, table.c.place < place)
+        return 1 + int(connection.execute(before).scalar_one())
+
+
+def still_queued(storage: Storage, fit_ids: set[str]) -> set[str]:
+    """Those of the fits that wait."""
+    table = schema.fits
+    with storage.database.reading() as connection:
+        query = select(table.c.id).where(table.c.state == "queued", table.c.id.in_(fit_ids))
+        return set(connection.execute(query).scalars())
+
+
+def count_by_state(storage: Storage) -> dict[str, int]:
+    """How many fits are in each state that any fit is in."""
+    table = schema.fits
+    with storage.database.reading() as connection:
+        rows = connection.execute(select(table.c.state, func.count()).group_by(table.c.state))
+        return {row[0]: int(row[1]) for row in rows}
+
+
+def made_before(storage: Storage, once: Once) -> str | None:
+    """The fit that the same request has made; BadInput when the key came with another request."""
+    with storage.database.reading() as connection:
+        return _made_before(connection, once)
+
+
 def fits_in_state(storage: Storage, state: str) -> list[str]:
     with storage.database.reading() as connection:
         return list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.state == state)).scalars())

@@ -134,6 +134,8 @@ export type Fit = {
   id: string;
   scan: string;
   state: "queued" | "running" | "done" | "failed" | "cancelled";
+  /** 1 for the next to run; null when the fit does not wait */
+  queue_position: number | null;
   /** ISO 8601, UTC */
   created_at: string;
   /** as asked for; once started, as decided */

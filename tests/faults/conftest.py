@@ -1,0 +1,42 @@
+"""What happens to fits when something breaks around them; `make faults` does it longer and prints the table."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from helpers.toy_rig import toy_rig
+from helpers.uploads import torso as torso_ply
+
+from breastrig.gltf.write_rig import write_rig
+
+TABLE = pytest.StashKey[list[tuple[str, str]]]()
+Note = Callable[[str, str], None]
+
+
+@pytest.fixture(scope="session")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("model")
+    write_rig(toy_rig(), folder)
+    return folder / "toy.glb"
+
+
+@pytest.fixture(scope="session")
+def torso() -> bytes:
+    return torso_ply()
+
+
+@pytest.fixture
+def note(request: pytest.FixtureRequest) -> Note:
+    """Adds a line to the table: the fault, and what became of the fits."""
+    rows = request.config.stash.setdefault(TABLE, [])
+    return lambda fault, outcome: rows.append((fault, outcome))
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    rows = config.stash.get(TABLE, [])
+    if os.environ.get("BREASTRIG_FAULT_TABLE") and rows:
+        width = max(len(fault) for fault, _ in rows)
+        terminalreporter.section("faults")
+        for fault, outcome in rows:
+            terminalreporter.write_line(f"{fault:<{width}}  {outcome}")
