@@ -12,6 +12,8 @@ import trimesh
 
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
+from breastrig.core.units import METRES_PER_UNIT
+from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 
 EXAMPLE = asset_folder("example") / "standing"
@@ -203,3 +205,71 @@ def test_picks_that_were_not_followed_are_named_on_stderr(tmp_path: Path, capsys
     assert main(arguments) == 0
     told = capsys.readouterr().err.splitlines()
     assert told == ["breastrig: nipple_L and nipple_R look exchanged; they were not followed."]
+
+
+@pytest.fixture(scope="module")
+def patterned(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("patterns")
+    wish = ["--drawing", "mastectomy+reduction:areola_mm=40", "--tumour", "L:10,45,12", "--tumour", "R:3,30,8"]
+    scan, landmarks = str(EXAMPLE / "scan.ply"), str(EXAMPLE / "landmarks.json")
+    assert main(["fit", scan, "--landmarks", landmarks, *wish, "-o", str(out)]) == 0
+    return out
+
+
+def test_patterns_and_tumours_are_drawn_together(patterned: Path) -> None:
+    drawing = document(patterned, "drawing.json")
+    names = [
+        f"{line}_{side}" for line in ("stewart", "wise", "wise_fold", "areola", "new_nipple", "tumour") for side in "LR"
+    ]
+    assert sorted(shape["name"] for shape in drawing["shapes"]) == sorted(names)
+    assert drawing["name"] == "mastectomy_and_reduction_and_tumour"
+
+
+def test_every_point_of_every_pattern_is_on_the_scan_or_marked(patterned: Path) -> None:
+    """By an exact search of its own: SPEC asks for 0.3 mm."""
+    result, drawing = document(patterned, "result.json"), document(patterned, "drawing.json")
+    metres = METRES_PER_UNIT[result["scan"]["unit"]]
+    assert drawing["unit"] == result["scan"]["unit"]
+    scan = trimesh.load(patterned / "scan.ply", process=False)
+    search = ClosestPointSearch(np.array(scan.vertices) * metres, np.array(scan.faces))
+    for shape in drawing["shapes"]:
+        points, bridged = np.array(shape["points"]) * metres, np.array(shape["bridged"])
+        assert search.query(points[~bridged], candidates=32).distances.max() < 3e-4, shape["name"]
+        line = np.concatenate([points, points[:1]]) if shape["closed"] else points
+        assert np.linalg.norm(np.diff(line, axis=0), axis=1).max() < 0.005, shape["name"]
+
+
+def test_a_tumour_at_ten_oclock_of_the_left_breast_is_its_upper_inner_quadrant(patterned: Path) -> None:
+    result, drawing = document(patterned, "result.json"), document(patterned, "drawing.json")
+    marks = {name: np.array(place) for name, place in result["landmarks"].items()}
+    middle = {s["name"]: np.array(s["points"]).mean(axis=0) for s in drawing["shapes"]}
+    left = marks["acromion_L"] - marks["acromion_R"]
+    up = marks["suprasternal_notch"] - marks["umbilicus"]
+    arm = middle["tumour_L"] - marks["nipple_L"]
+    assert arm @ left < 0.0
+    assert arm @ up > 0.0
+    assert (middle["tumour_R"] - marks["nipple_R"]) @ left > 0.0  # 3 o'clock is medial on the right breast
+
+
+@pytest.mark.parametrize(
+    ("wish", "words"),
+    [
+        (["--drawing", "reduction:limbs=4"], '"limbs" is not a parameter of reduction'),
+        (["--drawing", "wise"], '"wise" is not a drawing of this model; known are:'),
+        (["--tumour", "L:13,45,12"], "clock of tumour cannot be 13"),
+        (["--tumour", "L:10,45,0"], "radius_mm of tumour cannot be 0"),
+        (["--tumour", "L:10,45,300"], "radius_mm of tumour cannot be 300"),
+        (["--tumour", "L:10"], '"L:10" is not a tumour; write SIDE:HOUR,DISTANCE_MM,RADIUS_MM'),
+        (["--tumour", "L:3,190,10"], "beside the left breast; check side, hour and distance."),
+        (["--tumour", "at:9000,0,0,10"], "off the skin; check its frame and unit."),
+    ],
+)
+def test_a_drawing_that_cannot_be_is_one_clear_line(
+    wish: list[str], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scan, landmarks = str(EXAMPLE / "scan.ply"), str(EXAMPLE / "landmarks.json")
+    assert main(["fit", scan, "--landmarks", landmarks, *wish, "-o", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
+    assert not (tmp_path / "out").exists()

@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin, angle_of, on_clock
 from breastrig.drawings.patterns import asked_drawing, known_drawings, pattern_help, tumour_text
-from breastrig.drawings.tumour import tumour_at
 from breastrig.geometry.geodesic import length
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -87,15 +86,36 @@ def test_a_pattern_is_the_same_skin_wherever_the_patient_stands(torso: Rig) -> N
     np.testing.assert_allclose(there, turn.apply(here) + away, atol=1e-6)
 
 
-def test_a_tumour_around_a_picked_place(torso: Rig) -> None:
+def picked(rig: Rig, place: np.ndarray, radius_mm: float = 20.0, origin: np.ndarray | None = None) -> DrawnShape:
+    text = tumour_text("at:{},{},{},{}".format(*(1e3 * place), radius_mm))
+    (shape,) = asked_drawing(rig, text).on_model(rig, rig.template, origin).shapes
+    return shape
+
+
+@pytest.mark.parametrize("side", ["L", "R"])
+def test_a_tumour_around_a_picked_place(torso: Rig, side: str) -> None:
+    """The pick is 4 mm before the skin, in a scan whose origin lies elsewhere."""
     skin = FittedSkin(torso, torso.template)
-    nipple, front = skin.at(skin.landmark("nipple_R"))[0], np.array([0.0, 0.0, 1.0])
-    shape = tumour_at(skin, nipple + 0.004 * front, 0.02)
-    assert shape.name == "tumour_R"
-    with pytest.raises(BadDrawing, match=r"(299|300) mm off the skin; check its frame and unit"):
-        tumour_at(skin, nipple + 0.3 * front, 0.02)
-    with pytest.raises(BadDrawing, match="does not close here"):
-        tumour_at(skin, nipple, 0.4)
+    nipple, front = skin.at(skin.landmark(f"nipple_{side}"))[0], np.array([0.0, 0.0, 1.0])
+    origin = np.array([0.1, -0.7, 2.0])
+    shape = picked(torso, nipple + 0.004 * front - origin, 20.0, origin)
+    assert shape.name == f"tumour_{side}"
+    centre = skin.nearest(nipple[None] + 0.004 * front)
+    radii = [length(skin.geodesics.path(centre, one(shape.points, k))) for k in range(0, len(shape.points), 30)]
+    np.testing.assert_allclose(radii, 0.02, atol=5e-6)
+
+
+def test_a_picked_place_off_the_skin_is_refused(torso: Rig) -> None:
+    place = np.array([0.0, 0.3, 0.5])
+    with pytest.raises(BadDrawing, match=r"centre is \d+ mm off the skin; check its frame and unit"):
+        picked(torso, place)
+
+
+def test_a_circle_that_runs_over_the_end_of_the_model_is_refused(torso: Rig) -> None:
+    arm = torso.template[torso.regions["arm_L"]].mean(axis=0)
+    edge = torso.template[np.linalg.norm(torso.template - arm, axis=1).argmin()]
+    with pytest.raises(BadDrawing, match="A circle of 80 mm on the skin does not close here: the surface ends before"):
+        picked(torso, edge, 80.0)
 
 
 def test_two_tumours_of_a_side_have_two_names(torso: Rig) -> None:
@@ -187,7 +207,7 @@ def test_a_wish_that_cannot_be_is_refused_before_the_fit(torso: Rig, text: str, 
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("short", ["L", "L:10", "L:10,45", "L:10,45,12,3", "10,45,12"])
+@pytest.mark.parametrize("short", ["L", "L:10", "L:10,45", "L:10,45,12,3", "10,45,12", "at:1,2,3"])
 def test_a_short_tumour_that_is_none(short: str) -> None:
     with pytest.raises(BadDrawing, match="is not a tumour; write SIDE:HOUR,DISTANCE_MM,RADIUS_MM"):
         tumour_text(short)

@@ -52,7 +52,8 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         default=[],
         metavar="SIDE:HOUR,DISTANCE,RADIUS",
         help="adds a tumour's circle, may be given again: L:10,45,12 is the left breast at 10 o'clock (as read by an "
-        "observer who faces her), 45 mm from the nipple along the skin, radius 12 mm",
+        "observer who faces her), 45 mm from the nipple along the skin, radius 12 mm; or at:X,Y,Z,RADIUS, all in mm, "
+        "around a place picked in the scan's frame",
     )
     parser.add_argument("--refine", action="store_true", help="add a smooth free-form layer where the scan shows skin")
     parser.add_argument("--no-progress", action="store_true", help="no progress bar")

@@ -25,6 +25,7 @@ from breastrig.geometry.normals import vertex_normals
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 SPACING = 0.003  # m; finer than a pen, coarser than the noise
+ROUND = 24  # points at least on a closed line, however small: a marked nipple is a circle, not a hexagon
 ON_SKIN = (
     MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3),
     MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3, candidates=16),
@@ -83,7 +84,8 @@ def _evenly(line: Array, corners: tuple[int, ...], closed: bool) -> tuple[Array,
         return line, np.ones(len(line), dtype=np.bool_)
     stops = sorted({corner for corner in corners if 0 <= corner < len(line)})
     if closed and not stops:
-        even = resampled(line, SPACING, True)
+        around = np.linalg.norm(np.roll(line[:, :3], -1, axis=0) - line[:, :3], axis=1).sum()
+        even = resampled(line, min(SPACING, float(around) / ROUND), True)
         return even, np.zeros(len(even), dtype=np.bool_)
     if closed:
         line = np.concatenate([line[stops[0] :], line[: stops[0] + 1]])

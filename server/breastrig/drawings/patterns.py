@@ -14,13 +14,14 @@ from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Protocol
 
+import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing, unknown_name
 from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.reduction import Reduction
-from breastrig.drawings.tumour import Tumour
+from breastrig.drawings.tumour import PickedTumour, Tumour
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 
@@ -31,8 +32,8 @@ class Pattern(Protocol):
         """The lines on one patient's fitted skin; BadDrawing when they do not fit there."""
 
 
-PATTERNS: dict[str, type[BaseModel]] = {"reduction": Reduction, "tumour": Tumour}
-LABELS = {"reduction": "Reduction (Wise pattern)", "tumour": "Tumour"}
+PATTERNS: dict[str, type[BaseModel]] = {"reduction": Reduction, "tumour": Tumour, "tumour_at": PickedTumour}
+LABELS = {"reduction": "Reduction (Wise pattern)", "tumour": "Tumour", "tumour_at": "Tumour"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,9 +44,9 @@ class AskedDrawing:
     fixed: tuple[ModelDrawing, ...]
     patterns: tuple[tuple[str, Pattern], ...]
 
-    def on_model(self, rig: Rig, vertices: Array) -> ModelDrawing:
-        """All of it as surface points, for (V, 3) m fitted vertices."""
-        skin = FittedSkin(rig, vertices)
+    def on_model(self, rig: Rig, vertices: Array, origin: Array | None = None) -> ModelDrawing:
+        """All of it as surface points, for (V, 3) m fitted vertices; `origin` (3,) m is the scan's in that frame."""
+        skin = FittedSkin(rig, vertices, np.zeros(3) if origin is None else origin)
         shapes = [shape for drawing in self.fixed for shape in drawing.shapes]
         shapes += [shape for _, pattern in self.patterns for shape in pattern.drawn(skin)]
         names = [drawing.name for drawing in self.fixed] + [name for name, _ in self.patterns]
@@ -76,13 +77,15 @@ def asked_drawing(rig: Rig, text: str) -> AskedDrawing:
 
 
 def tumour_text(short: str) -> str:
-    """`L:10,45,12` (side: hour, distance mm, radius mm) as a part of a drawing's text."""
+    """`L:10,45,12` (side: hour, distance mm, radius mm) or `at:X,Y,Z,12` (mm) as a part of a drawing's text."""
     side, colon, rest = short.partition(":")
     numbers = rest.split(",")
-    if not colon or len(numbers) != 3:
+    if side == "at" and len(numbers) == 4:
+        return "tumour_at:x_mm={},y_mm={},z_mm={},radius_mm={}".format(*numbers)
+    if not colon or len(numbers) != 3 or side == "at":
         raise BadDrawing(
             f'"{short}" is not a tumour; write SIDE:HOUR,DISTANCE_MM,RADIUS_MM, for instance L:10,45,12 for the left '
-            "breast at 10 o'clock, 45 mm from the nipple, radius 12 mm."
+            "breast at 10 o'clock, 45 mm from the nipple, radius 12 mm, or at:X,Y,Z,RADIUS in mm of the scan's frame."
         )
     return f"tumour:side={side},clock={numbers[0]},distance_mm={numbers[1]},radius_mm={numbers[2]}"
 
@@ -125,7 +128,7 @@ def _parameters(name: str, values: str) -> Pattern:
 
 
 def _example(kind: type[BaseModel]) -> str:
-    return {Reduction: "areola_mm=42", Tumour: "side=L"}[kind]
+    return {Reduction: "areola_mm=42", Tumour: "side=L", PickedTumour: "radius_mm=12"}[kind]
 
 
 def _unique(shapes: list[DrawnShape]) -> tuple[DrawnShape, ...]:

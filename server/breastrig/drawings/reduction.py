@@ -112,19 +112,31 @@ class Reduction(BaseModel):
         self, skin: FittedSkin, side: str, starts: tuple[SurfacePoints, SurfacePoints], fold: Array
     ) -> list[SurfacePoints]:
         """The lower ends of both limbs, which must be equally long to be sewn together."""
-        spread = np.radians(self.limb_angle_deg) / 2.0
-        dense = resampled(fold, FOLD_STEP, False)
-        for limb in [self.limb_mm] if self.limb_mm is not None else LIMBS:
+        tree = cKDTree(resampled(fold, FOLD_STEP, False))
+
+        def ends_clear(limb: float) -> list[SurfacePoints] | None:
             ends = [
                 on_clock(skin, start, 1e-3 * limb, np.array([np.pi + turn]))
                 for start, turn in zip(starts, (spread, -spread), strict=True)
             ]
             limbs = [resampled(skin.geodesics.path(*both), FOLD_STEP, False) for both in zip(starts, ends, strict=True)]
-            if np.min(cKDTree(dense).query(np.concatenate(limbs))[0]) > FOLD_GAP:
-                return ends
+            return ends if np.min(tree.query(np.concatenate(limbs))[0]) > FOLD_GAP else None
+
+        spread = np.radians(self.limb_angle_deg) / 2.0
+        lengths = LIMBS if self.limb_mm is None else (self.limb_mm,)
+        found = ends_clear(lengths[0])
+        if found is not None:
+            return found
+        if len(lengths) > 1 and (found := ends_clear(lengths[-1])) is not None:
+            too_long, clear = 0, len(lengths) - 1  # halve between the two
+            while clear - too_long > 1:
+                middle = (too_long + clear) // 2
+                ends = ends_clear(lengths[middle])
+                too_long, clear, found = (middle, clear, found) if ends is None else (too_long, middle, ends)
+            return found
         raise BadDrawing(
-            f"The limbs of {limb:g} mm reach the fold of the {SIDES[side]} breast; choose shorter limbs (limb_mm), "
-            "a narrower angle (limb_angle_deg) or a smaller areola (areola_mm)."
+            f"The limbs of {lengths[-1]:g} mm reach the fold of the {SIDES[side]} breast; choose shorter limbs "
+            "(limb_mm), a narrower angle (limb_angle_deg) or a smaller areola (areola_mm)."
         )
 
     def _new_nipple(self, skin: FittedSkin, side: str, nipple: SurfacePoints) -> SurfacePoints:

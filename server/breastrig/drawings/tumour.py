@@ -5,7 +5,6 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import SIDES, FittedSkin, angle_of, on_clock
 from breastrig.geometry.surface_points import SurfacePoints
@@ -14,6 +13,7 @@ from breastrig.rig.model import DrawnShape
 COLOR = "#c53030"
 OFF_BREAST = 0.03  # m beyond the base of the breast; its axillary tail reaches so far
 OFF_SKIN = 0.03  # m from a given point to the fitted skin; more is another frame or unit
+RADIUS: float = Field(ge=1.0, le=80.0, description="of the circle along the skin; margin included, T3 starts at 25")
 
 
 def _on_the_dial(hour: float) -> float:
@@ -31,7 +31,7 @@ class Tumour(BaseModel):
         description="hour as read by an observer who faces her: 3 is towards her left on both breasts"
     )
     distance_mm: float = Field(ge=0.0, le=200.0, description="from the nipple along the skin; a breast is not longer")
-    radius_mm: float = Field(ge=1.0, le=80.0, description="of the circle along the skin; margin included, T3 is 25")
+    radius_mm: float = RADIUS
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """The circle `tumour_L` or `tumour_R`; BadDrawing when it is not on that breast."""
@@ -50,14 +50,25 @@ class Tumour(BaseModel):
         return (circle(skin, centre, 1e-3 * self.radius_mm, self.side),)
 
 
-def tumour_at(skin: FittedSkin, place: Array, radius: float) -> DrawnShape:
-    """The circle around the skin's point next to (3,) m `place`; BadDrawing when that is off the skin."""
-    centre = skin.nearest(np.asarray(place, dtype=np.float64)[None])
-    gap = float(np.linalg.norm(skin.at(centre)[0] - place))
-    if not gap <= OFF_SKIN:
-        raise BadDrawing(f"The tumour's centre is {1e3 * gap:.0f} mm off the skin; check its frame and unit.")
-    left = float((skin.at(centre)[0] - skin.vertices.mean(axis=0)) @ skin.axes[:, 0]) > 0.0
-    return circle(skin, centre, radius, "L" if left else "R")
+class PickedTumour(BaseModel):
+    """A tumour around a place that was picked on the scan."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    x_mm: float = Field(allow_inf_nan=False, description="of the centre in the scan's frame, whatever its unit")
+    y_mm: float = Field(allow_inf_nan=False, description="likewise")
+    z_mm: float = Field(allow_inf_nan=False, description="likewise")
+    radius_mm: float = RADIUS
+
+    def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
+        """The circle around the skin's point next to the place; BadDrawing when that is off the skin."""
+        place = skin.origin + 1e-3 * np.array([self.x_mm, self.y_mm, self.z_mm])
+        centre = skin.nearest(place[None])
+        at = skin.at(centre)[0]
+        gap = float(np.linalg.norm(at - place))
+        if gap > OFF_SKIN:
+            raise BadDrawing(f"The tumour's centre is {1e3 * gap:.0f} mm off the skin; check its frame and unit.")
+        left = float((at - skin.vertices.mean(axis=0)) @ skin.axes[:, 0]) > 0.0
+        return (circle(skin, centre, 1e-3 * self.radius_mm, "L" if left else "R"),)
 
 
 def circle(skin: FittedSkin, centre: SurfacePoints, radius: float, side: str) -> DrawnShape:

@@ -159,7 +159,8 @@ def _distances(vertices: Array, faces: Integers, source: int, reach: float = np.
     """
     result = np.full(len(vertices), np.inf)
     near = faces[_in_reach(vertices, faces, vertices[source], reach)]
-    _, piece = connected_components(_edge_graph(vertices, near), directed=False)
+    links = (np.ones(near.size), (near.ravel(), np.roll(near, 1, axis=1).ravel()))
+    _, piece = connected_components(csr_array(links, shape=(len(vertices), len(vertices))), directed=False)
     used, compact = _compact(near[piece[near[:, 0]] == piece[source]])
     solver = pygeodesic.PyGeodesicAlgorithmExact(vertices[used], compact)
     found, _ = solver.geodesicDistances(np.array([np.searchsorted(used, source)]), None)
@@ -168,14 +169,10 @@ def _distances(vertices: Array, faces: Integers, source: int, reach: float = np.
     return result
 
 
-def _edge_graph(vertices: Array, faces: Integers) -> csr_array:
-    """(V, V) m: the lengths of the edges."""
+def _along_edges(vertices: Array, faces: Integers, source: int, target: int) -> float:
+    """m, the shortest way along edges: never shorter than the shortest way."""
     i, j = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     pairs = np.unique(np.sort(np.stack([i, j], axis=1), axis=1), axis=0)
     lengths = np.maximum(np.linalg.norm(vertices[pairs[:, 0]] - vertices[pairs[:, 1]], axis=1), 1e-12)
-    return csr_array((lengths, (pairs[:, 0], pairs[:, 1])), shape=(len(vertices), len(vertices)))
-
-
-def _along_edges(vertices: Array, faces: Integers, source: int, target: int) -> float:
-    """m, the shortest way along edges: never shorter than the shortest way."""
-    return float(dijkstra(_edge_graph(vertices, faces), directed=False, indices=np.array([source]))[0, target])
+    graph = csr_array((lengths, (pairs[:, 0], pairs[:, 1])), shape=(len(vertices), len(vertices)))
+    return float(dijkstra(graph, directed=False, indices=np.array([source]))[0, target])

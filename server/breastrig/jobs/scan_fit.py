@@ -201,7 +201,7 @@ class ScanStory:
         found = dict(zip(rig.landmark_names, fitted_landmarks, strict=True))
         doubtful = ready.exchanged or doubts(rig, found, ready.task.landmarks, last.not_followed)
         distances = surface_distances(target, vertices, rig.faces)
-        drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None
+        drawing = ready.drawing.on_model(rig, vertices, -ready.centre) if ready.drawing else None
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()
         timing["total"] = clock.total()
         outcome = FitOutcome(
