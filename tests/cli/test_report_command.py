@@ -121,19 +121,44 @@ def test_a_folder_that_is_no_fit_is_one_line(command: str, tmp_path: Path, capsy
     assert "fit" in error
 
 
-def test_a_damaged_drawing_is_one_line(
-    fits: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.fixture
+def copy_of_a_fit(fits: dict[str, Path], tmp_path: Path) -> Path:
     copy = tmp_path / "fit"
     copy.mkdir()
     for file in fits["standing"].iterdir():
         (copy / file.name).write_bytes(file.read_bytes())
-    for damaged in ('{"shapes": [{"name": "x"}]}', '{"shapes": [{"name": "x", "closed": 0, "points": [[1, 2, NaN]]}]}'):
-        (copy / "drawing.json").write_text(damaged)
-        assert main(["report", str(copy), "-o", str(tmp_path / "out")]) == 2
+    return copy
+
+
+@pytest.mark.parametrize(
+    "damaged",
+    [
+        "",
+        "[]",
+        '{"shapes": [{"name": "x"}]}',
+        '{"shapes": [{"name": "x", "closed": 0, "points": [[1, 2, NaN]]}]}',
+        '{"shapes": [{"name": "x", "closed": 0, "points": [[1, 2, 3]], "bridged": [true, false]}]}',
+    ],
+)
+@pytest.mark.parametrize("command", ["report", "export"])
+def test_a_damaged_drawing_is_one_line(
+    command: str, damaged: str, copy_of_a_fit: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (copy_of_a_fit / "drawing.json").write_text(damaged)
+    assert main([command, str(copy_of_a_fit), "-o", str(copy_of_a_fit / "out")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "fit/drawing.json is damaged" in error
+
+
+def test_a_result_without_what_is_shown_is_one_line(copy_of_a_fit: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    result = document(copy_of_a_fit, "result.json")
+    for key, damaged in (("versions", None), ("iterations", "many"), ("scan_to_model_mm", {"mean": 1.0})):
+        (copy_of_a_fit / "result.json").write_text(json.dumps(result | {key: damaged}))
+        assert main(["report", str(copy_of_a_fit), "-o", str(copy_of_a_fit / "out")]) == 2
         error = capsys.readouterr().err
         assert error.count("\n") == 1
-        assert "drawing.json" in error
+        assert key in error
 
 
 def test_a_place_that_cannot_be_written_is_one_line(

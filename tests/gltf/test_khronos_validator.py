@@ -11,6 +11,7 @@ from helpers.scan_files import picture
 from helpers.toy_rig import toy_rig
 
 from breastrig.gltf.iterate import drawing_buffer, iterate_gltf, model_buffer
+from breastrig.gltf.lines_glb import lines_glb
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import fitted_glb
@@ -33,6 +34,8 @@ def all_files(rig: Rig, folder: Path) -> list[Path]:
     rng = np.random.default_rng(7)
     poses = [random_parameters(rig, rng) for _ in range(4)]
     contents = {"model.glb": rig_glb(rig), "iteration_plain.gltf": iterate_gltf(rig, poses[0], None, "model.bin", None)}
+    strokes = [("stroke", rig.template[:5], False, (200, 10, 0)), ("ring", rig.template[:9], True, (0, 0, 0))]
+    contents["lines.glb"] = lines_glb([*strokes, ("spot", rig.template[:1], False, (1, 2, 3))])
     contents["model.bin"] = model_buffer(rig)
     contents["fitted_plain.glb"] = fitted_glb(rig, poses[:1], [0.0], None, {})
     for drawing in rig.drawings:

@@ -47,7 +47,7 @@ def vertex_sets(stance: Stance, model: ClosedModel, unit: str) -> dict[str, Any]
     surface, rig = model.surface, stance.rig
     tree = cKDTree(surface.vertices[: len(stance.vertices)])
     landmarks = rig.landmark_points().positions(surface.vertices, rig.faces)
-    gaps, nearest = tree.query(landmarks)
+    gaps, nearest = _nearest(tree, landmarks)
     return {
         "schema": SET_FORMAT,
         "notice": LIMITS_OF_USE,
@@ -75,9 +75,15 @@ def enclosed_volume(vertices: Array, faces: Integers) -> float:
     return float(np.einsum("fi,fi->", corners[faces].mean(axis=1), face_crosses(corners, faces)) / 6.0)
 
 
+def _nearest(tree: "cKDTree[None]", points: Array) -> tuple[Array, Integers]:
+    """((M,) m, (M,)) the vertex nearest to each of (M, 3) m points."""
+    gaps, nearest = tree.query(points)
+    return np.asarray(gaps), np.asarray(nearest, dtype=np.int64)
+
+
 def _on_vertices(line: DrawnLine, tree: "cKDTree[None]") -> dict[str, Any]:
     """The vertices along a line, in its order, each once in a row, and how far the line is from them."""
-    gaps, nearest = tree.query(line.points)
+    gaps, nearest = _nearest(tree, line.points)
     kept = np.concatenate([[True], nearest[1:] != nearest[:-1]])
     path = [int(vertex) for vertex in nearest[kept]]
     if line.closed and len(path) > 1 and path[0] == path[-1]:

@@ -92,6 +92,7 @@ class Sheet(FPDF):
         self.set_font("Helvetica", "", size)
         step = 1.28 * size * MM_PER_POINT
         broken = self.multi_cell(width, step, latin(text), dry_run=True, output="LINES", align="L", padding=0)
+        assert isinstance(broken, list)
         for index, line in enumerate(broken[:most]):
             last = index == most - 1 and len(broken) > most
             self.words(x, y + index * step, str(line) + (" ..." if last else ""), size, shade)

@@ -1,0 +1,80 @@
+"""The two pages for rigs and results that are not the usual ones."""
+
+import io
+
+import numpy as np
+import pypdf
+import pytest
+
+from breastrig.report.document import Reported, report_document, stance_names
+from breastrig.report.measures import measures
+from breastrig.report.page import latin
+from breastrig.report.pdf import report_pdf
+from breastrig.report.stance import Stance
+from breastrig.rig.model import Rig
+
+NONE = {"mean": None, "std": None, "max": None, "p95": None}
+
+
+def result(**changes: object) -> dict[str, object]:
+    """A result.json of a fit that found nothing."""
+    plain = {
+        "scan": {"vertices": 204, "triangles": 384, "unit": "mm", "sha256": "ab" * 32},
+        "model": {"name": "toy", "bones": 4, "blendshapes": 4, "sha256": "cd" * 32},
+        "stance": "standing",
+        "preset": "default",
+        "stop_reason": "Stalled.",
+        "iterations": 3,
+        "surface_distance_mm": NONE | {"coverage": 0.0},
+        "scan_to_model_mm": NONE,
+        "landmark_distance_mm": NONE | {"each": {}},
+        "landmarks_not_followed": [],
+        "notes": [],
+        "versions": {"breastrig": "0"},
+        "timing_s": {"total": 1.0},
+    }
+    return plain | changes
+
+
+@pytest.fixture
+def toy_stance(toy_rig: Rig) -> Stance:
+    return Stance(toy_rig, np.array(toy_rig.template), np.array(toy_rig.template), toy_rig.faces, "standing")
+
+
+def pages(content: bytes) -> list[str]:
+    return [page.extract_text() for page in pypdf.PdfReader(io.BytesIO(content)).pages]
+
+
+def test_a_rig_without_breasts_and_a_fit_without_landmarks(toy_stance: Stance) -> None:
+    texts = pages(report_pdf([Reported("standing", toy_stance, result(), measures(toy_stance))]))
+    assert len(texts) == 2
+    assert "the scan shows no skin near the model" in texts[0]
+    assert "this model has no outline of the breasts" in texts[1]
+    assert "no landmarks were picked" in texts[1]
+
+
+def test_a_long_list_of_doubts_stays_on_its_page_in_letters_that_can_be_printed(toy_stance: Stance) -> None:
+    doubts = [
+        {"names": ["nipple_L"], "reason": f"nipple_L № {k} lies “far” – 12 mm − from the rest."} for k in range(99)
+    ]
+    shown = Reported("standing", toy_stance, result(landmarks_not_followed=doubts), measures(toy_stance))
+    texts = pages(report_pdf([shown, shown]))
+    assert len(texts) == 2
+    assert 'nipple_L ? 0 lies "far" - 12 mm - from the rest.' in texts[1].replace("\n", " ")
+    assert " ..." in texts[1]
+
+
+def test_the_document_keeps_no_times_and_no_landmark_of_the_patient(toy_stance: Stance) -> None:
+    document = report_document([Reported("standing", toy_stance, result(), measures(toy_stance))])
+    assert document["schema"] == "breastrig/report@1"
+    assert "timing_s" not in str(document)
+
+
+def test_stances_are_told_apart() -> None:
+    assert stance_names(["standing"]) == ["standing"]
+    assert stance_names(["standing", "supine"]) == ["standing", "supine"]
+    assert stance_names(["supine", "supine"]) == ["supine A", "supine B"]
+
+
+def test_letters_that_the_fonts_lack_are_replaced() -> None:
+    assert latin("a − b – “c”\n d … 漢 ±") == 'a - b - "c" d ... ? ±'
