@@ -1,4 +1,4 @@
-"""The picture of two drawings on one scan: the first black, the second white, the distances below.
+"""The picture of two drawings on one scan: the first black, the second white, thin over holes, the distances below.
 
 Both lines can be told apart in print and by everyone, on a scan that is shown in the tone between them.
 """
@@ -13,7 +13,7 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.drawings.drawing_file import ScanShape
 from breastrig.drawings.superimposition import ShapeGap
-from breastrig.geometry.picture import Camera, Layer, Line, Picture, Scene, camera
+from breastrig.geometry.picture import Camera, Colour, Layer, Line, Picture, Scene, camera
 
 SKIN = (0.72, 0.58, 0.50)  # black and white differ from it alike
 PAPER = (0.96, 0.96, 0.95)
@@ -21,7 +21,7 @@ INK, QUIET = (30, 34, 40), (95, 100, 108)
 BLACK, WHITE = (0.04, 0.04, 0.05), (1.0, 1.0, 1.0)
 VIEWS = ("three_quarter_right", "front", "three_quarter")
 PANEL = (560, 640)  # pixels of one view
-WIDTH = 3.2  # pixels of a line
+WIDTH, OVER_A_HOLE = 3.2, 1.2  # pixels of a line on the skin, and where the scan has none
 SCALE_BAR = 0.05  # m
 ROW = 24  # pixels of a row of text
 MARGIN = 20
@@ -43,9 +43,10 @@ def superimposed(
     framed = np.concatenate([points, points.mean(axis=0) + 0.16 * np.concatenate([frame.T, -frame.T])])
     scene = Scene([Layer(vertices, faces, SKIN)])
     lines = [
-        Line(shape.points, colour, WIDTH, shape.closed)
+        line
         for drawing, colour in zip(drawings, (BLACK, WHITE), strict=True)
         for shape in drawing
+        for line in _drawn(shape, colour)
     ]
     below = MARGIN * 2 + ROW * (len(gaps) + 4)
     sheet = Image.new("RGB", (PANEL[0] * len(VIEWS), PANEL[1] + below), tuple(round(255 * c) for c in PAPER))
@@ -64,6 +65,17 @@ def body_frame(template: Array, vertices: Array) -> Array:
     return np.asarray(turn.as_matrix())
 
 
+def _drawn(shape: ScanShape, colour: Colour) -> list[Line]:
+    """The whole line thin, and wide on it what lies on the skin."""
+    ends = np.append(shape.bridged, shape.bridged[:1]) if shape.closed else shape.bridged
+    points = np.concatenate([shape.points, shape.points[:1]]) if shape.closed else shape.points
+    lines = [Line(points, colour, OVER_A_HOLE)]
+    for run in np.split(np.arange(len(points)), np.flatnonzero(np.diff(ends)) + 1):
+        if not ends[run[0]]:
+            lines.append(Line(points[run], colour, WIDTH))
+    return lines
+
+
 def _scale(pen: ImageDraw.ImageDraw, seen: Camera, left: int, bottom: int) -> None:
     length = SCALE_BAR / (seen.height / PANEL[1])
     pen.line([(left, bottom), (left + length, bottom)], fill=INK, width=3)
@@ -78,6 +90,7 @@ def _legend(pen: ImageDraw.ImageDraw, names: tuple[str, str], gaps: Sequence[Sha
         ink = tuple(round(255 * c) for c in colour)
         pen.line([(MARGIN + 6, middle), (MARGIN + 38, middle)], fill=ink, width=4)
         pen.text((MARGIN + 54, middle), name, fill=INK, font_size=15, anchor="lm")
+    pen.text((MARGIN + 54, y + 2 * ROW + 6), "thin where the scan has no skin", fill=QUIET, font_size=14, anchor="lm")
     columns = [width // 2 + k for k in (0, 330, 430, 530)]
     texts = [("distance, both ways (mm)", "mean", "95 %", "max")]
     texts += [(gap.name, f"{gap.mean_mm:.2f}", f"{gap.p95_mm:.2f}", f"{gap.max_mm:.2f}") for gap in gaps]
