@@ -61,12 +61,8 @@ def _laid(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape, target: 
     base = even[:, :3]
     directions = even[:, 3:] / np.maximum(np.linalg.norm(even[:, 3:], axis=1, keepdims=True), 1e-12)
     gaps, known = _gaps(target, base, directions)
-    known &= _steady(np.einsum("mi,mi->m", gaps, directions), known, shape.closed)
-    gaps = _bridged(base, gaps, known, shape.closed)
-    for _ in range(ROUNDS):
-        gaps = _smoothed(gaps, fixed, shape.closed)
-        points, known = _put_back(target, base + gaps, directions, known)
-        gaps = points - base
+    points, known = settled(target, base, directions, gaps, known, fixed, shape.closed)
+    gaps = points - base
     # on the scan the spacing is no longer quite even
     again, fixed = _evenly(
         np.concatenate([base + gaps, directions, ~known[:, None]], axis=1),
@@ -76,6 +72,24 @@ def _laid(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape, target: 
     directions = again[:, 3:6] / np.maximum(np.linalg.norm(again[:, 3:6], axis=1, keepdims=True), 1e-12)
     points, known = _put_back(target, again[:, :3], directions, again[:, 6] < 1e-9)
     return ScanLine(shape.name, shape.closed, shape.color, points, ~known)
+
+
+def settled(
+    target: ScanTarget, base: Array, directions: Array, gaps: Array, known: Booleans, fixed: Booleans, closed: bool
+) -> tuple[Array, Booleans]:
+    """(M, 3) m: a line on the skin from (M, 3) m points near it, and which of its points lie there.
+
+    `directions` (M, 3) unit point out of the skin; `gaps` (M, 3) m lead to the skin where they are `known`; `fixed`
+    points are not smoothed.
+    """
+    known = known & _steady(np.einsum("mi,mi->m", gaps, directions), known, closed)
+    gaps = _bridged(base, gaps, known, closed)
+    points = base + gaps
+    for _ in range(ROUNDS):
+        gaps = _smoothed(gaps, fixed, closed)
+        points, known = _put_back(target, base + gaps, directions, known)
+        gaps = points - base
+    return points, known
 
 
 def _evenly(line: Array, corners: tuple[int, ...], closed: bool) -> tuple[Array, Booleans]:

@@ -19,6 +19,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.carry import FittedScan, SkinMap
 from breastrig.drawings.drawing_file import ScanShape
 from breastrig.drawings.given_line import on_the_skin
+from breastrig.drawings.on_scan import settled
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
@@ -56,7 +57,14 @@ def transferred(
     lines = [on_the_skin(rig, a, shape) for shape in shapes]
     points = np.concatenate([line.points for line in lines])
     skipped = np.concatenate([line.bridged for line in lines])
-    near, there, bridged = points_carried(rig, a, b, points, other_patient, skipped)
+    near, facing, there, bridged = _carried(rig, a, b, points, other_patient, skipped)
+    first = 0
+    for line in lines:  # a line is smoother than its points alone, and does not step onto an arm
+        part = slice(first, first + len(line.points))
+        first = part.stop
+        moved, out, met, smooth = near[part], facing[part], ~bridged[part], np.zeros(len(line.points), dtype=np.bool_)
+        there[part], met = settled(b.target, moved, out, there[part] - moved, met, smooth, line.closed)
+        bridged[part] = ~met
     models = [ClosestPointSearch(each.vertices, rig.faces) for each in (a, b)]
     gaps = [model.query(each, candidates=16).distances for model, each in zip(models, (points, there), strict=True)]
     gaps[0][skipped], gaps[1][bridged] = np.nan, np.nan
@@ -64,24 +72,35 @@ def transferred(
     for line in lines:
         part = slice(first, first + len(line.points))
         first = part.stop
-        placed = _bridges(near[part], there[part], bridged[part], line.closed)
         result.append(
-            CarriedShape(line.name, line.closed, line.color, placed, bridged[part], gaps[0][part], gaps[1][part])
+            CarriedShape(line.name, line.closed, line.color, there[part], bridged[part], gaps[0][part], gaps[1][part])
         )
     return tuple(result)
 
 
 def points_carried(
-    rig: Rig, a: FittedScan, b: FittedScan, points: Array, other_patient: bool = False, bridged: Booleans | None = None
-) -> tuple[Array, Array, Booleans]:
-    """Where (M, 3) m points of scan A are on B: (M, 3) m before and after B's skin is met, (M,) where none is met.
+    rig: Rig, a: FittedScan, b: FittedScan, points: Array, other_patient: bool = False
+) -> tuple[Array, Booleans]:
+    """(M, 3) m: where (M, 3) m points of A's skin are on scan B, each by itself, and (M,) which met no skin there.
 
-    `bridged` (M,) says which points are not on A's skin.  Raises BadDrawing for fits off their scans.
+    Raises BadDrawing for fits off their scans.
+    """
+    on_skin = np.zeros(len(points), dtype=np.bool_)
+    _, _, there, bridged = _carried(rig, a, b, points, other_patient, on_skin)
+    return there, bridged
+
+
+def _carried(
+    rig: Rig, a: FittedScan, b: FittedScan, points: Array, other_patient: bool, bridged: Booleans
+) -> tuple[Array, Array, Array, Booleans]:
+    """(M, 3) m before B's skin is met, (M, 3) normals there, (M, 3) m after, and (M,) where none is met.
+
+    `bridged` (M,) says which points are not on A's skin.
     """
     on_a = a.target.search.query(points, candidates=16)
     normals = _unit(a.target.surface_at(on_a.faces, on_a.barycentric)[1])
     model = ClosestPointSearch(a.vertices, rig.faces)
-    if bridged is not None and bridged.any():  # without skin the model says which way is out
+    if bridged.any():  # without skin the model says which way is out
         beside = model.query(points[bridged], candidates=16)
         out = SurfacePoints(beside.faces, beside.barycentric).positions(
             vertex_normals(a.vertices, rig.faces), rig.faces
@@ -97,7 +116,7 @@ def points_carried(
         missing = np.delete(missing, found.vertices)
     no_skin = np.zeros(len(near), dtype=np.bool_)
     no_skin[missing] = True
-    return near, there, no_skin
+    return near, facing, there, no_skin
 
 
 def _by_the_skin(rig: Rig, a: FittedScan, b: FittedScan) -> Way:
@@ -133,18 +152,6 @@ def _by_the_model(rig: Rig, a: FittedScan, b: FittedScan, model: ClosestPointSea
         return places.positions(b.vertices, rig.faces), _unit(places.positions(there, rig.faces))
 
     return way
-
-
-def _bridges(near: Array, there: Array, bridged: Booleans, closed: bool) -> Array:
-    """(M, 3) m: `there`, and where bridged `near` moved as its neighbours on the skin were."""
-    if not bridged.any() or bridged.all():
-        return there
-    skin = np.flatnonzero(~bridged)
-    moves = (there - near)[skin]
-    where = np.arange(len(near))
-    period = len(near) if closed else None
-    filled = np.stack([np.interp(where, skin, moves[:, axis], period=period) for axis in range(3)], axis=1)
-    return np.where(bridged[:, None], near + filled, there)
 
 
 def _unit(vectors: Array) -> Array:

@@ -78,8 +78,8 @@ def _rows(rig: Rig, recipe: Recipe, scenes: tuple[Scene, Scene]) -> Iterator[dic
         asked = asked or [places(rig, scenes, fits[0]), places(rig, scenes[::-1], fits[1])]
         for question, (a, b) in zip(asked, ((0, 1), (1, 0)), strict=True):
             errors = {
-                "skin": points_carried(rig, fits[a], fits[b], question.points)[1],
-                "model": points_carried(rig, fits[a], fits[b], question.points, other_patient=True)[1],
+                "skin": points_carried(rig, fits[a], fits[b], question.points)[0],
+                "model": points_carried(rig, fits[a], fits[b], question.points, other_patient=True)[0],
             } | by_landmarks((scenes[a], scenes[b]), (picks[a], picks[b]), question.points)
             gaps = {way: 1e3 * np.linalg.norm(found - question.true, axis=1) for way, found in errors.items()}
             about = {"from": scenes[a].case.name, "to": scenes[b].case.name, "picks": kind}
