@@ -113,6 +113,18 @@ def test_the_same_stance_twice_gets_letters(fits: dict[str, Path], tmp_path: Pat
     assert all(row[cell] in (None, 0.0) for row in change for cell in ("left", "right", "value"))
 
 
+def test_the_folder_of_two_stances_fitted_together_is_enough(
+    report: Path, fits: dict[str, Path], tmp_path: Path
+) -> None:
+    pair = tmp_path / "pair"
+    pair.mkdir()
+    (pair / "pair.json").write_text("{}")
+    for name, stance in (("first", "standing"), ("second", "supine")):
+        (pair / name).symlink_to(fits[stance])
+    assert main(["report", str(pair), "-o", str(tmp_path / "out")]) == 0
+    assert (tmp_path / "out" / "measures.csv").read_bytes() == (report / "measures.csv").read_bytes()
+
+
 @pytest.mark.parametrize("command", ["report", "export"])
 def test_a_folder_that_is_no_fit_is_one_line(command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([command, str(tmp_path), "-o", str(tmp_path / "out")]) == 2

@@ -51,6 +51,8 @@ def test_a_rig_without_breasts_and_a_fit_without_landmarks(toy_stance: Stance) -
     assert "the scan shows no skin near the model" in texts[0]
     assert "this model has no outline of the breasts" in texts[1]
     assert "no landmarks were picked" in texts[1]
+    assert "the model's own place was taken for" in texts[1]
+    assert "suprasternal_notch, nipple_L" in texts[1]
 
 
 def test_a_long_list_of_doubts_stays_on_its_page_in_letters_that_can_be_printed(toy_stance: Stance) -> None:

@@ -10,7 +10,9 @@ from breastrig.jobs.report import ReportJob, write_report
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     parser = commands.add_parser("report", help="measures and pictures of one or two fits", description=__doc__)
-    parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
+    parser.add_argument(
+        "fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote, with or without --with"
+    )
     parser.add_argument(
         "--with", dest="other", type=Path, metavar="OUT_B", help="fit of the same patient in another stance"
     )
@@ -22,5 +24,13 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 def run(options: argparse.Namespace) -> int:
     """Writes report.json, measures.csv and report.pdf; returns 0."""
     with threadpool_limits(1):
-        write_report(ReportJob(options.fit, options.other, options.model), options.output)
+        write_report(ReportJob(*_stances(options), options.model), options.output)
     return 0
+
+
+def _stances(options: argparse.Namespace) -> tuple[Path, Path | None]:
+    """The folder or folders of the fits; a fit of two stances together left both in one."""
+    fit: Path = options.fit
+    if options.other is None and (fit / "pair.json").is_file():
+        return fit / "first", fit / "second"
+    return fit, options.other

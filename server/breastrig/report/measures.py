@@ -141,7 +141,9 @@ def _volumes(stance: Stance) -> Iterator[Row]:
     if left is None or right is None:
         return
     numbers = [Value(*(1e6 * number for number in (v.value, v.low, v.high))) for v in (left, right)]
-    yield Row("volume", "Volume", "volume", "ml", numbers[0], numbers[1], None, (OUTLINE,), VOLUME_METHOD)
+    seen = f"the scan shows {100.0 * left.seen:.0f} % of the left breast and {100.0 * right.seen:.0f} % of the right"
+    method = f"{VOLUME_METHOD}; {seen}"
+    yield Row("volume", "Volume", "volume", "ml", numbers[0], numbers[1], None, (OUTLINE,), method)
 
 
 def _mm(metres: float) -> Value:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from breastrig.report.document import Reported
+from breastrig.report.measures import OUTLINE
 from breastrig.report.numbers import number, with_band
 from breastrig.report.page import FOOT, MARGIN, QUIET, WIDTH, Align, Sheet
 from breastrig.report.row import Row, Value
@@ -19,8 +20,8 @@ METHODS = (
     "median plane of the model; along the skin to its midline. Base width: between the most medial and most lateral "
     "point of the model's breast outline. Volume: between the skin inside that outline and a smooth chest wall (a "
     "thin-plate spline through the skin on, 10 and 20 mm outside it); its band holds the outline moved 5 mm in and out "
-    "and the distance between fit and scan. M1 to M6: ratios of left and right, 1 = symmetric (Reece et al. 2016); "
-    "every woman has some asymmetry."
+    "and the distance between fit and scan; a change within the bands says nothing. M1 to M6: ratios of left and "
+    "right, 1 = symmetric (Reddy et al. 2017); every woman has some asymmetry."
 )
 
 
@@ -186,10 +187,17 @@ def _doubts(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
         prefix = f"{one.name.capitalize()}: " if len(stances) > 1 else ""
         told += [prefix + pick["reason"] for pick in one.result.get("landmarks_not_followed", [])]
         told += [prefix + note for note in one.result.get("notes", [])]
+        told += (
+            [prefix + "the model's own place was taken for " + ", ".join(_unpicked(one)) + "."]
+            if _unpicked(one)
+            else []
+        )
     if not told:
-        told = ["None of the picked landmarks was doubted." if _picked(stances) else "No landmarks were picked."]
+        told = ["Every landmark was picked, and none of the picks was doubted."]
     return sheet.lines(MARGIN + 1.0, y + 0.8, WIDTH - 2.0, "  ".join(told), 7.5, most=5)
 
 
-def _picked(stances: Sequence[Reported]) -> bool:
-    return any(one.result["landmark_distance_mm"]["mean"] is not None for one in stances)
+def _unpicked(one: Reported) -> list[str]:
+    """The landmarks that no pick gave, or none that was believed, of those that the measures name."""
+    named = dict.fromkeys(name for row in one.rows for name in row.landmarks)
+    return [name.removesuffix(" (model)") for name in named if name.endswith(" (model)") and name != OUTLINE]

@@ -1,4 +1,4 @@
-"""The ratios M1 to M6 of breast symmetry (Reece et al. 2016, PMC5685181, figure 1), from 0 to 1 = symmetric.
+"""The ratios M1 to M6 of breast symmetry (Reddy et al. 2017, PMC5685181, figure 1), from 0 to 1 = symmetric.
 
 There they are read off a photograph from the front; here off the body's own left and up, so that neither a turned
 patient nor a turned camera counts as asymmetry.  M1 compares the nipples' difference in height with their distance
