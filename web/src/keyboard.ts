@@ -17,6 +17,7 @@ export function listenToKeys(store: Store<Session>, actions: Actions): void {
     y: () => landmarks.redo(),
     c: () => landmarks.confirmWanted(),
     f: () => page.view("front"),
+    d: () => page.showDistances(!store.get().showDistances),
     o: () => page.nextOverlay(),
     "?": () => page.help(true),
     escape: () => landmarks.want(null),

@@ -22,6 +22,12 @@ export function formatMm(mm: number | null | undefined): string {
   return mm !== 0 && Math.abs(mm) < 0.1 ? mm.toFixed(2) : mm.toFixed(1);
 }
 
+/** −1.2, 0.0, +0.3: with the sign that says on which side. */
+export function formatSignedMm(mm: number): string {
+  const digits = Math.abs(mm).toFixed(1);
+  return digits === "0.0" ? digits : `${mm < 0 ? "\u2212" : "+"}${digits}`;
+}
+
 export const formatMmWhole = (mm: number): string => mm.toFixed(0);
 
 export function formatSeconds(seconds: number | undefined): string {

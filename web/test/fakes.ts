@@ -65,6 +65,7 @@ export function page(answers: Partial<Client> = {}) {
     startFit: async () => ({ id: "f1", links: fitLinks("f1") }),
     fit: async (id: string) => ({ id, links: fitLinks(id), drawing: "lumpectomy" }),
     drawing: async () => ({ schema: "breastrig/drawing@1", unit: "mm", shapes: [] }),
+    bytes: async () => new ArrayBuffer(8),
     cancel: vi.fn(async () => ({})),
     ...answers,
   } as unknown as Client;

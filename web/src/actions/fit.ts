@@ -2,6 +2,7 @@
 import type { Client } from "../api/client";
 import { followFit, type Handlers } from "../api/events";
 import type { FitLinks, StanceChoice } from "../api/types";
+import { readDistances } from "../state/distances";
 import { type FitState, pickCount, type Session } from "../state/session";
 import type { Store } from "../state/store";
 import { text } from "../text";
@@ -35,11 +36,13 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
       result: null,
       drawing: null,
       drawingName,
+      surface: null,
+      distances: null,
       reason: null,
       isConnected: true,
       picks,
     };
-    store.set({ fit, step: "fit", active: null, overlay: "both", isStarting: false, announcement: text.fit.announceStarted });
+    store.set({ fit, step: "fit", active: null, overlay: "both", showDistances: false, isStarting: false, announcement: text.fit.announceStarted });
     stopFollowing = followFit(links.events, { handlers, onConnection: (isConnected) => change({ isConnected }) });
   }
 
@@ -59,6 +62,7 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
       change({ state: "done", result: body.result }, { ...upright, step: "result", announcement });
       player.follow();
       void fetchDrawing();
+      void fetchSurface();
     },
     failed: ({ body }) => {
       change({ state: "failed", reason: body.reason }, { step: "fit", ...withProblem(store.get(), "fit", body.reason) });
@@ -74,6 +78,18 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
       if (store.get().fit?.id === fit.id) change({ drawing });
     } catch (error) {
       store.set((state) => withProblem(state, "fit", messageOf(error)));
+    }
+  }
+
+  /** The surface and its distances; without them all else of the result still holds. */
+  async function fetchSurface(): Promise<void> {
+    const fit = store.get().fit;
+    if (!fit) return;
+    try {
+      const [surface, distances] = await Promise.all([client.bytes(fit.links.fitted_ply), client.bytes(fit.links.distances)]);
+      if (store.get().fit?.id === fit.id) change({ surface, distances: readDistances(distances) });
+    } catch (error) {
+      store.set((state) => withProblem(state, "distances", messageOf(error)));
     }
   }
 

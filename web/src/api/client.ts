@@ -81,6 +81,7 @@ export const client = {
   cancel: (link: string) => askJson<Fit>(link, "POST"),
   result: (link: string) => askJson<Result>(link),
   drawing: (link: string) => askJson<DrawingFile>(link),
+  bytes,
   upload,
 };
 

@@ -2,10 +2,11 @@
 // afterwards those of the result, exactly as the service reports them.
 import type { Iterated, Result } from "../api/types";
 import { el, fill, setText, show } from "../dom";
+import { SCALE_MM, SCANNER_MM, summarise } from "../state/distances";
 import { plainLabel, sideOf } from "../state/landmarks";
 import { isAtRest, type Session, shownIteration } from "../state/session";
 import { text } from "../text";
-import { formatMm, formatPercent, formatSeconds } from "../units";
+import { formatMm, formatPercent, formatSeconds, formatSignedMm } from "../units";
 import { row } from "./controls";
 import { createDistanceCurve } from "./DistanceCurve";
 import type { Panel } from "./Panel";
@@ -47,11 +48,22 @@ function ofResult(result: Result, state: Session): HTMLElement[] {
     const label = el("dt", {}, plainLabel(labels.get(name) ?? name), chip);
     return el("div", { class: "row", "data-landmark": name }, label, el("dd", {}, formatMm(mm), el("span", { class: "unit" }, " mm")));
   });
+  const signed = state.fit?.distances ? summarise(state.fit.distances) : null;
+  const ofSigned: HTMLElement[] = signed
+    ? [
+        block(text.distances.block, text.distances.blockHint, [
+          [text.distances.signedMean, formatSignedMm(signed.meanMm), "mm"],
+          [text.distances.within(SCANNER_MM), formatPercent(signed.within), "%"],
+          [text.distances.beyond(SCALE_MM), formatPercent(signed.beyond), "%"],
+        ]),
+      ]
+    : [];
   return [
     block(words.surface, words.surfaceHint, [
       ...spread(surface),
       [words.coverage, formatPercent(surface.coverage), "%", words.coverageHint],
     ]),
+    ...ofSigned,
     block(words.scanToModel, words.scanToModelHint, [[words.mean, formatMm(back.mean), "mm"], ...spread(back)]),
     points && each.length > 0
       ? block(words.landmarks, words.landmarksHint, [[words.mean, formatMm(points.mean), "mm"], [words.max, formatMm(points.max), "mm"]])
@@ -85,7 +97,7 @@ export function createNumbersPanel(): Panel {
       const distance = result ? result.surface_distance_mm.mean : shown?.mean_distance_mm;
       setText(mean, distance === undefined ? "" : formatMm(distance));
       curve.update(state);
-      fill(body, [fit?.id, result ? "result" : shown?.iteration], () => (result ? ofResult(result, state) : shown ? ofIteration(shown) : []));
+      fill(body, [fit?.id, result ? "result" : shown?.iteration, fit?.distances != null], () => (result ? ofResult(result, state) : shown ? ofIteration(shown) : []));
     },
   };
 }

@@ -5,6 +5,7 @@ import { el, setText, show } from "../dom";
 import type { Place, Session } from "../state/session";
 import { text } from "../text";
 import { problem } from "./controls";
+import { createColourBar } from "./ColourBar";
 import { createEmptyState } from "./EmptyState";
 import { createFitPanel } from "./FitPanel";
 import { createGuideCard } from "./GuideCard";
@@ -16,6 +17,7 @@ import { createScanPanel } from "./ScanPanel";
 import { createSteps } from "./Steps";
 import { createTimeline } from "./TimelinePanel";
 import { createTopBar } from "./TopBar";
+import { createSwipe } from "./Swipe";
 import { createViewBar } from "./ViewBar";
 
 /** What the viewer needs of the page. */
@@ -32,11 +34,14 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
   const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
   const guide = createGuideCard(actions);
   const viewBar = createViewBar(actions);
+  const colourBar = createColourBar();
+  const swipe = createSwipe(actions);
   const empty = createEmptyState(actions, dismiss);
   const page = problem(() => dismiss("page"));
   const model = problem(() => dismiss("model"));
+  const distances = problem(() => dismiss("distances"));
   const graphics = el("p", { class: "no-graphics", role: "alert", hidden: true });
-  const host = el("main", { class: "stage" }, canvas, overlay, viewBar.element, empty.element, page.element, model.element, graphics);
+  const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, empty.element, page.element, model.element, distances.element, graphics);
   const veil = el("div", { class: "drop-veil", hidden: true }, el("p", {}, text.empty.drop));
   host.append(veil);
   acceptDrops(host, veil, actions);
@@ -55,7 +60,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
   const version = el("span", { class: "muted" });
   const live = el("p", { class: "visually-hidden", role: "status", "aria-live": "polite" });
   const footer = el("footer", { class: "footer" }, el("strong", {}, text.notice), el("span", { class: "spring" }), version);
-  const panels = [top, steps, guide, viewBar, empty, numbers, timeline, help];
+  const panels = [top, steps, guide, viewBar, colourBar, swipe, empty, numbers, timeline, help];
 
   return {
     elements: [top.element, steps.element, host, aside, timeline.element, footer, help.element, live],
@@ -66,10 +71,12 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
       document.body.classList.toggle("has-timeline", (state.fit?.iterations.length ?? 0) > 0);
       host.classList.toggle("is-placing", state.active !== null);
       overlay.classList.toggle("is-numbered", state.step === "landmarks");
+      overlay.classList.toggle("is-narrow", state.fit !== null && state.overlay === "beside");
       for (const panel of panels) panel.update(state);
       show(numbers.element, state.active === null);
       page.set(state.problems.page);
       model.set(state.problems.model);
+      distances.set(state.problems.distances);
       show(graphics, state.graphics !== "ok");
       setText(graphics, state.graphics === "absent" ? text.errors.noGraphics : state.graphics === "lost" ? text.errors.graphicsLost : "");
       setText(version, state.meta ? text.version(state.meta.version) : "");

@@ -1,7 +1,7 @@
-// Under the body: from which side it is seen, and what of scan and model is shown.
+// Under the body: from which side it is seen, what of scan and model is shown, and whether distances colour it.
 import type { Actions } from "../actions";
 import { el, show } from "../dom";
-import type { Overlay, Session, ViewName } from "../state/session";
+import { type Overlay, OVERLAYS, type Session, type ViewName } from "../state/session";
 import { text } from "../text";
 import { segmented } from "./controls";
 import type { Panel } from "./Panel";
@@ -15,17 +15,23 @@ export function createViewBar(actions: Actions): Panel {
   );
   const overlays = segmented<Overlay>(
     text.view.overlayLabel,
-    (["scan", "both", "model"] as const).map((value) => ({ value, label: text.view.overlays[value] })),
+    OVERLAYS.map((value) => ({ value, label: text.view.overlays[value], hint: text.view.overlayHints[value] })),
     actions.page.overlay,
   );
   for (const each of views.element.querySelectorAll("button")) each.removeAttribute("aria-pressed");
-  const element = el("div", { class: "view-bar", hidden: true }, views.element, overlays.element);
+  let isOn = false;
+  const distances = el("button", { type: "button", title: text.distances.hint, id: "distances", onclick: () => actions.page.showDistances(!isOn) }, text.distances.toggle);
+  const toggle = el("div", { class: "segmented" }, distances);
+  const element = el("div", { class: "view-bar", hidden: true }, el("div", { class: "view-buttons" }, views.element, overlays.element, toggle));
   return {
     element,
     update(state: Session): void {
       show(element, state.scan !== null && state.loading === null);
       show(overlays.element, state.fit !== null);
       overlays.set(state.overlay);
+      show(toggle, state.fit?.distances != null);
+      isOn = state.showDistances;
+      distances.setAttribute("aria-pressed", String(isOn));
     },
   };
 }

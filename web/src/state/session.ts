@@ -19,12 +19,13 @@ import type { Picks } from "./landmarks";
 import type { Proposals } from "./proposals";
 
 export type Step = "scan" | "landmarks" | "fit" | "result";
-export type Overlay = "scan" | "both" | "model";
+export type Overlay = "scan" | "both" | "model" | "beside" | "swipe";
+export const OVERLAYS: readonly Overlay[] = ["scan", "both", "model", "beside", "swipe"];
 export type ViewName = "front" | "left" | "right" | "back" | "top";
 export type Theme = "system" | "light" | "dark";
 
 /** Where on the page something can go wrong: the message is shown there. */
-export type Place = "service" | "scan" | "landmarks" | "fit" | "model" | "page";
+export type Place = "service" | "scan" | "landmarks" | "fit" | "model" | "distances" | "page";
 
 export interface ScanState {
   readonly info: Scan;
@@ -47,6 +48,8 @@ export interface FitState {
   readonly result: Result | null;
   readonly drawing: DrawingFile | null; // on the scan's surface
   readonly drawingName: string | null;
+  readonly surface: ArrayBuffer | null; // fitted.ply
+  readonly distances: Float32Array | null; // mm, of each vertex of the surface; NaN where there is no scan
   readonly reason: string | null;
   readonly isConnected: boolean;
   readonly picks: Picks | null; // that it was started with; null when it came from the address
@@ -73,6 +76,8 @@ export interface Session {
   readonly fit: FitState | null;
   readonly isStarting: boolean; // the request for a fit is under way
   readonly overlay: Overlay;
+  readonly swipe: number; // 0 to 1: how much of the stage shows the scan
+  readonly showDistances: boolean;
   readonly view: { readonly name: ViewName; readonly asked: number };
   readonly theme: Theme;
   readonly graphics: "ok" | "absent" | "lost";
@@ -102,6 +107,8 @@ export const initialSession: Session = {
   fit: null,
   isStarting: false,
   overlay: "both",
+  swipe: 0.5,
+  showDistances: false,
   view: { name: "front", asked: 0 },
   theme: "system",
   graphics: "ok",
@@ -117,5 +124,12 @@ export const shownIteration = (fit: FitState | null): Iterated | null => fit?.it
 
 /** True when the last iteration is on the screen and there will be no other. */
 export const isAtRest = (fit: FitState): boolean => fit.state !== "running" && fit.shown === fit.iterations.length - 1;
+
+/** Scan and model each have a part of the stage. */
+export const isBeside = (overlay: Overlay): boolean => overlay === "beside" || overlay === "swipe";
+
+/** At rest the surface that the service wrote stands for the posed rig: coloured, or bent onto the skin beyond what a rig can show. */
+export const showsFittedSurface = ({ fit, showDistances }: Session): boolean =>
+  Boolean(fit?.surface && fit.result && isAtRest(fit) && (fit.result.refined || (showDistances && fit.distances)));
 
 export const pickCount = (state: Session): number => Object.keys(state.picks.present).length;

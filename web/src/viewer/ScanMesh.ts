@@ -1,7 +1,7 @@
 // The scan: matte grey or its own colours, the inside and the rims of holes darker, ready for picking by BVH.
 import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, Vector3 } from "three";
 import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
-import type { Session } from "../state/session";
+import { isBeside, type Session } from "../state/session";
 import { borderEdges } from "./borders";
 import { extent } from "./extent";
 import { disposeTree, firstMesh, readGltf } from "./gltf";
@@ -50,7 +50,10 @@ export class ScanMesh implements Part {
   }
 
   private clear(): void {
-    if (this.mesh) disposeTree(this.mesh);
+    if (this.mesh) {
+      this.viewer.inHalf(this.mesh, null);
+      disposeTree(this.mesh);
+    }
     this.mesh = null;
     this.borders = null;
     this.stands = null;
@@ -101,6 +104,7 @@ export class ScanMesh implements Part {
     if (own) material.color.set(0xffffff);
     else material.color.copy(palette.scan);
     (this.borders?.material as LineBasicMaterial | undefined)?.color.copy(palette["scan-edge"]);
+    this.viewer.inHalf(mesh, hasModel && isBeside(state.overlay) ? "scan" : null);
     mesh.visible = !(hasModel && state.overlay === "model");
     this.viewer.invalidate();
   }

@@ -33,7 +33,7 @@ export class SideLetters implements Part {
     for (const { side, element } of this.letters) {
       const seen = new Vector3(side * half.x, height * half.y, 0);
       const edge = this.viewer.toScreen(body.worldToLocal(seen));
-      const limit = this.viewer.host.clientWidth - 44;
+      const limit = this.viewer.paneWidth - 44;
       const outwards = Math.max(-1, Math.min(1, (edge.x - middle) / 30));
       const x = Math.min(Math.max(edge.x + AWAY * outwards, 44), limit);
       element.style.transform = `translate(${x.toFixed(1)}px, ${Math.max(edge.y, 34).toFixed(1)}px)`;

@@ -2,7 +2,7 @@
 // Over the scan it is translucent clay.  A first pass fills the depth only, so that it never shows its own inside.
 import { DoubleSide, FrontSide, MeshBasicMaterial, MeshStandardMaterial, type Object3D, SkinnedMesh, Vector3 } from "three";
 import type { NodePose } from "../api/types";
-import { type Session, shownIteration } from "../state/session";
+import { isBeside, type Session, shownIteration, showsFittedSurface } from "../state/session";
 import { disposeTree, readGltf } from "./gltf";
 import type { VertexAt } from "./surfacePoints";
 import type { Part, Viewer } from "./Viewer";
@@ -32,8 +32,9 @@ export class TorsoModel implements Part {
     const poses = shownIteration(state.fit)?.nodes ?? null;
     if (!this.mesh || !this.root) return;
     if (poses && poses !== this.applied) this.apply(poses);
-    this.root.visible = poses !== null && state.overlay !== "scan";
-    const isAlone = state.overlay === "model";
+    this.root.visible = poses !== null && state.overlay !== "scan" && !showsFittedSurface(state);
+    this.viewer.inHalf(this.root, isBeside(state.overlay) ? "model" : null);
+    const isAlone = state.overlay !== "both";
     this.clay.opacity = isAlone ? 1 : OVER_SCAN;
     this.clay.side = isAlone ? DoubleSide : FrontSide;
     this.clay.color.copy(this.viewer.palette.clay);

@@ -1,7 +1,7 @@
 // The one WebGL view: renderer, camera, controls and a loop that draws only when something changed.
 // `body` is the scan's own frame (metres); it is turned so that the patient stands upright and faces +Z, hence the
 // camera always has +Y up and "from the front" means the same for every scan.
-import { Box3, Group, Matrix4, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { Box3, Group, Matrix4, type Object3D, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Frame } from "../api/types";
 import { leftOf } from "../state/frame";
@@ -14,6 +14,10 @@ import { type Palette, readPalette } from "./palette";
 export interface Part {
   update(state: Session): void;
 }
+
+/** One picture of all; two pictures beside each other; one picture, cut by a line into scan and model. */
+export type Layout = "one" | "beside" | "swipe";
+export type Half = "scan" | "model";
 
 const FIELD_OF_VIEW = 26; // degrees; long enough a lens that a torso is not distorted
 const MARGIN = 1.24;
@@ -39,6 +43,10 @@ export class Viewer {
   readonly half = new Vector3(0.25, 0.35, 0.15);
   palette: Palette = readPalette();
   frames = 0;
+  private layout: Layout = "one";
+  private split = 0.5; // share of the width that is the scan's
+  private view: ViewName = "front";
+  private readonly halves = new Map<Object3D, Half>();
 
   private readonly controls: OrbitControls;
   private readonly move: CameraMove;
@@ -96,8 +104,70 @@ export class Viewer {
   draw(): void {
     this.scene.updateMatrixWorld();
     for (const part of this.beforeFrame) part();
-    this.renderer.render(this.scene, this.camera);
+    if (this.layout === "one") this.renderer.render(this.scene, this.camera);
+    else for (const half of ["scan", "model"] as const) this.drawHalf(half);
     this.frames += 1;
+  }
+
+  /** In which half a thing is seen while the stage is shared; null: in both. */
+  inHalf(thing: Object3D, half: Half | null): void {
+    if (half === null) this.halves.delete(thing);
+    else this.halves.set(thing, half);
+  }
+
+  /** `split`: share of the width that is the scan's, where a line cuts the picture. */
+  share(layout: Layout, split: number): void {
+    const before = this.fitDistance(this.view);
+    const isOther = layout !== this.layout;
+    this.layout = layout;
+    this.split = layout === "beside" ? 0.5 : split;
+    if (isOther) {
+      this.resize();
+      // Another width for the same body: closer or farther away, from where the person looks.
+      const { target } = this.controls;
+      this.camera.position.sub(target).multiplyScalar(this.fitDistance(this.view) / before).add(target);
+      this.controls.update();
+    }
+    this.invalidate();
+  }
+
+  /** Width of one picture of the body, pixels. */
+  get paneWidth(): number {
+    return this.host.clientWidth * (this.layout === "beside" ? 0.5 : 1);
+  }
+
+  /** Page pixels as the camera's coordinates (-1 to 1); null where the stage shows the other half. */
+  toCamera(clientX: number, clientY: number, half: Half): Vector2 | null {
+    const box = this.host.getBoundingClientRect();
+    const x = clientX - box.left;
+    const isScan = x < this.split * box.width;
+    if (this.layout !== "one" && isScan !== (half === "scan")) return null;
+    const start = this.layout === "beside" && half === "model" ? this.paneWidth : 0;
+    return new Vector2(((x - start) / this.paneWidth) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
+  }
+
+  private drawHalf(half: Half): void {
+    const { renderer } = this;
+    const { clientWidth: width, clientHeight: height } = this.host;
+    const cut = Math.round(this.split * width);
+    const [left, wide] = half === "scan" ? [0, cut] : [cut, width - cut];
+    if (wide <= 0) return;
+    const others = [...this.halves].filter(([thing, where]) => where !== half && thing.visible);
+    for (const [thing] of others) thing.visible = false;
+    renderer.setScissorTest(true);
+    renderer.setScissor(left, 0, wide, height);
+    if (this.layout === "beside") renderer.setViewport(left, 0, wide, height);
+    renderer.render(this.scene, this.camera);
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, width, height);
+    for (const [thing] of others) thing.visible = true;
+  }
+
+  private fitDistance(name: ViewName): number {
+    const tangent = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
+    const { x, y, z } = this.half;
+    const [across, up, deep] = name === "top" ? [x, z, y] : name === "left" || name === "right" ? [z, y, x] : [x, y, z];
+    return (MARGIN * Math.max(up, across / this.camera.aspect)) / tangent + deep;
   }
 
   repaint(): void {
@@ -117,12 +187,8 @@ export class Viewer {
   }
 
   lookFrom(name: ViewName, isMoving = true): void {
-    const direction = DIRECTIONS[name];
-    const tangent = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
-    const { x, y, z } = this.half;
-    const [across, up, deep] = name === "top" ? [x, z, y] : name === "left" || name === "right" ? [z, y, x] : [x, y, z];
-    const distance = (MARGIN * Math.max(up, across / this.camera.aspect)) / tangent + deep;
-    this.move.to(direction.clone().multiplyScalar(distance), new Vector3(), isMoving);
+    this.view = name;
+    this.move.to(DIRECTIONS[name].clone().multiplyScalar(this.fitDistance(name)), new Vector3(), isMoving);
   }
 
   /** Pixels in the host's box of a point in the scan's axes (metres), and its distance from the eye. */
@@ -130,14 +196,14 @@ export class Viewer {
     const seen = this.body.localToWorld(point.clone());
     const depth = seen.distanceTo(this.camera.position);
     seen.project(this.camera);
-    const { clientWidth, clientHeight } = this.host;
-    return { x: ((seen.x + 1) / 2) * clientWidth, y: ((1 - seen.y) / 2) * clientHeight, depth };
+    const { clientHeight } = this.host;
+    return { x: ((seen.x + 1) / 2) * this.paneWidth, y: ((1 - seen.y) / 2) * clientHeight, depth };
   }
 
   private resize(): void {
     const { clientWidth, clientHeight } = this.host;
     if (clientWidth === 0 || clientHeight === 0) return;
-    this.camera.aspect = clientWidth / clientHeight;
+    this.camera.aspect = this.paneWidth / clientHeight;
     this.camera.updateProjectionMatrix();
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.draw(); // at once: a resized canvas is empty until it is drawn

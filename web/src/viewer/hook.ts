@@ -3,13 +3,15 @@
 //   window.__breastrig.isReady()        the scan is drawn and can be picked on
 //   window.__breastrig.project([x,y,z]) page pixels of a point (scan's frame, mm) and whether the scan hides it
 //   window.__breastrig.pickAt(x, y)     point (scan's frame, mm) and triangle under page pixels, or null
+//   window.__breastrig.surfaceAt(x, y)  corners and weights of the fitted surface's triangle there, while it is shown
 //   window.__breastrig.picture()        what is really on the canvas: number of colours, a checksum, context lost or not
 import { Vector3 } from "three";
 import type { Vector } from "../api/types";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import { metresFromMm } from "../units";
-import { type Hit, isHidden, pickAt } from "./picking";
+import type { FittedSurface } from "./FittedSurface";
+import { type Hit, isHidden, pickAt, surfaceAt, type SurfaceHit } from "./picking";
 import type { ScanMesh } from "./ScanMesh";
 import type { Viewer } from "./Viewer";
 
@@ -19,6 +21,7 @@ interface Hook {
   frames(): number;
   project(point: Vector): { x: number; y: number; hidden: boolean };
   pickAt(x: number, y: number): Hit | null;
+  surfaceAt(x: number, y: number): SurfaceHit | null;
   picture(): { colours: number; checksum: number; isLost: boolean };
 }
 
@@ -28,7 +31,7 @@ declare global {
   }
 }
 
-export function offerHook(store: Store<Session>, viewer: Viewer, scan: ScanMesh): void {
+export function offerHook(store: Store<Session>, viewer: Viewer, scan: ScanMesh, fitted: FittedSurface): void {
   const hook: Hook = {
     state: () => ({ ...store.get(), model: null }),
     isReady: () => scan.mesh !== null,
@@ -41,6 +44,7 @@ export function offerHook(store: Store<Session>, viewer: Viewer, scan: ScanMesh)
       return { x: x + box.left, y: y + box.top, hidden: isHidden(viewer, scan, at, scan.normalAt(at)) };
     },
     pickAt: (x, y) => pickAt(viewer, scan, x, y),
+    surfaceAt: (x, y) => surfaceAt(viewer, fitted.mesh, x, y),
     picture: () => readPicture(viewer),
   };
   Object.defineProperty(window, "__breastrig", { value: Object.freeze(hook) });

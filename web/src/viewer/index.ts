@@ -2,11 +2,13 @@
 import type { Actions } from "../actions";
 import { withProblem } from "../actions/problems";
 import type { Stage } from "../panels/Page";
-import type { Session } from "../state/session";
+import { isBeside, type Session } from "../state/session";
 import type { Store } from "../state/store";
 import { text } from "../text";
 import { onClick } from "./clicks";
 import { Drawings } from "./Drawings";
+import { FittedSurface } from "./FittedSurface";
+import { HoverValue } from "./HoverValue";
 import { offerHook } from "./hook";
 import { LandmarkPins } from "./LandmarkPins";
 import { Loupe } from "./Loupe";
@@ -27,19 +29,22 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
     actions.page.graphics("absent");
     return;
   }
-  const ready = (place: "scan" | "model", words: string) => (error: unknown) => {
+  const ready = (place: "scan" | "model" | "distances", words: string) => (error: unknown) => {
     if (error !== null) store.set((state) => withProblem(state, place, words));
     else updateAll(store.get());
   };
   const scan = new ScanMesh(viewer, ready("scan", text.errors.mesh));
   const torso = new TorsoModel(viewer, ready("model", text.errors.model));
+  const fitted = new FittedSurface(viewer, ready("distances", text.errors.surface));
   const proposed = new ProposalPins(viewer, scan);
   const parts: Part[] = [
     proposed,
     scan,
     torso,
+    fitted,
     new Drawings(viewer, scan, torso),
     new LandmarkPins(viewer, scan),
+    new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),
     new Ruler(viewer),
     new Loupe(viewer, scan, stage.canvas),
@@ -47,6 +52,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
   ];
   /** A part that fails must not keep the others from drawing, nor the state from changing: its error is reported later. */
   const updateAll = (state: Session): void => {
+    viewer.share(state.fit !== null && isBeside(state.overlay) ? (state.overlay as "beside" | "swipe") : "one", state.swipe);
     for (const part of parts) {
       try {
         part.update(state);
@@ -88,5 +94,5 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
     actions.page.graphics("ok");
     viewer.invalidate();
   });
-  offerHook(store, viewer, scan);
+  offerHook(store, viewer, scan, fitted);
 }

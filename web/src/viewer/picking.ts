@@ -1,5 +1,5 @@
 // From a place on the screen to a point on the scan: pointer → ray → BVH → triangle.
-import { Raycaster, Vector2, Vector3 } from "three";
+import { type BufferGeometry, type Mesh, Raycaster, Triangle, Vector3 } from "three";
 import type { Vector } from "../api/types";
 import { mmFromMetres } from "../units";
 import type { ScanMesh } from "./ScanMesh";
@@ -17,14 +17,34 @@ raycaster.firstHitOnly = true;
 /** `clientX`, `clientY` as in pointer events; null beside the scan. */
 export function pickAt(viewer: Viewer, scan: ScanMesh, clientX: number, clientY: number): Hit | null {
   if (!scan.mesh) return null;
-  const box = viewer.host.getBoundingClientRect();
-  const at = new Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
+  const at = viewer.toCamera(clientX, clientY, "scan");
+  if (!at) return null;
   viewer.scene.updateMatrixWorld();
   raycaster.setFromCamera(at, viewer.camera);
   const hit = raycaster.intersectObject(scan.mesh, false)[0];
   if (!hit) return null;
   const point = viewer.body.worldToLocal(hit.point.clone());
   return { point: point.toArray().map(mmFromMetres) as Vector, face: hit.faceIndex ?? -1 };
+}
+
+/** A place on the fitted surface: the corners of its triangle and their shares. */
+export interface SurfaceHit {
+  corners: [number, number, number];
+  weights: [number, number, number];
+}
+
+/** What of the fitted surface lies under page pixels; null beside it. */
+export function surfaceAt(viewer: Viewer, surface: Mesh<BufferGeometry> | null, clientX: number, clientY: number): SurfaceHit | null {
+  const at = viewer.toCamera(clientX, clientY, "model");
+  if (!surface?.visible || !at) return null;
+  viewer.scene.updateMatrixWorld();
+  raycaster.setFromCamera(at, viewer.camera);
+  const hit = raycaster.intersectObject(surface, false)[0];
+  if (!hit?.face) return null;
+  const corners: SurfaceHit["corners"] = [hit.face.a, hit.face.b, hit.face.c];
+  const [a, b, c] = corners.map((corner) => new Vector3().fromBufferAttribute(surface.geometry.attributes.position!, corner));
+  const weights = Triangle.getBarycoord(viewer.body.worldToLocal(hit.point.clone()), a!, b!, c!, new Vector3());
+  return weights ? { corners, weights: weights.toArray() } : null;
 }
 
 const AVERTED = 0.25; // cosine; a rim seen from the side still counts as seen

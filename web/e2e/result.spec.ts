@@ -1,0 +1,116 @@
+// The result in colour: distances are those of distances.bin, under the pointer and in the numbers; scan and model beside
+// each other and cut by a line.
+import { expect, type Page } from "@playwright/test";
+import type { Result } from "../src/api/types";
+import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/state/distances";
+import { formatPercent, formatSignedMm } from "../src/units";
+import { hook, test, untilFitted, untilStill } from "./page";
+
+/** Shares of strongly blue and strongly orange pixels in a part of the stage (0 to 1 across). */
+async function colours(page: Page, from: number, to: number): Promise<{ coloured: number; skin: number }> {
+  await untilStill(page);
+  const box = (await page.locator("canvas.view").boundingBox())!;
+  const clip = { x: box.x + from * box.width, y: box.y, width: (to - from) * box.width, height: box.height - 140 };
+  const shot = (await page.screenshot({ clip })).toString("base64");
+  return page.evaluate(async (data) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${data}`;
+    await image.decode();
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [image.width, image.height];
+    const context = canvas.getContext("2d")!;
+    context.drawImage(image, 0, 0);
+    const { data: pixels } = context.getImageData(0, 0, image.width, image.height);
+    let [coloured, skin] = [0, 0];
+    for (let i = 0; i < pixels.length; i += 4) {
+      const [r, g, b] = [pixels[i]!, pixels[i + 1]!, pixels[i + 2]!];
+      if (b - r > 30 || (r - b > 75 && r - g > 25)) coloured += 1;
+      if (r - b > 15 && r - b <= 75) skin += 1;
+    }
+    return { coloured: (4 * coloured) / pixels.length, skin: (4 * skin) / pixels.length };
+  }, shot);
+}
+
+test("distances are coloured, read under the pointer, and are the service's", async ({ page, base, troubles }) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("2");
+  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
+  await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
+  await untilFitted(page);
+  const { id } = (await hook.fit(page))!;
+  const result = (await (await page.request.get(`${base}/api/fits/${id}/result.json`)).json()) as Result;
+  const file = await (await page.request.get(`${base}/api/fits/${id}/distances.bin`)).body();
+  const distances = readDistances(file.buffer.slice(file.byteOffset, file.byteOffset + file.length) as ArrayBuffer);
+
+  await test.step("the file's absolute values are those of result.json", async () => {
+    const known = [...distances].filter((value) => !Number.isNaN(value)).map(Math.abs);
+    expect(known.reduce((sum, value) => sum + value, 0) / known.length).toBeCloseTo(result.surface_distance_mm.mean!, 3);
+  });
+
+  await test.step("the numbers panel summarises it", async () => {
+    const { meanMm, within, beyond } = summarise(distances)!;
+    const block = page.locator(".numbers .block", { has: page.locator("h3", { hasText: "Signed distances" }) });
+    await expect(block.locator("dd")).toHaveText([`${formatSignedMm(meanMm)} mm`, `${formatPercent(within)} %`, `${formatPercent(beyond)} %`]);
+  });
+
+  await test.step("the map shows with its colour bar; a key takes it away and brings it back", async () => {
+    const plain = await hook.picture(page);
+    await page.getByRole("button", { name: "Distances" }).click();
+    await expect(page.locator(".colour-bar")).toBeVisible();
+    expect((await hook.picture(page)).checksum).not.toBe(plain.checksum);
+    await page.keyboard.press("d");
+    await expect(page.locator(".colour-bar")).toBeHidden();
+    await page.keyboard.press("d");
+    await expect(page.locator(".colour-bar")).toBeVisible();
+  });
+
+  const read = async (across: number, down: number): Promise<number | null> => {
+    const box = (await page.locator("canvas.view").boundingBox())!;
+    const [x, y] = [box.x + across * box.width, box.y + down * box.height];
+    await page.mouse.move(x, y);
+    const hit = await page.evaluate(([left, top]) => window.__breastrig!.surfaceAt(left!, top!), [x, y]);
+    if (!hit) return null;
+    const mm = distanceWithin(distances, hit.corners, hit.weights);
+    await expect(page.locator(".hover-value")).toBeVisible();
+    const words = mm === null ? "no scan here" : `${formatSignedMm(mm)} mm`;
+    await expect(page.locator(".hover-value")).toContainText(words);
+    if (mm !== null && Math.abs(mm) <= SCANNER_MM) await expect(page.locator(".hover-value")).toContainText("within scanner error");
+    return mm;
+  };
+
+  await test.step("under the pointer stands the value of the file", async () => {
+    await untilStill(page);
+    const values = [];
+    for (const [across, down] of [[0.5, 0.3], [0.4, 0.5], [0.6, 0.5], [0.5, 0.7], [0.45, 0.6]] as const) values.push(await read(across, down));
+    expect(values.filter((mm) => mm !== null).length, "places with a value").toBeGreaterThan(2);
+    await page.mouse.move(5, 5);
+    await expect(page.locator(".hover-value")).toBeHidden();
+  });
+
+  await test.step("side by side: two bodies, the map on the right one only", async () => {
+    await page.getByRole("button", { name: "Beside" }).click();
+    await untilStill(page);
+    expect(await read(0.25, 0.4), "over the scan there is no value").toBeNull();
+    expect(await read(0.75, 0.3)).not.toBeNull();
+    await page.mouse.move(5, 5);
+    const [left, right] = [await colours(page, 0, 0.5), await colours(page, 0.5, 1)];
+    expect(left.skin).toBeGreaterThan(0.05);
+    expect(right.skin).toBeLessThan(left.skin / 2);
+  });
+
+  await test.step("the line between scan and model is moved by keys", async () => {
+    await page.getByRole("button", { name: "Swipe" }).click();
+    const line = page.getByRole("slider", { name: "Line between scan and model" });
+    await line.focus();
+    const half = await hook.picture(page);
+    for (let i = 0; i < 20; i += 1) await page.keyboard.press("ArrowRight");
+    await expect(line).toHaveValue("0.7");
+    expect((await hook.picture(page)).checksum).not.toBe(half.checksum);
+    expect(await read(0.6, 0.5)).toBeNull();
+    await page.keyboard.press("Home");
+    expect(await read(0.5, 0.3)).not.toBeNull();
+  });
+  expect(troubles).toEqual([]);
+});
