@@ -81,7 +81,11 @@ def test_refining_is_asked_for_and_carried_out(client: FlaskClient, service: Ser
     [
         ({"refine": "perhaps"}, "refine: Input should be a valid boolean."),
         ({"preset": "best"}, '"best" is not a preset; known are: default, paper.'),
-        ({"drawing": "mona_lisa"}, '"mona_lisa" is not a drawing; known are: lumpectomy.'),
+        ({"drawing": "lumpectomy+tumour:L,13,45,12"}, "clock of tumour cannot be 13: an hour of the clock"),
+        (
+            {"drawing": "mona_lisa"},
+            '"mona_lisa" is not a drawing of this model; known are: lumpectomy, reduction, tumour, tumour_at.',
+        ),
         ({"stance": "sitting"}, "stance: Input should be 'auto', 'standing' or 'supine'."),
         ({"landmarks": {"elbow": [0, 0, 0]}}, '"elbow" is not a landmark'),
         ({"landmarks": {"nipple_L": [0, 0, 9000]}}, "nipple_L lies"),

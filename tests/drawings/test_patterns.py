@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin, angle_of, on_clock
-from breastrig.drawings.patterns import asked_drawing, known_drawings, pattern_help, tumour_text
+from breastrig.drawings.patterns import asked_drawing, known_drawings, offered_patterns, pattern_help, tumour_text
 from breastrig.geometry.geodesic import length
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -230,6 +230,18 @@ def test_another_rig_without_the_needed_marks_says_which(toy_rig: Rig) -> None:
     bare = replace(toy_rig, landmarks=())
     with pytest.raises(BadDrawing, match="starts from the landmark nipple_L, which this model does not have"):
         drawn(bare, bare.template, "reduction")
+
+
+def test_only_a_rig_with_breasts_and_folds_is_offered_the_wise_pattern(torso: Rig, toy_rig: Rig) -> None:
+    assert offered_patterns(torso) == (("reduction", "Reduction (Wise pattern)"),)
+    assert offered_patterns(toy_rig) == ()
+
+
+def test_names_may_be_left_out_where_all_parameters_are_needed(torso: Rig) -> None:
+    named = drawn(torso, torso.template, "tumour:side=R,clock=2,distance_mm=40,radius_mm=10")["tumour_R"].points
+    short = drawn(torso, torso.template, "tumour:R,2,40,10")["tumour_R"].points
+    np.testing.assert_array_equal(short.faces, named.faces)
+    np.testing.assert_array_equal(short.barycentric, named.barycentric)
 
 
 def test_the_help_names_every_parameter() -> None:

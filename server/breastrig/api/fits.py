@@ -10,7 +10,8 @@ from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answe
 from breastrig.api.current import behind
 from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.security import refuse
-from breastrig.core.errors import BadDrawing, BadScan, BadSettings, Conflict, NotFound, unknown_name
+from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
+from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
 from breastrig.jobs.iteration_file import iteration_gltf
 from breastrig.storage.fits import FitRow, FitWish, Once, fits_page, get_fit, queue_position
@@ -52,8 +53,8 @@ def start_fit(
     presets = preset_names()
     if json_data.preset not in presets:
         raise BadSettings(unknown_name("preset", json_data.preset, presets))
-    if json_data.drawing is not None and json_data.drawing not in rig.drawing_names:
-        raise BadDrawing(unknown_name("drawing", json_data.drawing, rig.drawing_names))
+    if json_data.drawing is not None:
+        asked_drawing(rig, json_data.drawing)
     other = json_data.with_
     if other is not None and other.scan == json_data.scan:
         raise BadScan("Two stances need two scans; leave `with` out to fit one scan.")

@@ -7,6 +7,7 @@ from breastrig.api import wire
 from breastrig.api.current import behind
 from breastrig.api.scans import scan_answer
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.drawings.patterns import offered_patterns
 from breastrig.fitting.recipe import preset_names
 
 meta = APIBlueprint("meta", __name__, tag={"name": "meta", "description": "Version, limits, examples."})
@@ -55,7 +56,10 @@ def about() -> wire.Meta:
             for landmark in rig.landmarks
         ],
         presets=list(preset_names()),
-        drawings=[wire.DrawingInfo(name=drawing.name, label=drawing.label) for drawing in rig.drawings],
+        drawings=[
+            wire.DrawingInfo(name=name, label=label)
+            for name, label in (*((one.name, one.label) for one in rig.drawings), *offered_patterns(rig))
+        ],
     )
 
 

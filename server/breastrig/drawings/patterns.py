@@ -5,6 +5,7 @@ A drawing is asked for by a text, in a command, a job or a request:
     lumpectomy
     reduction:areola_mm=42,limb_mm=55
     lumpectomy+tumour:side=L,clock=10,distance_mm=45,radius_mm=12
+    lumpectomy+tumour:L,10,45,12             (where all parameters are needed, their names may be left out)
 
 A drawing of the model is a file (fixed surface points); a pattern is a class that knows its parameters and draws
 itself on this patient's skin.  The text is checked before a fit begins, the pattern is built when it has ended.
@@ -59,6 +60,14 @@ def known_drawings(rig: Rig) -> tuple[str, ...]:
     return (*rig.drawing_names, *(name for name in PATTERNS if name not in rig.drawing_names))
 
 
+def offered_patterns(rig: Rig) -> tuple[tuple[str, str], ...]:
+    """(name, label) of the patterns that this rig can show without further parameters."""
+    marks = [f"{mark}_{side}" for mark in ("nipple", "midclavicle", "inframammary_fold") for side in "LR"]
+    lines = {shape.name for drawing in rig.drawings for shape in drawing.shapes}
+    able = {*marks} <= {*rig.landmark_names} and {f"inframammary_fold_{side}" for side in "LR"} <= lines
+    return (("reduction", LABELS["reduction"]),) if able and "reduction" not in rig.drawing_names else ()
+
+
 def asked_drawing(rig: Rig, text: str) -> AskedDrawing:
     """The checked wish; BadDrawing says which word or number is wrong."""
     fixed, patterns = [], []
@@ -81,13 +90,13 @@ def tumour_text(short: str) -> str:
     side, colon, rest = short.partition(":")
     numbers = rest.split(",")
     if side == "at" and len(numbers) == 4:
-        return "tumour_at:x_mm={},y_mm={},z_mm={},radius_mm={}".format(*numbers)
+        return f"tumour_at:{rest}"
     if not colon or len(numbers) != 3 or side == "at":
         raise BadDrawing(
             f'"{short}" is not a tumour; write SIDE:HOUR,DISTANCE_MM,RADIUS_MM, for instance L:10,45,12 for the left '
             "breast at 10 o'clock, 45 mm from the nipple, radius 12 mm, or at:X,Y,Z,RADIUS in mm of the scan's frame."
         )
-    return f"tumour:side={side},clock={numbers[0]},distance_mm={numbers[1]},radius_mm={numbers[2]}"
+    return f"tumour:{side},{rest}"
 
 
 def pattern_help() -> str:
@@ -105,7 +114,11 @@ def pattern_help() -> str:
 def _parameters(name: str, values: str) -> Pattern:
     kind = PATTERNS[name]
     given: dict[str, str] = {}
+    in_order = all(field.is_required() for field in kind.model_fields.values())
+    names = iter(kind.model_fields)
     for pair in filter(None, (word.strip() for word in values.split(","))):
+        if in_order and "=" not in pair and (following := next(names, None)) is not None:
+            pair = f"{following}={pair}"
         key, equals, value = (word.strip() for word in pair.partition("="))
         if not equals:
             raise BadDrawing(f'"{pair}" is not a parameter of {name}; write name=value, for instance {_example(kind)}.')
