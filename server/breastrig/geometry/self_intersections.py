@@ -1,6 +1,6 @@
 """Where a triangle mesh passes through itself: edges that cross a triangle with which they share no corner.
 
-Skin of a fitted model can do that in the fold under a breast and in the armpit, and a tetrahedral mesher refuses it.
+Skin of a fitted model can do that in the armpit and in the fold under a breast, and a tetrahedral mesher refuses it.
 
 Exact tests (Möller and Trumbore 1997) of each edge with the triangles nearest to it.  On a mesh with edges much longer
 than their neighbours' the nearest are not all; a fitted model has none.
@@ -12,7 +12,8 @@ from scipy.spatial import cKDTree
 from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.neighbours import neighbours
 
-ROUNDS = 40  # a fold under a breast needs two or three; what needs more is no fold
+ROUNDS = 40  # an armpit needs four
+STEP = 0.2  # of the way to the neighbours' mean; 0.5 moves an armpit's skin twice as far
 CANDIDATES = 64  # triangles looked at around each edge: three rings of neighbours and the other sheet
 
 
@@ -44,17 +45,18 @@ def crossing_faces(vertices: Array, faces: Integers) -> Integers:
 
 
 def untangled(vertices: Array, faces: Integers, rounds: int = ROUNDS) -> Array:
-    """(V, 3) m: the vertices of crossing triangles and their neighbours moved halfway to the mean of their own
-    neighbours, again and again until nothing crosses or the rounds are over; all others stay where they are.
+    """(V, 3) m: the vertices of crossing triangles moved towards the mean of their neighbours, a little at a time,
+    until nothing crosses or the rounds are over; their neighbours follow when the first half of the rounds did not do.
+    All others stay where they are.
     """
     links = neighbours(faces, len(vertices))
     result = vertices.copy()
-    for _ in range(rounds):
+    for done in range(rounds):
         crossing = crossing_faces(result, faces)
         if not len(crossing):
             break
         near = np.zeros(len(vertices))
         near[faces[crossing].ravel()] = 1.0
-        chosen = (links @ near + near) > 0.0
-        result[chosen] += 0.5 * ((links @ result) - result)[chosen]
+        chosen = (near if 2 * done < rounds else links @ near + near) > 0.0
+        result[chosen] += STEP * ((links @ result) - result)[chosen]
     return result

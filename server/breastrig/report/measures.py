@@ -1,8 +1,9 @@
 """The measures of a breast: each straight, as callipers give it, and along the skin, as a tape does.
 
 Definitions: notch, midclavicle and fold to nipple, nipple to midline, nipple to nipple and base width as clinics take
-them (Kawale 2011; Henseler 2023); the symmetry ratios are in symmetry.py, the volume in volume.py.  Landmarks are taken
-where they were picked, unless the pick was doubted, else from the fitted model; every row says which.
+them (Henseler 2023, who gives them for 100 women); the symmetry ratios are in symmetry.py, the volume in volume.py.
+Landmarks are taken where they were picked, unless the pick was doubted, else from the fitted model; every row says
+which.
 
 Lengths along the skin run on the fitted model: a scan has holes under and beside the breast, just where a tape runs.
 A pick is first put on it.  The tape is exact on the mesh (geometry/geodesic.py) and laid without stretching the skin.
