@@ -115,6 +115,7 @@ export const text = {
     guideCaption: "Shown on the model",
     announcePlaced: (label: string, next: string | null) =>
       next === null ? `Placed: ${label}. All landmarks are done.` : `Placed: ${label}. Next: ${next}.`,
+    announceMoved: (label: string) => `Moved: ${label}.`,
     announceUndone: "Undone.",
     announceRedone: "Redone.",
     announceImported: (count: number) => `${plural(count, "landmark", "landmarks")} read.`,
@@ -176,6 +177,7 @@ export const text = {
     noDrawing: "No drawing was asked for.",
     shapeNote: "Dashed where the scan has a hole.",
     downloads: [
+      { key: "report", name: "report.pdf", what: "pictures and measures, two pages" },
       { key: "fitted_glb", name: "fitted.glb", what: "posed rig, drawing, replay" },
       { key: "fitted_ply", name: "fitted.ply", what: "posed model, scan's frame" },
       { key: "drawing", name: "drawing.json", what: "lines on the scan" },
@@ -284,6 +286,7 @@ export const text = {
       ["N", "Next landmark"],
       ["Z · Shift+Z", "Undo · redo"],
       ["C", "Take the proposed point"],
+      ["Arrows", "Move the chosen landmark along the skin, when the view has the focus (Shift: faster)"],
       ["Esc", "Stop placing"],
       ["F", "View from the front"],
       ["O", "Scan, both, model, beside, swipe"],
@@ -293,7 +296,7 @@ export const text = {
     ],
     mouse: [
       ["Click", "Place the wanted landmark, or confirm a dashed one"],
-      ["Drag", "Turn the view"],
+      ["Drag", "Turn the view, or move a placed landmark: a fit then follows at once"],
       ["Right drag", "Move the view"],
       ["Scroll", "Zoom"],
       ["Touch", "One finger turns, two move and zoom, a tap places"],
