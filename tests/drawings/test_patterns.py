@@ -71,9 +71,10 @@ def test_a_tumour_is_a_true_circle_at_its_true_distance(torso: Rig, sagging: np.
     centre = on_clock(skin, skin.landmark(f"nipple_{side}"), 0.045, np.array([angle_of(10.5)]))
     away = skin.geodesics.path(skin.landmark(f"nipple_{side}"), centre)
     assert length(away) == pytest.approx(0.045, abs=1e-4)  # a chord of the rim that carries it
-    radii = [length(skin.geodesics.path(centre, one(circle.points, k))) for k in range(0, len(circle.points), 20)]
-    np.testing.assert_allclose(radii, 0.012, atol=5e-6)
+    radii = [length(skin.geodesics.path(centre, one(circle.points, k))) for k in range(0, len(circle.points), 6)]
+    np.testing.assert_allclose(radii, 0.012, atol=2e-5)
     assert circle.closed
+    assert len(circle.points) > 40
 
 
 def test_a_pattern_is_the_same_skin_wherever_the_patient_stands(torso: Rig) -> None:
@@ -101,8 +102,8 @@ def test_a_tumour_around_a_picked_place(torso: Rig, side: str) -> None:
     shape = picked(torso, nipple + 0.004 * front - origin, 20.0, origin)
     assert shape.name == f"tumour_{side}"
     centre = skin.nearest(nipple[None] + 0.004 * front)
-    radii = [length(skin.geodesics.path(centre, one(shape.points, k))) for k in range(0, len(shape.points), 30)]
-    np.testing.assert_allclose(radii, 0.02, atol=5e-6)
+    radii = [length(skin.geodesics.path(centre, one(shape.points, k))) for k in range(0, len(shape.points), 6)]
+    np.testing.assert_allclose(radii, 0.02, atol=2e-5)
 
 
 def test_a_picked_place_off_the_skin_is_refused(torso: Rig) -> None:
@@ -136,8 +137,8 @@ def test_the_limbs_are_true_millimetres_on_every_body(torso: Rig, sagging: np.nd
         np.testing.assert_allclose([length(limb) for limb in limbs], 0.038, atol=2e-4)
         centre = skin.landmark(f"nipple_{side}")
         areola = shapes[f"areola_{side}"].points
-        radii = [length(skin.geodesics.path(centre, one(areola, k))) for k in range(0, len(areola), 20)]
-        np.testing.assert_allclose(radii, 0.020, atol=5e-6)
+        radii = [length(skin.geodesics.path(centre, one(areola, k))) for k in range(0, len(areola), 6)]
+        np.testing.assert_allclose(radii, 0.020, atol=2e-5)
         keyhole = length(line[upper : other_upper + 1])
         assert keyhole == pytest.approx(np.pi * 0.040, abs=5e-4)  # they are sewn together
         fold = skin.at(shapes[f"wise_fold_{side}"].points)
@@ -171,8 +172,8 @@ def test_without_ptosis_the_nipple_stays(torso: Rig) -> None:
     mark = drawn(torso, torso.template, "reduction:side=L")["new_nipple_L"]
     skin = FittedSkin(torso, torso.template)
     nipple = skin.landmark("nipple_L")
-    radii = [length(skin.geodesics.path(nipple, one(mark.points, k))) for k in range(0, len(mark.points), 30)]
-    np.testing.assert_allclose(radii, 0.003, atol=5e-6)
+    radii = [length(skin.geodesics.path(nipple, one(mark.points, k))) for k in range(0, len(mark.points), 6)]
+    np.testing.assert_allclose(radii, 0.003, atol=2e-5)
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 
+ROUND = 48  # points of a drawn circle: its chords are off by 0.2 % of the radius
 SIDES = {"L": "left", "R": "right"}
 
 
@@ -59,6 +60,16 @@ class FittedSkin:
         points = self.rig.landmark_points()
         here, rest = self.at(points), points.positions(self.rig.template, self.rig.faces)
         return Rotation.align_vectors(here - here.mean(axis=0), rest - rest.mean(axis=0))[0].as_matrix()
+
+
+def circle_around(skin: FittedSkin, centre: SurfacePoints, radius: float) -> SurfacePoints:
+    """About ROUND points at `radius` (m) along the skin, each exact; BadDrawing when the skin ends before."""
+    rim = skin.geodesics.circle_points(int(centre.faces[0]), centre.barycentric[0], radius)
+    at = skin.at(rim)
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(at, axis=0), axis=1))])
+    whole = along[-1] + np.linalg.norm(at[0] - at[-1])
+    chosen = np.unique(np.searchsorted(along, np.arange(ROUND) * whole / ROUND).clip(0, len(at) - 1))
+    return SurfacePoints(rim.faces[chosen], rim.barycentric[chosen])
 
 
 def angle_of(hour: float) -> float:

@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
-from breastrig.drawings.clock import SIDES, FittedSkin, on_clock
+from breastrig.drawings.clock import SIDES, FittedSkin, circle_around, on_clock
 from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import length
 from breastrig.geometry.surface_points import SurfacePoints
@@ -74,7 +74,6 @@ class Reduction(BaseModel):
         corners = np.cumsum([len(part) - 1 for part in parts])[:-1]
         cut = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
         word = SIDES[side]
-        geodesics = skin.geodesics
         return (
             DrawnShape(
                 f"wise_{side}", f"{word} keyhole and limbs", False, CUT, skin.nearest(cut), tuple(corners.tolist())
@@ -85,14 +84,14 @@ class Reduction(BaseModel):
                 f"{word} areola to keep",
                 True,
                 CUT,
-                geodesics.circle_points(int(nipple.faces[0]), nipple.barycentric[0], 0.5e-3 * self.areola_mm),
+                circle_around(skin, nipple, 0.5e-3 * self.areola_mm),
             ),
             DrawnShape(
                 f"new_nipple_{side}",
                 f"new place of the {word} nipple",
                 True,
                 FOLD,
-                geodesics.circle_points(int(new.faces[0]), new.barycentric[0], MARK),
+                circle_around(skin, new, MARK),
             ),
         )
 

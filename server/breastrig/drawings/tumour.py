@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from breastrig.core.errors import BadDrawing
-from breastrig.drawings.clock import SIDES, FittedSkin, angle_of, on_clock
+from breastrig.drawings.clock import SIDES, FittedSkin, angle_of, circle_around, on_clock
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape
 
@@ -73,5 +73,5 @@ class PickedTumour(BaseModel):
 
 def circle(skin: FittedSkin, centre: SurfacePoints, radius: float, side: str) -> DrawnShape:
     """All points at `radius` (m) along the skin."""
-    rim = skin.geodesics.circle_points(int(centre.faces[0]), centre.barycentric[0], radius)
+    rim = circle_around(skin, centre, radius)
     return DrawnShape(f"tumour_{side}", f"tumour of the {SIDES[side]} breast", True, COLOR, rim)
