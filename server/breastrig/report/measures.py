@@ -29,6 +29,7 @@ SIDES = ("L", "R")
 STRAIGHT, ALONG_SKIN = "straight", "along the skin"
 SPACING = 0.002  # m between points of a line to which a distance is taken
 OUTLINE = "breast base outline (model)"
+END = 0.003  # m; the sides of the outline run upright, so its very last point wanders up and down by centimetres
 CHORD = "distance in space"
 TAPE = "shortest way on the fitted model's skin"
 
@@ -76,7 +77,7 @@ class _Table:
                 )
         outlines = {side: breast_outline(self.stance.rig, side) for side in SIDES}
         if all(outline is not None for outline in outlines.values()):
-            said = "between the most medial and the most lateral point of the model's breast base outline"
+            said = "between the medial and the lateral end of the model's breast base outline, the middle of its last 3 mm each"
             yield from self._sided(
                 "base_width",
                 "Base width",
@@ -127,7 +128,7 @@ class _Table:
         assert outline is not None
         line = resampled(outline.points.positions(self.stance.vertices, self.stance.rig.faces), SPACING, closed=True)
         lateral = self.frame.lateral(line)
-        a, b = line[lateral.argmin()], line[lateral.argmax()]
+        a, b = (_middle_of_end(line, sign * lateral) for sign in (1.0, -1.0))
         return float(np.linalg.norm(a - b)), self._tape(self._on_skin(a), self._on_skin(b))
 
     def _on_skin(self, point: Array) -> SurfacePoints:
@@ -135,6 +136,12 @@ class _Table:
 
     def _tape(self, a: SurfacePoints, b: SurfacePoints) -> float:
         return length(self._skin.path(a, b))
+
+
+def _middle_of_end(line: Array, reach: Array) -> Array:
+    """(3,) m: the point in the middle of where the (N, 3) line reaches as far as it goes, give or take END."""
+    farthest = line[reach > reach.max() - END]
+    return np.asarray(farthest[np.linalg.norm(farthest - farthest.mean(axis=0), axis=1).argmin()])
 
 
 def _volumes(stance: Stance) -> Iterator[Row]:
