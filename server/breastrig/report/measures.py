@@ -77,7 +77,7 @@ class _Table:
                 )
         outlines = {side: breast_outline(self.stance.rig, side) for side in SIDES}
         if all(outline is not None for outline in outlines.values()):
-            said = "between the medial and the lateral end of the model's breast base outline, the middle of its last 3 mm each"
+            said = "between the medial and lateral end of the model's breast base outline (middle of the last 3 mm)"
             yield from self._sided(
                 "base_width",
                 "Base width",
