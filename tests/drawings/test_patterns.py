@@ -223,7 +223,8 @@ def test_a_tumour_beside_the_breast_is_refused(torso: Rig) -> None:
 def test_limbs_that_reach_the_fold_are_refused_when_asked_for_and_shortened_when_not(torso: Rig) -> None:
     with pytest.raises(BadDrawing, match="limbs of 75 mm reach the fold of the left breast; choose shorter limbs"):
         drawn(torso, torso.template, "reduction:limb_mm=75")
-    assert "wise_L" in drawn(torso, torso.template, "reduction")
+    shortened = drawn(torso, torso.template, "reduction")["wise_L"]
+    assert shortened.label == "left keyhole and limbs of 37.5 mm"  # and the drawing says how long they became
 
 
 def test_another_rig_without_the_needed_marks_says_which(toy_rig: Rig) -> None:

@@ -76,7 +76,12 @@ class Reduction(BaseModel):
         word = SIDES[side]
         return (
             DrawnShape(
-                f"wise_{side}", f"{word} keyhole and limbs", False, CUT, skin.nearest(cut), tuple(corners.tolist())
+                f"wise_{side}",
+                f"{word} keyhole and limbs of {1e3 * length(parts[1]):.1f} mm",
+                False,
+                CUT,
+                skin.nearest(cut),
+                tuple(corners.tolist()),
             ),
             DrawnShape(f"wise_fold_{side}", f"{word} fold", False, FOLD, fold),
             DrawnShape(
