@@ -148,7 +148,7 @@ def test_nothing_outside_of_the_page_is_served(client: FlaskClient, address: str
 
 
 def test_an_error_of_ours_shows_no_trace(app: APIFlask, client: FlaskClient, monkeypatch, caplog) -> None:
-    monkeypatch.setitem(app.view_functions, "meta.health", lambda: 1 / 0)
+    monkeypatch.setitem(app.view_functions, "operations.health", lambda: 1 / 0)
     assert problem(client.get("/healthz"), 500) == "Something went wrong inside BreastRig; the server's log says what."
     assert "ZeroDivisionError" in caplog.text
 

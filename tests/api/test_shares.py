@@ -20,7 +20,17 @@ from breastrig.storage.storage import iso_utc
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 FILES = ("result.json", "fitted.glb", "fitted.ply", "drawing.json")
-OPEN_TO_ALL = {"/healthz", "/s", "/s/share.js", "/sign-in", "/sign-in/style.css", "/sign-out", "/"}
+OPEN_TO_ALL = {
+    "/healthz",
+    "/readyz",
+    "/metrics",
+    "/s",
+    "/s/share.js",
+    "/sign-in",
+    "/sign-in/style.css",
+    "/sign-out",
+    "/",
+}
 
 
 @pytest.fixture

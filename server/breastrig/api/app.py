@@ -12,8 +12,10 @@ from breastrig.api.errors import register_errors
 from breastrig.api.events import events
 from breastrig.api.fits import fits, fits_of_scans
 from breastrig.api.meta import meta
+from breastrig.api.metrics import Metrics, register_metrics
 from breastrig.api.models import models
 from breastrig.api.openapi import finish_document
+from breastrig.api.operations import operations
 from breastrig.api.page import PageFile, page
 from breastrig.api.reports import reports
 from breastrig.api.scans import scans
@@ -30,8 +32,10 @@ def create_app(config: Config, service: Service) -> APIFlask:
     """The application around a service, which the caller starts and stops."""
     app = _bare_app()
     app.config["MAX_CONTENT_LENGTH"] = config.uploads.file_bytes
-    app.extensions[KEY] = Behind(config, service, serve_model(config.model))
+    metrics = Metrics(service)
+    app.extensions[KEY] = Behind(config, service, serve_model(config.model), metrics)
     register_errors(app)
+    register_metrics(app, metrics)  # before the guards, so that what they refuse is counted too
     register_security(app, config)
     return app
 
@@ -60,6 +64,7 @@ def _bare_app() -> APIFlask:
         transfers,
         models,
         meta,
+        operations,
         shares,
         shared,
         share_page,

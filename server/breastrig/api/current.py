@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from flask import current_app
 
 from breastrig.api.config import Config
+from breastrig.api.metrics import Metrics
 from breastrig.api.rate_limits import RateLimits
 from breastrig.api.served_model import ServedModel
 from breastrig.jobs.service import Service
@@ -17,6 +18,7 @@ class Behind:
     config: Config
     service: Service
     model: ServedModel
+    metrics: Metrics
     rates: RateLimits = field(default_factory=RateLimits)
 
 

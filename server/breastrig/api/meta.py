@@ -1,4 +1,4 @@
-"""Who we are, whether we live, and what there is to try."""
+"""Who we are, and what there is to try."""
 
 from apiflask import APIBlueprint
 
@@ -11,14 +11,6 @@ from breastrig.drawings.patterns import offered_patterns
 from breastrig.fitting.recipe import preset_names
 
 meta = APIBlueprint("meta", __name__, tag={"name": "meta", "description": "Version, limits, examples."})
-
-
-@meta.get("/healthz")
-@meta.output(wire.Health)
-@meta.doc(operation_id="health")
-def health() -> wire.Health:
-    """Answers when the service runs"""
-    return wire.Health(status="ok")
 
 
 @meta.get("/api/meta")

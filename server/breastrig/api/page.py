@@ -17,7 +17,7 @@ class PageFile(BaseConverter):
     """A path of the page; addresses of the API are never files of the page, so they keep their own errors."""
 
     part_isolating = False
-    regex = r"(?!api(?:/|$)|healthz$)[^/].*?"
+    regex = r"(?!api(?:/|$)|(?:healthz|readyz|metrics)$)[^/].*?"
 
 
 NOT_BUILT = """<!doctype html>

@@ -17,7 +17,15 @@ class ServedModel:
 
     rig: Rig
     glb: bytes
+    file: Path
     side: dict[str, Any]  # the side file as it is on disk
+
+    def is_still_there(self) -> bool:
+        """Whether workers, who read the file for each fit, find the same one."""
+        try:
+            return self.file.read_bytes() == self.glb
+        except OSError:
+            return False
 
     @cached_property
     def side_json(self) -> bytes:
@@ -49,7 +57,7 @@ def serve_model(path: Path | None = None) -> ServedModel:
     """Reads the rig at `path` (None: the packaged one).  Raises BadModel with a sentence."""
     glb = path or default_rig_path()
     rig = read_rig(glb)
-    return ServedModel(rig, glb.read_bytes(), json.loads(glb.with_suffix(".json").read_text(encoding="utf-8")))
+    return ServedModel(rig, glb.read_bytes(), glb, json.loads(glb.with_suffix(".json").read_text(encoding="utf-8")))
 
 
 def _drawing(drawing: ModelDrawing) -> dict[str, Any]:

@@ -272,6 +272,10 @@ class Health(Wire):
     status: Literal["ok"]
 
 
+class Readiness(Wire):
+    status: Literal["ready"]
+
+
 class SurfacePoint(Wire):
     face: int
     barycentric: Three

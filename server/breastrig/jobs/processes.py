@@ -40,6 +40,7 @@ class Processes:
         self._limits = (memory_bytes, cpu_s)
         self._lock = threading.Lock()
         self._stopped = False
+        self._unfinished = 0
         self._context = _LockKeepingContext()
         self._pool = self._new_pool()
 
@@ -57,17 +58,33 @@ class Processes:
             if self._stopped:
                 raise RuntimeError("the processes are stopped")
             try:
-                return self._pool.schedule(function, args, timeout=timeout)
+                future = self._pool.schedule(function, args, timeout=timeout)
             except RuntimeError:  # an idle process was killed from outside, which breaks the pool
                 self._end_pool()
                 self._pool = self._new_pool()
-                return self._pool.schedule(function, args, timeout=timeout)
+                future = self._pool.schedule(function, args, timeout=timeout)
+            self._unfinished += 1
+        future.add_done_callback(self._one_less)
+        return future
+
+    def answer(self, wait_s: float) -> bool:
+        """Whether a process carries out a task; taken for granted while all are at work."""
+        if self._unfinished >= self.workers:
+            return not self._stopped
+        try:
+            self.schedule(_nothing, (), timeout=wait_s).result(timeout=wait_s)
+        except (OSError, RuntimeError, TimeoutError):
+            return False
+        return True
 
     def stop(self) -> None:
         """Kills what still runs and waits until it is gone."""
         with self._lock:
             self._stopped = True
             self._end_pool()
+
+    def _one_less(self, _future: Any) -> None:
+        self._unfinished -= 1
 
     def _new_pool(self) -> ProcessPool:
         return ProcessPool(self.workers, max_tasks=1, initializer=_limit, initargs=self._limits, context=self._context)

@@ -7,6 +7,8 @@ has begun and stories are never rewritten.
 
 import logging
 import threading
+import time
+from collections.abc import Callable
 from concurrent.futures import wait
 from contextlib import suppress
 from pathlib import Path
@@ -44,6 +46,8 @@ class FitQueue:
         self._lock = threading.RLock()
         self._running: dict[str, Any] = {}  # fit id -> future
         self._starts: dict[str, int] = {}
+        self._began: dict[str, float] = {}  # fit id -> time.monotonic() of its last start
+        self.tell_end: Callable[[str, float], None] | None = None  # (state, seconds) of each fit that ends
         self._stopping = False
 
     def recover(self) -> tuple[int, int]:
@@ -103,6 +107,7 @@ class FitQueue:
 
     def _start(self, fit_id: str) -> None:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
+        self._began[fit_id] = time.monotonic()
         args = (self._storage.root, fit_id, self._runners, self._model)
         future = self._processes.schedule(carry_out, args, timeout=self._limits.wall_s)
         self._running[fit_id] = future
@@ -113,13 +118,22 @@ class FitQueue:
         try:
             with self._lock:
                 self._running.pop(fit_id, None)
+                seconds = time.monotonic() - self._began.pop(fit_id)
                 if self._stopping:
                     return
             if not future.cancelled():
                 self._settle(fit_id, future.exception())
+            self._tell(fit_id, seconds)
             self.wake()
         except Exception:
             log.exception("after the end of fit %s", fit_id)
+
+    def _tell(self, fit_id: str, seconds: float) -> None:
+        if self.tell_end is not None:
+            with suppress(NotFound):
+                fit = get_fit(self._storage, fit_id)
+                if fit.ended:
+                    self.tell_end(fit.state, seconds)
 
     def _settle(self, fit_id: str, error: BaseException | None) -> None:
         """Makes sure that the fit, and its partner, have an end."""

@@ -26,6 +26,7 @@ from breastrig.jobs.proposals import Proposals, Proposer
 from breastrig.jobs.propose_on_scan import propose_on_file
 from breastrig.jobs.queue import FitQueue
 from breastrig.jobs.read_upload import UploadJob, read_upload
+from breastrig.jobs.readiness import Readiness
 from breastrig.jobs.reports import Reports
 from breastrig.jobs.run_fit import run_fit
 from breastrig.jobs.run_pair import run_pair
@@ -79,6 +80,7 @@ class Service:
         )
         self._workers = Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes)
         self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner), model)
+        self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
         self._model = model
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
@@ -111,6 +113,15 @@ class Service:
                 self._queue.stop()
                 self._readers.stop()
                 self.storage.close()
+
+    @property
+    def workers(self) -> int:
+        """How many fits can run at once."""
+        return self._workers.workers
+
+    def on_fit_end(self, tell: Callable[[str, float], None]) -> None:
+        """`tell(state, seconds)` is called when a fit has ended, in any thread."""
+        self._queue.tell_end = tell
 
     def end_streams(self) -> None:
         """Ends every open story, so that the server's threads are free to go."""

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Connection, Engine, create_engine, event, inspect
+from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.schema import CreateColumn
 
 from breastrig.storage.schema import metadata
@@ -53,6 +54,21 @@ class Database:
         """A transaction that holds the write lock from its start; commits at the end, or undoes all on an error."""
         with self.engine.connect().execution_options(breastrig_writes=True) as connection, connection.begin():
             yield connection
+
+    def can_write(self, wait_s: float) -> bool:
+        """Whether a transaction can be committed, waiting so long for others."""
+        try:
+            with self.engine.connect().execution_options(breastrig_writes=True) as connection:
+                driver: Any = connection.connection.driver_connection
+                driver.execute(f"PRAGMA busy_timeout = {round(1e3 * wait_s)}")
+                try:
+                    with connection.begin():
+                        connection.exec_driver_sql("PRAGMA user_version = 1")  # a number that nobody reads
+                finally:
+                    driver.execute(f"PRAGMA busy_timeout = {round(1e3 * BUSY_TIMEOUT_S)}")
+        except SQLAlchemyError:
+            return False
+        return True
 
     def forget_deleted(self) -> None:
         """Empties the write-ahead log, so that no deleted row is left in any file."""

@@ -12,7 +12,8 @@ from breastrig.storage import schema
 from breastrig.storage.scans import Points
 from breastrig.storage.storage import Storage
 
-ENDED = frozenset({"done", "failed", "cancelled"})
+STATES = ("queued", "running", "done", "failed", "cancelled")
+ENDED = frozenset(STATES[2:])
 
 
 @dataclass(frozen=True, kw_only=True)

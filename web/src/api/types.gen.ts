@@ -390,6 +390,10 @@ export type ProposedLandmarks = {
   landmarks: Record<string, ProposedLandmark>;
 };
 
+export type Readiness = {
+  status: "ready";
+};
+
 export type ResultBone = {
   name: string;
   rotation_xyzw: number[];

@@ -1,0 +1,53 @@
+"""For those who run the service: is it alive, is it ready, how busy is it.
+
+None of it says anything about a patient.  /healthz and /readyz answer everyone, because load balancers have no token;
+/metrics answers programs on this machine only.
+"""
+
+from apiflask import APIBlueprint
+from flask import Response, request
+
+from breastrig.api import wire
+from breastrig.api.config import is_loopback
+from breastrig.api.current import behind
+from breastrig.api.security import refuse
+
+operations = APIBlueprint(
+    "operations", __name__, tag={"name": "operations", "description": "Is the service alive, ready, busy."}
+)
+
+METRICS = {"content": {"text/plain": {"schema": {"type": "string"}}}, "description": "Prometheus' text format"}
+
+
+@operations.get("/healthz")
+@operations.output(wire.Health)
+@operations.doc(operation_id="health")
+def health() -> wire.Health:
+    """Answers when the service runs"""
+    return wire.Health(status="ok")
+
+
+@operations.get("/readyz")
+@operations.output(wire.Readiness)
+@operations.doc(operation_id="ready", responses={503: "Not ready; the sentence says why"})
+def ready() -> wire.Readiness:
+    """Whether work would be done
+
+    The database can be written, the workers answer, the model can be read.
+    """
+    troubles = behind().service.readiness.troubles()
+    if not behind().model.is_still_there():
+        troubles = (*troubles, "The model's file is gone or another one.")
+    if troubles:
+        raise refuse(503, " ".join(troubles), {"Retry-After": "5"})
+    return wire.Readiness(status="ready")
+
+
+@operations.get("/metrics")
+@operations.doc(operation_id="metrics", responses={200: METRICS, 403: "Asked from another machine"})
+def show_metrics() -> Response:
+    """Numbers for Prometheus, only to programs on this machine"""
+    if not is_loopback(request.remote_addr or ""):
+        raise refuse(403, "Metrics are shown only to programs on the server itself.")
+    content, kind = behind().metrics.text()
+    return Response(content, content_type=kind)
