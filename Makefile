@@ -12,6 +12,8 @@ help:
 	@echo "make test    everything that must hold: check, unit tests of page and package, browser test"
 	@echo "make check   lint and types only"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
+	@echo "make fuzz    many made-up files and requests for every reader and call   (FUZZ=20: so many times those of make test)"
+	@echo "make faults  kill, fill, lock and leave: a table of what became of every fit   (KILLS=20)"
 	@echo "make clean   remove what make made (data stays)"
 
 serve: page $(VENV)/.stamp-serve
@@ -35,6 +37,14 @@ pytest: page $(VENV)/.stamp-test
 browser: page web-packages $(VENV)/.stamp-test
 	BREASTRIG_CHROMIUM="$$(sh .ci/chromium.sh)" && export BREASTRIG_CHROMIUM && \
 	    $(IN_VENV) npm --prefix web run e2e
+
+# The same tests as in `make test`, with many more cases, other ones each time.
+fuzz: $(VENV)/.stamp-test
+	OPENBLAS_NUM_THREADS=1 BREASTRIG_FUZZ="$${FUZZ:-20}" "$(VENV)/bin/python" -m pytest --durations=10 tests/scan/test_fuzz.py \
+	    tests/scan/test_fuzz_inside.py tests/gltf/test_fuzz_rig.py tests/api/test_fuzz_http.py
+
+faults: $(VENV)/.stamp-test
+	OPENBLAS_NUM_THREADS=1 BREASTRIG_KILLS="$${KILLS:-20}" BREASTRIG_FAULT_TABLE=1 "$(VENV)/bin/python" -m pytest -q tests/faults
 
 bench: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest tests/benchmarks --benchmark-only --benchmark-columns=min,median,rounds --benchmark-sort=name $${BENCH}
@@ -67,4 +77,4 @@ $(VENV)/.stamp-test: $(VENV)/.stamp-venv pyproject.toml
 
 # Two recipes must not install into the same folder at once, whatever -j says.
 .NOTPARALLEL:
-.PHONY: help serve test check vitest pytest browser bench clean page packages web-packages
+.PHONY: help serve test check vitest pytest browser fuzz faults bench clean page packages web-packages

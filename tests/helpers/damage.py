@@ -1,11 +1,30 @@
-"""Random damage to files, for tests that feed readers with it."""
+"""Random damage to files, for tests that feed readers with it.
+
+`make test` tries a few hundred cases, the same ones each time; `make fuzz` many more (BREASTRIG_FUZZ times as many),
+other ones each time.
+"""
+
+import os
 
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
-BOUNDED = settings(
-    max_examples=150, derandomize=True, deadline=None, database=None, suppress_health_check=list(HealthCheck)
-)
+TIMES = int(os.environ.get("BREASTRIG_FUZZ", "1"))
+
+
+def bounded(examples: int) -> settings:
+    """So many cases, or TIMES as many."""
+    return settings(
+        max_examples=examples * TIMES,
+        derandomize=TIMES == 1,
+        deadline=None,
+        database=None,
+        print_blob=True,
+        suppress_health_check=list(HealthCheck),
+    )
+
+
+BOUNDED = bounded(150)
 Edits = list[tuple[str, int, bytes]]
 
 

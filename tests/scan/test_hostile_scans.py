@@ -313,6 +313,12 @@ def test_coordinates_too_large_for_arithmetic() -> None:
     refused(ply_text(toy_rig().template * 1e300, FACES))
 
 
+def test_an_ascii_stl_with_a_number_beyond_single_precision() -> None:
+    text = as_bytes(tube(), "stl_ascii").replace(b"vertex 0", b"vertex 1e300", 1)
+    assert b"1e300" in text
+    refused(text)
+
+
 def test_an_unknown_unit() -> None:
     assert "furlong" in refused(as_bytes(tube(), "ply"), BadSettings, units="furlong")
 

@@ -270,7 +270,9 @@ def _srgb(linear: NDArray[Any]) -> NDArray[np.uint8]:
 
 def _corners_joined(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
     """An STL repeats each corner for each triangle; equal ones become one again (exactly equal, float32)."""
-    exact = (vertices.astype(np.float32) + np.float32(0.0)).view(np.uint32).astype(np.uint64)
+    with np.errstate(over="ignore"):  # ASCII may hold larger numbers; no torso has them, which _check says
+        single = vertices.astype(np.float32) + np.float32(0.0)
+    exact = single.view(np.uint32).astype(np.uint64)
     first_two = (exact[:, 0] << np.uint64(32)) | exact[:, 1]
     order = np.lexsort((exact[:, 2], first_two))
     starts = np.ones(len(order), np.bool_)
