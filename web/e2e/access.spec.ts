@@ -1,5 +1,6 @@
 // Who may see what, in a real browser: its cookies, origins and policies are not those of a test client.
 import { expect, test } from "@playwright/test";
+import { hook, untilFitted } from "./page";
 import { type Running, startService } from "./service";
 
 const TOKEN = "a-token-of-more-than-sixteen-characters";
@@ -53,4 +54,63 @@ test("a visitor opens a shared result with its passcode, sees nothing else, and 
   for (const path of [scan.links.self!, scan.links.mesh!, fit.links.self!, fit.links.result!]) expect(await status(path)).toBe(401);
   await ask(share.links.self!, "DELETE");
   expect(await status("/api/shared/result.json")).toBe(410);
+});
+
+test("a link is made in the dialog, opened, counted and revoked; the page signs out", async ({ page, browser }) => {
+  await page.goto(service.base);
+  await page.getByLabel("Access token").fill(TOKEN);
+  await page.getByRole("button", { name: "Sign in" }).click();
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("3");
+  await page.getByRole("button", { name: "Fit without landmarks" }).click();
+  await untilFitted(page);
+  await page.getByRole("button", { name: "Share" }).click();
+  const dialog = page.getByRole("dialog", { name: "Share this result" });
+  await expect(dialog.getByText("None yet.")).toBeVisible();
+  await dialog.getByLabel("It shows").selectOption("plain");
+  await dialog.getByLabel("It ends after").selectOption("30");
+  await dialog.getByLabel(/^Passcode/).fill("4711 please");
+  await dialog.getByRole("button", { name: "Make a link" }).click();
+  const address = dialog.getByLabel("Address of the link");
+  await expect(address).toHaveValue(/\/s#[\w-]{32}$/);
+  await expect(dialog.getByText("Never opened")).toBeVisible();
+
+  const visitor = await (await browser.newContext()).newPage();
+  await visitor.goto(await address.inputValue());
+  await visitor.getByLabel("Passcode").fill("4711 please");
+  await visitor.getByRole("button", { name: "Open" }).click();
+  await expect(visitor.getByText("fitted.glb")).toBeVisible();
+
+  await page.keyboard.press("Escape");
+  await expect(dialog).toBeHidden();
+  await page.getByRole("button", { name: "Share" }).click();
+  await expect(dialog.getByText(/^Opened 1 time, last on/)).toBeVisible();
+  await expect(address).toBeHidden();
+  await dialog.getByRole("button", { name: "Revoke" }).click();
+  await expect(dialog.getByText(/^Revoked on/)).toBeVisible();
+  await visitor.reload();
+  await expect(visitor.getByRole("alert")).toContainText("expired or was revoked");
+  await visitor.context().close();
+
+  await page.keyboard.press("Escape");
+  await page.getByRole("button", { name: "Sign out" }).click();
+  await expect(page.getByLabel("Access token")).toBeVisible();
+});
+
+test("when the session has ended the sign-in page comes, and afterwards scan and unsaved landmarks are there again", async ({ page, context }) => {
+  await page.goto(service.base);
+  await page.getByLabel("Access token").fill(TOKEN);
+  await page.getByRole("button", { name: "Sign in" }).click();
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("2");
+  await expect(page.locator("[data-proposed]").first()).toBeAttached();
+  await context.clearCookies();
+  await page.getByRole("button", { name: /^Confirm the proposed nipple, patient's left/ }).click();
+  await page.getByLabel("Access token").fill(TOKEN);
+  await page.getByRole("button", { name: "Sign in" }).click();
+  await hook.ready(page);
+  await expect.poll(() => hook.pickCount(page)).toBe(1);
+  await expect(page.locator(".saved")).toHaveText("Saved");
 });

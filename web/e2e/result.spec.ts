@@ -4,7 +4,7 @@ import { expect, type Page } from "@playwright/test";
 import type { Result } from "../src/api/types";
 import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/state/distances";
 import { formatPercent, formatSignedMm } from "../src/units";
-import { hook, test, untilFitted, untilStill } from "./page";
+import { distance, hook, test, untilFitted, untilStill } from "./page";
 
 /** Shares of strongly blue and strongly orange pixels in a part of the stage (0 to 1 across). */
 async function colours(page: Page, from: number, to: number): Promise<{ coloured: number; skin: number }> {
@@ -112,5 +112,46 @@ test("distances are coloured, read under the pointer, and are the service's", as
     await page.keyboard.press("Home");
     expect(await read(0.5, 0.3)).not.toBeNull();
   });
+  expect(troubles).toEqual([]);
+});
+
+test("a landmark that is dragged after the fit is fitted again at once, and arrow keys move one along the skin", async ({ page, base, troubles }) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("2");
+  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
+  await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
+  await untilFitted(page);
+  await untilStill(page);
+  const first = (await hook.fit(page))!;
+  const before = (await hook.pick(page, "umbilicus"))!;
+  const at = await hook.project(page, before);
+  await page.mouse.move(at.x, at.y);
+  await page.mouse.down();
+  await page.mouse.move(at.x + 12, at.y + 8, { steps: 3 });
+  const wanted = await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!)!.point, [at.x + 12, at.y + 8]);
+  await page.mouse.up();
+  expect(distance((await hook.pick(page, "umbilicus"))!, wanted)).toBeLessThan(0.01);
+  await page.waitForFunction((id) => window.__breastrig!.state().fit?.id !== id, first.id);
+  await untilFitted(page);
+  const second = (await hook.fit(page))!;
+  const result = (await (await page.request.get(`${base}/api/fits/${second.id}/result.json`)).json()) as Result;
+  const picked = result.landmarks_picked!.umbilicus!; // in the scan's unit, metres
+  expect(picked.map((value) => 1000 * value)).toEqual(wanted.map((value) => expect.closeTo(value, 0)));
+
+  await page.keyboard.press("2");
+  await page.locator(".landmarks [data-landmark=umbilicus] .landmark-name").click();
+  await page.locator("canvas.view").focus();
+  const start = (await hook.pick(page, "umbilicus"))!;
+  await page.keyboard.press("ArrowRight");
+  const one = (await hook.pick(page, "umbilicus"))!;
+  await page.keyboard.press("Shift+ArrowRight");
+  const six = (await hook.pick(page, "umbilicus"))!;
+  const moved = distance(start, one);
+  expect(moved).toBeGreaterThan(0.2);
+  expect(moved).toBeLessThan(3);
+  expect(distance(start, six)).toBeGreaterThan(3 * moved);
+  expect(await page.evaluate(() => window.__breastrig!.state().active)).toBe("umbilicus");
   expect(troubles).toEqual([]);
 });

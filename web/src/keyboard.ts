@@ -30,7 +30,7 @@ export function listenToKeys(store: Store<Session>, actions: Actions): void {
     // Space presses the button that has the focus; only elsewhere it replays.
     if (key === " " && event.target instanceof HTMLElement && event.target.closest("button, a, label, input, summary")) return;
     const state = store.get();
-    if (state.isHelpOpen) return;
+    if (state.isHelpOpen || state.share.isOpen) return;
     const step = STEPS[key];
     if (step && state.scan) page.goTo(step);
     else if (keys[key] && (state.scan || key === "?")) keys[key](event);

@@ -6,11 +6,12 @@ import "./styles/panels.css";
 import "./styles/viewer.css";
 import { createActions } from "./actions";
 import { messageOf, withProblem } from "./actions/problems";
-import { client } from "./api/client";
+import { client, onSignedOut } from "./api/client";
 import { followAddress } from "./address";
 import { createPage } from "./panels/Page";
 import { listenToKeys } from "./keyboard";
 import { initialSession, type Place, type Session } from "./state/session";
+import { keepForLater, takeUp } from "./state/signedOut";
 import { createStore } from "./state/store";
 import { openViewer } from "./viewer";
 
@@ -27,6 +28,10 @@ store.subscribe(page.update);
 openViewer(store, actions, page.stage, prefersStill);
 listenToKeys(store, actions);
 addEventListener("pagehide", () => void actions.landmarks.flush());
+onSignedOut(() => {
+  keepForLater(store.get(), location.hash, sessionStorage);
+  location.assign("/sign-in");
+});
 reportAccidents();
 void begin();
 
@@ -50,7 +55,12 @@ async function begin(): Promise<void> {
     return;
   }
   void loadModel();
+  void client.isSignedIn().then((isSignedIn) => store.set({ isSignedIn }), () => undefined); // then there is just no button
+  const waiting = takeUp(sessionStorage);
+  if (waiting && location.hash === "") history.replaceState(null, "", waiting.hash || location.pathname);
   await followAddress(store, actions);
+  const { unsaved } = waiting ?? {};
+  if (unsaved && unsaved.scan === store.get().scan?.info.id) actions.landmarks.restore(unsaved.picks);
 }
 
 async function loadModel(): Promise<void> {

@@ -207,3 +207,21 @@ test("another scan ends the following of the fit before", async () => {
   expect(source.readyState).toBe(2);
   expect(store.get().fit).toBeNull();
 });
+
+test("a landmark that is dragged after a fit is saved and fitted again; before any fit it is only saved", async () => {
+  const startFit = vi.fn(async () => ({ id: `f${startFit.mock.calls.length}`, links: fitLinks(`f${startFit.mock.calls.length}`) }));
+  const { store, client, actions } = await withScan({ startFit });
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.place([1, 2, 3]);
+  await actions.moveLandmark("nipple_L", [4, 5, 6]);
+  expect(startFit).not.toHaveBeenCalled();
+  await actions.fit.start();
+  FakeEventSource.last!.say("done", { result });
+  actions.page.overlay("swipe");
+  await actions.moveLandmark("nipple_L", [7, 8, 9]);
+  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [7, 8, 9] } }));
+  expect(store.get()).toMatchObject({ fit: { id: "f2", state: "running" }, overlay: "swipe" });
+  await actions.moveLandmark("nipple_L", [9, 9, 9]); // while that one runs
+  expect(client.cancel).toHaveBeenCalledWith("/api/fits/f2/cancel");
+  expect(store.get().fit?.id).toBe("f3");
+});

@@ -42,7 +42,9 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
       isConnected: true,
       picks,
     };
-    store.set({ fit, step: "fit", active: null, overlay: "both", showDistances: false, isStarting: false, announcement: text.fit.announceStarted });
+    // A fit again is looked at as the one before it was.
+    const look = store.get().fit ? {} : { overlay: "both" as const, showDistances: false };
+    store.set({ ...look, fit, step: "fit", active: null, isStarting: false, announcement: text.fit.announceStarted });
     stopFollowing = followFit(links.events, { handlers, onConnection: (isConnected) => change({ isConnected }) });
   }
 
@@ -114,6 +116,14 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
       } catch (error) {
         store.set((state) => ({ isStarting: false, ...withProblem(state, "fit", messageOf(error)) }));
       }
+    },
+
+    /** The same once more with the landmarks as they are now; one that still runs is of no use any more. */
+    async again(): Promise<void> {
+      const { fit } = store.get();
+      if (!fit) return;
+      if (fit.state === "running") await this.cancel();
+      await this.start();
     },
 
     /** The fit that the address names, from its first event. */

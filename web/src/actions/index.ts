@@ -1,23 +1,43 @@
 // All that a person or the address can ask of the page; panels get this and nothing else to act with.
 import type { Client } from "../api/client";
+import type { Vector } from "../api/types";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import { fitActions } from "./fit";
 import { landmarkActions } from "./landmarks";
 import { pageActions } from "./page";
 import { createPlayer } from "./playback";
+import { messageOf, withProblem } from "./problems";
 import { createProposalSearch } from "./proposals";
 import { scanActions } from "./scan";
+import { shareActions } from "./share";
 
 export function createActions(store: Store<Session>, client: Client, prefersStill: () => boolean) {
   const player = createPlayer(store, prefersStill);
   const fit = fitActions(store, client, player);
   const proposals = createProposalSearch(store, client);
+  const landmarks = landmarkActions(store, client, proposals.lookOnce);
   return {
     page: pageActions(store, proposals.lookOnce),
     scan: scanActions(store, client, fit.stop),
-    landmarks: landmarkActions(store, client, proposals.lookOnce),
+    landmarks,
+    share: shareActions(store, client),
     proposals,
+    /** What still waits is saved first; the page that follows asks for the token. */
+    async signOut(): Promise<void> {
+      await landmarks.flush();
+      try {
+        await client.signOut();
+        location.assign("/sign-in");
+      } catch (error) {
+        store.set((state) => withProblem(state, "page", messageOf(error)));
+      }
+    },
+    /** A landmark that is dragged after a fit asks for the fit that belongs to it. */
+    async moveLandmark(name: string, point: Vector): Promise<void> {
+      landmarks.move(name, point);
+      await fit.again();
+    },
     fit,
     player,
   };

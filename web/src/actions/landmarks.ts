@@ -81,6 +81,11 @@ export function landmarkActions(store: Store<Session>, client: Client, onBegun: 
       });
     },
 
+    /** A placed landmark goes elsewhere; what is wanted stays wanted. */
+    move(name: string, point: Vector): void {
+      change(withPick(store.get().picks.present, name, point), { announcement: text.landmarks.announceMoved(labelOf(name) ?? name) });
+    },
+
     want(name: string | null): void {
       store.set({ active: name, ...(name === null ? {} : { step: "landmarks" as const, overlay: "both" as const }) });
       if (name !== null) onBegun();
@@ -119,6 +124,8 @@ export function landmarkActions(store: Store<Session>, client: Client, onBegun: 
       store.set({ skipped, active: nextMissing(list(), state.picks.present, skipped, state.active) });
     },
 
+    /** Picks that could not be saved before; what the service has is one undo away. */
+    restore: (picks: Picks): void => change(picks),
     remove: (name: string): void => change(withoutPick(store.get().picks.present, name)),
     clear: (): void => change({}, { active: null, skipped: new Set() }),
 

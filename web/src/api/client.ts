@@ -13,6 +13,9 @@ import type {
   ProposedLandmarks,
   Result,
   Scan,
+  ShareMade,
+  SharePage,
+  ShareRequest,
   UnitChoice,
 } from "./types";
 
@@ -23,6 +26,13 @@ export class ApiError extends Error {
   ) {
     super(message);
   }
+}
+
+let whenSignedOut: () => void = () => undefined;
+
+/** Called when the service no longer knows who asks: the session has ended, or somebody signed out in another tab. */
+export function onSignedOut(action: () => void): void {
+  whenSignedOut = action;
 }
 
 /** The service's own sentence where it sent one. */
@@ -44,6 +54,7 @@ async function ask(path: string, request: RequestInit = {}): Promise<Response> {
   } catch {
     throw new ApiError(text.errors.noService, 0);
   }
+  if (answer.status === 401) whenSignedOut();
   if (!answer.ok) throw problemOf(answer.status, await answer.text());
   return answer;
 }
@@ -81,6 +92,15 @@ export const client = {
   cancel: (link: string) => askJson<Fit>(link, "POST"),
   result: (link: string) => askJson<Result>(link),
   drawing: (link: string) => askJson<DrawingFile>(link),
+  shares: (link: string) => askJson<SharePage>(link),
+  makeShare: (link: string, request: ShareRequest) => askJson<ShareMade>(link, "POST", request),
+  revokeShare: async (link: string) => void (await ask(link, { method: "DELETE" })),
+  /** Whether there is a session to end: the sign-in page then offers to. */
+  async isSignedIn(): Promise<boolean> {
+    const page = new DOMParser().parseFromString(await (await ask("/sign-in")).text(), "text/html");
+    return page.querySelector('form[action="/sign-out"]') !== null;
+  },
+  signOut: async () => void (await ask("/sign-out", { method: "POST" })),
   bytes,
   upload,
 };
@@ -100,6 +120,7 @@ function upload(file: File, units: UnitChoice, progress: (share: number) => void
     };
     request.onload = () => {
       if (request.status >= 200 && request.status < 300) resolve(JSON.parse(request.responseText) as Scan);
+      else if (request.status === 401) whenSignedOut();
       else reject(problemOf(request.status, request.responseText));
     };
     request.onerror = () => reject(new ApiError(text.errors.noService, 0));

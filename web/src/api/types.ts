@@ -15,6 +15,10 @@ export type {
   ProposedLandmark,
   ProposedLandmarks,
   Scan,
+  Share,
+  ShareMade,
+  SharePage,
+  ShareRequest,
   Started,
   SurfacePoint,
 } from "./types.gen";

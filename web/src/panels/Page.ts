@@ -14,6 +14,7 @@ import { createLandmarkPanel } from "./LandmarkPanel";
 import { createNumbersPanel } from "./NumbersPanel";
 import { createResultPanel } from "./ResultPanel";
 import { createScanPanel } from "./ScanPanel";
+import { createShareDialog } from "./ShareDialog";
 import { createSteps } from "./Steps";
 import { createTimeline } from "./TimelinePanel";
 import { createTopBar } from "./TopBar";
@@ -56,14 +57,15 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
   const aside = el("aside", { class: "aside" }, guide.element, numbers.element);
   const timeline = createTimeline(actions);
   const help = createHelpDialog(actions);
+  const share = createShareDialog(actions, () => dismiss("share"));
   const top = createTopBar(actions);
   const version = el("span", { class: "muted" });
   const live = el("p", { class: "visually-hidden", role: "status", "aria-live": "polite" });
   const footer = el("footer", { class: "footer" }, el("strong", {}, text.notice), el("span", { class: "spring" }), version);
-  const panels = [top, steps, guide, viewBar, colourBar, swipe, empty, numbers, timeline, help];
+  const panels = [top, steps, guide, viewBar, colourBar, swipe, empty, numbers, timeline, help, share];
 
   return {
-    elements: [top.element, steps.element, host, aside, timeline.element, footer, help.element, live],
+    elements: [top.element, steps.element, host, aside, timeline.element, footer, help.element, share.element, live],
     stage: { host, canvas, overlay, picture: guide.canvas, light: guide.light } satisfies Stage,
     update(state: Session): void {
       document.documentElement.dataset.theme = state.theme;

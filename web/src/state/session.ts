@@ -10,6 +10,7 @@ import type {
   ModelSide,
   Result,
   Scan,
+  Share,
   StanceChoice,
   Started,
   UnitChoice,
@@ -25,7 +26,7 @@ export type ViewName = "front" | "left" | "right" | "back" | "top";
 export type Theme = "system" | "light" | "dark";
 
 /** Where on the page something can go wrong: the message is shown there. */
-export type Place = "service" | "scan" | "landmarks" | "fit" | "model" | "distances" | "page";
+export type Place = "service" | "scan" | "landmarks" | "fit" | "model" | "distances" | "share" | "page";
 
 export interface ScanState {
   readonly info: Scan;
@@ -81,6 +82,13 @@ export interface Session {
   readonly view: { readonly name: ViewName; readonly asked: number };
   readonly theme: Theme;
   readonly graphics: "ok" | "absent" | "lost";
+  readonly share: {
+    readonly isOpen: boolean;
+    readonly isBusy: boolean;
+    readonly list: readonly Share[] | null; // null until the service told
+    readonly made: string | null; // address of the link just made: it is told only once
+  };
+  readonly isSignedIn: boolean; // with a token; a service on one's own machine needs none
   readonly isHelpOpen: boolean;
   readonly problems: Readonly<Partial<Record<Place, string>>>;
   readonly announcement: string; // for the live region
@@ -112,6 +120,8 @@ export const initialSession: Session = {
   view: { name: "front", asked: 0 },
   theme: "system",
   graphics: "ok",
+  share: { isOpen: false, isBusy: false, list: null, made: null },
+  isSignedIn: false,
   isHelpOpen: false,
   problems: {},
   announcement: "",

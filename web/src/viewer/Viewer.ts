@@ -3,9 +3,10 @@
 // camera always has +Y up and "from the front" means the same for every scan.
 import { Box3, Group, Matrix4, type Object3D, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import type { Frame } from "../api/types";
+import type { Frame, Vector } from "../api/types";
 import { leftOf } from "../state/frame";
 import type { Session, ViewName } from "../state/session";
+import { metresFromMm } from "../units";
 import { CameraMove } from "./CameraMove";
 import { addLights } from "./lights";
 import { type Palette, readPalette } from "./palette";
@@ -76,6 +77,11 @@ export class Viewer {
     this.resize();
     this.lookFrom("front", false);
     new ResizeObserver(() => this.resize()).observe(host);
+  }
+
+  /** Whether dragging turns the body. */
+  set mayTurn(may: boolean) {
+    this.controls.enabled = may;
   }
 
   /** Asks for a new picture; many requests before the next frame are one. */
@@ -198,6 +204,14 @@ export class Viewer {
     seen.project(this.camera);
     const { clientHeight } = this.host;
     return { x: ((seen.x + 1) / 2) * this.paneWidth, y: ((1 - seen.y) / 2) * clientHeight, depth };
+  }
+
+  /** Page pixels of a point in the scan's axes, millimetres. */
+  toPage(point: Vector): { x: number; y: number } {
+    const box = this.host.getBoundingClientRect();
+    this.scene.updateMatrixWorld();
+    const { x, y } = this.toScreen(new Vector3(...point.map(metresFromMm)));
+    return { x: x + box.left, y: y + box.top };
   }
 
   private resize(): void {

@@ -7,6 +7,7 @@ import type { Store } from "../state/store";
 import { text } from "../text";
 import { onClick } from "./clicks";
 import { Drawings } from "./Drawings";
+import { listenToDrags } from "./dragPins";
 import { FittedSurface } from "./FittedSurface";
 import { HoverValue } from "./HoverValue";
 import { offerHook } from "./hook";
@@ -36,6 +37,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
   const scan = new ScanMesh(viewer, ready("scan", text.errors.mesh));
   const torso = new TorsoModel(viewer, ready("model", text.errors.model));
   const fitted = new FittedSurface(viewer, ready("distances", text.errors.surface));
+  const pins = new LandmarkPins(viewer, scan);
   const proposed = new ProposalPins(viewer, scan);
   const parts: Part[] = [
     proposed,
@@ -43,7 +45,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
     torso,
     fitted,
     new Drawings(viewer, scan, torso),
-    new LandmarkPins(viewer, scan),
+    pins,
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),
     new Ruler(viewer),
@@ -79,6 +81,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
     updateAll(store.get());
   });
 
+  listenToDrags(stage.canvas, viewer, scan, pins, store, actions);
   onClick(stage.canvas, (event) => {
     const ghost = store.get().active === null ? proposed.at(event.clientX, event.clientY) : null;
     if (ghost !== null) return actions.landmarks.confirm([ghost]);

@@ -1,0 +1,28 @@
+import { expect, test } from "vitest";
+import { startHistory } from "../src/state/history";
+import { initialSession, type Session } from "../src/state/session";
+import { keepForLater, takeUp } from "../src/state/signedOut";
+
+function memory() {
+  const kept = new Map<string, string>();
+  return {
+    getItem: (key: string) => kept.get(key) ?? null,
+    setItem: (key: string, value: string) => void kept.set(key, value),
+    removeItem: (key: string) => void kept.delete(key),
+  };
+}
+
+const state = { ...initialSession, scan: { info: { id: "s1" } }, picks: startHistory({ nipple_L: [1, 2, 3] }) } as unknown as Session;
+
+test("after signing in again the page is where it was, with the landmarks that could not be saved, once", () => {
+  const here = memory();
+  keepForLater({ ...state, saving: "unsaved" }, "#scan=s1&fit=f1", here);
+  expect(takeUp(here)).toEqual({ hash: "#scan=s1&fit=f1", unsaved: { scan: "s1", picks: { nipple_L: [1, 2, 3] } } });
+  expect(takeUp(here)).toBeNull();
+});
+
+test("what the service has is not kept in the browser", () => {
+  const here = memory();
+  keepForLater(state, "#scan=s1", here);
+  expect(takeUp(here)).toEqual({ hash: "#scan=s1", unsaved: null });
+});
