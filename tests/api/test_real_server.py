@@ -1,5 +1,6 @@
 """The real thing over a socket: `breastrig serve` as a process, asked by httpx; only the numerics are stood in for."""
 
+import json
 import os
 import signal
 import socket
@@ -151,3 +152,27 @@ def test_a_server_that_cannot_start_says_why_in_one_line(
     assert sentence in answer.stderr
     assert len(answer.stderr.splitlines()) == 1
     assert answer.stdout == ""
+
+
+def test_the_token_may_come_from_a_file_and_the_log_is_json_without_names(
+    tmp_path: Path, model: Path, torso: bytes
+) -> None:
+    token, log = "a secret from a file of its own", tmp_path / "log"
+    (tmp_path / "token").write_text(token)
+    with (
+        server(tmp_path / "data", model, log, "--token-file", str(tmp_path / "token"), FAKE_FIT="broken") as (
+            _,
+            address,
+        ),
+        httpx.Client(base_url=address, timeout=20) as client,
+    ):
+        assert client.get("/api/meta").status_code == 401
+        client.headers["Authorization"] = f"Bearer {token}"
+        scan = client.post("/api/scans", files={"file": ("Jane Doe.ply", torso)}).json()
+        client.put(scan["links"]["landmarks"], json={"landmarks": {"nipple_L": [70, 350, 120]}})
+        fit = client.post("/api/fits", json={"scan": scan["id"], "drawing": None}).json()["links"]
+        until(lambda: client.get(fit["self"]).json()["state"] == "failed", "the broken fit")
+        until(lambda: "ZeroDivisionError" in log.read_text(), "its line in the log")
+    lines = [json.loads(line) for line in log.read_text().splitlines()]
+    assert any("ZeroDivisionError" in line.get("traceback", "") for line in lines)
+    assert not any(word in log.read_text() for word in ("Jane", token, "127.0.0.1", scan["id"], "350"))

@@ -8,7 +8,7 @@ from apiflask import APIFlask
 from flask.testing import FlaskClient
 from helpers.problems import problem
 
-from breastrig.api.config import Config, is_loopback, read_token
+from breastrig.api.config import Config, checked_token, is_loopback
 from breastrig.api.security import HEADERS
 from breastrig.core.errors import BadSettings
 from breastrig.jobs.limits import UploadLimits
@@ -181,17 +181,17 @@ def test_with_a_token_health_and_the_pages_files_are_open(guarded: FlaskClient) 
 @pytest.mark.parametrize("host", ["localhost", "127.0.0.1", "127.8.8.8", "::1", "LocalHost"])
 def test_this_machine_needs_no_token(host: str) -> None:
     assert is_loopback(host)
-    assert read_token(host, {}) is None
-    assert read_token(host, {"BREASTRIG_TOKEN": TOKEN}) == TOKEN
+    assert checked_token(host, None) is None
+    assert checked_token(host, TOKEN) == TOKEN
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.5", "10.0.0.1", "scans.example", ""])
 def test_any_other_address_needs_one(host: str) -> None:
     with pytest.raises(BadSettings, match="BREASTRIG_TOKEN"):
-        read_token(host, {})
+        checked_token(host, None)
     with pytest.raises(BadSettings, match="too short"):
-        read_token(host, {"BREASTRIG_TOKEN": "short"})
-    assert read_token(host, {"BREASTRIG_TOKEN": f" {TOKEN}\n"}) == TOKEN
+        checked_token(host, "short")
+    assert checked_token(host, TOKEN) == TOKEN
 
 
 def test_the_page_is_served_and_its_hashed_files_kept(client: FlaskClient) -> None:

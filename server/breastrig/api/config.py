@@ -1,8 +1,6 @@
 """What the service is told at its start.  Listening beyond this machine needs a token, or it refuses."""
 
 import ipaddress
-import os
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -46,14 +44,13 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def read_token(host: str, environment: Mapping[str, str] = os.environ) -> str | None:
-    """The bearer token from the environment.  Raises BadSettings when `host` needs one and there is none."""
-    token = environment.get(TOKEN_VARIABLE, "").strip() or None
+def checked_token(host: str, token: str | None) -> str | None:
+    """The bearer token.  Raises BadSettings when it is too short, or `host` needs one and there is none."""
     if token is not None and len(token) < TOKEN_LENGTH:
         raise BadSettings(f"{TOKEN_VARIABLE} is too short; give it at least {TOKEN_LENGTH} random characters.")
     if token is None and not is_loopback(host):
         raise BadSettings(
             f"Listening on {host} would show patients' scans to the network; set {TOKEN_VARIABLE} to a secret of at "
-            f"least {TOKEN_LENGTH} characters, or listen on 127.0.0.1."
+            f"least {TOKEN_LENGTH} characters (or write it into a file for --token-file), or listen on 127.0.0.1."
         )
     return token

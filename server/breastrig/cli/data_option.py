@@ -1,9 +1,10 @@
-"""The option --data, which serve and purge share."""
+"""The option --data, which serve, config and purge share."""
 
 import argparse
 import os
 from pathlib import Path
 
+from breastrig.api.settings import effective_settings, settings_file
 from breastrig.storage.storage import default_data_folder
 
 
@@ -13,5 +14,6 @@ def add_data_option(parser: argparse.ArgumentParser) -> None:
 
 
 def data_folder(options: argparse.Namespace) -> Path:
-    folder: Path = options.data or default_data_folder()
-    return folder.expanduser().absolute()
+    """The folder that the service would use: environment and settings file count as well."""
+    folder: Path = effective_settings({"data": options.data}, settings_file(None))["data"].value
+    return folder

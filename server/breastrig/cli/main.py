@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from breastrig import __version__
 from breastrig.cli import (
     compare_command,
+    config_command,
     evaluate_command,
     export_command,
     fit_command,
@@ -39,6 +40,7 @@ def parser() -> argparse.ArgumentParser:
         evaluate_command,
         model_command,
         serve_command,
+        config_command,
         purge_command,
     ):
         module.add_parser(commands)

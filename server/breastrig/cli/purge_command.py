@@ -2,6 +2,7 @@
 
 import argparse
 
+from breastrig.api.settings import read_days
 from breastrig.cli.data_option import add_data_option, data_folder
 from breastrig.jobs.purge import purge
 from breastrig.storage.storage import Storage
@@ -30,9 +31,6 @@ def run(options: argparse.Namespace) -> int:
 def days(text: str) -> float:
     """A number of days from an option."""
     try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0.0 <= value <= 36500.0:
-        raise argparse.ArgumentTypeError(f"{text} is not a number of days; use 0 to 36500")
-    return value
+        return read_days(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text} {error}") from error

@@ -20,6 +20,8 @@ from typing import Any
 from pebble import ProcessFuture, ProcessPool
 from threadpoolctl import threadpool_limits
 
+from breastrig.core.log_lines import set_up_logs_as_told
+
 PRELOAD = (
     "__main__",
     "breastrig.jobs.carry_out",
@@ -122,6 +124,7 @@ def _limit(memory_bytes: int, cpu_s: int | None) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a core dump would hold a patient's scan
     if cpu_s is not None:
         resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))
+    set_up_logs_as_told()
     threading.Thread(target=_die_with_the_server, daemon=True).start()
     threadpool_limits(1)  # more BLAS threads are slower at this size, and fits would fight over the cores
 

@@ -1,0 +1,169 @@
+"""Every setting of the service, and where its value came from.
+
+An option of the command line wins over the environment, that over the settings file, that over the default.  The
+token is no setting of the file: it comes from the environment or from a file of its own, and is never shown.
+"""
+
+import os
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from breastrig.api.config import TOKEN_VARIABLE
+from breastrig.core.errors import BadSettings, unknown_name
+from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.sweep import KEEP_DAYS
+from breastrig.storage.storage import default_data_folder
+
+PREFIX = "BREASTRIG_"
+FILE_VARIABLE = "BREASTRIG_CONFIG"
+LOG_FORMS = ("auto", "text", "json")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One name with its default; `read` turns text into the value or raises ValueError with what it should be."""
+
+    read: Callable[[str], Any]
+    default: Callable[[], Any]
+    show: Callable[[Any], str] = str
+
+
+@dataclass(frozen=True)
+class Found:
+    value: Any
+    source: str  # for people: "default", "option --port", "environment BREASTRIG_PORT", "file NAME"
+    shown: str
+
+
+def read_port(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) < 65536):
+        raise ValueError("is not a port; use a number from 0 to 65535")
+    return int(text)
+
+
+def read_days(text: str) -> float:
+    """A number of days."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0.0 <= value <= 36500.0:
+        raise ValueError("is not a number of days; use 0 to 36500")
+    return value
+
+
+def read_keep_days(text: str) -> float | None:
+    if text == "forever":
+        return None
+    value = read_days(text)
+    if value == 0.0:
+        raise ValueError("days would delete each scan at once; use a longer time, or forever")
+    return value
+
+
+def read_count(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 10_000):
+        raise ValueError("is not a count; use a number from 1 to 10000")
+    return int(text)
+
+
+def read_log_form(text: str) -> str:
+    if text not in LOG_FORMS:
+        raise ValueError(f"is not a form of log; use one of {', '.join(LOG_FORMS)}")
+    return text
+
+
+def read_folder(text: str) -> Path:
+    if not text:
+        raise ValueError("is no place; give a path")
+    return Path(text).expanduser().absolute()
+
+
+SETTINGS: dict[str, Setting] = {
+    "host": Setting(str, lambda: "127.0.0.1"),
+    "port": Setting(read_port, lambda: 8321),
+    "data": Setting(read_folder, default_data_folder),
+    "keep_days": Setting(
+        read_keep_days, lambda: float(KEEP_DAYS), lambda days: "forever" if days is None else f"{days:g}"
+    ),
+    "model": Setting(read_folder, lambda: None, lambda path: "the packaged torso" if path is None else str(path)),
+    "workers": Setting(read_count, lambda: FitLimits().workers),
+    "waiting_per_client": Setting(read_count, lambda: FitLimits().waiting_per_client),
+    "log": Setting(read_log_form, lambda: "auto"),
+    "token_file": Setting(read_folder, lambda: None, lambda path: "none" if path is None else str(path)),
+}
+
+
+def settings_file(option: Path | None, environment: Mapping[str, str] = os.environ) -> Path | None:
+    """The file that is named, else the user's own when there is one (by the XDG rules)."""
+    named = option or (Path(environment[FILE_VARIABLE]) if environment.get(FILE_VARIABLE) else None)
+    if named is not None:
+        return named.expanduser()
+    base = environment.get("XDG_CONFIG_HOME", "")
+    usual = (Path(base) if base.startswith("/") else Path.home() / ".config") / "breastrig" / "config.toml"
+    return usual if usual.is_file() else None
+
+
+def effective_settings(
+    options: Mapping[str, Any], file: Path | None, environment: Mapping[str, str] = os.environ
+) -> dict[str, Found]:
+    """Each setting's value.  `options` holds what the command line gave, None for what it did not.
+
+    Raises BadSettings for a file that cannot be read, an unknown name in it, and a value that cannot be used.
+    """
+    in_file = {} if file is None else _read_file(file)
+    found = {}
+    for name, setting in SETTINGS.items():
+        variable = PREFIX + name.upper()
+        if options.get(name) is not None:
+            text, source = options[name], f"option --{name.replace('_', '-')}"
+        elif environment.get(variable, "").strip():
+            text, source = environment[variable].strip(), f"environment {variable}"
+        elif name in in_file:
+            text, source = str(in_file[name]), f"file {file}"
+        else:
+            value = setting.default()
+            found[name] = Found(value, "default", setting.show(value))
+            continue
+        try:
+            value = setting.read(str(text))
+        except ValueError as error:
+            raise BadSettings(f"{name} ({source}): {text} {error}.") from error
+        found[name] = Found(value, source, setting.show(value))
+    return found
+
+
+def _read_file(file: Path) -> dict[str, Any]:
+    try:
+        with file.open("rb") as source:
+            document = tomllib.load(source)
+    except OSError as error:
+        raise BadSettings(f"The settings file {file} cannot be read ({error.strerror}).") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise BadSettings(f"The settings file {file} is not TOML; write lines such as: port = 8321.") from error
+    for name in document:
+        if name == "token":
+            raise BadSettings(f"The token does not belong into {file}; name its own file there with token_file.")
+        if name not in SETTINGS:
+            raise BadSettings(f"{file}: {unknown_name('setting', name, tuple(SETTINGS))}")
+    return document
+
+
+def token_source(found: Mapping[str, Found], environment: Mapping[str, str] = os.environ) -> tuple[str | None, str]:
+    """(the token as it was given, where it came from).  Raises BadSettings when its file cannot be read."""
+    file = found["token_file"]
+    in_environment = environment.get(TOKEN_VARIABLE, "").strip()
+    if in_environment and not file.source.startswith("option"):
+        return in_environment, f"environment {TOKEN_VARIABLE}"
+    if file.value is None:
+        return None, "default"
+    try:
+        text = file.value.read_text(encoding="utf-8").strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadSettings(f"The token file {file.value} cannot be read; check its name and permissions.") from error
+    if not text:
+        raise BadSettings(f"The token file {file.value} is empty; write the token into it.")
+    return text, f"file {file.value}"

@@ -1,0 +1,50 @@
+"""How log lines look: for people, or one JSON object each for programs.  What they say names no patient.
+
+Ids of fits are random and die with the fit; names of files, addresses and landmarks are never logged.
+"""
+
+import json
+import logging
+import os
+import sys
+from datetime import UTC, datetime
+
+VARIABLE = "BREASTRIG_LOG"  # tells the worker processes, who inherit the environment
+TEXT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
+NOISY = ("waitress", "waitress.queue", "trimesh", "PIL")  # what they say is about the file's content, or harmless
+
+
+class JsonLines(logging.Formatter):
+    """One JSON object a line: time (UTC), level, logger, message, and the traceback where there is one."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        moment = datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds")
+        line = {
+            "time": moment.replace("+00:00", "Z"),
+            "level": record.levelname.lower(),
+            "logger": record.name,
+            "message": record.getMessage(),
+            "process": record.process,
+        }
+        if record.exc_info:
+            line["traceback"] = self.formatException(record.exc_info)
+        return json.dumps(line, ensure_ascii=False)
+
+
+def set_up_logs(form: str) -> None:
+    """Sends this process's log to stderr as text or json; auto is text on a terminal and json elsewhere."""
+    if form == "auto":
+        form = "text" if sys.stderr.isatty() else "json"
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(JsonLines() if form == "json" else logging.Formatter(TEXT))
+    logging.basicConfig(level=logging.INFO, handlers=[handler])
+    for noisy in NOISY:
+        logging.getLogger(noisy).setLevel(logging.ERROR)
+    os.environ[VARIABLE] = form
+
+
+def set_up_logs_as_told() -> None:
+    """In a worker process of a server that called set_up_logs."""
+    form = os.environ.get(VARIABLE)
+    if form is not None and not logging.getLogger().handlers:
+        set_up_logs(form)
