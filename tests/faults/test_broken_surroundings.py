@@ -1,0 +1,176 @@
+"""A worker killed, a full disk, a locked database, clients who leave: each fit keeps or gets an honest end."""
+
+import os
+import signal
+import socket
+import sqlite3
+import subprocess
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from helpers.real_server import alive, children, server
+from helpers.waiting import until
+
+DIED = "The fit's process ended unexpectedly"
+
+
+def asked(client: httpx.Client, torso: bytes, count: int, **more: object) -> list[dict[str, str]]:
+    """The links of so many fits of one new scan."""
+    scan = client.post("/api/scans", files={"file": ("torso.ply", torso)}).json()["id"]
+    return [
+        client.post("/api/fits", json={"scan": scan, "drawing": None, **more}).json()["links"] for _ in range(count)
+    ]
+
+
+def ends(client: httpx.Client, fits: list[dict[str, str]]) -> list[dict[str, Any]]:
+    """The fits once all have ended; each story is whole and agrees with the state."""
+    until(lambda: all(client.get(f["self"]).json()["state"] in ("done", "failed") for f in fits), "the ends")
+    found = [client.get(links["self"]).json() for links in fits]
+    for fit, links in zip(found, fits, strict=True):
+        records = client.get(links["events"] + ".json").json()["events"]
+        assert [one["id"] for one in records] == list(range(1, fit["last_event"] + 1))
+        assert records[-1]["event"]["kind"] == fit["state"]
+        assert client.get(links["result"]).status_code == (200 if fit["state"] == "done" else 409)
+    return found
+
+
+def outcome(fits: list[dict[str, Any]]) -> str:
+    counts = Counter(fit["state"] for fit in fits)
+    reasons = sorted({fit["reason"] for fit in fits if fit["reason"]})
+    return f"{dict(counts)} {' '.join(reasons)}"
+
+
+@pytest.fixture
+def running(tmp_path: Path, model: Path) -> Iterator[tuple[subprocess.Popen[str], httpx.Client]]:
+    with (
+        server(tmp_path / "data", model, tmp_path / "log", FAKE_FIT="unhurried") as (process, address),
+        httpx.Client(base_url=address, timeout=40) as client,
+    ):
+        yield process, client
+
+
+def test_a_killed_worker_takes_one_fit_with_it(running, torso: bytes, tmp_path: Path, note) -> None:
+    process, client = running
+    fits = asked(client, torso, 5)
+    holder: set[int] = set()
+    folder = tmp_path / "data" / "fits" / fits[0]["self"].rsplit("/", 1)[1]
+
+    def found() -> bool:
+        holder.update(_holders(folder, children(process.pid)))
+        return bool(holder)
+
+    until(found, "the process of the first fit")
+    for pid in holder:
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+    last = ends(client, fits)
+    assert last[0]["state"] == "done" or last[0]["reason"].startswith(DIED)
+    assert [fit["state"] for fit in last[1:]] == ["done"] * 4
+    assert alive({process.pid})
+    note("a worker killed", outcome(last))
+
+
+def _holders(folder: Path, pids: set[int]) -> set[int]:
+    """The processes that have the folder open."""
+    found = set()
+    for pid in pids:
+        with suppress(OSError):
+            if any(os.readlink(link) == str(folder) for link in Path(f"/proc/{pid}/fd").iterdir()):
+                found.add(pid)
+    return found
+
+
+def test_a_locked_database_makes_fits_wait_and_loses_none(running, torso: bytes, tmp_path: Path, note) -> None:
+    _, client = running
+    fits = asked(client, torso, 4)
+    other = sqlite3.connect(tmp_path / "data" / "breastrig.sqlite3", isolation_level=None, timeout=20)
+    other.execute("BEGIN IMMEDIATE")
+    before = [client.get(links["self"]).json()["last_event"] for links in fits]
+    time.sleep(1.5)  # longer than all four would take
+    assert [client.get(links["self"]).json()["last_event"] for links in fits] == before
+    other.execute("COMMIT")
+    other.close()
+    last = ends(client, fits)
+    assert [fit["state"] for fit in last] == ["done"] * 4
+    note("database locked for 1.5 s", outcome(last))
+
+
+def test_a_client_gone_in_the_middle_of_an_upload_leaves_nothing(running, torso: bytes, tmp_path: Path, note) -> None:
+    _, client = running
+    address = (client.base_url.host, client.base_url.port)
+    head = (
+        "POST /api/scans HTTP/1.1\r\nHost: localhost\r\nContent-Type: multipart/form-data; boundary=b\r\n"
+        f"Content-Length: {len(torso) + 1000}\r\n\r\n"
+        '--b\r\nContent-Disposition: form-data; name="file"; filename="torso.ply"\r\n\r\n'
+    )
+    for _ in range(5):
+        with socket.create_connection(address, timeout=10) as connection:
+            connection.sendall(head.encode() + torso[: len(torso) // 2])
+    last = ends(client, asked(client, torso, 2))
+    assert [fit["state"] for fit in last] == ["done"] * 2
+    assert len(list((tmp_path / "data" / "scans").iterdir())) == 1
+    note("5 clients gone mid-upload", outcome(last) + "nothing of theirs is left")
+
+
+def test_clients_gone_in_the_middle_of_a_stream_stop_no_fit(running, torso: bytes, note) -> None:
+    _, client = running
+    fits = asked(client, torso, 3)
+    for links in fits * 4:
+        with client.stream("GET", links["events"]) as stream:
+            next(stream.iter_text())
+    last = ends(client, fits)
+    assert [fit["state"] for fit in last] == ["done"] * 3
+    note("12 clients gone mid-stream", outcome(last))
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount a small disk")
+def test_a_full_disk_fails_fits_with_a_sentence_and_loses_none(
+    tmp_path: Path, model: Path, torso: bytes, note: Callable[[str, str], None]
+) -> None:
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=4m", "tmpfs", str(disk)], capture_output=True, check=False
+    )
+    if mounted.returncode:
+        pytest.skip("this machine lets nobody mount a small disk")
+    try:
+        with (
+            server(disk / "data", model, tmp_path / "log", FAKE_FIT="unhurried") as (process, address),
+            httpx.Client(base_url=address, timeout=40) as client,
+        ):
+            kept = asked(client, torso, 2)
+            before = [client.get(links["result"]).content for links, _ in zip(kept, ends(client, kept), strict=True)]
+            waiting = [
+                client.post("/api/fits", json={"scan": ends(client, kept)[0]["scan"]}).json()["links"] for _ in range(3)
+            ]
+            ballast = (disk / "ballast").open("wb", buffering=0)
+            with suppress(OSError):
+                while True:
+                    ballast.write(bytes(4096))
+            refused = client.post("/api/scans", files={"file": ("torso.ply", torso)})
+            assert refused.status_code in (500, 507)
+            assert refused.headers["Content-Type"] == "application/problem+json"
+            assert client.get("/readyz").status_code == 503
+            assert [client.get(links["result"]).content for links in kept] == before
+            time.sleep(1.0)
+            ballast.truncate(0)
+            ballast.close()
+            last = ends(client, waiting)
+            assert {fit["state"] for fit in last} <= {"done", "failed"}
+            again = ends(client, asked(client, torso, 2))
+            assert [fit["state"] for fit in again] == ["done"] * 2
+            note("disk full for a while", outcome(last) + "afterwards " + outcome(again))
+            process.terminate()
+            process.wait(timeout=20)
+        rows = sqlite3.connect(disk / "data" / "breastrig.sqlite3")
+        assert rows.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+        rows.close()
+    finally:
+        subprocess.run(["umount", "-l", str(disk)], check=True)
