@@ -5,7 +5,7 @@ import { defineConfig } from "vitest/config";
 const service = process.env.BREASTRIG_SERVICE ?? "http://127.0.0.1:8321";
 
 export default defineConfig({
-  base: "./",
+  base: "/", // the page stands at the root and at /s
   server: { host: "127.0.0.1", port: 5173, proxy: { "/api": service, "/healthz": service } },
   build: {
     target: "es2022",

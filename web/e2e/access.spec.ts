@@ -48,6 +48,8 @@ test("a visitor opens a shared result with its passcode, sees nothing else, and 
   await expect(page.getByText("fitted.glb")).toBeVisible();
   await expect(page.getByLabel("Passcode")).toBeHidden();
   await expect(page.getByText("scan.glb")).toHaveCount(0);
+  await page.waitForFunction(() => window.__breastrig?.state().fit != null);
+  expect((await hook.picture(page)).colours, "the model is drawn without the scan").toBeGreaterThan(100);
   const status = (path: string): Promise<number> => page.evaluate(async (address) => (await fetch(address)).status, path);
   expect(await status("/api/shared/result.json")).toBe(200);
   expect(await status("/api/shared/mesh.glb")).toBe(403);
@@ -81,6 +83,14 @@ test("a link is made in the dialog, opened, counted and revoked; the page signs 
   await visitor.getByLabel("Passcode").fill("4711 please");
   await visitor.getByRole("button", { name: "Open" }).click();
   await expect(visitor.getByText("fitted.glb")).toBeVisible();
+  await hook.ready(visitor);
+  expect((await hook.picture(visitor)).colours, "a lit body has many shades").toBeGreaterThan(100);
+  const both = await hook.picture(visitor);
+  await visitor.getByRole("button", { name: "Model", exact: true }).click();
+  expect((await hook.picture(visitor)).checksum).not.toBe(both.checksum);
+  const mean = await page.locator(".hero-number").textContent();
+  await expect(visitor.locator(".hero-number")).toHaveText(mean!);
+  await expect(visitor.getByRole("button", { name: /Fit|Place|Share/ })).toHaveCount(0);
 
   await page.keyboard.press("Escape");
   await expect(dialog).toBeHidden();

@@ -122,7 +122,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
 
   await test.step("every offered file can be had", async () => {
     const links = await page.locator(".files a").evaluateAll((all) => all.map((each) => (each as HTMLAnchorElement).href));
-    expect(links.length).toBe(4);
+    expect(links.length).toBe(5);
     for (const link of links) expect((await page.request.get(link)).status(), link).toBe(200);
   });
 

@@ -179,7 +179,7 @@ export const text = {
     noDrawing: "No drawing was asked for.",
     shapeNote: "Dashed where the scan has a hole.",
     downloads: [
-      { key: "report", name: "report.pdf", what: "pictures and measures, two pages" },
+      { key: "report", name: "report.pdf", what: "pictures, measures" },
       { key: "fitted_glb", name: "fitted.glb", what: "posed rig, drawing, replay" },
       { key: "fitted_ply", name: "fitted.ply", what: "posed model, scan's frame" },
       { key: "drawing", name: "drawing.json", what: "lines on the scan" },
@@ -239,6 +239,29 @@ export const text = {
     revoke: "Revoke",
     announceMade: "The link is made.",
     announceRevoked: "The link is revoked.",
+  },
+
+  shared: {
+    title: "Shared result",
+    what: "This result was shared with you. It can be looked at from all sides and taken away, but not changed.",
+    until: (when: string) => `The link works until ${when}.`,
+    opening: "Opening the link …",
+    /** "breast_L" → "Breast, patient's left": behind a link the model's own labels are not at hand */
+    shape(name: string): string {
+      const plain = name.replace(/_[LR]$/, "").replaceAll("_", " ");
+      const side = { left: ", patient's left", right: ", patient's right", middle: "" }[sideOf(name)];
+      return plain.charAt(0).toUpperCase() + plain.slice(1) + side;
+    },
+    needsPasscode: "This link asks for a passcode. The person who sent it knows it.",
+    passcode: "Passcode",
+    open: "Open",
+    files: [
+      { key: "fitted_glb", name: "fitted.glb", what: "posed rig with drawing" },
+      { key: "fitted_ply", name: "fitted.ply", what: "posed model" },
+      { key: "drawing", name: "drawing.json", what: "lines on the scan" },
+      { key: "result", name: "result.json", what: "numbers, parameters" },
+      { key: "mesh", name: "scan.glb", what: "the scan" },
+    ] as const,
   },
 
   numbers: {

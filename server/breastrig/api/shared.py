@@ -13,6 +13,7 @@ from breastrig.api.current import behind
 from breastrig.api.security import refuse
 from breastrig.api.share_credential import hand_out, share_behind, visited_share
 from breastrig.api.shares import SHARES_TAG
+from breastrig.core.assets import asset_folder
 from breastrig.core.errors import NotFound
 from breastrig.gltf.plain_mesh import plain_mesh
 from breastrig.storage.fits import get_fit
@@ -118,8 +119,12 @@ def show_mesh() -> Response:
 
 @share_page.get("/s")
 def page() -> Response:
-    """The read-only page; it holds nothing until its script has opened the link."""
-    html = render_template("share.html")
+    """The read-only page; it holds nothing until its script has opened the link.
+
+    Where the page is built it shows the body; else numbers and files, which need no script but a small one.
+    """
+    built = (behind().config.web or asset_folder("web")) / "index.html"
+    html = built.read_text(encoding="utf-8") if built.is_file() else render_template("share.html")
     return Response(html, mimetype="text/html", headers={"Cache-Control": NO_STORE})
 
 

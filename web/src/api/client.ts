@@ -47,7 +47,7 @@ function problemOf(status: number, body: string): ApiError {
   return new ApiError(status === 413 ? text.errors.tooLarge : text.errors.refused(status), status);
 }
 
-async function ask(path: string, request: RequestInit = {}): Promise<Response> {
+export async function ask(path: string, request: RequestInit = {}): Promise<Response> {
   let answer: Response;
   try {
     answer = await fetch(path, request);
@@ -59,7 +59,7 @@ async function ask(path: string, request: RequestInit = {}): Promise<Response> {
   return answer;
 }
 
-async function askJson<Body>(path: string, method = "GET", body?: unknown, keepalive = false): Promise<Body> {
+export async function askJson<Body>(path: string, method = "GET", body?: unknown, keepalive = false): Promise<Body> {
   const request: RequestInit = { method, keepalive }; // kept alive: arrives although the page is being closed
   if (body !== undefined) {
     request.body = JSON.stringify(body);

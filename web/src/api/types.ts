@@ -18,6 +18,7 @@ export type {
   Share,
   ShareMade,
   SharePage,
+  SharedResult,
   ShareRequest,
   Started,
   SurfacePoint,

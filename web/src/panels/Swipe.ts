@@ -5,7 +5,7 @@ import { isBeside, type Session } from "../state/session";
 import { text } from "../text";
 import type { Panel } from "./Panel";
 
-export function createSwipe(actions: Actions): Panel {
+export function createSwipe(actions: Pick<Actions, "page">): Panel {
   const slider = el("input", {
     type: "range",
     class: "swipe",

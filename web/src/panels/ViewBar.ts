@@ -6,7 +6,7 @@ import { text } from "../text";
 import { segmented } from "./controls";
 import type { Panel } from "./Panel";
 
-export function createViewBar(actions: Actions): Panel {
+export function createViewBar(actions: Pick<Actions, "page">): Panel {
   const names = Object.keys(text.view.names) as ViewName[];
   const views = segmented<ViewName>(
     text.view.label,
@@ -27,7 +27,7 @@ export function createViewBar(actions: Actions): Panel {
     element,
     update(state: Session): void {
       show(element, state.scan !== null && state.loading === null);
-      show(overlays.element, state.fit !== null);
+      show(overlays.element, state.fit !== null && state.scan?.mesh !== null);
       overlays.set(state.overlay);
       show(toggle, state.fit?.distances != null);
       isOn = state.showDistances;

@@ -31,7 +31,7 @@ export type Place = "service" | "scan" | "landmarks" | "fit" | "model" | "distan
 export interface ScanState {
   readonly info: Scan;
   readonly title: string;
-  readonly mesh: ArrayBuffer; // glTF binary, metres, the scan's own axes
+  readonly mesh: ArrayBuffer | null; // glTF binary, metres, the scan's own axes; null behind a link that does not show it
   readonly frame: Frame;
   readonly frameFrom: "service" | "landmarks" | "person"; // who says so; the last of these wins
   readonly file: File | null; // kept, so that another unit needs no second choosing
@@ -135,11 +135,14 @@ export const shownIteration = (fit: FitState | null): Iterated | null => fit?.it
 /** True when the last iteration is on the screen and there will be no other. */
 export const isAtRest = (fit: FitState): boolean => fit.state !== "running" && fit.shown === fit.iterations.length - 1;
 
+/** Something of the model is on the stage. */
+export const hasModelShown = (state: Session): boolean => (state.fit !== null && state.fit.shown >= 0) || showsFittedSurface(state);
+
 /** Scan and model each have a part of the stage. */
 export const isBeside = (overlay: Overlay): boolean => overlay === "beside" || overlay === "swipe";
 
 /** At rest the surface that the service wrote stands for the posed rig: coloured, or bent onto the skin beyond what a rig can show. */
-export const showsFittedSurface = ({ fit, showDistances }: Session): boolean =>
-  Boolean(fit?.surface && fit.result && isAtRest(fit) && (fit.result.refined || (showDistances && fit.distances)));
+export const showsFittedSurface = ({ fit, model, showDistances }: Session): boolean =>
+  Boolean(fit?.surface && fit.result && isAtRest(fit) && (!model || fit.result.refined || (showDistances && fit.distances)));
 
 export const pickCount = (state: Session): number => Object.keys(state.picks.present).length;

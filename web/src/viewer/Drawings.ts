@@ -3,6 +3,7 @@ import { Vector3 } from "three";
 import type { DrawingFile, ModelShape } from "../api/types";
 import { isAtRest, type Session } from "../state/session";
 import { isUnit, metresFromMm, mmFrom } from "../units";
+import type { FittedSurface } from "./FittedSurface";
 import { FatLines, type Polyline } from "./FatLines";
 import type { ScanMesh } from "./ScanMesh";
 import { surfacePosition, type VertexAt } from "./surfacePoints";
@@ -19,6 +20,7 @@ export class Drawings implements Part {
     private readonly viewer: Viewer,
     private readonly scan: ScanMesh,
     private readonly torso: TorsoModel,
+    private readonly fitted: FittedSurface,
   ) {
     viewer.body.add(this.lines.group);
     viewer.beforeFrame.add(() => this.lines.approach(viewer.depthUnits));
@@ -28,18 +30,23 @@ export class Drawings implements Part {
     const { palette } = this.viewer;
     this.lines.paint(palette.line, palette["line-outline"]);
     const fit = state.fit;
-    const isOnScan = fit?.drawing != null && isAtRest(fit) && state.overlay !== "model" && this.scan.bvh !== null;
+    const isOnScan = fit?.drawing != null && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh?.visible === true : this.scan.bvh !== null);
+    const skin = this.scan.bvh ? this.scan : this.fitted; // a link may show the model alone
     const shapes = state.model?.side.drawings.find((drawing) => drawing.name === fit?.drawingName)?.shapes;
     const vertexAt = this.torso.vertexAt;
     const isOnModel = !isOnScan && fit !== null && fit.shown >= 0 && state.overlay !== "scan" && Boolean(shapes && vertexAt);
-    const source = isOnScan ? [fit.drawing, this.scan.bvh] : isOnModel ? [shapes, fit.iterations[fit.shown]] : [];
+    const source = isOnScan ? [fit.drawing, skin.bvh] : isOnModel ? [shapes, fit.iterations[fit.shown]] : [];
     if (source.length === this.drawn.length && source.every((each, i) => each === this.drawn[i])) return;
     this.drawn = source;
-    if (isOnScan) this.lines.set(onScan(fit.drawing!, this.scan));
+    if (isOnScan) this.lines.set(onScan(fit.drawing!, skin));
     else if (isOnModel) this.lines.set(onModel(shapes!, this.torso, vertexAt!));
     else this.lines.set([]);
     this.viewer.invalidate();
   }
+}
+
+interface Skin {
+  normalAt(point: Vector3): Vector3 | null;
 }
 
 export function onModel(shapes: readonly ModelShape[], torso: TorsoModel, vertexAt: VertexAt): Polyline[] {
@@ -56,7 +63,7 @@ export function onModel(shapes: readonly ModelShape[], torso: TorsoModel, vertex
   });
 }
 
-function onScan(drawing: DrawingFile, scan: ScanMesh): Polyline[] {
+function onScan(drawing: DrawingFile, scan: Skin): Polyline[] {
   const { unit } = drawing;
   if (!isUnit(unit)) throw new Error(`the drawing has the unknown unit ${unit}`);
   return drawing.shapes.map((shape) => {

@@ -1,12 +1,15 @@
 // The fitted surface as the service wrote it (fitted.ply): what the distances belong to, vertex by vertex, and the
 // only form in which a refined fit exists.  It takes the posed rig's place when the fit is at rest.
-import { BufferAttribute, type BufferGeometry, DataTexture, DoubleSide, FloatType, FrontSide, LinearFilter, Mesh, MeshLambertMaterial, RGBAFormat } from "three";
+import { BufferAttribute, type BufferGeometry, DataTexture, DoubleSide, FloatType, FrontSide, LinearFilter, Mesh, MeshLambertMaterial, RGBAFormat, type Vector3 } from "three";
 import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
 import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
+import type { Frame } from "../api/types";
 import { colourOf, SCALE_MM } from "../state/distances";
 import { isBeside, type Session, showsFittedSurface } from "../state/session";
 import { isUnit, metresFromMm, mmFrom } from "../units";
-import type { Part, Viewer } from "./Viewer";
+import { extent } from "./extent";
+import { nearestNormal } from "./ScanMesh";
+import { type Part, type Viewer, viewFromScan } from "./Viewer";
 
 const STEPS = 501; // of the lookup; 0.02 mm each
 const OVER_SCAN = 0.8; // opacity of plain clay, as the posed rig has it
@@ -23,9 +26,21 @@ export class FittedSurface implements Part {
     private readonly onReady: (error: unknown) => void,
   ) {}
 
+  get bvh(): MeshBVH | null {
+    return (this.mesh?.geometry.boundsTree as MeshBVH | undefined) ?? null;
+  }
+
+  /** Unit vector out of the surface nearest to a point (scan's frame, metres). */
+  normalAt(point: Vector3): Vector3 | null {
+    return this.mesh ? nearestNormal(this.mesh.geometry, point) : null;
+  }
+
   update(state: Session): void {
     const bytes = state.fit?.surface ?? null;
-    if (bytes !== this.read) this.load(bytes, state.fit?.result?.scan.unit);
+    if (bytes !== this.read) {
+      this.load(bytes, state.fit?.result?.scan.unit);
+      if (this.mesh && state.scan && state.scan.mesh === null) this.standAlone(this.mesh.geometry, state.scan.frame);
+    }
     if (!this.mesh) return;
     const distances = state.fit?.distances ?? null;
     if (distances && distances !== this.coloured) this.colour(this.mesh.geometry, distances);
@@ -66,6 +81,12 @@ export class FittedSurface implements Part {
     } catch (error) {
       this.onReady(error);
     }
+  }
+
+  /** Without a scan nothing else says where the body stands. */
+  private standAlone(geometry: BufferGeometry, frame: Frame): void {
+    this.viewer.stand(frame, extent(geometry.attributes.position!.array, viewFromScan(frame)));
+    this.viewer.lookFrom("front", false);
   }
 
   private colour(geometry: BufferGeometry, distances: Float32Array): void {

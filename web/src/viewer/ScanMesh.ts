@@ -1,7 +1,7 @@
 // The scan: matte grey or its own colours, the inside and the rims of holes darker, ready for picking by BVH.
 import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, Vector3 } from "three";
 import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
-import { isBeside, type Session } from "../state/session";
+import { hasModelShown, isBeside, type Session } from "../state/session";
 import { borderEdges } from "./borders";
 import { extent } from "./extent";
 import { disposeTree, firstMesh, readGltf } from "./gltf";
@@ -32,11 +32,7 @@ export class ScanMesh implements Part {
 
   /** Unit vector out of the surface nearest to a point (scan's frame, metres); null before the scan is there. */
   normalAt(point: Vector3): Vector3 | null {
-    const face = this.bvh?.closestPointToPoint(point)?.faceIndex;
-    if (!this.mesh || face === undefined) return null;
-    const { index, attributes } = this.mesh.geometry;
-    const [a, b, c] = [0, 1, 2].map((corner) => new Vector3().fromBufferAttribute(attributes.position!, index!.getX(3 * face + corner)));
-    return b!.sub(a!).cross(c!.sub(a!)).normalize();
+    return this.mesh ? nearestNormal(this.mesh.geometry, point) : null;
   }
 
   update(state: Session): void {
@@ -90,9 +86,10 @@ export class ScanMesh implements Part {
       this.stands = frame;
       this.viewer.stand(frame, extent(mesh.geometry.attributes.position!.array, viewFromScan(frame)));
     }
-    const hasModel = state.fit !== null && state.fit.shown >= 0;
+    const hasModel = hasModelShown(state);
     // Beside the clay the scan is grey: skin on skin would not tell which is which.
-    const own = state.showColours && state.scan?.info.colours !== "none" && !(hasModel && state.overlay === "both");
+    const hasColours = Boolean(mesh.userData.map) || mesh.geometry.hasAttribute("color");
+    const own = hasColours && state.showColours && state.scan?.info.colours !== "none" && !(hasModel && state.overlay === "both");
     const material = mesh.material;
     const map = own ? (mesh.userData.map ?? null) : null;
     const hasVertexColours = own && mesh.geometry.hasAttribute("color");
@@ -108,6 +105,15 @@ export class ScanMesh implements Part {
     mesh.visible = !(hasModel && state.overlay === "model");
     this.viewer.invalidate();
   }
+}
+
+/** Unit normal of the triangle nearest to a point, of a geometry that has its BVH. */
+export function nearestNormal(geometry: BufferGeometry, point: Vector3): Vector3 | null {
+  const face = (geometry.boundsTree as MeshBVH | undefined)?.closestPointToPoint(point)?.faceIndex;
+  if (face === undefined) return null;
+  const { index, attributes } = geometry;
+  const [a, b, c] = [0, 1, 2].map((corner) => new Vector3().fromBufferAttribute(attributes.position!, index!.getX(3 * face + corner)));
+  return b!.sub(a!).cross(c!.sub(a!)).normalize();
 }
 
 /** The mesh as we want it, whatever material it came with. */

@@ -44,7 +44,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
     scan,
     torso,
     fitted,
-    new Drawings(viewer, scan, torso),
+    new Drawings(viewer, scan, torso, fitted),
     pins,
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),

@@ -1,0 +1,41 @@
+// The shared body: the same parts as the page's own view, without any that change something.
+import type { Stage } from "../panels/Page";
+import type { Session } from "../state/session";
+import { isBeside } from "../state/session";
+import type { Store } from "../state/store";
+import { Drawings } from "../viewer/Drawings";
+import { FittedSurface } from "../viewer/FittedSurface";
+import { offerHook } from "../viewer/hook";
+import { ScanMesh } from "../viewer/ScanMesh";
+import { SideLetters } from "../viewer/SideLetters";
+import { TorsoModel } from "../viewer/TorsoModel";
+import { type Part, Viewer } from "../viewer/Viewer";
+
+export function openSharedViewer(store: Store<Session>, stage: Pick<Stage, "host" | "canvas" | "overlay">, failed: () => void): void {
+  const prefersStill = (): boolean => matchMedia("(prefers-reduced-motion: reduce)").matches;
+  const viewer = new Viewer(stage.host, stage.canvas, stage.overlay, prefersStill);
+  const ready = (error: unknown): void => {
+    if (error !== null) failed();
+    else update(store.get());
+  };
+  const scan = new ScanMesh(viewer, ready);
+  const torso = new TorsoModel(viewer, ready); // stays empty: the rig is not part of a link
+  const fitted = new FittedSurface(viewer, ready);
+  const parts: Part[] = [scan, fitted, new Drawings(viewer, scan, torso, fitted), new SideLetters(viewer)];
+  function update(state: Session): void {
+    viewer.share(isBeside(state.overlay) ? (state.overlay as "beside" | "swipe") : "one", state.swipe);
+    for (const part of parts) part.update(state);
+    viewer.invalidate();
+  }
+  let asked = store.get().view.asked;
+  store.subscribe((state) => {
+    update(state);
+    if (state.view.asked !== asked) viewer.lookFrom(state.view.name);
+    asked = state.view.asked;
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    viewer.repaint();
+    update(store.get());
+  });
+  offerHook(store, viewer, scan, fitted);
+}
