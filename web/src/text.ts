@@ -125,7 +125,7 @@ export const text = {
 
   proposals: {
     looking: "Looking for the landmarks on this scan …",
-    found: (count: number) => `${plural(count, "proposal", "proposals")}, shown dashed; none is used before you confirm it.`,
+    found: (count: number) => `${plural(count, "proposal", "proposals")}, shown dashed; ± is the error to expect, in mm. None is used before you confirm it.`,
     doubtful: (count: number) =>
       count === 1 ? "One is a rough guess: check it by itself." : `${count} are rough guesses: check each.`,
     none: (reason: string) => `No proposals: ${reason}`,
@@ -138,7 +138,8 @@ export const text = {
     errorHint: (mm: string) => `The proposal is expected to be about ${mm} mm off.`,
     offScan: "no skin there",
     offScanHint: "The scan shows no skin here: the model alone says where it would be.",
-    take: (mm: string) => `Take the proposal, ±\u00a0${mm}\u00a0mm`,
+    take: "Take the proposal",
+    errorShort: (mm: string) => `±\u00a0${mm}`,
     rowState: (mm: string) => `proposed, about ${mm} millimetres off`,
     announceFound: (count: number) => `${plural(count, "landmark is", "landmarks are")} proposed.`,
     announceConfirmed: (labels: readonly string[]) =>

@@ -22,7 +22,7 @@ export function createGuideCard(actions: Actions): GuideCard {
   const latin = el("p", { class: "latin muted" });
   const definition = el("p", {});
   const skip = button(text.landmarks.skip, () => actions.landmarks.skip(), "quiet outlined");
-  const take = button("", () => actions.landmarks.confirmWanted(), "outlined take", "check");
+  const take = button(text.proposals.take, () => actions.landmarks.confirmWanted(), "outlined take", "check");
   const stop = button(text.landmarks.stop, () => actions.landmarks.want(null));
   const element = el(
     "section",
@@ -49,7 +49,7 @@ export function createGuideCard(actions: Actions): GuideCard {
       light.className = `lit-point side-${where}`;
       const ghost = ghostsOf(state.proposals, state.picks.present).find((each) => each.name === wanted.name);
       show(take, ghost !== undefined);
-      if (ghost) setText(take.querySelector("span")!, text.proposals.take(formatMmWhole(expectedErrorMm(ghost.confidence))));
+      if (ghost) take.title = text.proposals.errorHint(formatMmWhole(expectedErrorMm(ghost.confidence)));
       setText(latin, wanted.latin);
       setText(definition, wanted.definition);
     },

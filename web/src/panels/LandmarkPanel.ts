@@ -113,7 +113,7 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: Actions) {
       element.classList.toggle("is-proposed", ghost !== null);
       show(confirm, ghost !== null);
       confirm.classList.toggle("is-rough", ghost !== null && !isLikely(ghost));
-      setText(words, text.proposals.error(mm));
+      setText(words, text.proposals.errorShort(mm));
       confirm.title = ghost?.on_scan === false ? text.proposals.offScanHint : text.proposals.errorHint(mm);
       confirm.setAttribute("aria-label", `${text.proposals.confirm(text.landmarks.spoken(entry))}, ${text.proposals.error(mm)}`);
       const missing = ghost ? text.proposals.rowState(mm) : text.landmarks.missing;
