@@ -7,8 +7,10 @@ from helpers import fake_fit
 from helpers.on_disk import bytes_below
 from helpers.rows import add_waiting_fit
 from helpers.waiting import ask_for_fit, ended, story, until
+from sqlalchemy.exc import OperationalError
 
 from breastrig.core.errors import Conflict, NotFound
+from breastrig.jobs import queue
 from breastrig.jobs.queue import STOPPED
 from breastrig.storage.events import append, events_after
 from breastrig.storage.fits import claim_fit, get_fit
@@ -150,3 +152,19 @@ def _alive(service) -> bool:
 
 def _files(root: Path) -> set[str]:
     return {path.relative_to(root).as_posix() for path in root.rglob("*") if path.is_file()}
+
+
+def test_an_end_that_cannot_be_stored_at_once_is_stored_later(serving, scan_id: str, monkeypatch) -> None:
+    real, refusals = queue.append, [1, 2, 3]
+
+    def full_at_first(*args):
+        if refusals:
+            refusals.pop()
+            raise OperationalError("INSERT", {}, Exception("database or disk is full"))
+        return real(*args)
+
+    monkeypatch.setattr(queue, "SETTLE_AGAIN_S", 0.02)
+    monkeypatch.setattr(queue, "append", full_at_first)
+    with serving(fake_fit.dying) as service:
+        fit = ended(service, ask_for_fit(service, scan_id))
+        assert (fit.state, refusals) == ("failed", [])

@@ -1,15 +1,20 @@
 """Every error as RFC 9457 problem details: the only place that turns an error into a status."""
 
+import errno
 import json
+import logging
 from http import HTTPStatus
 from typing import Any
 
 from apiflask import APIFlask, HTTPError
 from flask import Response, request
 from pydantic import ValidationError
+from sqlalchemy.exc import OperationalError
 from werkzeug.exceptions import HTTPException
 
 from breastrig.core import errors
+
+log = logging.getLogger(__name__)
 
 STATUS: tuple[tuple[type[errors.BreastRigError], int], ...] = (  # the first that fits counts
     (errors.NotFound, 404),
@@ -47,6 +52,8 @@ def register_errors(app: APIFlask) -> None:
     app.register_error_handler(HTTPError, _validation_error)
     app.register_error_handler(HTTPException, _http_error)
     app.register_error_handler(RecursionError, _too_deep)
+    app.register_error_handler(OperationalError, _database_trouble)
+    app.register_error_handler(OSError, _disk_trouble)
 
 
 def _title(status: int) -> str:
@@ -84,6 +91,19 @@ def _validation_error(error: HTTPError) -> Response:
     where = f"{first['field']}: " if first["field"] else ""
     more = f" ({len(fields) - 1} more)" if len(fields) > 1 else ""
     return problem(error.status_code, f"{where}{first['message'].rstrip('.')}{more}.", fields=fields[:50])
+
+
+def _database_trouble(error: OperationalError) -> Response:
+    log.error("the database cannot be used: %s", error.orig)
+    detail = "The service cannot store anything at the moment; its disk may be full. Try again later."
+    return problem(503, detail, headers={"Retry-After": "10"})
+
+
+def _disk_trouble(error: OSError) -> Response:
+    if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+        raise error
+    log.error("the disk is full")
+    return problem(507, "The service's disk is full; nothing was kept. Free space, or delete scans, and try again.")
 
 
 def _too_deep(_error: RecursionError) -> Response:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sqlalchemy.exc import SQLAlchemyError
+
 from breastrig.core.errors import BreastRigError, Conflict, NotFound
 from breastrig.jobs.events import Event, Failed
 from breastrig.jobs.run_fit import FitJob
@@ -30,6 +32,8 @@ class Runners:
     one: Runner
     two: PairRunner
 
+
+UNWRITTEN = "What this fit found could not be stored, perhaps because the server's disk was full; start the fit again."
 
 log = logging.getLogger(__name__)
 
@@ -76,6 +80,11 @@ def _run(storage: Storage, fit: FitRow, runners: Runners, model: Path | None) ->
         fail("The fit needed more memory than it may use; give a smaller scan.")
     except _Over:
         raise
+    except SQLAlchemyError:
+        fail(UNWRITTEN)
+    except OSError as error:
+        log.error("fit %s met an error of the disk or the system: %s", fit.id, error.strerror)
+        fail(UNWRITTEN)
     except Exception:
         log.exception("fit %s broke", fit.id)
         fail("The fit broke for a reason inside BreastRig; the server's log says it.")

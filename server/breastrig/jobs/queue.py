@@ -14,8 +14,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from sqlalchemy.exc import SQLAlchemyError
+
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.jobs.carry_out import Runners, carry_out, event_json
+from breastrig.jobs.carry_out import UNWRITTEN, Runners, carry_out, event_json
 from breastrig.jobs.events import Cancelled, Event, Failed
 from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.processes import Processes
@@ -24,6 +26,7 @@ from breastrig.storage.fits import FitRow, fits_in_state, get_fit, next_queued
 from breastrig.storage.storage import Storage
 
 STARTS = 3  # a process may die before it has claimed its fit; then the fit is started again, so often at most
+SETTLE_AGAIN_S = 1.0
 KILL_S = 10.0  # Pebble asks a process to end, and after 3 s makes it
 STOPPED = "The server was stopped while this fit ran; start the fit again."
 DIED = "The fit's process ended unexpectedly, perhaps for want of memory; start the fit again or give a smaller scan."
@@ -122,7 +125,7 @@ class FitQueue:
                 if self._stopping:
                     return
             if not future.cancelled():
-                self._settle(fit_id, future.exception())
+                self._settle_surely(fit_id, future.exception())
             self._tell(fit_id, seconds)
             self.wake()
         except Exception:
@@ -134,6 +137,17 @@ class FitQueue:
                 fit = get_fit(self._storage, fit_id)
                 if fit.ended:
                     self.tell_end(fit.state, seconds)
+
+    def _settle_surely(self, fit_id: str, error: BaseException | None) -> None:
+        """The same, again and again while nothing can be stored: the disk is full, or the database is held."""
+        try:
+            self._settle(fit_id, error)
+        except SQLAlchemyError as unwritten:
+            log.error("the end of fit %s cannot be stored yet: %s", fit_id, type(unwritten).__name__)
+            if not self._stopping:  # else the next start says it
+                again = threading.Timer(SETTLE_AGAIN_S, self._settle_surely, (fit_id, error))
+                again.daemon = True
+                again.start()
 
     def _settle(self, fit_id: str, error: BaseException | None) -> None:
         """Makes sure that the fit, and its partner, have an end."""
@@ -149,8 +163,8 @@ class FitQueue:
             elif fit.state == "queued" and self._starts[fit_id] < STARTS:
                 return
             else:
-                log.error("fit %s ended without an end: %r", each, error)
-                self._end(each, Failed(reason=SILENT if error is None else DIED))
+                log.error("fit %s ended without an end: %s", each, type(error).__name__)
+                self._end(each, Failed(reason=_why(error)))
         self._starts.pop(fit_id, None)
 
     def _both(self, fit_id: str) -> tuple[str, ...]:
@@ -170,3 +184,10 @@ class FitQueue:
             future.cancel()
         else:
             self.wake()
+
+
+def _why(error: BaseException | None) -> str:
+    """The sentence for a fit whose process came back without an end."""
+    if error is None:
+        return SILENT
+    return UNWRITTEN if isinstance(error, SQLAlchemyError) else DIED

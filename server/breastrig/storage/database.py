@@ -27,7 +27,11 @@ class Database:
     """Opens connections; safe to share between threads, to be opened again in every process."""
 
     def __init__(self, file: Path) -> None:
-        self.engine: Engine = create_engine(f"sqlite:///{file}", connect_args={"timeout": BUSY_TIMEOUT_S})
+        self.engine: Engine = create_engine(
+            f"sqlite:///{file}",
+            connect_args={"timeout": BUSY_TIMEOUT_S},
+            hide_parameters=True,  # an error that is logged shows no row
+        )
         event.listen(self.engine, "connect", _set_up_connection)
         event.listen(self.engine, "begin", _begin)
 
