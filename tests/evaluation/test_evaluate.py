@@ -178,7 +178,7 @@ def test_the_page_stands_alone_and_answers_every_question(whole: Path) -> None:
         assert word in page
     assert "MakeHuman bodies" not in page  # none are in this cohort
     anchors = ("surface", "pictures", "landmarks", "clicks", "wrong-picks", "blendshapes", "compliances", "presets")
-    for anchor in (*anchors, "peers", "refined", "failures"):
+    for anchor in (*anchors, "peers", "unseen", "refined", "failures"):
         assert f'<section id="{anchor}">' in page
         assert f'href="#{anchor}"' in page
     assert "<script" not in page

@@ -10,6 +10,7 @@ from breastrig.evaluation.cohort import read_cohort
 from breastrig.evaluation.questions.orientation_study import turned, without_table, wrong_way
 from breastrig.evaluation.questions.scene import read_scene
 from breastrig.evaluation.questions.sensitivity import TERMS, scaled_compliance, with_shapes
+from breastrig.evaluation.questions.unseen import CUTS, cut_fit, unseen, whole_fit
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
@@ -53,6 +54,27 @@ def test_without_the_table_only_the_body_is_left(cohort: Path, rig: Rig) -> None
     bare = without_table(scene)
     assert len(bare.target.faces) == pytest.approx(len(body.faces), rel=0.01)  # cleaning may drop a few
     assert len(scene.target.faces) > len(bare.target.faces) + 1000
+
+
+def test_a_cut_leaves_what_lies_above_it_and_its_fit_is_told_as_a_share_of_the_whole(cohort: Path, rig: Rig) -> None:
+    scene, recipe = read_scene(read_cohort(cohort)[0]), load_recipe("default")
+    whole = whole_fit(scene, rig, recipe)
+    numbers = unseen(scene, rig, recipe)
+    assert set(numbers) == set(CUTS)
+    for cut, of in numbers.items():
+        part = cut_fit(scene, rig, recipe, whole, cut)
+        assert part is not None
+        assert of["kept"] == len(part.scene.target.faces) / len(scene.target.faces)
+        assert of["most_moved_mm"] >= of["moved_mm"] > 0.0
+        assert of["smallest_scale"] <= 1.0 <= of["largest_scale"]
+        gap = 1e3 * np.linalg.norm(part.fit.vertices - whole.vertices, axis=1)
+        assert of["moved_mm"] == pytest.approx(gap.mean())
+    assert numbers["half"]["kept"] == pytest.approx(0.5, abs=0.05)
+    assert numbers["nipples"]["kept"] < numbers["navel"]["kept"] < 1.0
+    half = cut_fit(scene, rig, recipe, whole, "half")
+    assert half is not None
+    assert {"xiphoid", "nipple_L"} <= set(half.scene.landmarks)
+    assert "nipple_R" not in half.scene.landmarks
 
 
 @pytest.mark.parametrize("term", TERMS)

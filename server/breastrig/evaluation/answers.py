@@ -6,7 +6,7 @@ from typing import Any
 
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.other_patient_study import other_patient
-from breastrig.evaluation.questions import accuracy, landmark_study, orientation_study, peers, sensitivity
+from breastrig.evaluation.questions import accuracy, landmark_study, orientation_study, peers, sensitivity, unseen
 from breastrig.evaluation.questions.scene import read_scene
 from breastrig.evaluation.transfer_study import transfer_study
 from breastrig.evaluation.two_stances import gain
@@ -40,6 +40,7 @@ ANSWERS: dict[str, Answer] = {
     "random_turns": _of_one_case(orientation_study.random_turns),
     "compliance": _of_one_case(sensitivity.compliance),
     "shape_count": _of_one_case(sensitivity.shape_count),
+    "unseen": _of_one_case(unseen.unseen),
     "peer": _of_one_case(peers.peer),
     "two_stances": two_stances,
     "transfer": transfer_study,

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from breastrig.evaluation import study_tables, tables, transfer_tables
+from breastrig.evaluation import study_tables, tables, transfer_tables, unseen_tables
 from breastrig.evaluation.plan import Plan, shape_effects
 from breastrig.evaluation.table import Table
 from breastrig.evaluation.work import Record, records
@@ -57,6 +57,7 @@ def all_tables(results: Results) -> list[Table]:
         transfer_tables.transfer_table(found),
         transfer_tables.transfer_lines_table(found),
         transfer_tables.other_patient_table(found),
+        unseen_tables.unseen_table(found),
         tables.failures_table(found),
     ]
     return [table for table in made if table.rows]

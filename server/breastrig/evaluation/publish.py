@@ -9,6 +9,7 @@ from breastrig.evaluation.figures import all_figures
 from breastrig.evaluation.page import Circumstances, page
 from breastrig.evaluation.pictures import fit_pictures
 from breastrig.evaluation.study_sections import all_sections
+from breastrig.evaluation.unseen_sections import unseen_pictures
 from breastrig.gltf.read_rig import read_rig
 
 NO_PLOTS = "The figures need matplotlib: pip install breastrig[plots]; tables and page are written without them."
@@ -35,6 +36,11 @@ def published(results: Results, about: Circumstances, folder: Path, told: Callab
         told(f"figure {name}")
         figures[name] = (as_png(chart, LIGHT), as_png(chart, DARK))
         write(f"figures/{name}.png", figures[name][0])
+    if "unseen" in tables:
+        told("pictures of cut scans")
+        for name, png in unseen_pictures(results.records, rig, results.plan.recipes[0].name).items():
+            figures[name] = (png, png)
+            write(f"figures/{name}.png", png)
     pictures = fit_pictures(results.records, rig, results.plan.recipes[0].name, told)
     for picture in pictures:
         write(f"figures/fit_{picture.family}_{picture.place}.png", picture.png)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from breastrig.evaluation import sections, transfer_sections
+from breastrig.evaluation import sections, transfer_sections, unseen_sections
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.evaluate import Results
 from breastrig.evaluation.section import Section, capital, mm
@@ -161,6 +161,8 @@ def all_sections(results: Results, tables: dict[str, Table]) -> list[Section]:
     if "turns" in tables:
         found.append(sections.turns(results))
     found += [sections.clicks(results), sections.wrong_picks(results)]
+    if "unseen" in tables:
+        found.append(unseen_sections.unseen_section(results.records))
     if "blendshapes" in tables:
         found.append(blendshapes(tables["blendshapes"], tables["blendshape_order"], results.plan.cases))
     if "compliances" in tables:
