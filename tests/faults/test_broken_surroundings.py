@@ -9,6 +9,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +34,7 @@ def ends(client: httpx.Client, fits: list[dict[str, str]]) -> list[dict[str, Any
     until(lambda: all(client.get(f["self"]).json()["state"] in ("done", "failed") for f in fits), "the ends")
     found = [client.get(links["self"]).json() for links in fits]
     for fit, links in zip(found, fits, strict=True):
-        records = client.get(links["events"] + ".json").json()["events"]
+        records = client.get(links["events"] + ".json?limit=1000").json()["events"]
         assert [one["id"] for one in records] == list(range(1, fit["last_event"] + 1))
         assert records[-1]["event"]["kind"] == fit["state"]
         assert client.get(links["result"]).status_code == (200 if fit["state"] == "done" else 409)
@@ -43,23 +44,32 @@ def ends(client: httpx.Client, fits: list[dict[str, str]]) -> list[dict[str, Any
 def outcome(fits: list[dict[str, Any]]) -> str:
     counts = Counter(fit["state"] for fit in fits)
     reasons = sorted({fit["reason"] for fit in fits if fit["reason"]})
-    return f"{dict(counts)} {' '.join(reasons)}"
+    return " ".join([str(dict(counts)), *reasons])
 
 
-@pytest.fixture
-def running(tmp_path: Path, model: Path) -> Iterator[tuple[subprocess.Popen[str], httpx.Client]]:
+@dataclass(frozen=True)
+class Running:
+    process: subprocess.Popen[str]
+    client: httpx.Client
+    data: Path
+
+
+@pytest.fixture(scope="module")
+def running(tmp_path_factory: pytest.TempPathFactory, model: Path) -> Iterator[Running]:
+    """One server that has to live through all that needs no disk of its own."""
+    folder = tmp_path_factory.mktemp("running")
     with (
-        server(tmp_path / "data", model, tmp_path / "log", FAKE_FIT="unhurried") as (process, address),
+        server(folder / "data", model, folder / "log", FAKE_FIT="unhurried") as (process, address),
         httpx.Client(base_url=address, timeout=40) as client,
     ):
-        yield process, client
+        yield Running(process, client, folder / "data")
 
 
-def test_a_killed_worker_takes_one_fit_with_it(running, torso: bytes, tmp_path: Path, note) -> None:
-    process, client = running
+def test_a_killed_worker_takes_one_fit_with_it(running: Running, torso: bytes, note) -> None:
+    process, client = running.process, running.client
     fits = asked(client, torso, 5)
     holder: set[int] = set()
-    folder = tmp_path / "data" / "fits" / fits[0]["self"].rsplit("/", 1)[1]
+    folder = running.data / "fits" / fits[0]["self"].rsplit("/", 1)[1]
 
     def found() -> bool:
         holder.update(_holders(folder, children(process.pid)))
@@ -86,10 +96,10 @@ def _holders(folder: Path, pids: set[int]) -> set[int]:
     return found
 
 
-def test_a_locked_database_makes_fits_wait_and_loses_none(running, torso: bytes, tmp_path: Path, note) -> None:
-    _, client = running
+def test_a_locked_database_makes_fits_wait_and_loses_none(running: Running, torso: bytes, note) -> None:
+    client = running.client
     fits = asked(client, torso, 4)
-    other = sqlite3.connect(tmp_path / "data" / "breastrig.sqlite3", isolation_level=None, timeout=20)
+    other = sqlite3.connect(running.data / "breastrig.sqlite3", isolation_level=None, timeout=20)
     other.execute("BEGIN IMMEDIATE")
     before = [client.get(links["self"]).json()["last_event"] for links in fits]
     time.sleep(1.5)  # longer than all four would take
@@ -101,8 +111,9 @@ def test_a_locked_database_makes_fits_wait_and_loses_none(running, torso: bytes,
     note("database locked for 1.5 s", outcome(last))
 
 
-def test_a_client_gone_in_the_middle_of_an_upload_leaves_nothing(running, torso: bytes, tmp_path: Path, note) -> None:
-    _, client = running
+def test_a_client_gone_in_the_middle_of_an_upload_leaves_nothing(running: Running, torso: bytes, note) -> None:
+    client = running.client
+    kept = len(list((running.data / "scans").iterdir()))
     address = (client.base_url.host, client.base_url.port)
     head = (
         "POST /api/scans HTTP/1.1\r\nHost: localhost\r\nContent-Type: multipart/form-data; boundary=b\r\n"
@@ -114,12 +125,12 @@ def test_a_client_gone_in_the_middle_of_an_upload_leaves_nothing(running, torso:
             connection.sendall(head.encode() + torso[: len(torso) // 2])
     last = ends(client, asked(client, torso, 2))
     assert [fit["state"] for fit in last] == ["done"] * 2
-    assert len(list((tmp_path / "data" / "scans").iterdir())) == 1
-    note("5 clients gone mid-upload", outcome(last) + "nothing of theirs is left")
+    assert len(list((running.data / "scans").iterdir())) == kept + 1
+    note("5 clients gone mid-upload", outcome(last) + " and nothing of theirs is left")
 
 
-def test_clients_gone_in_the_middle_of_a_stream_stop_no_fit(running, torso: bytes, note) -> None:
-    _, client = running
+def test_clients_gone_in_the_middle_of_a_stream_stop_no_fit(running: Running, torso: bytes, note) -> None:
+    client = running.client
     fits = asked(client, torso, 3)
     for links in fits * 4:
         with client.stream("GET", links["events"]) as stream:
@@ -167,7 +178,7 @@ def test_a_full_disk_fails_fits_with_a_sentence_and_loses_none(
             assert all("stored" in fit["reason"] or "written" in fit["reason"] for fit in last if fit["reason"])
             again = ends(client, asked(client, torso, 2))
             assert [fit["state"] for fit in again] == ["done"] * 2
-            note("disk full for a while", outcome(last) + "afterwards " + outcome(again))
+            note("disk full for a while", outcome(last) + " afterwards " + outcome(again))
             process.terminate()
             process.wait(timeout=20)
         rows = sqlite3.connect(disk / "data" / "breastrig.sqlite3")

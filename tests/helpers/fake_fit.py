@@ -77,9 +77,9 @@ def patient(job: FitJob) -> Iterator[Event]:
 
 
 def unhurried(job: FitJob) -> Iterator[Event]:
-    """A whole fit with its files that takes a third of a second."""
+    """A whole fit with its files that takes most of a second."""
     for event in quick(job):
-        time.sleep(0.05)
+        time.sleep(0.12)
         yield event
 
 
