@@ -1,9 +1,5 @@
 // The wiring plan: makes store, actions, panels and viewer, and tells each of them when the state changed.
-import "./styles/tokens.css";
-import "./styles/base.css";
-import "./styles/layout.css";
-import "./styles/panels.css";
-import "./styles/viewer.css";
+import "./styles/index.css";
 import { createActions } from "./actions";
 import { messageOf, withProblem } from "./actions/problems";
 import { client, onSignedOut } from "./api/client";

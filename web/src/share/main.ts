@@ -1,9 +1,5 @@
 // The read-only page behind a share link: the body with its drawing, the numbers, the files; a passcode first where there is one.
-import "../styles/tokens.css";
-import "../styles/base.css";
-import "../styles/layout.css";
-import "../styles/panels.css";
-import "../styles/viewer.css";
+import "../styles/index.css";
 import type { Actions } from "../actions";
 import { pageActions } from "../actions/page";
 import { ApiError } from "../api/client";

@@ -1,0 +1,28 @@
+// The 3D view and its buttons.
+import type { Overlay, ViewName } from "../state/session";
+
+export const view = {
+  label: "View",
+  names: { front: "Front", left: "Left", right: "Right", back: "Back", top: "Top" } satisfies Record<ViewName, string>,
+  hints: {
+    front: "From the front (F)",
+    left: "From the patient's left",
+    right: "From the patient's right",
+    back: "From behind",
+    top: "From above the head",
+  } satisfies Record<ViewName, string>,
+  overlayLabel: "Show",
+  overlays: { scan: "Scan", both: "Both", model: "Model", beside: "Beside", swipe: "Swipe" } satisfies Record<Overlay, string>,
+  overlayHints: {
+    scan: "The scan alone",
+    both: "The model over the scan",
+    model: "The model alone",
+    beside: "Scan and model side by side, turning together",
+    swipe: "Scan to the left, model to the right of a line that you move",
+  } satisfies Record<Overlay, string>,
+  swipe: "Line between scan and model",
+  panes: { scan: "Scan", model: "Model" },
+  canvas: "3D view of the scan. Drag to turn it, scroll to zoom, drag with the right button to move it.",
+  left: "patient's left",
+  right: "patient's right",
+};
