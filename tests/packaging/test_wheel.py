@@ -31,6 +31,8 @@ NEEDED = {
     "breastrig/fitting/presets/default.toml",
     "breastrig/fitting/presets/paper.toml",
     "breastrig/api/openapi.json",
+    "breastrig/storage/migrations/env.py",
+    "breastrig/storage/migrations/versions/r0001_adopt.py",
     "breastrig/py.typed",
 }
 

@@ -2,12 +2,10 @@ import threading
 from pathlib import Path
 
 import pytest
-from helpers.rows import add_waiting_fit
 from sqlalchemy import insert, select
 from sqlalchemy.exc import IntegrityError
 
 from breastrig.storage import schema
-from breastrig.storage.fits import get_fit, next_queued
 from breastrig.storage.storage import Storage
 
 LANDMARKS_OF_NOBODY = {"scan": "nobody", "points_mm": "{}"}
@@ -71,33 +69,6 @@ def test_preparing_twice_changes_nothing(storage: Storage, scan_id: str) -> None
     with again.database.reading() as connection:
         assert connection.execute(select(schema.scans.c.id)).scalars().all() == [scan_id]
     again.close()
-
-
-def test_a_data_folder_of_an_older_version_gets_the_columns_it_lacks(storage: Storage, scan_id: str) -> None:
-    add_waiting_fit(storage, scan_id, "fit-1")
-    with storage.database.writing() as connection:
-        for column in ("refine", "partner", "leads"):
-            connection.exec_driver_sql(f"ALTER TABLE fits DROP COLUMN {column}")
-        connection.exec_driver_sql("DROP TABLE asked_once")
-    again = Storage(storage.root)
-    again.prepare()
-    assert get_fit(again, "fit-1").refine is False
-    assert get_fit(again, "fit-1").both == ("fit-1",)
-    assert next_queued(again, set()) == "fit-1"
-    again.close()
-
-
-def test_every_column_that_came_later_can_be_added(storage: Storage) -> None:
-    first_version = {
-        "scans": {"id", "created_at", "file_type", "sha256", "facts"},
-        "landmarks": {"scan", "points_mm"},
-        "events": {"position", "fit", "number", "kind", "json"},
-        "fits": {"id", "place", "scan", "created_at", "state", "stance", "preset", "drawing"}
-        | {"landmarks_mm", "last_event", "iterations", "numbers", "reason"},
-    }
-    for name, columns in first_version.items():
-        for column in schema.metadata.tables[name].columns:
-            assert column.name in columns or column.nullable or column.server_default is not None
 
 
 def test_only_the_owner_can_look_into_the_data_folder(storage: Storage, tmp_path: Path) -> None:

@@ -14,11 +14,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, event, inspect
+from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.exc import SQLAlchemyError
-from sqlalchemy.schema import CreateColumn
 
-from breastrig.storage.schema import metadata
+from breastrig.storage.migrate import to_this_version
 
 BUSY_TIMEOUT_S = 30.0  # far above the longest writing transaction (a few ms), so that only a hung disk shows
 
@@ -35,17 +34,13 @@ class Database:
         event.listen(self.engine, "connect", _set_up_connection)
         event.listen(self.engine, "begin", _begin)
 
-    def create_tables(self) -> None:
-        """Adds the tables, and to tables of an older version the columns, that are missing."""
+    def bring_up_to_date(self) -> None:
+        """Makes the tables, or turns those of an older version into this one's.
+
+        Raises BadSettings when they are of a newer version.
+        """
         with self.writing() as connection:
-            metadata.create_all(connection)
-            found = inspect(connection)
-            for table in metadata.sorted_tables:
-                present = {column["name"] for column in found.get_columns(table.name)}
-                for column in table.columns:
-                    if column.name not in present:
-                        definition = CreateColumn(column).compile(dialect=connection.dialect)
-                        connection.exec_driver_sql(f"ALTER TABLE {table.name} ADD COLUMN {definition}")
+            to_this_version(connection)
 
     @contextmanager
     def reading(self) -> Iterator[Connection]:

@@ -1,7 +1,7 @@
 """The tables.  Deleting a scan deletes all rows that hang on it.
 
-A column that comes later must be nullable or have a server default: `Database.create_tables` adds it to the
-tables of older data folders.
+Whatever changes here needs a revision of its own in `migrations/versions`, which changes the tables of older data
+folders; a test compares both.
 
 `events` is append-only and the single source of truth about a fit; the fit's own row repeats the last state for
 quick answers and is only ever written in the same transaction as the event.
@@ -47,6 +47,13 @@ proposals = Table(
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
     Column("model_sha256", String(64), nullable=False),  # of the model that proposed
     Column("json", Text, nullable=False),  # {name: {point, confidence, on_scan}}, mm, scan frame
+)
+
+drawings = Table(  # the surgeon's own, drawn on the scan
+    "drawings",
+    metadata,
+    Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
+    Column("json", Text, nullable=False),  # breastrig/drawing@1, mm, scan frame
 )
 
 fits = Table(

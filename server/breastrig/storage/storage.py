@@ -26,14 +26,17 @@ class Storage:
         self.database = Database(self.folders.database)
 
     def prepare(self) -> None:
-        """Creates folders and tables.  Raises BadSettings when the place cannot be written."""
+        """Creates folders and tables, or brings older tables up to date.
+
+        Raises BadSettings when the place cannot be written, or was written by a newer version.
+        """
         try:
             self.folders.create()
         except OSError as error:
             raise BadSettings(
                 f"The data folder {self.root} cannot be created ({error.strerror}); choose another with --data."
             ) from error
-        self.database.create_tables()
+        self.database.bring_up_to_date()
         self.folders.empty_rubbish()
 
     @contextmanager

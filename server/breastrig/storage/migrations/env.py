@@ -1,0 +1,9 @@
+"""What Alembic runs around its commands; the connection, inside its transaction, comes from `migrate`."""
+
+from alembic import context
+
+from breastrig.storage.schema import metadata
+
+context.configure(connection=context.config.attributes["connection"], target_metadata=metadata)
+with context.begin_transaction():
+    context.run_migrations()

@@ -1,0 +1,117 @@
+"""Databases of every version become those of this one, and keep their rows."""
+
+import sqlite3
+from pathlib import Path
+
+import pytest
+from alembic import command
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+
+from breastrig.cli.main import main
+from breastrig.storage import schema
+from breastrig.storage.events import append, events_after
+from breastrig.storage.fits import get_fit, next_queued
+from breastrig.storage.migrate import alembic_config, known_revisions
+from breastrig.storage.scans import get_landmarks, get_scan
+from breastrig.storage.storage import Storage
+
+# The tables of the first version, and a scan with landmarks and a fit with one event in them.
+FIRST_VERSION = """
+CREATE TABLE scans (id VARCHAR(32) NOT NULL, created_at VARCHAR(32) NOT NULL, file_type VARCHAR(8) NOT NULL,
+    sha256 VARCHAR(64) NOT NULL, facts TEXT NOT NULL, PRIMARY KEY (id));
+CREATE TABLE landmarks (scan VARCHAR(32) NOT NULL, points_mm TEXT NOT NULL, PRIMARY KEY (scan),
+    FOREIGN KEY(scan) REFERENCES scans (id) ON DELETE CASCADE);
+CREATE TABLE fits (id VARCHAR(32) NOT NULL, place INTEGER NOT NULL, scan VARCHAR(32) NOT NULL,
+    created_at VARCHAR(32) NOT NULL, state VARCHAR(16) NOT NULL, stance VARCHAR(16) NOT NULL,
+    preset VARCHAR(100) NOT NULL, drawing VARCHAR(100), landmarks_mm TEXT NOT NULL, last_event INTEGER NOT NULL,
+    iterations INTEGER NOT NULL, numbers TEXT, reason TEXT, PRIMARY KEY (id), UNIQUE (place),
+    FOREIGN KEY(scan) REFERENCES scans (id) ON DELETE CASCADE);
+CREATE INDEX ix_fits_scan ON fits (scan);
+CREATE INDEX ix_fits_state ON fits (state);
+CREATE TABLE events (position INTEGER NOT NULL PRIMARY KEY AUTOINCREMENT, fit VARCHAR(32) NOT NULL,
+    number INTEGER NOT NULL, kind VARCHAR(16) NOT NULL, json TEXT NOT NULL, UNIQUE (fit, number),
+    FOREIGN KEY(fit) REFERENCES fits (id) ON DELETE CASCADE);
+CREATE INDEX events_of_kind ON events (fit, kind);
+INSERT INTO scans VALUES ('scan-1', '2026-01-01T00:00:00.000Z', 'ply', 'abab', '{"unit": "mm"}');
+INSERT INTO landmarks VALUES ('scan-1', '{"nipple_L": [1.0, 2.0, 3.0]}');
+INSERT INTO fits VALUES ('fit-1', 1, 'scan-1', '2026-01-01T00:00:01.000Z', 'queued', 'auto', 'default', NULL, '{}',
+    1, 0, NULL, NULL);
+INSERT INTO events VALUES (7, 'fit-1', 1, 'started', '{"kind": "started"}');
+"""
+
+
+@pytest.fixture
+def old(tmp_path: Path) -> Storage:
+    """The storage of a data folder that the first version has left."""
+    (tmp_path / "old").mkdir()
+    connection = sqlite3.connect(tmp_path / "old" / "breastrig.sqlite3")
+    connection.executescript(FIRST_VERSION)
+    connection.close()
+    return Storage(tmp_path / "old")
+
+
+def assert_tables_of_this_version(storage: Storage) -> None:
+    """What the revisions make is what `schema` says, and Alembic's own check agrees."""
+    with storage.database.writing() as connection:
+        assert compare_metadata(MigrationContext.configure(connection), schema.metadata) == []
+        command.check(alembic_config(connection))
+
+
+def test_an_empty_database_gets_the_tables_of_this_version(storage: Storage) -> None:
+    assert_tables_of_this_version(storage)
+
+
+def test_a_database_of_the_first_version_gets_the_tables_of_this_one_and_keeps_its_rows(old: Storage) -> None:
+    old.prepare()
+    assert_tables_of_this_version(old)
+    assert get_scan(old, "scan-1").facts == {"unit": "mm"}
+    assert get_landmarks(old, "scan-1") == {"nipple_L": [1.0, 2.0, 3.0]}
+    fit = get_fit(old, "fit-1")
+    assert (fit.refine, fit.both, fit.last_event) == (False, ("fit-1",), 1)
+    assert next_queued(old, set()) == "fit-1"
+    assert append(old, "fit-1", {"kind": "failed", "reason": "a test"}) == 2
+    assert [event.kind for event in events_after(old, "fit-1", 0)] == ["started", "failed"]
+    old.close()
+
+
+def test_bringing_up_to_date_again_changes_nothing(old: Storage) -> None:
+    old.prepare()
+    old.prepare()
+    assert_tables_of_this_version(old)
+    assert get_scan(old, "scan-1").file_type == "ply"
+    old.close()
+
+
+def test_an_upgrade_that_breaks_leaves_the_database_as_it_was(old: Storage, monkeypatch: pytest.MonkeyPatch) -> None:
+    def upgrade_and_break(config: object, revision: str) -> None:
+        real(config, revision)
+        raise RuntimeError
+
+    real = command.upgrade
+    monkeypatch.setattr(command, "upgrade", upgrade_and_break)
+    with pytest.raises(RuntimeError):
+        old.prepare()
+    rows = sqlite3.connect(old.root / "breastrig.sqlite3")
+    tables = {row[0] for row in rows.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
+    assert tables == {"scans", "landmarks", "fits", "events", "sqlite_sequence"}
+    rows.close()
+    old.close()
+
+
+def test_a_database_of_a_newer_version_is_refused_and_left_alone(
+    storage: Storage, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with storage.database.writing() as connection:
+        connection.exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
+    for command_line in (["serve", "--port", "0"], ["purge", "--all"]):
+        assert main([*command_line, "--data", str(storage.root)]) == 2
+        said = capsys.readouterr().err
+        assert said.startswith("breastrig: A newer version of BreastRig has used this database; ")
+        assert said.count("\n") == 1
+    with storage.database.reading() as connection:
+        assert connection.exec_driver_sql("SELECT version_num FROM alembic_version").scalar_one() == "9999"
+
+
+def test_the_revisions_form_one_line() -> None:
+    assert known_revisions() == {f"{number:04}" for number in range(1, len(known_revisions()) + 1)}
