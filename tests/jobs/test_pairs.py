@@ -6,7 +6,6 @@ from helpers.rows import add_waiting_pair
 from helpers.waiting import ended, story, until
 
 from breastrig.core.errors import NotFound
-from breastrig.jobs.queue import STOPPED
 from breastrig.jobs.service import Service
 from breastrig.storage.events import append, events_after
 from breastrig.storage.fits import FitWish, claim_fit, get_fit
@@ -102,7 +101,7 @@ def test_deleting_one_scan_keeps_the_others_finished_result(serving, scan_id: st
         assert [event.kind for event in story(service, pair[1])][-1] == "done"
 
 
-def test_after_a_restart_a_waiting_pair_runs_and_a_running_one_is_failed(
+def test_after_a_restart_waiting_and_running_pairs_come_to_their_ends(
     serving, storage: Storage, scan_id: str, other_scan: str
 ) -> None:
     interrupted, waiting = ("a", "b"), ("c", "d")
@@ -114,10 +113,26 @@ def test_after_a_restart_a_waiting_pair_runs_and_a_running_one_is_failed(
     assert claimed is not None
     assert claimed.both == interrupted
     assert get_fit(storage, "b").state == "running"
-    append(storage, "a", {"kind": "started", "stance": "standing"})
+    append(storage, "a", {"kind": "started", "stance": "standing", "model_sha256": "0" * 64})
     with serving(fake_fit.quick) as service:
-        for each in waiting:
-            assert ended(service, each).state == "done"
-        for each in interrupted:
-            fit = get_fit(service.storage, each)
-            assert (fit.state, fit.reason) == ("failed", STOPPED)
+        for each in (*waiting, *interrupted):
+            assert [event.kind for event in story(service, each)] == ["started", *["iterated"] * 4, "done"]
+            assert get_fit(service.storage, each).attempt == (1 if each in waiting else 2)
+
+
+@pytest.mark.parametrize("done", [0, 1])
+def test_after_a_restart_the_partner_of_a_finished_fit_is_finished_and_the_finished_one_stays_as_it_is(
+    serving, storage: Storage, scan_id: str, other_scan: str, done: int
+) -> None:
+    pair = ("a", "b")
+    for each in pair:
+        storage.folders.make(storage.folders.fit(each))
+    add_waiting_pair(storage, scan_id, other_scan, pair)
+    claim_fit(storage, "a")
+    (storage.folders.fit(pair[done]) / "result.json").write_text("as it was")
+    append(storage, pair[done], {"kind": "done", "result": {}})
+    with serving(fake_fit.quick) as service:
+        assert [event.kind for event in story(service, pair[1 - done])] == ["started", *["iterated"] * 4, "done"]
+        assert [event.kind for event in story(service, pair[done])] == ["done"]
+        assert (storage.folders.fit(pair[done]) / "result.json").read_text() == "as it was"
+        assert (storage.folders.fit(pair[1 - done]) / "result.json").is_file()

@@ -1,3 +1,4 @@
+import json
 import os
 from contextlib import suppress
 from pathlib import Path
@@ -11,7 +12,9 @@ from sqlalchemy.exc import OperationalError
 
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.jobs import queue
-from breastrig.jobs.queue import STOPPED
+from breastrig.jobs.carry_out import TOO_OFTEN, fit_job
+from breastrig.jobs.run_fit import FitJob
+from breastrig.jobs.telling import OTHER_MODEL, event_json
 from breastrig.storage.events import append, events_after
 from breastrig.storage.fits import claim_fit, get_fit
 from breastrig.storage.scans import get_scan
@@ -93,26 +96,86 @@ def test_more_fits_than_workers_all_run(serving, scan_id: str) -> None:
         assert {ended(service, fit_id).state for fit_id in fit_ids} == {"done"}
 
 
-def test_after_a_restart_waiting_fits_run_and_running_ones_are_failed(serving, storage: Storage, scan_id: str) -> None:
-    interrupted, waiting = "interrupted", "waiting"
-    for fit_id in (interrupted, waiting):
-        storage.folders.make(storage.folders.fit(fit_id))
-        add_waiting_fit(storage, scan_id, fit_id)
-    claim_fit(storage, interrupted)
-    append(storage, interrupted, {"kind": "started", "stance": "standing"})
+KINDS = ["started", *["iterated"] * 4, "done"]
+
+
+def begun(storage: Storage, scan_id: str, fit_id: str, events: int, attempts: int = 1) -> None:
+    """A fit of fake_fit.quick that was left after so many events of its story."""
+    storage.folders.make(storage.folders.fit(fit_id))
+    add_waiting_fit(storage, scan_id, fit_id)
+    for _ in range(attempts):
+        claimed = claim_fit(storage, fit_id)
+        assert claimed is not None
+    told = [fake_fit.started(FitJob(Path(), Path(), {})), *(fake_fit.iterated(k) for k in range(4))]
+    for event in told[:events]:
+        append(storage, fit_id, event_json(event), attempts)
+
+
+@pytest.mark.parametrize("told", range(6))
+def test_after_a_restart_a_fit_goes_on_with_its_story_where_it_stopped(
+    serving, storage: Storage, scan_id: str, told: int
+) -> None:
+    begun(storage, scan_id, "interrupted", told)
+    before = events_after(storage, "interrupted", 0)
     with serving(fake_fit.quick) as service:
-        assert ended(service, waiting).state == "done"
-        fit = get_fit(service.storage, interrupted)
-        assert (fit.state, fit.reason) == ("failed", STOPPED)
-        assert [event.kind for event in story(service, interrupted)] == ["started", "failed"]
+        events = story(service, "interrupted")
+        assert events[:told] == before
+        assert [event.kind for event in events] == KINDS
+        assert [event.number for event in events] == [1, 2, 3, 4, 5, 6]
+        assert [json.loads(event.json)["iteration"] for event in events[1:-1]] == [0, 1, 2, 3]
+        fit = get_fit(service.storage, "interrupted")
+        assert (fit.state, fit.attempt, fit.iterations) == ("done", 2, 4)
+        assert (service.storage.folders.fit("interrupted") / "result.json").is_file()
 
 
-def test_stopping_the_server_fails_what_runs_and_keeps_what_waits(serving, storage: Storage, scan_id: str) -> None:
+def test_after_a_restart_what_ran_comes_before_what_waited(serving, storage: Storage, scan_id: str) -> None:
+    begun(storage, scan_id, "interrupted", 2)
+    storage.folders.make(storage.folders.fit("waiting"))
+    add_waiting_fit(storage, scan_id, "waiting")
+    with serving(fake_fit.quick, workers=1) as service:
+        assert ended(service, "waiting").state == "done"
+        assert get_fit(service.storage, "interrupted").state == "done"
+
+
+def test_a_fit_is_begun_three_times_and_then_fails(serving, storage: Storage, scan_id: str) -> None:
+    begun(storage, scan_id, "twice", 2, attempts=2)
+    begun(storage, scan_id, "thrice", 2, attempts=3)
+    with serving(fake_fit.quick) as service:
+        assert ended(service, "twice").state == "done"
+        fit = ended(service, "thrice")
+        assert fit.reason == TOO_OFTEN.format(3)
+        assert [event.kind for event in story(service, "thrice")] == ["started", "iterated", "failed"]
+
+
+def test_a_fit_does_not_go_on_with_another_model(serving, storage: Storage, scan_id: str) -> None:
+    begun(storage, scan_id, "interrupted", 0)
+    append(storage, "interrupted", {"kind": "started", "stance": "standing", "model_sha256": "1" * 64})
+    with serving(fake_fit.quick) as service:
+        assert ended(service, "interrupted").reason == OTHER_MODEL
+
+
+def test_a_fit_that_is_begun_again_is_told_the_stance_that_was_asked_for(
+    serving, storage: Storage, scan_id: str
+) -> None:
+    begun(storage, scan_id, "interrupted", 0)
+    append(storage, "interrupted", {"kind": "started", "stance": "supine", "model_sha256": "0" * 64})
+    fit = get_fit(storage, "interrupted")
+    assert (fit.stance, fit.asked_stance) == ("supine", "auto")
+    assert fit_job(storage, fit, None).stance == "auto"
+
+
+def test_stopping_the_server_keeps_what_runs_and_what_waits_for_the_next(
+    serving, storage: Storage, scan_id: str
+) -> None:
     with serving(fake_fit.patient, workers=1) as service:
         running, waiting = ask_for_fit(service, scan_id), ask_for_fit(service, scan_id)
         until(lambda: get_fit(service.storage, running).iterations > 0, "the first iteration")
-    assert (get_fit(storage, running).state, get_fit(storage, running).reason) == ("failed", STOPPED)
-    assert get_fit(storage, waiting).state == "queued"
+    assert [get_fit(storage, fit).state for fit in (running, waiting)] == ["queued", "queued"]
+    told = get_fit(storage, running).last_event
+    with serving(fake_fit.quick, workers=1) as service:
+        for fit in (running, waiting):
+            assert ended(service, fit).state == "done"
+        assert get_fit(storage, running).last_event == max(told, 5) + 1
 
 
 def test_a_stopping_server_lets_a_fit_finish_that_is_nearly_done(serving, storage: Storage, scan_id: str) -> None:

@@ -5,7 +5,7 @@ from helpers.rows import add_waiting_fit
 
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.storage.events import append, events_after, events_of_kind, last_position
-from breastrig.storage.fits import claim_fit, fits_in_state, get_fit, next_queued
+from breastrig.storage.fits import claim_fit, fits_in_state, get_fit, next_queued, put_back
 from breastrig.storage.storage import Storage
 
 
@@ -79,7 +79,7 @@ def test_every_event_of_any_fit_moves_the_position(storage: Storage, scan_id: st
     assert positions == sorted(set(positions))
 
 
-def test_the_oldest_waiting_fit_is_next_and_is_claimed_once(storage: Storage, scan_id: str) -> None:
+def test_the_oldest_waiting_fit_is_next(storage: Storage, scan_id: str) -> None:
     for fit_id in ("fit-z", "fit-a"):
         add_waiting_fit(storage, scan_id, fit_id)
     assert next_queued(storage, set()) == "fit-z"
@@ -87,9 +87,27 @@ def test_the_oldest_waiting_fit_is_next_and_is_claimed_once(storage: Storage, sc
     claimed = claim_fit(storage, "fit-z")
     assert claimed is not None
     assert claimed.landmarks_mm == {"nipple_L": [1.0, 2.0, 3.0]}
-    assert claim_fit(storage, "fit-z") is None
     assert next_queued(storage, set()) == "fit-a"
     assert fits_in_state(storage, "running") == ["fit-z"]
+
+
+def test_a_claim_takes_the_fit_from_whoever_was_at_it(storage: Storage, fit_id: str) -> None:
+    claims = [claim_fit(storage, fit_id) for _ in range(2)]
+    assert [claim and claim.attempt for claim in claims] == [1, 2]
+    with pytest.raises(Conflict, match="Another worker has taken this fit over"):
+        append(storage, fit_id, iterated(0), attempt=1)
+    assert append(storage, fit_id, iterated(0), attempt=2) == 1
+
+
+def test_a_fit_that_was_put_back_takes_no_event_of_its_old_worker(storage: Storage, fit_id: str) -> None:
+    claim_fit(storage, fit_id)
+    append(storage, fit_id, iterated(0), attempt=1)
+    assert put_back(storage) == 1
+    assert (get_fit(storage, fit_id).state, next_queued(storage, set())) == ("queued", fit_id)
+    with pytest.raises(Conflict, match="Another worker has taken this fit over"):
+        append(storage, fit_id, iterated(1), attempt=1)
+    assert put_back(storage) == 0
+    assert [event.number for event in events_after(storage, fit_id, 0)] == [1]
 
 
 def test_a_cancelled_fit_is_never_claimed(storage: Storage, fit_id: str) -> None:

@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 
 VARIABLE = "BREASTRIG_LOG"  # tells the worker processes, who inherit the environment
 TEXT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
-NOISY = ("waitress", "waitress.queue", "trimesh", "PIL", "alembic")  # what they say is about the file's content, or harmless
+NOISY = ("waitress", "waitress.queue", "trimesh", "PIL", "alembic")  # they tell of files' contents, or nothing of use
 
 
 class JsonLines(logging.Formatter):

@@ -1,22 +1,25 @@
 """The worker's side of one fit: claim it, run it, store each event before anyone can see it.
 
 Whatever goes wrong becomes the story's last event with a sentence, unless the story has been ended from outside
-(cancelled, deleted): then the worker just stops.
+(cancelled, deleted) or another worker has taken it over: then the worker just stops.
+
+A fit whose worker was lost with its machine or its server is begun again, and its story goes on where it stopped:
+fits do the same each time, so the events that are known already are only counted.
 """
 
 import logging
 from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, closing, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from breastrig.core.errors import BreastRigError, Conflict, NotFound
+from breastrig.core.errors import BreastRigError, NotFound
 from breastrig.jobs.events import Event, Failed
 from breastrig.jobs.run_fit import FitJob
-from breastrig.storage.events import append
+from breastrig.jobs.telling import Over, Telling
 from breastrig.storage.fits import FitRow, claim_fit, get_fit
 from breastrig.storage.scans import get_scan
 from breastrig.storage.storage import Storage
@@ -35,15 +38,14 @@ class Runners:
 
 UNWRITTEN = "What this fit found could not be stored, perhaps because the server's disk was full; start the fit again."
 
+TOO_OFTEN = "This fit was begun {} times and came to no end, as its server or worker ended first; start the fit again."
+ATTEMPTS = 3  # one that takes its machine down with it must not do so for ever
+
 log = logging.getLogger(__name__)
 
 
-class _Over(Exception):
-    """The story has been ended by someone else."""
-
-
 def carry_out(root: Path, fit_id: str, runners: Runners, model: Path | None) -> None:
-    """Runs the queued fit, and its partner with it, to the end; does nothing when it is no longer queued.
+    """Runs the fit, and its partner with it, to the end; does nothing when both have ended.
 
     Holds the folders before the claim, so that whoever has ended the fit can wait until nothing more is written
     into them.
@@ -55,55 +57,63 @@ def carry_out(root: Path, fit_id: str, runners: Runners, model: Path | None) -> 
                 stack.enter_context(storage.folders.held(storage.folders.fit(each)))
             fit = claim_fit(storage, fit_id)
             if fit is not None:
-                _run(storage, fit, runners, model)
+                both = [fit, *(get_fit(storage, each) for each in fit.both[1:])]
+                _run(storage, [Telling(storage, each) for each in both], runners, model)
     except (FileNotFoundError, NotFound):
         log.info("fit %s was deleted before it ran", fit_id)
-    except _Over:
+    except Over:
         pass
     finally:
         storage.close()
 
 
-def _run(storage: Storage, fit: FitRow, runners: Runners, model: Path | None) -> None:
-    def fail(reason: str) -> None:
-        for each in fit.both:
-            with suppress(_Over):  # the first of two may be done already
-                store(storage, each, Failed(reason=reason))
+def _run(storage: Storage, tellings: list[Telling], runners: Runners, model: Path | None) -> None:
+    first = tellings[0].fit
 
+    def fail(reason: str) -> None:
+        for each in tellings:
+            with suppress(Over):
+                each.tell(Failed(reason=reason))
+
+    if max(each.fit.attempt for each in tellings) > ATTEMPTS:
+        fail(TOO_OFTEN.format(ATTEMPTS))
+        return
     try:
-        with closing(_story(storage, fit, runners, model)) as story:
-            for fit_id, event in story:
-                store(storage, fit_id, event)
+        with (
+            TemporaryDirectory() as unneeded,
+            closing(_story(storage, tellings, Path(unneeded), runners, model)) as story,
+        ):
+            for which, event in story:
+                tellings[which].tell(event)
     except BreastRigError as error:
         fail(str(error))
     except MemoryError:
         fail("The fit needed more memory than it may use; give a smaller scan.")
-    except _Over:
+    except Over:
         raise
     except SQLAlchemyError:
         fail(UNWRITTEN)
     except OSError as error:
-        log.error("fit %s met an error of the disk or the system: %s", fit.id, error.strerror)
+        log.error("fit %s met an error of the disk or the system: %s", first.id, error.strerror)
         fail(UNWRITTEN)
     except Exception:
-        log.exception("fit %s broke", fit.id)
+        log.exception("fit %s broke", first.id)
         fail("The fit broke for a reason inside BreastRig; the server's log says it.")
 
 
 def _story(
-    storage: Storage, fit: FitRow, runners: Runners, model: Path | None
-) -> Generator[tuple[str, Event], None, None]:
-    """(id of the fit, its next event)."""
-    job = fit_job(storage, fit, model)
-    if fit.partner is None:
-        with closing(runners.one(job)) as events:  # type: ignore[type-var]
+    storage: Storage, tellings: list[Telling], unneeded: Path, runners: Runners, model: Path | None
+) -> Generator[tuple[int, Event], None, None]:
+    """(0, or 1 for the partner, and its next event).  The files of one that is done already go to `unneeded`."""
+    jobs = [fit_job(storage, each.fit, model) for each in tellings]
+    jobs = [replace(job, out=unneeded) if each.fit.ended else job for job, each in zip(jobs, tellings, strict=True)]
+    if len(jobs) == 1:
+        with closing(runners.one(jobs[0])) as events:  # type: ignore[type-var]
             for event in events:
-                yield fit.id, event
+                yield 0, event
         return
-    other = fit_job(storage, get_fit(storage, fit.partner), model)
-    with closing(runners.two(job, other)) as pairs:  # type: ignore[type-var]
-        for which, event in pairs:
-            yield fit.both[which], event
+    with closing(runners.two(jobs[0], jobs[1])) as pairs:  # type: ignore[type-var]
+        yield from pairs
 
 
 def fit_job(storage: Storage, fit: FitRow, model: Path | None) -> FitJob:
@@ -115,25 +125,9 @@ def fit_job(storage: Storage, fit: FitRow, model: Path | None) -> FitJob:
         landmarks_mm=fit.landmarks_mm,
         units=scan.facts["unit"],
         file_type=scan.file_type,
-        stance=fit.stance,
+        stance=fit.asked_stance,
         preset=fit.preset,
         drawing=fit.drawing,
         model=model,
         refine=fit.refine,
     )
-
-
-def store(storage: Storage, fit_id: str, event: Event) -> int:
-    """Appends one event; its number.  Raises _Over when the story has ended or is gone."""
-    try:
-        return append(storage, fit_id, event_json(event))
-    except (NotFound, Conflict) as error:
-        raise _Over from error
-
-
-def event_json(event: Event) -> dict[str, Any]:
-    """The event as it is stored and sent; a node names only what changes."""
-    body = event.model_dump(mode="json")
-    if "nodes" in body:
-        body["nodes"] = [{key: value for key, value in node.items() if value is not None} for node in body["nodes"]]
-    return body

@@ -1,8 +1,8 @@
 """Which fit runs when.  The queue is the table of fits; this only keeps the workers busy with its oldest rows.
 
-A fit leaves the table's queue when a worker claims it, so a server that dies loses nothing: at the next start
-queued fits run, and a fit that was running is failed with a sentence.  It is not run again, because its story
-has begun and stories are never rewritten.
+A fit leaves the table's queue when a worker claims it, so a server that dies loses nothing: at the next start the
+fits that ran go back to their places in the queue, and go on with their stories.  A fit whose own process died is
+not begun again, because it would most likely die again: it fails with a sentence.
 """
 
 import logging
@@ -17,18 +17,18 @@ from typing import Any
 from sqlalchemy.exc import SQLAlchemyError
 
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.jobs.carry_out import UNWRITTEN, Runners, carry_out, event_json
+from breastrig.jobs.carry_out import UNWRITTEN, Runners, carry_out
 from breastrig.jobs.events import Cancelled, Event, Failed
+from breastrig.jobs.executor import Executor
 from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.processes import Processes
+from breastrig.jobs.telling import event_json
 from breastrig.storage.events import append
-from breastrig.storage.fits import FitRow, fits_in_state, get_fit, next_queued
+from breastrig.storage.fits import FitRow, fits_in_state, get_fit, next_queued, put_back
 from breastrig.storage.storage import Storage
 
 STARTS = 3  # a process may die before it has claimed its fit; then the fit is started again, so often at most
 SETTLE_AGAIN_S = 1.0
 KILL_S = 10.0  # Pebble asks a process to end, and after 3 s makes it
-STOPPED = "The server was stopped while this fit ran; start the fit again."
 DIED = "The fit's process ended unexpectedly, perhaps for want of memory; start the fit again or give a smaller scan."
 SILENT = "The fit ended without a result; this is an error inside BreastRig."
 
@@ -39,7 +39,7 @@ class FitQueue:
     """Starts, watches and stops fits.  All methods may be called from any thread."""
 
     def __init__(
-        self, storage: Storage, processes: Processes, limits: FitLimits, runners: Runners, model: Path | None
+        self, storage: Storage, processes: Executor, limits: FitLimits, runners: Runners, model: Path | None
     ) -> None:
         self._storage = storage
         self._processes = processes
@@ -54,13 +54,11 @@ class FitQueue:
         self._stopping = False
 
     def recover(self) -> tuple[int, int]:
-        """After a start: fails the fits that were running, starts those that waited.  (failed, waiting)."""
-        interrupted = fits_in_state(self._storage, "running")
-        for fit_id in interrupted:
-            self._end(fit_id, Failed(reason=STOPPED))
+        """After a start: takes up the fits that ran, and those that waited.  (how many ran, how many wait now)."""
+        interrupted = put_back(self._storage)
         waiting = len(fits_in_state(self._storage, "queued"))
         self.wake()
-        return len(interrupted), waiting
+        return interrupted, waiting
 
     def wake(self) -> None:
         """Gives free workers the oldest waiting fits."""
@@ -99,14 +97,16 @@ class FitQueue:
                 log.error("the process of fit %s does not end", fit_id)
 
     def stop(self) -> None:
-        """Waits a little for running fits, then kills them; waiting fits stay in the table."""
+        """Waits a little for running fits, then kills them; they go back into the table's queue."""
         with self._lock:
             self._stopping = True
             running = dict(self._running)
         wait(running.values(), timeout=self._limits.grace_s)
         self._processes.stop()
-        for fit_id in fits_in_state(self._storage, "running"):
-            self._end(fit_id, Failed(reason=STOPPED))
+        try:
+            put_back(self._storage)
+        except SQLAlchemyError as unwritten:  # the next start does it
+            log.error("the fits that ran cannot be put back yet: %s", type(unwritten).__name__)
 
     def _start(self, fit_id: str) -> None:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1

@@ -100,9 +100,9 @@ class Service:
                 self._readers.warm_up()
                 self._workers.warm_up()
                 self._bell.start()
-                failed, waiting = self._queue.recover()
-                if failed or waiting:
-                    log.warning("after the restart: %d fits failed, %d wait for a worker", failed, waiting)
+                interrupted, waiting = self._queue.recover()
+                if waiting:
+                    log.warning("after the restart: %d fits wait, %d of them had begun", waiting, interrupted)
                 if self._sweep is not None:
                     self._sweep.start()
                 yield self

@@ -3,6 +3,9 @@
 `append` is the only door.  It numbers the event, brings the fit's row up to date in the same transaction, and
 refuses whatever comes after the last event.  So a fit ends exactly once, whoever comes first: its worker, the
 person who cancels, or the server that finds the worker dead.
+
+A worker may be taken for dead and still go on.  So each one has a number, the fit's `attempt`, and `append`
+refuses the events of all but the latest.
 """
 
 import json
@@ -24,22 +27,28 @@ class StoredEvent:
     json: str  # one line
 
 
-def append(storage: Storage, fit_id: str, event: dict[str, Any]) -> int:
-    """Stores the event and gives its number.  Raises NotFound (fit deleted) or Conflict (fit has ended)."""
+def append(storage: Storage, fit_id: str, event: dict[str, Any], attempt: int | None = None) -> int:
+    """Stores the event and gives its number; `attempt` is the worker's, None for whoever may always end a fit.
+
+    Raises NotFound (fit deleted) or Conflict (fit has ended, or another worker is at it).
+    """
     kind = event["kind"]
     text = json.dumps(event, separators=(",", ":"), allow_nan=False)
     with storage.database.writing() as connection:
+        table = schema.fits
         fit = connection.execute(
-            select(schema.fits.c.state, schema.fits.c.last_event).where(schema.fits.c.id == fit_id)
+            select(table.c.state, table.c.attempt, table.c.last_event).where(table.c.id == fit_id)
         ).one_or_none()
         if fit is None:
             raise NotFound("There is no such fit; it may have been deleted.")
         if fit.state in ENDED:
             raise Conflict(f"This fit has already ended: it is {fit.state}.")
+        if attempt is not None and (fit.state, fit.attempt) != ("running", attempt):
+            raise Conflict("Another worker has taken this fit over.")
         number = int(fit.last_event) + 1
         connection.execute(insert(schema.events).values(fit=fit_id, number=number, kind=kind, json=text))
         changes = {"last_event": number, **_changes(event)}
-        connection.execute(update(schema.fits).where(schema.fits.c.id == fit_id).values(changes))
+        connection.execute(update(table).where(table.c.id == fit_id).values(changes))
     return number
 
 

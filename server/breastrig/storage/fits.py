@@ -5,7 +5,7 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from sqlalchemy import Connection, Row, func, insert, select, update
+from sqlalchemy import ColumnElement, Connection, Row, case, func, insert, or_, select, update
 
 from breastrig.core.errors import BadInput, NotFound
 from breastrig.storage import schema
@@ -33,10 +33,12 @@ class FitRow(FitWish):
     """What was asked for, and how far it has come; `stance` is the decided one once the fit has started."""
 
     id: str
+    asked_stance: str  # auto, standing, supine
     partner: str | None  # the fit of the other stance, made by the same job
     leads: bool  # of two partners the one that waits in the queue for both
     created_at: str
     state: str  # queued, running, done, failed, cancelled
+    attempt: int  # how often a worker has begun it; events of an earlier attempt are refused
     last_event: int
     iterations: int
     numbers: dict[str, Any] | None  # the last iterated event without its nodes
@@ -87,6 +89,7 @@ def add_fits(storage: Storage, created_at: str, wishes: dict[str, FitWish], once
             partner = others[0] if others and fit_id == first else first
             values = {
                 **asdict(wish),
+                "asked_stance": wish.stance,
                 "landmarks_mm": json.dumps(wish.landmarks_mm),
                 "id": fit_id,
                 "partner": partner if others else None,
@@ -123,28 +126,49 @@ def get_fit(storage: Storage, fit_id: str) -> FitRow:
 
 
 def claim_fit(storage: Storage, fit_id: str) -> FitRow | None:
-    """Turns a queued fit, and its partner with it, into a running one; None when it is no longer queued."""
+    """Begins a new attempt at a fit that waits or runs, and at its partner; None when there is nothing to do.
+
+    Whoever was at it before can store nothing more.  One of two partners may have ended already.
+    """
     table = schema.fits
     with storage.database.writing() as connection:
-        statement = (
+        row = connection.execute(select(table).where(table.c.id == fit_id)).one_or_none()
+        if row is None:
+            return None
+        begun = connection.execute(
             update(table)
-            .where(table.c.id == fit_id, table.c.state == "queued")
-            .values(state="running")
-            .returning(table)
+            .where(table.c.id.in_((fit_id, row.partner)), table.c.state.in_(("queued", "running")))
+            .values(state="running", attempt=table.c.attempt + 1)
         )
-        row = connection.execute(statement).one_or_none()
-        if row is not None and row.partner is not None:
-            connection.execute(update(table).where(table.c.id == row.partner).values(state="running"))
-    return None if row is None else _fit_row(row)
+        if begun.rowcount == 0:
+            return None
+        return _fit_row(connection.execute(select(table).where(table.c.id == fit_id)).one())
+
+
+def put_back(storage: Storage) -> int:
+    """Puts the fits that run back into the queue, at their old places, because nobody carries them out any more.
+
+    How many they were.  A worker that is still at one can store nothing more, as the fit no longer runs.
+    """
+    table = schema.fits
+    with storage.database.writing() as connection:
+        return connection.execute(update(table).where(table.c.state == "running").values(state="queued")).rowcount
+
+
+def _leader() -> ColumnElement[str]:
+    """The id under which a fit is carried out: that of the leading partner, who may have ended already."""
+    table = schema.fits
+    return case((or_(table.c.leads, table.c.partner.is_(None)), table.c.id), else_=table.c.partner)
 
 
 def next_queued(storage: Storage, besides: set[str]) -> str | None:
     """The oldest queued fit that is not among `besides`; of two partners the one that leads."""
+    table = schema.fits
     with storage.database.reading() as connection:
         query = (
-            select(schema.fits.c.id)
-            .where(schema.fits.c.state == "queued", schema.fits.c.leads, schema.fits.c.id.not_in(besides))
-            .order_by(schema.fits.c.place)
+            select(_leader())
+            .where(table.c.state == "queued", _leader().not_in(besides))
+            .order_by(table.c.place)
             .limit(1)
         )
         return connection.execute(query).scalar_one_or_none()
@@ -165,7 +189,7 @@ def queue_position(storage: Storage, fit_id: str) -> int | None:
         place = fit.place
         if not fit.leads:
             place = connection.execute(select(table.c.place).where(table.c.id == fit.partner)).scalar_one()
-        before = select(func.count()).where(table.c.state == "queued", table.c.leads, table.c.place < place)
+        before = select(func.count(_leader().distinct())).where(table.c.state == "queued", table.c.place < place)
         return 1 + int(connection.execute(before).scalar_one())
 
 
@@ -225,7 +249,9 @@ def _fit_row(row: Row[Any]) -> FitRow:
         scan=row.scan,
         created_at=row.created_at,
         state=row.state,
+        attempt=row.attempt,
         stance=row.stance,
+        asked_stance=row.asked_stance or row.stance,
         preset=row.preset,
         drawing=row.drawing,
         landmarks_mm=json.loads(row.landmarks_mm),

@@ -64,13 +64,15 @@ fits = Table(
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), nullable=False, index=True),
     Column("created_at", String(32), nullable=False),
     Column("state", String(16), nullable=False, index=True),  # queued, running, done, failed, cancelled
-    Column("stance", String(16), nullable=False),
+    Column("stance", String(16), nullable=False),  # the decided one, once the fit has started
+    Column("asked_stance", String(16)),  # null in rows of older versions
     Column("preset", String(100), nullable=False),
     Column("drawing", String(100)),
     Column("landmarks_mm", Text, nullable=False),  # JSON, as they were when the fit was asked for
     Column("refine", Boolean, nullable=False, server_default=false()),
     Column("partner", String(32)),  # the fit of the other stance, when both are fitted together
     Column("leads", Boolean, nullable=False, server_default=true()),  # of two partners one waits in the queue for both
+    Column("attempt", Integer, nullable=False, server_default="0"),  # how often a worker has begun it
     Column("last_event", Integer, nullable=False, default=0),
     Column("iterations", Integer, nullable=False, default=0),
     Column("numbers", Text),  # JSON, the last iterated event without its nodes
