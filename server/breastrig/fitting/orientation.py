@@ -5,7 +5,7 @@ the height are not.  So the rest pose is tried at every turn and several heights
 steps of iterative closest points on few vertices, scored by capped distances both ways (model to scan, so that
 it lies on skin; scan to model, so that it covers the skin there is), and the best few are followed further.
 On the ten dev scans, turned at random, the right turn wins by 15 % to 25 % of the score over the next basin.
-A scan that shows all sides has no known front: then all six directions of its axes are tried (2 s instead of 0.5);
+A scan that shows all sides has no known front: then all six directions of its axes are tried (1 s instead of 0.2);
 torsos are found so, bodies with head and thighs not always: their margin is small.
 """
 
@@ -14,11 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from breastrig.core.arrays import Array, Integers
+from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.landmark_check import MIN_LANDMARKS, start_from_landmarks
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.similarity import Similarity, similar_parameters, umeyama
+from breastrig.fitting.similarities import Similarities, nearest_similarities
+from breastrig.fitting.similarity import Similarity, similar_parameters
 from breastrig.fitting.stance import found_stance
 from breastrig.fitting.task import FitTask
 from breastrig.geometry.normals import vertex_normals
@@ -32,12 +33,14 @@ CAP = 0.05  # m; beyond it a distance says only "elsewhere"
 REACH = 0.08  # m; how far a step looks for skin
 TURNS = 24  # around the front: every 15 degrees, the basin is about 20 wide on each side
 HEIGHTS = 5  # from the scan's lower to its upper end
-COARSE, FINE = (220, 5), (500, 12)  # vertices of the model and steps of a try
+COARSE_MODEL, COARSE_SCAN, COARSE_STEPS = 220, 3000, 5  # vertices of the model and of the scan, steps of a try
+FINE_MODEL, FINE_STEPS = 500, 12  # on the whole scan
 FOLLOWED = 4  # tries worth the fine steps, for each direction that the front may have
 FACING = 0.35  # cosine; 70 degrees between the normals still count as the same side
 SURE_LANDMARKS = 6  # so many never lie on one line
 AGREED = 0.08  # m, mean distance of the landmarks to a start that they agree with; the dev scans' are under 5 cm
 SCALE = (0.85, 1.15)  # of the rest pose; the fit itself may go further
+FEWEST_PAIRS = 20  # of a step; fewer would turn the body towards a scrap
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,40 +54,39 @@ class Start:
 
 
 class _Tries:
-    """Rigid tries on one scan."""
+    """Rigid tries on one scan, all followed at once: one by one the calls would cost more than the work."""
 
-    def __init__(self, rig: Rig, target: ScanTarget) -> None:
-        self.template, self.target = rig.template, target
-        self.normals = vertex_normals(rig.template, rig.faces)
+    def __init__(self, rig: Rig, target: ScanTarget, vertices: int, scan_vertices: int | None) -> None:
+        """With about so many vertices of the model, and of the scan (None: all)."""
+        chosen = np.arange(0, len(rig.template), max(1, len(rig.template) // vertices))
+        self.source = rig.template[chosen]
+        self.normals = vertex_normals(rig.template, rig.faces)[chosen]
+        thinned = slice(None, None, 1 if scan_vertices is None else max(1, len(target.vertices) // scan_vertices))
+        self.scan, self.scan_normals = target.vertices[thinned], target.normals[thinned]
+        self.tree = target.vertex_tree if scan_vertices is None else cKDTree(self.scan)
         self.sample = target.vertices[:: max(1, len(target.vertices) // 800)]
 
-    def _pairs(self, chosen: Integers, similarity: Similarity) -> tuple[Integers, Integers, Array]:
-        """accepted model vertices (indices into chosen), scan points, distances"""
-        posed = similarity.apply(self.template[chosen])
-        answer = self.target.vertex_tree.query(posed, distance_upper_bound=REACH)
+    def _pairs(self, tries: Similarities) -> tuple[Booleans, Integers, Array]:
+        """(T, M) of T tries and M vertices of the model: accepted, index of the scan's vertex, distance (m)"""
+        answer = self.tree.query(tries.apply(self.source), distance_upper_bound=REACH)
         distances, nearest = np.asarray(answer[0]), np.asarray(answer[1], dtype=np.int64)
-        hit = np.flatnonzero(nearest < len(self.target.vertices))
-        facing = (self.normals[chosen[hit]] @ similarity.rotation.T * self.target.normals[nearest[hit]]).sum(axis=1)
-        hit = hit[facing > FACING]
-        return hit, nearest[hit], distances[hit]
+        hit = nearest < len(self.scan)
+        nearest[~hit] = 0
+        turned = self.normals @ tries.rotations.transpose(0, 2, 1)
+        hit &= np.einsum("tmi,tmi->tm", turned, self.scan_normals[nearest]) > FACING
+        return hit, nearest, distances
 
-    def followed(self, similarity: Similarity, size: tuple[int, int]) -> tuple[float, Similarity]:
-        """A try after some steps, and its score."""
-        vertices, steps = size
-        chosen = np.arange(0, len(self.template), max(1, len(self.template) // vertices))
+    def followed(self, tries: Similarities, steps: int) -> tuple[Array, Similarities]:
+        """(T,) scores (m) of the tries after some steps, and where they came to."""
         for _ in range(steps):
-            hit, nearest, _ = self._pairs(chosen, similarity)
-            if len(hit) < 20:
-                break
-            source, found = self.template[chosen[hit]], self.target.vertices[nearest]
-            step = umeyama(source, found)
-            scale = float(np.clip(step.scale, *SCALE))
-            shift = found.mean(axis=0) - scale * step.rotation @ source.mean(axis=0)
-            similarity = Similarity(scale, step.rotation, shift)
-        hit, _, distances = self._pairs(chosen, similarity)
-        there = (np.minimum(distances, CAP).sum() + CAP * (len(chosen) - len(hit))) / len(chosen)
-        back, _ = cKDTree(similarity.apply(self.template[chosen])).query(self.sample, distance_upper_bound=CAP)
-        return float(there + np.minimum(back, CAP).mean()), similarity
+            hit, nearest, _ = self._pairs(tries)
+            stays = hit.sum(axis=1) < FEWEST_PAIRS
+            tries = tries.where(stays, nearest_similarities(self.source, self.scan[nearest], hit, SCALE))
+        hit, _, distances = self._pairs(tries)
+        there = np.where(hit, np.minimum(distances, CAP), CAP).mean(axis=1)
+        body = cKDTree(self.source)  # the scan comes to the body: nearest points stay nearest under a similarity
+        back, _ = body.query(tries.undone(self.sample), distance_upper_bound=CAP / SCALE[0])
+        return there + np.minimum(np.asarray(back) * tries.scales[:, None], CAP).mean(axis=1), tries
 
 
 def _starts(rig: Rig, target: ScanTarget, rotation: Array) -> list[Similarity]:
@@ -110,20 +112,16 @@ def _turns(front: Array) -> list[Array]:
 
 def start_from_scan(rig: Rig, target: ScanTarget, fronts: Array) -> Start:
     """The best rest pose for a scan whose front is about one of (N, 3) unit directions."""
-    tries = _Tries(rig, target)
-    found: list[tuple[float, Similarity]] = []
-    for front in fronts:
-        for rotation in _turns(front):
-            found += [tries.followed(start, COARSE) for start in _starts(rig, target, rotation)]
-    found.sort(key=lambda item: item[0])
-    fine = sorted(
-        (tries.followed(similarity, FINE) for _, similarity in found[: FOLLOWED * len(fronts)]),
-        key=lambda item: item[0],
-    )
-    score, best = fine[0]
-    other = [s for s, similarity in found if np.trace(similarity.rotation.T @ best.rotation) < 1.0 + 2.0 * np.cos(0.7)]
-    margin = min(other) / max(found[0][0], 1e-9) - 1.0 if other else 1.0
-    return Start(similar_parameters(rig, best), best.rotation, score, margin)
+    begun = [start for front in fronts for rotation in _turns(front) for start in _starts(rig, target, rotation)]
+    scores, found = _Tries(rig, target, COARSE_MODEL, COARSE_SCAN).followed(Similarities.of(begun), COARSE_STEPS)
+    order = np.argsort(scores, kind="stable")
+    best_few = found.chosen(order[: FOLLOWED * len(fronts)])
+    fine_scores, fine = _Tries(rig, target, FINE_MODEL, None).followed(best_few, FINE_STEPS)
+    first = int(fine_scores.argmin())
+    best = fine.one(first)
+    other = scores[np.einsum("tij,ij->t", found.rotations, best.rotation) < 1.0 + 2.0 * np.cos(0.7)]
+    margin = float(other.min()) / max(float(scores.min()), 1e-9) - 1.0 if len(other) else 1.0
+    return Start(similar_parameters(rig, best), best.rotation, float(fine_scores[first]), margin)
 
 
 def best_start(rig: Rig, target: ScanTarget, landmarks: dict[str, Array], fronts: Array) -> RigParameters:

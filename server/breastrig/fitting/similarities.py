@@ -1,0 +1,69 @@
+"""Many similarities at once: the tries of fitting/orientation.py go hand in hand through the same few steps."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.fitting.similarity import Similarity
+
+
+@dataclass(frozen=True, eq=False)
+class Similarities:
+    """T times x -> scale * rotation @ x + translation"""
+
+    scales: Array  # (T,)
+    rotations: Array  # (T, 3, 3)
+    translations: Array  # (T, 3) m
+
+    @classmethod
+    def of(cls, each: Sequence[Similarity]) -> "Similarities":
+        return cls(
+            np.array([one.scale for one in each]),
+            np.array([one.rotation for one in each]),
+            np.array([one.translation for one in each]),
+        )
+
+    def one(self, number: int) -> Similarity:
+        return Similarity(float(self.scales[number]), self.rotations[number], self.translations[number])
+
+    def chosen(self, numbers: Integers) -> "Similarities":
+        return Similarities(self.scales[numbers], self.rotations[numbers], self.translations[numbers])
+
+    def where(self, stays: Booleans, other: "Similarities") -> "Similarities":
+        """These where `stays` (T,), the other ones elsewhere."""
+        return Similarities(
+            np.where(stays, self.scales, other.scales),
+            np.where(stays[:, None, None], self.rotations, other.rotations),
+            np.where(stays[:, None], self.translations, other.translations),
+        )
+
+    def apply(self, points: Array) -> Array:
+        """(M, 3) -> (T, M, 3)"""
+        turned = points @ self.rotations.transpose(0, 2, 1)
+        return np.asarray(self.scales[:, None, None] * turned + self.translations[:, None])
+
+    def undone(self, points: Array) -> Array:
+        """(M, 3) -> (T, M, 3), the way back"""
+        return np.asarray((points - self.translations[:, None]) @ self.rotations / self.scales[:, None, None])
+
+
+def nearest_similarities(
+    source: Array, targets: Array, used: Booleans, scales: tuple[float, float] = (0.0, np.inf)
+) -> Similarities:
+    """The similarities that carry (M, 3) source points to (T, M, 3) target points best, over the pairs `used` (T, M).
+
+    `umeyama` of fitting/similarity.py, T times, with the scale kept within bounds.  A try with fewer than three pairs,
+    or with pairs on one line, gives some similarity that means nothing.
+    """
+    share = used / np.maximum(used.sum(axis=1, keepdims=True), 1)
+    mean_s, mean_t = share @ source, np.einsum("tm,tmi->ti", share, targets)
+    crossed = (targets * share[:, :, None]).transpose(0, 2, 1) @ source - mean_t[:, :, None] * mean_s[:, None, :]
+    spread = share @ (source**2).sum(axis=1) - (mean_s**2).sum(axis=1)
+    u, d, vt = np.linalg.svd(crossed)
+    signs = np.ones_like(d)
+    signs[:, 2] = np.sign(np.linalg.det(u @ vt))
+    rotations = (u * signs[:, None, :]) @ vt
+    found = np.clip((d * signs).sum(axis=1) / np.maximum(spread, 1e-12), *scales)
+    return Similarities(found, rotations, mean_t - found[:, None] * np.einsum("tij,tj->ti", rotations, mean_s))
