@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 from flask.testing import FlaskClient
 from helpers.problems import problem
@@ -30,6 +31,33 @@ def test_meta_tells_version_limits_and_model(client: FlaskClient, config: Config
     assert all(set(one) == {"name", "label", "latin", "definition", "easy", "mirror"} for one in meta["landmarks"])
     assert meta["presets"] == ["default", "paper"]
     assert meta["drawings"] == [{"name": "lumpectomy", "label": "Lumpectomy (toy)"}]
+    assert [pattern["name"] for pattern in meta["patterns"]] == ["tumour", "tumour_at"]  # the toy has no fold
+
+
+def test_meta_tells_the_patterns_of_the_packaged_torso(client_for, config: Config) -> None:
+    meta = client_for(replace(config, model=None)).get("/api/meta").json
+    patterns = {pattern["name"]: pattern for pattern in meta["patterns"]}
+    assert list(patterns) == ["reduction", "tumour", "tumour_at"]
+    assert patterns["reduction"]["label"] == "Reduction (Wise pattern)"
+    assert {"reduction"} & {drawing["name"] for drawing in meta["drawings"]}
+    told = {one["name"]: one for one in patterns["reduction"]["parameters"]}
+    about = told["areola_mm"].pop("about")
+    assert "diameter of the new areola" in about
+    assert told["areola_mm"] == {
+        "name": "areola_mm",
+        "label": "New areola",
+        "unit": "mm",
+        "default": 42.0,
+        "needed": False,
+        "min": 30.0,
+        "max": 55.0,
+        "choices": None,
+    }
+    assert (told["side"]["default"], told["side"]["choices"], told["side"]["min"]) == ("both", ["both", "L", "R"], None)
+    assert (told["limb_mm"]["default"], told["limb_mm"]["needed"], told["limb_mm"]["max"]) == (None, False, 80.0)
+    assert told["opening_deg"]["unit"] == "deg"
+    clock = next(one for one in patterns["tumour"]["parameters"] if one["name"] == "clock")
+    assert (clock["unit"], clock["needed"], clock["min"], clock["max"]) == ("h", True, 0.5, 12.5)
 
 
 def test_the_model_is_the_file_on_disk(client: FlaskClient, config: Config) -> None:

@@ -1,4 +1,4 @@
-"""The PDF over HTTP: real fits of the example patient, what is kept with a fit, and what is refused."""
+"""The report over HTTP, PDF and numbers: real fits of the example patient, what is kept with a fit, what is refused."""
 
 import io
 from collections.abc import Iterator
@@ -10,7 +10,9 @@ from helpers.waiting import ended
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
+from breastrig.api.wire_files import MeasuresFile
 from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.report import ReportJob, report_files
 from breastrig.jobs.service import Service
 from breastrig.storage.storage import Storage
 
@@ -63,11 +65,39 @@ def test_two_stances_in_one_report_which_is_not_kept(real: Real) -> None:
     assert not (service.storage.folders.fit(fits["supine"]) / "report.pdf").exists()
 
 
-def test_what_is_refused(real: Real) -> None:
+def test_the_measures_are_those_of_the_command_and_kept_with_the_fit(real: Real) -> None:
+    service, client, _, fits = real
+    place = client.get(f"/api/fits/{fits['standing']}").json["links"]["measures"]
+    folder = service.storage.folders.fit(fits["standing"])
+    answer = client.get(place)
+    assert (answer.status_code, answer.mimetype) == (200, "application/json")
+    assert answer.headers["Cache-Control"] == "private, no-cache"
+    assert answer.data == report_files(ReportJob(folder))["report.json"] == (folder / "measures.json").read_bytes()
+    assert client.get(place, headers={"If-None-Match": answer.headers["ETag"]}).status_code == 304
+    document = MeasuresFile.model_validate(answer.json)
+    assert [stance.name for stance in document.stances] == ["standing"]
+    [straight] = [row for row in document.measures if (row.measure, row.kind) == ("nipple_midline", "straight")]
+    assert straight.left is not None
+    assert straight.right is not None
+    assert 50.0 < straight.left < 200.0
+    assert straight.difference == pytest.approx(straight.left - straight.right, abs=0.011)
+
+
+def test_the_measures_of_two_stances_hold_their_changes_and_are_not_kept(real: Real) -> None:
+    service, client, _, fits = real
+    answer = client.get(f"/api/fits/{fits['supine']}/measures.json?with={fits['standing']}")
+    document = MeasuresFile.model_validate(answer.json)
+    assert [stance.name for stance in document.stances] == ["supine", "standing"]
+    assert {row.stance for row in document.measures} == {"supine", "standing", "standing - supine"}
+    assert not (service.storage.folders.fit(fits["supine"]) / "measures.json").exists()
+
+
+@pytest.mark.parametrize("name", ["report.pdf", "measures.json"])
+def test_what_is_refused(real: Real, name: str) -> None:
     _, client, _, fits = real
-    place = f"/api/fits/{fits['standing']}/report.pdf"
+    place = f"/api/fits/{fits['standing']}/{name}"
     for address, status in (
-        ("/api/fits/nobody/report.pdf", 404),
+        (f"/api/fits/nobody/{name}", 404),
         (f"{place}?with=nobody", 404),
         (f"{place}?with={fits['standing']}", 422),
         (f"{place}?other=1", 422),
@@ -79,8 +109,8 @@ def test_what_is_refused(real: Real) -> None:
 
 def test_a_fit_that_is_not_done_has_no_report(client: FlaskClient, scan_id: str) -> None:
     fit = client.post("/api/fits", json={"scan": scan_id, "preset": "paper"}).json["id"]
-    answer = client.get(f"/api/fits/{fit}/report.pdf")
-    assert answer.status_code == 409
+    for name in ("report.pdf", "measures.json"):
+        assert client.get(f"/api/fits/{fit}/{name}").status_code == 409
     client.post(f"/api/fits/{fit}/cancel")
 
 
@@ -97,4 +127,5 @@ def test_deleting_the_scan_deletes_the_report(real: Real) -> None:
     assert client.get(place).status_code == 200
     assert client.delete(f"/api/scans/{scans['standing']}").status_code == 204
     assert client.get(place).status_code == 404
-    assert not list(service.storage.root.rglob("report.pdf"))
+    for name in ("report.pdf", "measures.json"):
+        assert not list(service.storage.root.rglob(name))

@@ -19,7 +19,7 @@ from breastrig.jobs.service import Service
 from breastrig.storage.storage import iso_utc
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
-FILES = ("result.json", "fitted.glb", "fitted.ply", "drawing.json")
+FILES = ("result.json", "fitted.glb", "fitted.ply", "drawing.json", "distances.bin")
 OPEN_TO_ALL = {
     "/healthz",
     "/readyz",
@@ -72,6 +72,8 @@ def test_a_link_shows_the_result_and_by_default_not_the_scan(
             "fitted_glb": "/api/shared/fitted.glb",
             "fitted_ply": "/api/shared/fitted.ply",
             "drawing": "/api/shared/drawing.json",
+            "distances": "/api/shared/distances.bin",
+            "report": None,
             "mesh": None,
         },
     }
@@ -80,14 +82,23 @@ def test_a_link_shows_the_result_and_by_default_not_the_scan(
         found = visitor.get(f"/api/shared/{name}")
         assert found.data == (service.storage.folders.fit(fit_id) / name).read_bytes()
         assert found.headers["Cache-Control"] == "no-store"
-    assert "does not show the scan" in problem(visitor.get("/api/shared/mesh.glb"), 403)
+    for name in ("mesh.glb", "report.pdf"):
+        assert "does not show the scan" in problem(visitor.get(f"/api/shared/{name}"), 403)
 
 
 @pytest.mark.parametrize("scan", ["plain", "full"])
 def test_the_scan_is_shown_when_the_owner_says_so(
-    client: FlaskClient, visitor: FlaskClient, scan_id: str, share, scan: str
+    client: FlaskClient, visitor: FlaskClient, service: Service, scan_id: str, fit_id: str, share, scan: str
 ) -> None:
-    assert opened(visitor, share(scan=scan)).json["links"]["mesh"] == "/api/shared/mesh.glb"
+    links = opened(visitor, share(scan=scan)).json["links"]
+    assert (links["mesh"], links["report"]) == ("/api/shared/mesh.glb", "/api/shared/report.pdf")
+    (service.storage.folders.fit(fit_id) / "report.pdf").write_bytes(b"%PDF as it was kept")
+    report = visitor.get(links["report"])
+    assert (report.data, report.mimetype, report.headers["Cache-Control"]) == (
+        b"%PDF as it was kept",
+        "application/pdf",
+        "no-store",
+    )
     answer = visitor.get("/api/shared/mesh.glb")
     assert answer.headers["Cache-Control"] == "no-store"
     whole = client.get(f"/api/scans/{scan_id}/mesh.glb").data
@@ -126,7 +137,7 @@ def test_the_route_walk(
     made, other = share(), share()
     calls = every_call(app, fit_id, scan_id, made["id"])
     mine = {call for call in calls if call[1].startswith("/api/shared") and call[1] != "/api/shared/open"}
-    assert len(mine) == 6
+    assert len(mine) == 8
     walks = {}
     for state in ("nothing", "open", "revoked", "expired", "forged"):
         visitor = client_for(replace(config, host="0.0.0.0", token=TOKEN))
@@ -146,7 +157,7 @@ def test_the_route_walk(
         for call, status in walk.items():
             if call in mine:
                 expected = {"nothing": 401, "revoked": 410, "expired": 410, "forged": 404, "open": 200}[state]
-                if state == "open" and call[1].endswith("mesh.glb"):
+                if state == "open" and call[1].endswith(("mesh.glb", "report.pdf")):
                     expected = 403
                 assert status == expected, (state, call)
             elif call[1].startswith("/api/") and call[1] != "/api/shared/open":

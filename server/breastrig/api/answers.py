@@ -20,6 +20,7 @@ GLB = "model/gltf-binary"
 GLTF = "model/gltf+json"
 JSON = "application/json"
 BINARY = "application/octet-stream"
+PDF = "application/pdf"
 
 
 def file_of(media_type: str, description: str) -> dict[str, Any]:

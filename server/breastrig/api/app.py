@@ -8,6 +8,7 @@ from breastrig import __version__
 from breastrig.api.config import Config
 from breastrig.api.current import KEY, Behind
 from breastrig.api.docs import docs
+from breastrig.api.drawings import drawings
 from breastrig.api.errors import register_errors
 from breastrig.api.events import events
 from breastrig.api.fits import fits, fits_of_scans
@@ -57,6 +58,7 @@ def _bare_app() -> APIFlask:
     app.url_map.converters["page_file"] = PageFile
     for blueprint in (
         scans,
+        drawings,
         fits,
         fits_of_scans,
         events,

@@ -222,6 +222,7 @@ def fit_links(fit_id: str) -> wire.FitLinks:
         drawing=f"{place}/drawing.json",
         distances=f"{place}/distances.bin",
         report=f"{place}/report.pdf",
+        measures=f"{place}/measures.json",
         cancel=f"{place}/cancel",
         shares=f"{place}/shares",
     )

@@ -1,5 +1,7 @@
 """Who we are, and what there is to try."""
 
+from dataclasses import asdict
+
 from apiflask import APIBlueprint
 
 from breastrig import __version__
@@ -7,6 +9,7 @@ from breastrig.api import wire
 from breastrig.api.current import behind
 from breastrig.api.scans import scan_answer
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.drawings.pattern_parameters import pattern_forms
 from breastrig.drawings.patterns import offered_patterns
 from breastrig.fitting.recipe import preset_names
 
@@ -52,6 +55,7 @@ def about() -> wire.Meta:
             wire.DrawingInfo(name=name, label=label)
             for name, label in (*((one.name, one.label) for one in rig.drawings), *offered_patterns(rig))
         ],
+        patterns=[wire.PatternInfo.model_validate(asdict(form)) for form in pattern_forms(rig)],
     )
 
 

@@ -1,16 +1,15 @@
-"""The report of a fit as two pages of PDF, made when it is first asked for."""
+"""The report of a fit, as two pages of PDF and as numbers; made when it is first asked for."""
 
 from apiflask import APIBlueprint
 from flask import Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.api.answers import PERSONAL, bytes_answer, file_of
+from breastrig.api import wire_files
+from breastrig.api.answers import JSON, PDF, PERSONAL, bytes_answer, file_of
 from breastrig.api.current import behind
 from breastrig.api.fits import FITS_TAG
 from breastrig.core.errors import BadSettings, Conflict
 from breastrig.storage.fits import get_fit
-
-PDF = "application/pdf"
 
 reports = APIBlueprint("reports", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 
@@ -35,15 +34,32 @@ def show_report(fit_id: str, query_data: ReportQuery) -> Response:
 
     With `with` both stances of one patient and the changes between them.
     """
-    here = behind()
-    other = query_data.with_
+    _check_done(fit_id, query_data.with_)
+    response = bytes_answer(behind().service.reports.pdf(fit_id, query_data.with_), PDF, PERSONAL)
+    response.headers["Content-Disposition"] = "attachment; filename=report.pdf"
+    return response
+
+
+@reports.get("/<fit_id>/measures.json")
+@reports.input(ReportQuery, location="query")
+@reports.output(wire_files.MeasuresFile, description="Measures of one stance, or of two and their changes")
+@reports.doc(operation_id="getMeasures", responses={409: "Not done"})
+def show_measures(fit_id: str, query_data: ReportQuery) -> Response:
+    """The report's numbers
+
+    Lengths straight and along the skin, volumes and ratios of both breasts; with `with` of both stances of one patient,
+    and the changes between them.
+    """
+    _check_done(fit_id, query_data.with_)
+    return bytes_answer(behind().service.reports.measures(fit_id, query_data.with_), JSON, PERSONAL)
+
+
+def _check_done(fit_id: str, other: str | None) -> None:
+    """Raises NotFound, Conflict, or BadSettings for a fit compared with itself."""
     if other == fit_id:
         raise BadSettings("A report shows two different fits; leave `with` out to show one.")
     for known in (fit_id, other):
         if known is not None:
-            fit = get_fit(here.service.storage, known)
+            fit = get_fit(behind().service.storage, known)
             if fit.state != "done":
                 raise Conflict(f"The fit {fit.id} is {fit.state}; a report needs fits that are done.")
-    response = bytes_answer(here.service.reports.pdf(fit_id, other), PDF, PERSONAL)
-    response.headers["Content-Disposition"] = "attachment; filename=report.pdf"
-    return response

@@ -124,6 +124,7 @@ def scan_answer(row: ScanRow) -> wire.Scan:
         mesh=f"{place}/mesh.glb",
         landmarks=f"{place}/landmarks",
         proposed=f"{place}/landmarks/proposed",
+        drawing=f"{place}/drawing",
         fits=f"{place}/fits",
     )
     return wire.Scan(id=row.id, created_at=row.created_at, links=links, **row.facts)

@@ -8,7 +8,7 @@ from flask import Response, render_template
 from werkzeug.security import check_password_hash
 
 from breastrig.api import wire_files, wire_shares
-from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, bytes_answer, file_answer, file_of
+from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_answer, file_of
 from breastrig.api.current import behind
 from breastrig.api.security import refuse
 from breastrig.api.share_credential import hand_out, share_behind, visited_share
@@ -24,7 +24,13 @@ shared = APIBlueprint("shared", __name__, url_prefix="/api/shared", tag=SHARES_T
 share_page = APIBlueprint("share_page", __name__, template_folder="templates", enable_openapi=False)
 
 NO_STORE = "no-store"
-MEDIA_TYPES = {"result.json": JSON, "fitted.glb": GLB, "fitted.ply": BINARY, "drawing.json": JSON}
+MEDIA_TYPES = {
+    "result.json": JSON,
+    "fitted.glb": GLB,
+    "fitted.ply": BINARY,
+    "drawing.json": JSON,
+    "distances.bin": BINARY,
+}
 
 
 @shared.post("/open")
@@ -100,6 +106,35 @@ def show_drawing() -> Response:
     return _file("drawing.json")
 
 
+@shared.get("/distances.bin")
+@shared.doc(
+    operation_id="getSharedDistances",
+    responses={200: file_of(BINARY, "float32 for each vertex of the model, mm"), 410: "Expired or revoked"},
+)
+def show_distances() -> Response:
+    """The distance of each model vertex to the scan"""
+    return _file("distances.bin")
+
+
+@shared.get("/report.pdf")
+@shared.doc(
+    operation_id="getSharedReport",
+    responses={
+        200: file_of(PDF, "Two pages: pictures, then numbers"),
+        403: "The link does not show the scan, which the report pictures",
+        410: "Expired or revoked",
+    },
+)
+def show_report() -> Response:
+    """The shared fit's report, when the link shows the scan"""
+    share = visited_share()
+    if share.scan == "none":
+        raise refuse(403, "This link does not show the scan, and the report has pictures of it.")
+    response = bytes_answer(behind().service.reports.pdf(share.fit, None), PDF, NO_STORE)
+    response.headers["Content-Disposition"] = "attachment; filename=report.pdf"
+    return response
+
+
 @shared.get("/mesh.glb")
 @shared.doc(
     operation_id="getSharedMesh",
@@ -149,6 +184,8 @@ def _result(share: ShareRow) -> wire_shares.SharedResult:
             fitted_glb="/api/shared/fitted.glb",
             fitted_ply="/api/shared/fitted.ply",
             drawing="/api/shared/drawing.json",
+            distances="/api/shared/distances.bin",
+            report=None if share.scan == "none" else "/api/shared/report.pdf",
             mesh=None if share.scan == "none" else "/api/shared/mesh.glb",
         ),
     )

@@ -57,6 +57,7 @@ class ScanLinks(Wire):
     mesh: str
     landmarks: str
     proposed: str
+    drawing: str
     fits: str
 
 
@@ -141,6 +142,7 @@ class FitLinks(Wire):
     drawing: str
     distances: str
     report: str
+    measures: str
     cancel: str
     shares: str
 
@@ -256,6 +258,28 @@ class DrawingInfo(Wire):
     label: str
 
 
+class PatternParameter(Wire):
+    """A number, or one of some choices."""
+
+    name: str
+    label: str
+    about: str = Field(description="one sentence for people")
+    unit: Literal["mm", "deg", "h", ""]
+    default: float | str | None = Field(description="null: must be given, or when `needed` is false chosen by itself")
+    needed: bool = Field(description="whether it must be given")
+    min: float | None = Field(description="null for a choice and for a place")
+    max: float | None
+    choices: list[str] | None
+
+
+class PatternInfo(Wire):
+    """A drawing made from numbers: asked for as `name:parameter=value,parameter=value`."""
+
+    name: str
+    label: str
+    parameters: list[PatternParameter]
+
+
 class Meta(Wire):
     name: Literal["BreastRig"]
     version: str
@@ -265,7 +289,8 @@ class Meta(Wire):
     model: ModelSummary
     landmarks: list[LandmarkInfo]
     presets: list[str]
-    drawings: list[DrawingInfo]
+    drawings: list[DrawingInfo] = Field(description="that need no parameters; patterns with all defaults among them")
+    patterns: list[PatternInfo]
 
 
 class Health(Wire):

@@ -93,3 +93,46 @@ class DrawingFile(Document):
     schema_: Literal["breastrig/drawing@1"] = Field(alias="schema")
     unit: str
     shapes: list[DrawnShape]
+
+
+class MeasuredStance(Document):
+    """One fit of the report: its name there, and parts of its result.json."""
+
+    name: str
+    stance: StanceName
+    preset: str
+    scan: ResultScan
+    surface_distance_mm: SurfaceDistances
+    scan_to_model_mm: Distances
+    landmark_distance_mm: LandmarkDistances
+    notes: list[str]
+
+
+class Measure(Document):
+    """One measure of one stance, or its change from the first stance to the second; sided, or one value for both."""
+
+    stance: str = Field(description="name of the stance; `second - first` for a change")
+    measure: str
+    kind: str = Field(description="straight, along the skin, ratio, volume")
+    unit: Literal["mm", "ml", "1"]
+    left: float | None = Field(description="the patient's left")
+    left_low: float | None = Field(description="low end of the band, where one is known")
+    left_high: float | None
+    right: float | None
+    right_low: float | None
+    right_high: float | None
+    difference: float | None = Field(description="left less right")
+    value: float | None = Field(description="of a measure without sides")
+    landmarks: str = Field(description="what it was measured between, each with its source: picked, or the model's")
+    method: str
+
+
+class MeasuresFile(Document):
+    """measures.json; what `breastrig report` writes as report.json."""
+
+    schema_: Literal["breastrig/report@1"] = Field(alias="schema")
+    notice: str
+    breastrig: str = Field(description="version of the program")
+    stances: list[MeasuredStance]
+    signs: str = Field(description="how differences and changes are to be read")
+    measures: list[Measure]

@@ -57,6 +57,8 @@ class SharedLinks(Wire):
     fitted_glb: str
     fitted_ply: str
     drawing: str
+    distances: str
+    report: str | None = Field(description="null when the link does not show the scan, which the report pictures")
     mesh: str | None = Field(description="null when the link does not show the scan")
 
 

@@ -35,6 +35,11 @@ class Pattern(Protocol):
 
 PATTERNS: dict[str, type[BaseModel]] = {"reduction": Reduction, "tumour": Tumour, "tumour_at": PickedTumour}
 LABELS = {"reduction": "Reduction (Wise pattern)", "tumour": "Tumour", "tumour_at": "Tumour"}
+NEEDED_MARKS: dict[str, set[str]] = {  # landmarks of each side
+    "reduction": {"nipple", "midclavicle", "inframammary_fold"},
+    "tumour": {"nipple"},
+    "tumour_at": set(),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +65,24 @@ def known_drawings(rig: Rig) -> tuple[str, ...]:
     return (*rig.drawing_names, *(name for name in PATTERNS if name not in rig.drawing_names))
 
 
+def able_patterns(rig: Rig) -> tuple[str, ...]:
+    """Names of the patterns for which this rig has the landmarks and lines."""
+    lines = {shape.name for drawing in rig.drawings for shape in drawing.shapes}
+    sided = {mark for mark in NEEDED_MARKS["reduction"] if {f"{mark}_L", f"{mark}_R"} <= {*rig.landmark_names}}
+    able = {name for name, marks in NEEDED_MARKS.items() if marks <= sided}
+    if not {"inframammary_fold_L", "inframammary_fold_R"} <= lines:
+        able.discard("reduction")
+    return tuple(name for name in PATTERNS if name in able and name not in rig.drawing_names)
+
+
 def offered_patterns(rig: Rig) -> tuple[tuple[str, str], ...]:
     """(name, label) of the patterns that this rig can show without further parameters."""
-    marks = [f"{mark}_{side}" for mark in ("nipple", "midclavicle", "inframammary_fold") for side in "LR"]
-    lines = {shape.name for drawing in rig.drawings for shape in drawing.shapes}
-    able = {*marks} <= {*rig.landmark_names} and {f"inframammary_fold_{side}" for side in "LR"} <= lines
-    return (("reduction", LABELS["reduction"]),) if able and "reduction" not in rig.drawing_names else ()
+    able = able_patterns(rig)
+    return tuple(
+        (name, LABELS[name])
+        for name in able
+        if not any(field.is_required() for field in PATTERNS[name].model_fields.values())
+    )
 
 
 def asked_drawing(rig: Rig, text: str) -> AskedDrawing:

@@ -38,14 +38,26 @@ class Reduction(BaseModel):
     """The pattern's dimensions."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
-    side: Literal["both", "L", "R"] = Field("both", description="the patient's side")
-    areola_mm: float = Field(42.0, ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual")
-    limb_mm: float | None = Field(
-        None, ge=25.0, le=80.0, description="vertical limbs; 45 to 60 is usual; if not said 50, less over a near fold"
+    side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
+    areola_mm: float = Field(
+        42.0, title="New areola", ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual"
     )
-    limb_angle_deg: float = Field(60.0, ge=20.0, le=110.0, description="between the limbs; wider takes more skin")
-    opening_deg: float = Field(90.0, ge=30.0, le=150.0, description="of the keyhole, seen from the new nipple")
-    nipple_above_fold_mm: float = Field(0.0, ge=-20.0, le=40.0, description="new nipple over the fold's height")
+    limb_mm: float | None = Field(
+        None,
+        title="Vertical limbs",
+        ge=25.0,
+        le=80.0,
+        description="vertical limbs; 45 to 60 is usual; if not said 50, less over a near fold",
+    )
+    limb_angle_deg: float = Field(
+        60.0, title="Angle between the limbs", ge=20.0, le=110.0, description="between the limbs; wider takes more skin"
+    )
+    opening_deg: float = Field(
+        90.0, title="Opening of the keyhole", ge=30.0, le=150.0, description="of the keyhole, seen from the new nipple"
+    )
+    nipple_above_fold_mm: float = Field(
+        0.0, title="New nipple above the fold", ge=-20.0, le=40.0, description="new nipple over the fold's height"
+    )
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """Four lines for each side; BadDrawing when the pattern does not fit on the breast."""

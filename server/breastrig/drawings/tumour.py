@@ -13,7 +13,9 @@ from breastrig.rig.model import DrawnShape
 COLOR = "#c53030"
 OFF_BREAST = 0.03  # m beyond the base of the breast; its axillary tail reaches so far
 OFF_SKIN = 0.03  # m from a given point to the fitted skin; more is another frame or unit
-RADIUS: float = Field(ge=1.0, le=80.0, description="of the circle along the skin; margin included, T3 starts at 25")
+RADIUS: float = Field(
+    title="Radius", ge=1.0, le=80.0, description="of the circle along the skin; margin included, T3 starts at 25"
+)
 
 
 def _on_the_dial(hour: float) -> float:
@@ -26,11 +28,15 @@ class Tumour(BaseModel):
     """Where the tumour is and how large."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
-    side: Literal["L", "R"] = Field(description="the patient's side")
+    side: Literal["L", "R"] = Field(title="Side", description="the patient's side")
     clock: Annotated[float, AfterValidator(_on_the_dial)] = Field(
-        description="hour as read by an observer who faces her: 3 is towards her left on both breasts"
+        title="Hour",
+        description="hour as read by an observer who faces her: 3 is towards her left on both breasts",
+        json_schema_extra={"minimum": 0.5, "maximum": 12.5},  # what forms offer: once round the dial in half hours
     )
-    distance_mm: float = Field(ge=0.0, le=200.0, description="from the nipple along the skin; a breast is not longer")
+    distance_mm: float = Field(
+        title="From the nipple", ge=0.0, le=200.0, description="from the nipple along the skin; a breast is not longer"
+    )
     radius_mm: float = RADIUS
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
@@ -54,9 +60,11 @@ class PickedTumour(BaseModel):
     """A tumour around a place that was picked on the scan."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
-    x_mm: float = Field(allow_inf_nan=False, description="of the centre in the scan's frame, whatever its unit")
-    y_mm: float = Field(allow_inf_nan=False, description="likewise")
-    z_mm: float = Field(allow_inf_nan=False, description="likewise")
+    x_mm: float = Field(
+        title="x", allow_inf_nan=False, description="of the centre in the scan's frame, whatever its unit"
+    )
+    y_mm: float = Field(title="y", allow_inf_nan=False, description="likewise")
+    z_mm: float = Field(title="z", allow_inf_nan=False, description="likewise")
     radius_mm: float = RADIUS
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:

@@ -1,5 +1,6 @@
 """The report of one fit, or of two stances of one patient, from the folders that `breastrig fit` wrote."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -177,7 +178,16 @@ def write_all(files: dict[str, bytes], folder: Path) -> None:
 
 def report_pdf_of(job: ReportJob) -> bytes:
     """The PDF alone: what the service's worker makes."""
+    return _within_memory(lambda: report_pdf(reported(job)))
+
+
+def measures_json_of(job: ReportJob) -> bytes:
+    """report.json alone, likewise."""
+    return _within_memory(lambda: json_bytes(report_document(reported(job))))
+
+
+def _within_memory(make: Callable[[], bytes]) -> bytes:
     try:
-        return report_pdf(reported(job))
+        return make()
     except MemoryError as error:
         raise BadInput("The report of this scan needs more memory than it may use; give a smaller scan.") from error

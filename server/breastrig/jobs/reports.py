@@ -4,17 +4,18 @@ A report of two stances is not kept: it would outlive the deletion of the other 
 """
 
 import logging
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BreastRigError, FitFailed
 from breastrig.jobs.fit_files import write_whole
 from breastrig.jobs.processes import Processes
-from breastrig.jobs.report import ReportJob, report_pdf_of
+from breastrig.jobs.report import ReportJob, measures_json_of, report_pdf_of
 from breastrig.storage.fits import get_fit
 from breastrig.storage.storage import Storage
 
-NAME = "report.pdf"
+MAKERS: dict[str, Callable[[ReportJob], bytes]] = {"report.pdf": report_pdf_of, "measures.json": measures_json_of}
 WALL_S = 60.0  # two stances take about four seconds; a slow machine with huge scans may take many
 
 log = logging.getLogger(__name__)
@@ -33,10 +34,17 @@ class Reports:
 
         Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
         """
-        kept = self._storage.folders.fit(fit_id) / NAME
+        return self._kept_or_made("report.pdf", fit_id, other_id)
+
+    def measures(self, fit_id: str, other_id: str | None) -> bytes:
+        """The same numbers as JSON, the document breastrig/report@1.  Raises likewise."""
+        return self._kept_or_made("measures.json", fit_id, other_id)
+
+    def _kept_or_made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
+        kept = self._storage.folders.fit(fit_id) / name
         if other_id is None and kept.is_file():
             return kept.read_bytes()
-        content = self._made(fit_id, other_id)
+        content = self._made(name, fit_id, other_id)
         if other_id is None:
             try:
                 write_whole(kept, content)
@@ -45,11 +53,11 @@ class Reports:
                 log.warning("a report cannot be kept (%s)", error.strerror)
         return content
 
-    def _made(self, fit_id: str, other_id: str | None) -> bytes:
+    def _made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
         folders = self._storage.folders
         other = None if other_id is None else folders.fit(other_id)
         future: Any = self._processes.schedule(
-            report_pdf_of, (ReportJob(folders.fit(fit_id), other, self._model),), WALL_S
+            MAKERS[name], (ReportJob(folders.fit(fit_id), other, self._model),), WALL_S
         )
         try:
             content: bytes = future.result()

@@ -172,6 +172,7 @@ export type FitLinks = {
   drawing: string;
   distances: string;
   report: string;
+  measures: string;
   cancel: string;
   shares: string;
 };
@@ -301,6 +302,55 @@ export type Limits = {
   keep_days: number | null;
 };
 
+/** One measure of one stance, or its change from the first stance to the second; sided, or one value for both. */
+export type Measure = {
+  /** name of the stance; `second - first` for a change */
+  stance: string;
+  measure: string;
+  /** straight, along the skin, ratio, volume */
+  kind: string;
+  unit: "mm" | "ml" | "1";
+  /** the patient's left */
+  left: number | null;
+  /** low end of the band, where one is known */
+  left_low: number | null;
+  left_high: number | null;
+  right: number | null;
+  right_low: number | null;
+  right_high: number | null;
+  /** left less right */
+  difference: number | null;
+  /** of a measure without sides */
+  value: number | null;
+  /** what it was measured between, each with its source: picked, or the model's */
+  landmarks: string;
+  method: string;
+};
+
+/** One fit of the report: its name there, and parts of its result.json. */
+export type MeasuredStance = {
+  name: string;
+  stance: "standing" | "supine";
+  preset: string;
+  scan: ResultScan;
+  surface_distance_mm: SurfaceDistances;
+  scan_to_model_mm: Distances;
+  landmark_distance_mm: LandmarkDistances;
+  notes: string[];
+};
+
+/** measures.json; what `breastrig report` writes as report.json. */
+export type MeasuresFile = {
+  schema: "breastrig/report@1";
+  notice: string;
+  /** version of the program */
+  breastrig: string;
+  stances: MeasuredStance[];
+  /** how differences and changes are to be read */
+  signs: string;
+  measures: Measure[];
+};
+
 export type Meta = {
   name: "BreastRig";
   version: string;
@@ -310,7 +360,9 @@ export type Meta = {
   model: ModelSummary;
   landmarks: LandmarkInfo[];
   presets: string[];
+  /** that need no parameters; patterns with all defaults among them */
   drawings: DrawingInfo[];
+  patterns: PatternInfo[];
 };
 
 export type ModelDrawing = {
@@ -363,6 +415,47 @@ export type OtherStance = {
   stance?: "auto" | "standing" | "supine";
   /** millimetres, the second scan's own frame; by default those stored with it */
   landmarks?: Record<string, [number, number, number]> | null;
+};
+
+/** Lines that were drawn on a scan; fields of other drawing files are passed over and not kept. */
+export type OwnDrawing = {
+  schema?: "breastrig/drawing@1";
+  unit?: "mm";
+  shapes: OwnShape[];
+};
+
+/** One line, or with a single point one mark. */
+export type OwnShape = {
+  name: string;
+  label?: string;
+  closed?: boolean;
+  color?: string;
+  /** on the skin, millimetres in the scan's own frame */
+  points: [number, number, number][];
+};
+
+/** A drawing made from numbers: asked for as `name:parameter=value,parameter=value`. */
+export type PatternInfo = {
+  name: string;
+  label: string;
+  parameters: PatternParameter[];
+};
+
+/** A number, or one of some choices. */
+export type PatternParameter = {
+  name: string;
+  label: string;
+  /** one sentence for people */
+  about: string;
+  unit: "mm" | "deg" | "h" | "";
+  /** null: must be given, or when `needed` is false chosen by itself */
+  default: number | string | null;
+  /** whether it must be given */
+  needed: boolean;
+  /** null for a choice and for a place */
+  min: number | null;
+  max: number | null;
+  choices: string[] | null;
 };
 
 /** RFC 9457 problem details. */
@@ -465,6 +558,7 @@ export type ScanLinks = {
   mesh: string;
   landmarks: string;
   proposed: string;
+  drawing: string;
   fits: string;
 };
 
@@ -557,6 +651,9 @@ export type SharedLinks = {
   fitted_glb: string;
   fitted_ply: string;
   drawing: string;
+  distances: string;
+  /** null when the link does not show the scan, which the report pictures */
+  report: string | null;
   /** null when the link does not show the scan */
   mesh: string | null;
 };

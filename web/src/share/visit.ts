@@ -52,4 +52,4 @@ export async function readShared(shared: SharedResult): Promise<Session> {
   };
 }
 
-const initialLinks = { self: "", events: "", result: "", fitted_glb: "", fitted_ply: "", drawing: "", distances: "", report: "", cancel: "", shares: "" };
+const initialLinks = { self: "", events: "", result: "", fitted_glb: "", fitted_ply: "", drawing: "", distances: "", report: "", measures: "", cancel: "", shares: "" };

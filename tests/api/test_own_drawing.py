@@ -1,0 +1,112 @@
+"""The surgeon's own drawing on a scan: what is kept, what is refused, and that it goes with the scan."""
+
+import io
+import json
+
+import pytest
+from flask.testing import FlaskClient
+from helpers.on_disk import bytes_below
+from helpers.problems import problem
+
+from breastrig.jobs.service import Service
+
+LINE = {
+    "name": "incision",
+    "label": "",
+    "closed": False,
+    "color": "#b83280",
+    "points": [[70.0, 350.0, 120.0], [60.5, 340.25, 121.0]],
+}
+DRAWING = {"schema": "breastrig/drawing@1", "unit": "mm", "shapes": [LINE]}
+
+
+def place(scan_id: str) -> str:
+    return f"/api/scans/{scan_id}/drawing"
+
+
+def test_a_drawing_is_kept_with_its_scan(client: FlaskClient, scan_id: str) -> None:
+    assert client.get(f"/api/scans/{scan_id}").json["links"]["drawing"] == place(scan_id)
+    assert "Nothing has been drawn" in problem(client.get(place(scan_id)), 404)
+    answer = client.put(place(scan_id), json=DRAWING)
+    assert (answer.status_code, answer.json) == (200, DRAWING)
+    assert client.get(place(scan_id)).json == DRAWING
+    assert client.get(place(scan_id)).headers["Cache-Control"] == "no-store"
+    empty = DRAWING | {"shapes": []}
+    assert client.put(place(scan_id), json=empty).json == empty
+    assert client.get(place(scan_id)).json == empty
+
+
+def test_a_drawing_file_of_a_transfer_can_be_kept_as_it_is(client: FlaskClient, scan_id: str) -> None:
+    """What is not part of the drawing is passed over, and nothing of it is stored."""
+    carried = DRAWING | {"name": "x", "notice": "n", "shapes": [LINE | {"bridged": [False, True], "patient": "Ada"}]}
+    assert client.put(place(scan_id), json=carried).json == DRAWING
+    assert client.get(place(scan_id)).json == DRAWING
+
+
+def line(**changes: object) -> dict[str, object]:
+    return DRAWING | {"shapes": [LINE | changes]}
+
+
+@pytest.mark.parametrize(
+    ("body", "word"),
+    [
+        (line(points=[]), "shapes.0.points"),
+        (line(points=[[0, 0]]), "shapes.0.points.0"),
+        (line(points=[[70.0, 350.0, 900.0]]), '"incision" lies 0.7'),
+        (line(points=[[0.07, 0.35, 0.12], [7e4, 0.0, 0.0]]), "outside of the scan; drawings are millimetres"),
+        (line(color="red"), "color"),
+        (line(name=""), "name"),
+        (line(name="n" * 101), "name"),
+        (DRAWING | {"unit": "m"}, "unit"),
+        (DRAWING | {"schema": "breastrig/landmarks@1"}, "schema"),
+        (DRAWING | {"shapes": [LINE, LINE]}, 'Two shapes of this drawing are called "incision"'),
+        (DRAWING | {"shapes": [LINE | {"name": str(k)} for k in range(201)]}, "at most 200"),
+        ({}, "shapes: Field required"),
+        ([], "valid"),
+    ],
+)
+def test_what_cannot_be_a_drawing_on_this_scan_is_refused(client: FlaskClient, scan_id: str, body, word: str) -> None:
+    assert word in problem(client.put(place(scan_id), json=body), 422)
+    problem(client.get(place(scan_id)), 404)
+
+
+def test_points_that_are_not_finite_are_refused(client: FlaskClient, scan_id: str) -> None:
+    for number in ("NaN", "Infinity", "1e999"):
+        body = json.dumps(DRAWING).replace("340.25", number)
+        answer = client.put(place(scan_id), data=body, content_type="application/json")
+        assert "finite" in problem(answer, 422)
+
+
+def test_points_up_to_50_mm_outside_of_the_scan_are_taken(client: FlaskClient, scan_id: str) -> None:
+    high = client.get(f"/api/scans/{scan_id}").json["bounds_m"]["max"]
+    for gap_mm, status in ((49.0, 200), (51.0, 422)):
+        point = [1000 * high[0] + gap_mm, 1000 * high[1], 1000 * high[2]]
+        assert client.put(place(scan_id), json=line(points=[point])).status_code == status
+
+
+def test_too_much_is_refused_with_what_may_be(client: FlaskClient, scan_id: str) -> None:
+    many = [LINE | {"name": str(k), "points": [[0, 350, 0]] * 10_001} for k in range(2)]
+    body = json.dumps(DRAWING | {"shapes": many}, separators=(",", ":"))
+    assert len(body) > 200_000
+    whole = client.put(place(scan_id), data=body, content_type="application/json")
+    assert "200 kB" in problem(whole, 413)
+    short = [LINE | {"name": str(k), "points": [[0, 9, 0]] * 10_001} for k in range(2)]
+    body = json.dumps({"shapes": short}, separators=(",", ":"))
+    assert len(body) < 200_000
+    answer = client.put(place(scan_id), data=body, content_type="application/json")
+    assert "20002 points; at most 20000" in problem(answer, 422)
+
+
+def test_unknown_scans_have_no_drawing(client: FlaskClient) -> None:
+    problem(client.get(place("nobody")), 404)
+    problem(client.put(place("nobody"), json=DRAWING), 404)
+
+
+def test_deleting_the_scan_leaves_nothing_of_the_drawing(client: FlaskClient, service: Service, torso: bytes) -> None:
+    scan_id = client.post("/api/scans", data={"file": (io.BytesIO(torso), "torso.ply")}).json["id"]
+    secret = "left_of_the_mole_near_the_rib"
+    assert client.put(place(scan_id), json=line(name=secret)).status_code == 200
+    assert secret.encode() in bytes_below(service.storage.root)
+    assert client.delete(f"/api/scans/{scan_id}").status_code == 204
+    assert secret.encode() not in bytes_below(service.storage.root)
+    problem(client.get(place(scan_id)), 404)
