@@ -1,5 +1,6 @@
 // Who may see what, in a real browser: its cookies, origins and policies are not those of a test client.
 import { expect, test } from "@playwright/test";
+import { seriousFindings, smallTargets } from "./audit";
 import { hook, untilFitted } from "./page";
 import { type Running, startService } from "./service";
 
@@ -20,6 +21,11 @@ async function ask<Body>(path: string, method = "GET", body?: object): Promise<B
 
 test("a person signs in with the token, and out again", async ({ page }) => {
   await page.goto(service.base);
+  for (const colorScheme of ["light", "dark"] as const) {
+    await page.emulateMedia({ colorScheme });
+    expect(await seriousFindings(page), `${colorScheme}: axe-core`).toEqual([]);
+    expect(await smallTargets(page)).toEqual([]);
+  }
   await page.getByLabel("Access token").fill("wrong");
   await page.getByRole("button", { name: "Sign in" }).click();
   await expect(page.getByRole("alert")).toContainText("This is not the token.");

@@ -19,6 +19,8 @@ export function createHelpDialog(actions: Actions): Panel {
     table(text.help.mouse),
     el("p", { class: "muted small" }, text.noticeLong),
   );
+  // Escape goes through the state like any other way out; the browser's own closing would tell of it only later.
+  element.addEventListener("cancel", (event) => (event.preventDefault(), close()));
   element.addEventListener("click", (event) => {
     if (event.target === element) close();
   });

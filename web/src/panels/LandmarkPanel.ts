@@ -92,6 +92,7 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: Actions) {
     status,
   );
   const remove = iconButton("close", text.landmarks.remove(text.landmarks.spoken(entry)), () => actions.landmarks.remove(entry.name));
+  remove.classList.add("remove");
   const tick = icon("check");
   const confirm = el("button", { type: "button", class: "button confirm", onclick: () => actions.landmarks.confirm([entry.name]) }, icon("check"), el("span", {}));
   const words = confirm.querySelector("span")!;

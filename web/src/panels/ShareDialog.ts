@@ -54,6 +54,8 @@ export function createShareDialog(actions: Actions, dismiss: () => void): Panel 
     none,
     list,
   );
+  // Escape goes through the state like any other way out; the browser's own closing would tell of it only later.
+  element.addEventListener("cancel", (event) => (event.preventDefault(), close()));
   element.addEventListener("click", (event) => {
     if (event.target === element) close();
   });

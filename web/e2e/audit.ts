@@ -1,0 +1,59 @@
+// Checks that any state of the page must pass: axe-core, the size of what can be pressed, nothing beside the screen.
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import type { Page } from "@playwright/test";
+import type { AxeResults, RunOptions } from "axe-core";
+
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+export const TARGET_PX = 24; // WCAG 2.2, 2.5.8
+
+/** What axe-core calls serious or critical, as "rule: element". */
+export async function seriousFindings(page: Page, options: RunOptions = {}): Promise<string[]> {
+  await page.evaluate(`window.axe || (() => { ${AXE} })()`);
+  const { violations } = await page.evaluate((given) => (window as unknown as { axe: { run(options: RunOptions): Promise<AxeResults> } }).axe.run(given), {
+    resultTypes: ["violations"],
+    ...options,
+  } as RunOptions);
+  return violations
+    .filter(({ impact }) => impact === "serious" || impact === "critical")
+    .flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.html.slice(0, 160)} ${node.failureSummary?.split("\n")[1]?.trim() ?? ""}`));
+}
+
+/** Everything that can be pressed and is smaller than a fingertip's 24 pixels; a label counts with its control. */
+export function smallTargets(page: Page): Promise<string[]> {
+  return page.evaluate((least) => {
+    const root = document.querySelector("dialog[open]") ?? document.body;
+    const all = [...root.querySelectorAll<HTMLElement>("button, a[href], input, select, textarea, summary, [tabindex='0'], [role=button]")];
+    return all.flatMap((each) => {
+      const target = each.closest<HTMLElement>("label") ?? each;
+      if (!target.checkVisibility({ visibilityProperty: true })) return [];
+      const { width, height } = target.getBoundingClientRect();
+      // Half a pixel is the browser's rounding of a layout in fractions.
+      return width + 0.5 >= least && height + 0.5 >= least ? [] : [`${target.outerHTML.slice(0, 120)}: ${width.toFixed(1)} x ${height.toFixed(1)}`];
+    });
+  }, TARGET_PX);
+}
+
+/** Controls that lie over one another or outside the screen, by pairs. */
+export function overlaps(page: Page): Promise<string[]> {
+  return page.evaluate(() => {
+    const root = document.querySelector("dialog[open]") ?? document.body;
+    const name = (each: Element): string => (each.getAttribute("aria-label") ?? each.textContent ?? each.id).trim().slice(0, 40) || each.className.toString();
+    const shown = [...root.querySelectorAll<HTMLElement>("button, a[href], input:not([type=file]), select, summary")].flatMap((each) => {
+      if (!each.checkVisibility({ visibilityProperty: true, opacityProperty: true }) || each.matches(".swipe")) return [];
+      const box = each.getBoundingClientRect();
+      const holder = each.closest(".steps-scroll, .aside, .share-list, .shared-side")?.getBoundingClientRect();
+      const isScrolledAway = holder && (box.bottom > holder.bottom || box.top < holder.top);
+      return isScrolledAway ? [] : [{ each, box }];
+    });
+    const outside = shown.filter(({ box }) => box.left < -1 || box.right > innerWidth + 1).map(({ each }) => `beside the screen: ${name(each)}`);
+    const pairs = shown.flatMap(({ each, box }, i) =>
+      shown.slice(i + 1).flatMap(({ each: other, box: its }) => {
+        const across = Math.min(box.right, its.right) - Math.max(box.left, its.left);
+        const down = Math.min(box.bottom, its.bottom) - Math.max(box.top, its.top);
+        return across > 1 && down > 1 && !each.contains(other) && !other.contains(each) ? [`${name(each)} over ${name(other)}`] : [];
+      }),
+    );
+    return [...outside, ...pairs];
+  });
+}

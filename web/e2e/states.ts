@@ -1,0 +1,122 @@
+// The states of the page in the order in which a person meets them, for whoever looks at all of them: accessibility,
+// sizes of targets, pictures.  A running fit is held at an iteration, so that it can be looked at.
+import { expect, type Page } from "@playwright/test";
+import { hook, untilFitted } from "./page";
+
+export interface StateOfPage {
+  readonly name: string;
+  readonly reach: (page: Page, base: string) => Promise<void>;
+}
+
+const HELD_AT = 6; // the number of the last event that is let through
+
+/** Before the page is opened: a fit's later events wait until `releaseFit`. */
+export async function holdFits(page: Page): Promise<void> {
+  await page.addInitScript((last) => {
+    const waiting: (() => void)[] = [];
+    let isHeld = true;
+    const listen = EventSource.prototype.addEventListener;
+    EventSource.prototype.addEventListener = function (this: EventSource, kind: string, listener: EventListener) {
+      const later = (event: Event): void => {
+        if (isHeld && Number((event as MessageEvent).lastEventId) > last) waiting.push(() => listener(event));
+        else listener(event);
+      };
+      listen.call(this, kind, later);
+    } as typeof listen;
+    Object.defineProperty(window, "releaseFit", { value: () => ((isHeld = false), waiting.splice(0).forEach((each) => each())) });
+  }, HELD_AT);
+}
+
+async function closeDialog(page: Page): Promise<void> {
+  await page.keyboard.press("Escape");
+  await expect(page.locator("dialog[open]")).toHaveCount(0);
+}
+
+export const STATES: readonly StateOfPage[] = [
+  {
+    name: "empty",
+    reach: async (page, base) => {
+      await page.goto(base);
+      await expect(page.getByRole("button", { name: /standing/i })).toBeVisible();
+    },
+  },
+  {
+    name: "scan",
+    reach: async (page) => {
+      await page.getByRole("button", { name: /standing/i }).click();
+      await hook.ready(page);
+    },
+  },
+  {
+    name: "proposals",
+    reach: async (page) => {
+      await page.keyboard.press("2");
+      await expect(page.locator("[data-proposed]").first()).toBeAttached();
+    },
+  },
+  {
+    name: "placing",
+    reach: async (page) => {
+      await page.getByRole("button", { name: /^Confirm all/ }).click();
+      await page.locator(".landmarks [data-landmark=nipple_L] .landmark-name").click();
+    },
+  },
+  {
+    name: "before the fit",
+    reach: async (page) => {
+      await page.keyboard.press("Escape");
+      await page.keyboard.press("3");
+    },
+  },
+  {
+    name: "fitting",
+    reach: async (page) => {
+      await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
+      await page.waitForFunction((held) => (window.__breastrig?.state().fit?.shown ?? -1) >= held - 2, HELD_AT);
+    },
+  },
+  {
+    name: "result",
+    reach: async (page) => {
+      await page.evaluate(() => (window as unknown as { releaseFit: () => void }).releaseFit());
+      await untilFitted(page);
+      await page.waitForFunction(() => window.__breastrig?.state().fit?.distances);
+    },
+  },
+  { name: "distances", reach: (page) => page.keyboard.press("d") },
+  { name: "beside", reach: (page) => page.getByRole("button", { name: "Beside" }).click() },
+  { name: "swipe", reach: (page) => page.getByRole("button", { name: "Swipe" }).click() },
+  {
+    name: "share dialog",
+    reach: async (page) => {
+      await page.getByRole("button", { name: "Share", exact: true }).click();
+      const dialog = page.getByRole("dialog", { name: "Share this result" });
+      await dialog.getByLabel("It shows").selectOption("plain");
+      await dialog.getByRole("button", { name: "Make a link" }).click();
+      await expect(dialog.getByLabel("Address of the link")).toHaveValue(/\/s#/);
+    },
+  },
+  {
+    name: "help",
+    reach: async (page) => {
+      await closeDialog(page);
+      await page.keyboard.press("?");
+      await expect(page.getByRole("dialog")).toBeVisible();
+    },
+  },
+  {
+    name: "shared viewer",
+    reach: async (page) => {
+      await closeDialog(page);
+      await page.getByRole("button", { name: "Share", exact: true }).click();
+      await page.getByRole("button", { name: "Make a link" }).click();
+      const address = page.getByLabel("Address of the link");
+      await expect(address).toHaveValue(/\/s#/);
+      await page.goto(await address.inputValue());
+      await hook.ready(page);
+    },
+  },
+];
+
+/** The same state in a theme; without motion, so that nothing is looked at on its way. */
+export const inTheme = (page: Page, colorScheme: "light" | "dark"): Promise<void> => page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
