@@ -27,7 +27,7 @@ def test_an_upload_says_what_was_read(client: FlaskClient, torso: bytes) -> None
     scan = answer.json
     assert scan["unit"] == "m"
     assert scan["unit_reason"].endswith(".")
-    assert (scan["vertices"], scan["triangles"]) == (3120, 6144)
+    assert (scan["vertices"], scan["triangles"]) == (1625, 3072)
     assert np.allclose(scan["bounds_m"]["min"][1], 0.0, atol=1e-6)
     assert np.allclose(scan["bounds_m"]["max"][1], 0.5, atol=1e-6)
     assert scan["colours"] == "none"
@@ -107,7 +107,7 @@ def test_a_scan_in_the_wrong_unit_is_refused(client: FlaskClient) -> None:
 
 def test_too_many_triangles_are_refused(client: FlaskClient, service: Service, monkeypatch) -> None:
     monkeypatch.setattr(service, "_uploads", replace(service._uploads, triangles=1000))
-    assert "6,144 triangles" in problem(upload(client, torso_ply()), 413)
+    assert "3,072 triangles" in problem(upload(client, torso_ply()), 413)
 
 
 @pytest.mark.parametrize("name", ["scan.exe", "scan", "scan.ply.txt", ".ply", "../../etc/passwd"])

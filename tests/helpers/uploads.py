@@ -3,16 +3,19 @@
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
+from breastrig.geometry.normals import face_normals
 from helpers.scan_files import ply_text
 from helpers.toy_rig import toy_rig
 
 
 def torso(unit_per_metre: float = 1.0) -> bytes:
-    """An ASCII PLY of 3120 vertices and 6144 triangles, upright, half a metre tall."""
+    """An ASCII PLY, upright, half a metre tall, of the skin that a camera in front sees."""
     vertices, faces = toy_rig().template, toy_rig().faces
     for _ in range(2):
         vertices, faces = subdivided(vertices, faces)
-    return ply_text(np.round(vertices * unit_per_metre, 6), faces)
+    seen = faces[face_normals(vertices, faces)[:, 2] > 0.0]
+    used, numbered = np.unique(seen, return_inverse=True)
+    return ply_text(np.round(vertices[used] * unit_per_metre, 6), numbered.reshape(-1, 3))
 
 
 def subdivided(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
