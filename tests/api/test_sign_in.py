@@ -6,10 +6,14 @@ from dataclasses import replace
 
 import pytest
 from flask.testing import FlaskClient
+from helpers.on_disk import bytes_below
 from helpers.problems import problem
 
 from breastrig.api import rate_limits, session
+from breastrig.api.app import create_app
 from breastrig.api.config import Config
+from breastrig.jobs.service import Service
+from breastrig.storage.storage import Storage
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 
@@ -90,6 +94,34 @@ def test_a_session_ends_when_it_is_left_when_it_is_old_and_when_the_token_change
     left = browser.post("/sign-out")
     assert (left.status_code, left.headers["Location"]) == (303, "/sign-in")
     problem(browser.get("/api/meta"), 401)
+
+
+def test_a_copied_cookie_is_worth_nothing_after_signing_out(
+    browser: FlaskClient, client_for, config: Config, service: Service
+) -> None:
+    thief, colleague = (client_for(replace(config, host="0.0.0.0", token=TOKEN)) for _ in range(2))
+    sign_in(browser)
+    sign_in(colleague)
+    cookie = browser.get_cookie(session.COOKIE)
+    assert cookie is not None
+    thief.set_cookie(session.COOKIE, cookie.value)
+    assert thief.get("/api/meta").status_code == 200
+    for _ in range(2):
+        browser.post("/sign-out")
+        browser.set_cookie(session.COOKIE, cookie.value)
+    problem(browser.get("/api/meta"), 401)
+    problem(thief.get("/api/meta"), 401)
+    assert thief.get("/").status_code == 303
+    assert colleague.get("/api/meta").status_code == 200
+    restarted = create_app(replace(config, host="0.0.0.0", token=TOKEN), Service(Storage(service.storage.root)))
+    answer = restarted.test_client().get("/api/meta", headers={"Cookie": f"{session.COOKIE}={cookie.value}"})
+    assert answer.status_code == 401
+    assert cookie.value.encode() not in bytes_below(service.storage.root)
+
+
+def test_signing_out_without_a_session_is_no_error(browser: FlaskClient, client: FlaskClient) -> None:
+    for one in (browser, client):
+        assert one.post("/sign-out").status_code == 303
 
 
 @pytest.mark.parametrize("value", ["", "x", "a.b.c", "InNpZ25lZCBpbiI.aaaaaa.bbbbbbbbbbbbbbbbbbbbbbbbbbb"])

@@ -37,7 +37,7 @@ def create_app(config: Config, service: Service) -> APIFlask:
     app.extensions[KEY] = Behind(config, service, serve_model(config.model), metrics)
     register_errors(app)
     register_metrics(app, metrics)  # before the guards, so that what they refuse is counted too
-    register_security(app, config)
+    register_security(app, config, service.storage)
     return app
 
 

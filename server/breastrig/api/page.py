@@ -35,8 +35,9 @@ def index() -> Response:
 
     Without a session it could show nothing but errors: then the sign-in page comes first.
     """
-    token = behind().config.token
-    if token is not None and not in_session(token):
+    here = behind()
+    token = here.config.token
+    if token is not None and not in_session(token, here.service.storage):
         return Response(status=303, headers={"Location": "/sign-in", "Cache-Control": "no-store"})
     folder = _folder()
     if not (folder / "index.html").is_file():

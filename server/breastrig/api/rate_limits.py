@@ -1,7 +1,7 @@
 """How often one address may do what can be abused: guess a token, open a share, fill the disk.
 
-Counted in this process's memory: one process serves.  Behind a proxy all clients have one address; the numbers
-leave room for that.
+Counted in this process's memory, because one process serves a data folder; a restart begins the minute anew.
+Behind a proxy all clients have one address; the numbers leave room for that.
 """
 
 import math

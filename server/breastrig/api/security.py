@@ -19,6 +19,7 @@ from werkzeug.exceptions import HTTPException
 from breastrig.api.config import Config
 from breastrig.api.errors import problem
 from breastrig.api.session import in_session
+from breastrig.storage.storage import Storage
 
 POLICY = "; ".join(
     (
@@ -44,12 +45,12 @@ HEADERS = {
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
-def register_security(app: APIFlask, config: Config) -> None:
+def register_security(app: APIFlask, config: Config, storage: Storage) -> None:
     """Adds the guards; the first one that refuses gives the answer."""
 
     @app.before_request
     def guard() -> Response | None:
-        return _wrong_host(config) or _foreign_origin() or _wrong_token(config) or _limit_body(config)
+        return _wrong_host(config) or _foreign_origin() or _wrong_token(config, storage) or _limit_body(config)
 
     @app.after_request
     def add_headers(response: Response) -> Response:
@@ -92,13 +93,13 @@ def urlsplit_netloc(origin: str) -> str:
     return parts.netloc.lower() if parts.scheme in ("http", "https") else ""
 
 
-def _wrong_token(config: Config) -> Response | None:
+def _wrong_token(config: Config, storage: Storage) -> Response | None:
     if config.token is None or not request.path.startswith("/api/") or _is_for_visitors():
         return None
     kind, _, given = request.headers.get("Authorization", "").partition(" ")
     if kind.lower() == "bearer" and hmac.compare_digest(given.strip().encode(), config.token.encode()):
         return None
-    if in_session(config.token):
+    if in_session(config.token, storage):
         return None
     return problem(
         401,

@@ -46,7 +46,7 @@ def answer() -> Response:
 @sign_in.post("/sign-out")
 def leave() -> Response:
     response = _to("/sign-in")
-    end_session(response)
+    end_session(response, behind().config.token, behind().service.storage)
     return response
 
 
@@ -56,9 +56,10 @@ def style() -> Response:
 
 
 def _page(problem: str = "", status: int = 200) -> Response:
-    token = behind().config.token
+    here = behind()
+    token = here.config.token
     note = NOT_NEEDED if token is None else problem
-    signed_in = token is not None and in_session(token)
+    signed_in = token is not None and in_session(token, here.service.storage)
     html = render_template("sign_in.html", needed=token is not None, note=note, signed_in=signed_in)
     return Response(html, status, mimetype="text/html", headers=PAGE_HEADERS)
 

@@ -1,7 +1,7 @@
 """How many fits one client may have waiting: nobody keeps the workers from everybody else.
 
-Who asked for which fit is kept in memory only, because an address says something about a person; after a restart
-each client may fill its share anew.
+Who asked for which fit is kept in this process's memory only, because an address says something about a person; after
+a restart each client may fill its share anew.
 """
 
 import threading

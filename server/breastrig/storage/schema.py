@@ -109,6 +109,13 @@ openings = Table(  # when a share was opened; not by whom and not what was looke
     Column("opened_at", String(32), nullable=False),
 )
 
+ended_sessions = Table(  # browsers that signed out before their cookie was too old
+    "ended_sessions",
+    metadata,
+    Column("id_sha256", String(64), primary_key=True),  # of the random number in the cookie
+    Column("ended_at", String(32), nullable=False),
+)
+
 events = Table(
     "events",
     metadata,
