@@ -7,6 +7,8 @@ import time
 
 from threadpoolctl import threadpool_info
 
+from breastrig.core.errors import BadScan, TooMany
+
 
 def describe() -> dict[str, object]:
     """Limits and state of the process that runs this."""
@@ -28,3 +30,38 @@ def burn() -> None:
 
 def rest(seconds: float) -> None:
     time.sleep(seconds)
+
+
+def refuse(sentence: str) -> None:
+    raise BadScan(sentence)
+
+
+def refuse_for_now(sentence: str, seconds: int) -> None:
+    raise TooMany(sentence, seconds)
+
+
+class Unpicklable(Exception):
+    """Needs more than its text to be made again."""
+
+    def __init__(self, one: str, two: str) -> None:
+        super().__init__(one + two)
+
+
+def raise_what_cannot_travel() -> None:
+    raise Unpicklable("half ", "and half")
+
+
+def die(signal_number: int) -> None:
+    os.kill(os.getpid(), signal_number)
+
+
+def sign_in_and_rest(file: str, seconds: float, answer: int) -> int:
+    """Leaves the number of its process in a line of the file."""
+    with open(file, "a") as signed:
+        signed.write(f"{os.getpid()}\n")
+    time.sleep(seconds)
+    return answer
+
+
+def weigh(content: bytes) -> int:
+    return len(content)

@@ -17,6 +17,7 @@ from breastrig.cli import (
     report_command,
     serve_command,
     transfer_command,
+    worker_command,
 )
 from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.notice import LIMITS_OF_USE, RESEARCH_USE_ONLY
@@ -40,6 +41,7 @@ def parser() -> argparse.ArgumentParser:
         evaluate_command,
         model_command,
         serve_command,
+        worker_command,
         config_command,
         purge_command,
     ):

@@ -65,6 +65,10 @@ class TooMany(BadInput):
         super().__init__(sentence)
         self.retry_after_s = retry_after_s
 
+    def __reduce__(self) -> tuple[type["TooMany"], tuple[str, int]]:
+        """Errors travel between processes; this one has more to say than its sentence."""
+        return TooMany, (str(self), self.retry_after_s)
+
 
 class FitFailed(BreastRigError):
     """The registration ended without a usable result; the message names the reason."""
