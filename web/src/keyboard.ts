@@ -1,9 +1,10 @@
 // Single keys for what is done most often; they stay out of the way of typing and of the browser's own shortcuts.
 import type { Actions } from "./actions";
+import { drawingKey } from "./drawing/keys";
 import type { Session, Step } from "./state/session";
 import type { Store } from "./state/store";
 
-const STEPS: Record<string, Step> = { "1": "scan", "2": "landmarks", "3": "fit", "4": "result" };
+const STEPS: Record<string, Step> = { "1": "scan", "2": "landmarks", "3": "fit", "4": "drawing", "5": "result" };
 
 function isTyping(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.closest("input:not([type=range]):not([type=checkbox]), select, textarea, dialog") !== null;
@@ -31,6 +32,7 @@ export function listenToKeys(store: Store<Session>, actions: Actions): void {
     if (key === " " && event.target instanceof HTMLElement && event.target.closest("button, a, label, input, summary")) return;
     const state = store.get();
     if (state.isHelpOpen || state.share.isOpen) return;
+    if (drawingKey(state, event, actions)) return event.preventDefault();
     const step = STEPS[key];
     if (step && state.scan) page.goTo(step);
     else if (keys[key] && (state.scan || key === "?")) keys[key](event);

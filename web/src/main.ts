@@ -24,6 +24,7 @@ store.subscribe(page.update);
 openViewer(store, actions, page.stage, prefersStill);
 listenToKeys(store, actions);
 addEventListener("pagehide", () => void actions.landmarks.flush());
+addEventListener("pagehide", () => void actions.drawing.flush());
 onSignedOut(() => {
   keepForLater(store.get(), location.hash, sessionStorage);
   location.assign("/sign-in");

@@ -9,7 +9,7 @@ import { createStore } from "../src/state/store";
 export const NAMES = ["suprasternal_notch", "nipple_L", "nipple_R", "umbilicus"];
 
 export function scanInfo(id: string): Scan {
-  const links = { self: `/api/scans/${id}`, mesh: `/api/scans/${id}/mesh.glb`, landmarks: `/api/scans/${id}/landmarks` };
+  const links = { self: `/api/scans/${id}`, mesh: `/api/scans/${id}/mesh.glb`, landmarks: `/api/scans/${id}/landmarks`, drawing: `/api/scans/${id}/drawing` };
   const frame = { up: [0, 1, 0] as Vector, front: [0, 0, 1] as Vector, confidence: 1, reason: "" };
   return { id, unit: "m", frame, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
 }
@@ -25,6 +25,7 @@ export function fitLinks(id: string) {
     fitted_ply: at("fitted.ply"),
     drawing: at("drawing.json"),
     distances: at("distances.bin"),
+    measures: at("measures.json"),
     cancel: at("cancel"),
     shares: at("shares"),
   };
@@ -58,6 +59,8 @@ export function page(answers: Partial<Client> = {}) {
   const client = {
     mesh: async () => new ArrayBuffer(8),
     landmarks: async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: {} }),
+    ownDrawing: async () => null,
+    saveDrawing: vi.fn(async (_scan: Scan, drawing: unknown) => drawing),
     proposed: async () => ({ landmarks: {} }),
     saveLandmarks: vi.fn(async (_scan: Scan, file: unknown) => file),
     scan: async (id: string) => scanInfo(id),

@@ -1,6 +1,7 @@
 // All that a person or the address can ask of the page; panels get this and nothing else to act with.
 import type { Client } from "../api/client";
 import type { Vector } from "../api/types";
+import { drawingActions } from "../drawing/actions";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import { fitActions } from "./fit";
@@ -21,6 +22,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     page: pageActions(store, proposals.lookOnce),
     scan: scanActions(store, client, fit.stop),
     landmarks,
+    drawing: drawingActions(store, client),
     share: shareActions(store, client),
     proposals,
     /** What still waits is saved first; the page that follows asks for the token. */

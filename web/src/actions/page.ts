@@ -8,7 +8,7 @@ const after = <Item>(items: readonly Item[], item: Item): Item => items[(items.i
 export function pageActions(store: Store<Session>, onLandmarks: () => void) {
   return {
     goTo(step: Step): void {
-      store.set((state) => ({ step, active: step === "landmarks" ? state.active : null }));
+      store.set((state) => ({ step, active: step === "landmarks" ? state.active : null, drawn: step === "drawing" ? state.drawn : { ...state.drawn, tool: "none", start: null, open: null } }));
       if (step === "landmarks") onLandmarks();
     },
     view: (name: ViewName): void => store.set((state) => ({ view: { name, asked: state.view.asked + 1 } })),

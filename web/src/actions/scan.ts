@@ -1,6 +1,8 @@
 // Bringing a scan in: from a file, from the example, from the address; and turning it upright.
 import { ApiError, type Client } from "../api/client";
 import type { ExampleScan, Frame, LandmarkFile, UnitChoice, Vector } from "../api/types";
+import { fromDrawing } from "../drawing/files";
+import { startDrawn } from "../drawing/lines";
 import { tidyFrame, turned, type Turn } from "../state/frame";
 import { startHistory } from "../state/history";
 import { frameFromPicks, type Picks } from "../state/landmarks";
@@ -16,8 +18,8 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
   let generation = 0; // the scan asked for last wins over slower, earlier ones
 
   /** Shows `info` as the page's scan; everything that belonged to the one before is dropped. */
-  async function adopt(info: ExampleScan, title: string, file: File | null, own: Frame | null, mine: number): Promise<void> {
-    const [mesh, saved] = await Promise.all([client.mesh(info), client.landmarks(info).catch(() => null)]);
+  async function adopt(info: ExampleScan, title: string, file: File | null, own: Frame | null, isNew: boolean, mine: number): Promise<void> {
+    const [mesh, saved, drawing] = await Promise.all([client.mesh(info), client.landmarks(info).catch(() => null), isNew ? null : client.ownDrawing(info)]);
     if (mine !== generation) return;
     stopFit();
     const picks = saved ? picksOf(saved) : {};
@@ -34,6 +36,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
         example: info.example_landmarks ?? null,
       },
       picks: startHistory<Picks>(picks),
+      drawn: startDrawn(drawing ? fromDrawing(drawing) : []),
       proposals: null,
       skipped: new Set<string>(),
       active: null,
@@ -48,12 +51,12 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
     }));
   }
 
-  async function bring(title: string, ask: () => Promise<{ info: ExampleScan; file: File | null; own: Frame | null }>): Promise<boolean> {
+  async function bring(title: string, ask: () => Promise<{ info: ExampleScan; file: File | null; own: Frame | null; isNew?: boolean }>): Promise<boolean> {
     const mine = ++generation;
     store.set((state) => ({ loading: { phase: "preparing", share: 0, title }, ...withProblem(state, "scan", null) }));
     try {
-      const { info, file, own } = await ask();
-      if (mine === generation) await adopt(info, title, file, own, mine);
+      const { info, file, own, isNew = false } = await ask();
+      if (mine === generation) await adopt(info, title, file, own, isNew, mine);
       return mine === generation;
     } catch (error) {
       if (mine === generation) {
@@ -80,13 +83,13 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
           if (mine === generation) store.set({ loading: { phase, share, title } });
         };
         progress(0);
-        return { info: await client.upload(file, units, progress), file, own: null };
+        return { info: await client.upload(file, units, progress), file, own: null, isNew: true };
       });
     },
 
     takeExample(name: string): Promise<boolean> {
       const label = store.get().examples.find((example) => example.name === name)?.label ?? name;
-      return bring(label, async () => ({ info: await client.importExample(name), file: null, own: null }));
+      return bring(label, async () => ({ info: await client.importExample(name), file: null, own: null, isNew: true }));
     },
 
     /** The scan that the address names. */
@@ -109,7 +112,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
     leave(): void {
       generation += 1;
       stopFit();
-      store.set({ scan: null, fit: null, isStarting: false, loading: null, picks: startHistory<Picks>({}), proposals: null, active: null, step: "scan", problems: {} });
+      store.set({ scan: null, fit: null, isStarting: false, loading: null, picks: startHistory<Picks>({}), drawn: startDrawn(), proposals: null, active: null, step: "scan", problems: {} });
     },
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),

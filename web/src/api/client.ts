@@ -1,14 +1,17 @@
 // One function per route.  Whatever goes wrong becomes an ApiError whose message a person can act on.
 import { text } from "../text";
 import type {
+  CarriedDrawing,
   DrawingFile,
   Example,
   ExampleScan,
   Fit,
   FitRequest,
   LandmarkFile,
+  MeasuresFile,
   Meta,
   ModelSide,
+  OwnDrawing,
   Problem,
   ProposedLandmarks,
   Result,
@@ -16,6 +19,7 @@ import type {
   ShareMade,
   SharePage,
   ShareRequest,
+  TransferRequest,
   UnitChoice,
 } from "./types";
 
@@ -92,6 +96,15 @@ export const client = {
   cancel: (link: string) => askJson<Fit>(link, "POST"),
   result: (link: string) => askJson<Result>(link),
   drawing: (link: string) => askJson<DrawingFile>(link),
+  /** Nothing has been drawn yet: null. */
+  ownDrawing: (scan: Scan) =>
+    askJson<OwnDrawing>(scan.links.drawing).catch((error: unknown) => {
+      if (error instanceof ApiError && error.status === 404) return null;
+      throw error;
+    }),
+  saveDrawing: (scan: Scan, drawing: OwnDrawing) => askJson<OwnDrawing>(scan.links.drawing, "PUT", drawing),
+  transfer: (request: TransferRequest) => askJson<CarriedDrawing>("/api/transfers", "POST", request),
+  measures: (link: string, other: string | null) => askJson<MeasuresFile>(other === null ? link : `${link}?with=${id(other)}`),
   shares: (link: string) => askJson<SharePage>(link),
   makeShare: (link: string, request: ShareRequest) => askJson<ShareMade>(link, "POST", request),
   revokeShare: async (link: string) => void (await ask(link, { method: "DELETE" })),

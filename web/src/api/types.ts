@@ -2,6 +2,7 @@
 import type * as wire from "./types.gen";
 
 export type {
+  CarriedDrawing,
   DrawingFile,
   DrawnShape,
   Fit,
@@ -9,8 +10,13 @@ export type {
   FitRequest,
   Iterated,
   LandmarkFile,
+  Measure,
+  MeasuresFile,
   Meta,
   NodePose,
+  OwnDrawing,
+  PatternInfo,
+  PatternParameter,
   Problem,
   ProposedLandmark,
   ProposedLandmarks,
@@ -22,6 +28,7 @@ export type {
   ShareRequest,
   Started,
   SurfacePoint,
+  TransferRequest,
 } from "./types.gen";
 
 export type Vector = [number, number, number];

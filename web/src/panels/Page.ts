@@ -6,6 +6,7 @@ import type { Place, Session } from "../state/session";
 import { text } from "../text";
 import { problem } from "./controls";
 import { createColourBar } from "./ColourBar";
+import { createDrawingPanel } from "./DrawingPanel";
 import { createEmptyState } from "./EmptyState";
 import { createFitPanel } from "./FitPanel";
 import { createGuideCard } from "./GuideCard";
@@ -51,6 +52,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
     scan: createScanPanel(actions, () => dismiss("scan")),
     landmarks: createLandmarkPanel(actions, () => dismiss("landmarks")),
     fit: createFitPanel(actions, () => dismiss("fit")),
+    drawing: createDrawingPanel(actions, () => dismiss("drawing")),
     result: createResultPanel(),
   });
   const numbers = createNumbersPanel();

@@ -8,12 +8,13 @@ import { formatCount, formatMm } from "../units";
 import { button } from "./controls";
 import type { Panel } from "./Panel";
 
-const ORDER: Step[] = ["scan", "landmarks", "fit", "result"];
+const ORDER: Step[] = ["scan", "landmarks", "fit", "drawing", "result"];
 
 function summary(step: Step, state: Session): string {
   if (!state.scan) return "";
   if (step === "scan") return text.scan.summary(formatCount(state.scan.info.triangles));
   if (step === "landmarks") return text.landmarks.progress(pickCount(state), state.meta?.landmarks.length ?? 0);
+  if (step === "drawing") return text.drawing.summary(state.drawn.lines.present.length);
   if (step === "fit") return state.fit?.result ? text.fit.summary(formatMm(state.fit.result.surface_distance_mm.mean)) : "";
   return "";
 }
@@ -21,6 +22,7 @@ function summary(step: Step, state: Session): string {
 function isDone(step: Step, state: Session): boolean {
   if (step === "scan") return state.scan !== null;
   if (step === "landmarks") return pickCount(state) > 0 && pickCount(state) === state.meta?.landmarks.length;
+  if (step === "drawing") return state.drawn.lines.present.length > 0;
   return state.fit?.state === "done";
 }
 

@@ -15,18 +15,19 @@ import type {
   Started,
   UnitChoice,
 } from "../api/types";
+import { type DrawnState, startDrawn } from "../drawing/lines";
 import { type History, startHistory } from "./history";
 import type { Picks } from "./landmarks";
 import type { Proposals } from "./proposals";
 
-export type Step = "scan" | "landmarks" | "fit" | "result";
+export type Step = "scan" | "landmarks" | "fit" | "drawing" | "result";
 export type Overlay = "scan" | "both" | "model" | "beside" | "swipe";
 export const OVERLAYS: readonly Overlay[] = ["scan", "both", "model", "beside", "swipe"];
 export type ViewName = "front" | "left" | "right" | "back" | "top";
 export type Theme = "system" | "light" | "dark";
 
 /** Where on the page something can go wrong: the message is shown there. */
-export type Place = "service" | "scan" | "landmarks" | "fit" | "model" | "distances" | "share" | "page";
+export type Place = "service" | "scan" | "landmarks" | "fit" | "model" | "distances" | "drawing" | "stances" | "share" | "page";
 
 export interface ScanState {
   readonly info: Scan;
@@ -65,6 +66,7 @@ export interface Session {
   readonly scan: ScanState | null;
   readonly showColours: boolean;
   readonly picks: History<Picks>;
+  readonly drawn: DrawnState;
   readonly proposals: Proposals | null; // null until somebody asked
   readonly skipped: ReadonlySet<string>;
   readonly active: string | null; // the landmark that the next click places
@@ -103,6 +105,7 @@ export const initialSession: Session = {
   scan: null,
   showColours: true,
   picks: startHistory<Picks>({}),
+  drawn: startDrawn(),
   proposals: null,
   skipped: new Set(),
   active: null,

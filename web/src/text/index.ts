@@ -1,5 +1,6 @@
 // Every English sentence of the page, in one folder, ready for translation: another language is another folder like this.
 // Names and definitions of landmarks, shapes and drawings come from the model, notes and reasons from the service.
+import { drawing } from "./drawing";
 import { errors } from "./errors";
 import { fit, timeline } from "./fit";
 import { help } from "./help";
@@ -22,6 +23,7 @@ export const text = {
   proposals,
   fit,
   timeline,
+  drawing,
   result,
   distances,
   numbers,

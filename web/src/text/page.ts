@@ -8,7 +8,7 @@ export const page = {
     "Research use only. Not a medical device; not for diagnosis, treatment or surgical decisions. " +
     "Measurements carry scanner and fitting error.",
   version: (version: string) => `version ${version}`,
-  steps: { scan: "Scan", landmarks: "Landmarks", fit: "Fit", result: "Result" } satisfies Record<Step, string>,
+  steps: { scan: "Scan", landmarks: "Landmarks", fit: "Fit", drawing: "Drawing", result: "Result" } satisfies Record<Step, string>,
   stepsLabel: "Steps",
   dismiss: "Dismiss",
   close: "Close",

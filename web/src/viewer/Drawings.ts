@@ -3,6 +3,7 @@ import { Vector3 } from "three";
 import type { DrawingFile, ModelShape } from "../api/types";
 import { isAtRest, type Session } from "../state/session";
 import { isUnit, metresFromMm, mmFrom } from "../units";
+import { layerKey } from "../drawing/lines";
 import type { FittedSurface } from "./FittedSurface";
 import { FatLines, type Polyline } from "./FatLines";
 import type { ScanMesh } from "./ScanMesh";
@@ -35,11 +36,13 @@ export class Drawings implements Part {
     const shapes = state.model?.side.drawings.find((drawing) => drawing.name === fit?.drawingName)?.shapes;
     const vertexAt = this.torso.vertexAt;
     const isOnModel = !isOnScan && fit !== null && fit.shown >= 0 && state.overlay !== "scan" && Boolean(shapes && vertexAt);
-    const source = isOnScan ? [fit.drawing, skin.bvh] : isOnModel ? [shapes, fit.iterations[fit.shown]] : [];
+    const { hidden } = state.drawn;
+    const isOn = ({ name }: { name: string }): boolean => !hidden.has(layerKey("reference", name));
+    const source = isOnScan ? [fit.drawing, skin.bvh, hidden] : isOnModel ? [shapes, fit.iterations[fit.shown], hidden] : [];
     if (source.length === this.drawn.length && source.every((each, i) => each === this.drawn[i])) return;
     this.drawn = source;
-    if (isOnScan) this.lines.set(onScan(fit.drawing!, skin));
-    else if (isOnModel) this.lines.set(onModel(shapes!, this.torso, vertexAt!));
+    if (isOnScan) this.lines.set(onScan({ ...fit.drawing!, shapes: fit.drawing!.shapes.filter(isOn) }, skin));
+    else if (isOnModel) this.lines.set(onModel(shapes!.filter(isOn), this.torso, vertexAt!));
     else this.lines.set([]);
     this.viewer.invalidate();
   }

@@ -1,7 +1,7 @@
 // The one WebGL view: renderer, camera, controls and a loop that draws only when something changed.
 // `body` is the scan's own frame (metres); it is turned so that the patient stands upright and faces +Z, hence the
 // camera always has +Y up and "from the front" means the same for every scan.
-import { Box3, Group, Matrix4, type Object3D, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from "three";
+import { Box3, Group, Matrix4, MOUSE, TOUCH, type Object3D, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Frame, Vector } from "../api/types";
 import { leftOf } from "../state/frame";
@@ -82,6 +82,12 @@ export class Viewer {
   /** Whether dragging turns the body. */
   set mayTurn(may: boolean) {
     this.controls.enabled = may;
+  }
+
+  /** While the first button or one finger draws, the second button and two fingers turn the body. */
+  set isDrawing(isOn: boolean) {
+    this.controls.mouseButtons = { LEFT: isOn ? null : MOUSE.ROTATE, MIDDLE: MOUSE.DOLLY, RIGHT: isOn ? MOUSE.ROTATE : MOUSE.PAN };
+    this.controls.touches = { ONE: isOn ? null : TOUCH.ROTATE, TWO: isOn ? TOUCH.DOLLY_ROTATE : TOUCH.DOLLY_PAN };
   }
 
   /** Asks for a new picture; many requests before the next frame are one. */

@@ -26,7 +26,7 @@ export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: ScanMes
   canvas.addEventListener(
     "pointerdown",
     (event) => {
-      const isFree = held === null && event.button === 0 && event.isPrimary && store.get().active === null;
+      const isFree = held === null && event.button === 0 && event.isPrimary && store.get().active === null && store.get().drawn.tool === "none";
       const name = isFree ? pins.at(event.clientX, event.clientY) : null;
       if (name === null) return;
       held = { name, id: event.pointerId, x: event.clientX, y: event.clientY, point: null };

@@ -5,6 +5,10 @@ import type { Stage } from "../panels/Page";
 import { isBeside, type Session } from "../state/session";
 import type { Store } from "../state/store";
 import { text } from "../text";
+import { CornerPins } from "../drawing/CornerPins";
+import { OwnLines } from "../drawing/OwnLines";
+import { listenToPen } from "../drawing/PenTool";
+import { skinFrom } from "../drawing/skin";
 import { onClick } from "./clicks";
 import { Drawings } from "./Drawings";
 import { listenToDrags } from "./dragPins";
@@ -39,12 +43,16 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
   const fitted = new FittedSurface(viewer, ready("distances", text.errors.surface));
   const pins = new LandmarkPins(viewer, scan);
   const proposed = new ProposalPins(viewer, scan);
+  const own = new OwnLines(viewer, scan);
+  const corners = new CornerPins(viewer, scan);
   const parts: Part[] = [
     proposed,
     scan,
     torso,
     fitted,
     new Drawings(viewer, scan, torso, fitted),
+    own,
+    corners,
     pins,
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),
@@ -81,6 +89,8 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
     updateAll(store.get());
   });
 
+  actions.drawing.skinIs(skinFrom(() => scan.mesh?.geometry ?? null));
+  listenToPen(stage.canvas, viewer, scan, own, corners, store, actions);
   listenToDrags(stage.canvas, viewer, scan, pins, store, actions);
   onClick(stage.canvas, (event) => {
     const ghost = store.get().active === null ? proposed.at(event.clientX, event.clientY) : null;

@@ -1,0 +1,75 @@
+// The surgeon's lines on the scan: black with a white outline; dashed over holes.  What was carried here from the other
+// stance is drawn the same way, since it is the same hand's.
+import type { Vector } from "../api/types";
+import type { Session } from "../state/session";
+import { isUnit, metresFromMm, mmFrom } from "../units";
+import { FatLines, type Polyline } from "../viewer/FatLines";
+import type { ScanMesh } from "../viewer/ScanMesh";
+import type { Part, Viewer } from "../viewer/Viewer";
+import { bridgedAt } from "./edits";
+import { type DrawnState, type Layer, layerKey, type OwnLine } from "./lines";
+import { BRIDGE_MM } from "./strokes";
+
+export class OwnLines implements Part {
+  private readonly own = new FatLines();
+  private readonly carried = new FatLines();
+  private drawn: unknown[] = [];
+  private state: DrawnState | null = null;
+  private isShown = false;
+  private preview: { instead: string | null; points: readonly Vector[]; closed: boolean } | null = null;
+
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly scan: ScanMesh,
+  ) {
+    viewer.body.add(this.own.group, this.carried.group);
+    viewer.beforeFrame.add(() => {
+      this.own.approach(viewer.depthUnits);
+      this.carried.approach(viewer.depthUnits);
+    });
+  }
+
+  update(state: Session): void {
+    const { palette } = this.viewer;
+    for (const each of [this.own, this.carried]) each.paint(palette.ink, palette["ink-outline"]);
+    this.state = state.drawn;
+    this.isShown = this.scan.mesh !== null && state.overlay !== "model";
+    const { lines, hidden, carried } = state.drawn;
+    const now = [lines.present, hidden, carried, this.isShown];
+    if (now.every((each, i) => each === this.drawn[i])) return;
+    this.drawn = now;
+    this.write();
+  }
+
+  /** While the hand moves: a line that the state does not know yet, instead of the one that it changes. */
+  show(points: readonly Vector[] | null, closed = false, instead: string | null = null): void {
+    this.preview = points ? { points, closed, instead } : null;
+    this.write();
+  }
+
+  private write(): void {
+    const { state, preview } = this;
+    if (!state) return;
+    const isOn = (layer: Layer, name: string): boolean => !state.hidden.has(layerKey(layer, name));
+    const own = state.lines.present.filter(({ name }) => isOn("own", name) && name !== preview?.instead);
+    const all: Pick<OwnLine, "points" | "closed">[] = preview ? [...own, preview] : own;
+    this.own.set(this.isShown ? all.map(laid) : []);
+    const unit = state.carried?.drawing.unit;
+    const carried = state.carried?.drawing.shapes.filter(({ name }) => isOn("carried", name)) ?? [];
+    this.carried.set(
+      this.isShown && isUnit(unit) ? carried.map(({ points, closed, bridged }) => ({ points: flat(points, mmFrom(1, unit)), isClosed: closed, bridged })) : [],
+    );
+    this.viewer.invalidate();
+  }
+}
+
+function laid({ points, closed }: Pick<OwnLine, "points" | "closed">): Polyline {
+  const bridged = bridgedAt(points, closed, BRIDGE_MM);
+  return { points: flat(bridged.points, 1), isClosed: closed, bridged: bridged.bridged };
+}
+
+function flat(points: readonly Vector[], mmPerUnit: number): Float32Array {
+  const out = new Float32Array(3 * points.length);
+  points.forEach((point, i) => out.set(point.map((value) => metresFromMm(value * mmPerUnit)), 3 * i));
+  return out;
+}

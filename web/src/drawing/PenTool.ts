@@ -1,0 +1,140 @@
+// The hand on the canvas while a tool is taken: a drag draws, a short click sets a corner, a corner is dragged over the skin.
+// The first button, a pen or one finger draw; the second button and two fingers turn the body.
+import type { Actions } from "../actions";
+import type { Vector } from "../api/types";
+import type { Session } from "../state/session";
+import type { Store } from "../state/store";
+import { pickAt } from "../viewer/picking";
+import type { ScanMesh } from "../viewer/ScanMesh";
+import type { Viewer } from "../viewer/Viewer";
+import type { CornerPins } from "./CornerPins";
+import { cornerAt, cornerMoved } from "./edits";
+import { gap, lineNamed } from "./lines";
+import type { OwnLines } from "./OwnLines";
+
+const STILL = 6; // pixels; less is a click
+const NEAR_LINE = 12; // pixels from a line that still choose it
+const ARROWS: Record<string, readonly [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+const FAST = 5; // times as far with Shift
+
+interface Held {
+  readonly id: number;
+  readonly x: number;
+  readonly y: number;
+  readonly corner: number | null;
+  moved: boolean;
+  hits: Vector[];
+}
+
+export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: ScanMesh, own: OwnLines, pins: CornerPins, store: Store<Session>, { drawing }: Pick<Actions, "drawing">): void {
+  let held: Held | null = null;
+  let pointers = 0;
+  const isDrawing = (): boolean => store.get().step === "drawing" && store.get().drawn.tool !== "none";
+  const point = (event: { clientX: number; clientY: number }): Vector | null => pickAt(viewer, scan, event.clientX, event.clientY)?.point ?? null;
+
+  function letGo(): void {
+    held = null;
+    own.show(null);
+    pins.hold(null, null);
+  }
+
+  /** The own line under page pixels, and where. */
+  function lineAt(event: PointerEvent): { name: string; at: Vector } | null {
+    let best: { name: string; at: Vector; away: number } | null = null;
+    const hit = point(event);
+    for (const line of store.get().drawn.lines.present) {
+      for (const each of line.points) {
+        if (hit && gap(hit, each) > 40) continue; // on the other side of the body
+        const { x, y } = viewer.toPage(each);
+        const away = Math.hypot(x - event.clientX, y - event.clientY);
+        if (away <= NEAR_LINE && away < (best?.away ?? Infinity)) best = { name: line.name, at: each, away };
+      }
+    }
+    return best;
+  }
+
+  function click(event: PointerEvent): void {
+    const { tool, chosen } = store.get().drawn;
+    const at = point(event);
+    if (tool === "points") {
+      const line = lineAt(event);
+      if (!line) drawing.chooseCorner(null);
+      else if (line.name !== chosen) drawing.choose(line.name);
+      else drawing.addCorner(line.name, line.at);
+    } else if (at && tool === "pen") drawing.click(at);
+    else if (at && tool === "tumour") drawing.tumour(at);
+  }
+
+  function move(event: PointerEvent, now: Held): void {
+    const { drawn } = store.get();
+    if (now.corner !== null) {
+      const line = lineNamed(drawn, drawn.chosen);
+      const skin = drawing.skin();
+      const to = point(event);
+      if (!line || !skin || !to) return; // beside the body it stays where it was
+      now.hits = [to];
+      pins.hold(now.corner, to);
+      own.show(cornerMoved(skin, line, now.corner, to).points, line.closed, line.name);
+      return;
+    }
+    if (drawn.tool !== "pen") return;
+    const all = event.getCoalescedEvents?.() ?? [];
+    for (const each of all.length > 0 ? all : [event]) {
+      const hit = point(each);
+      if (hit) now.hits.push(hit);
+    }
+    own.show(now.hits);
+  }
+
+  canvas.addEventListener("pointerdown", (event) => {
+    pointers += 1;
+    if (pointers > 1) return letGo(); // two fingers turn
+    if (!isDrawing() || event.button !== 0) return;
+    const { tool } = store.get().drawn;
+    const corner = tool === "points" ? pins.at(event.clientX, event.clientY) : null;
+    const first = tool === "pen" ? point(event) : null;
+    held = { id: event.pointerId, x: event.clientX, y: event.clientY, corner, moved: false, hits: first ? [first] : [] };
+    canvas.setPointerCapture(event.pointerId);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!held && isDrawing() && event.buttons === 0) canvas.classList.toggle("is-over-pin", pins.at(event.clientX, event.clientY) !== null);
+    if (event.pointerId !== held?.id) return;
+    held.moved ||= Math.hypot(event.clientX - held.x, event.clientY - held.y) >= STILL;
+    if (held.moved) move(event, held);
+  });
+  canvas.addEventListener("pointerup", (event) => {
+    pointers = Math.max(0, pointers - 1);
+    if (event.pointerId !== held?.id) return;
+    const done = held;
+    const { drawn } = store.get();
+    letGo();
+    if (!isDrawing()) return;
+    if (!done.moved) {
+      if (done.corner !== null) drawing.chooseCorner(done.corner);
+      else click(event);
+    } else if (done.corner !== null && drawn.chosen !== null && done.hits[0]) drawing.moveCorner(drawn.chosen, done.corner, done.hits[0]);
+    else if (done.corner === null && drawn.tool === "pen") drawing.stroke(done.hits);
+  });
+  canvas.addEventListener("pointercancel", () => {
+    pointers = Math.max(0, pointers - 1);
+    letGo();
+  });
+
+  canvas.addEventListener("keydown", (event) => {
+    const { drawn } = store.get();
+    const arrow = ARROWS[event.key];
+    const line = lineNamed(drawn, drawn.chosen);
+    if (!isDrawing() || !arrow || !line || drawn.corner === null) return;
+    event.preventDefault();
+    const at = viewer.toPage(cornerAt(line, drawn.corner));
+    const far = event.shiftKey ? FAST : 1;
+    const hit = pickAt(viewer, scan, at.x + far * arrow[0], at.y + far * arrow[1]);
+    if (hit) drawing.moveCorner(line.name, drawn.corner, hit.point);
+  });
+
+  store.subscribe((state) => {
+    const isOn = isDrawing();
+    viewer.isDrawing = isOn;
+    canvas.classList.toggle("is-drawing", isOn && state.drawn.tool !== "points");
+  });
+}

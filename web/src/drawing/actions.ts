@@ -1,0 +1,234 @@
+// Drawing on the scan: each change is one step of the undo history and is saved with the scan soon after.
+import type { Client } from "../api/client";
+import type { Scan, Vector } from "../api/types";
+import { messageOf, withProblem } from "../actions/problems";
+import { record, redo, undo } from "../state/history";
+import type { Session } from "../state/session";
+import type { Store } from "../state/store";
+import { text } from "../text";
+import { formatMmWhole } from "../units";
+import { closedUp, cornerAdded, cornerMoved, cornerRemoved, extended, lineAlong, lineThrough, openedUp } from "./edits";
+import { readDrawing, toDrawing, UnreadableDrawing } from "./files";
+import { type DrawnState, freeName, gap, INK, layerKey, type Layer, lineNamed, nextName, type OwnLine, type Tool, TUMOUR_INK, withLine, withoutLine } from "./lines";
+import type { Skin } from "./skin";
+import { circle, freehand } from "./strokes";
+
+const PAUSE_MS = 400; // a run of quick strokes is one save
+const CLOSES_MM = 8; // a click, or a stroke's end, so near to the line's start closes it
+const RADIUS_MM = { least: 1, most: 80 }; // what the model's own tumour circle takes as well
+
+export function drawingActions(store: Store<Session>, client: Client) {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let waiting: { scan: Scan; lines: readonly OwnLine[] } | null = null;
+  let skin: () => Skin | null = () => null; // the view has the mesh
+
+  const drawn = (): DrawnState => store.get().drawn;
+  const lines = (): readonly OwnLine[] => drawn().lines.present;
+  const put = (part: Partial<DrawnState>, more: Partial<Session> = {}): void => store.set((state) => ({ ...more, drawn: { ...state.drawn, ...part } }));
+
+  /** What is shown about saving concerns the scan on the screen; another one is saved all the same. */
+  async function save(scan: Scan, saved: readonly OwnLine[]): Promise<void> {
+    const tell = (part: (state: Session) => Partial<Session>): void => store.set((state) => (state.scan?.info.id === scan.id ? part(state) : {}));
+    tell((state) => ({ drawn: { ...state.drawn, saving: "saving" } }));
+    try {
+      await client.saveDrawing(scan, toDrawing(saved));
+      tell((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, saving: "saved" }, ...withProblem(state, "drawing", null) } : {}));
+    } catch (error) {
+      tell((state) => ({ drawn: { ...state.drawn, saving: "unsaved" }, ...withProblem(state, "drawing", messageOf(error)) }));
+    }
+  }
+
+  async function flush(): Promise<void> {
+    clearTimeout(timer);
+    const { scan, lines: unsaved } = waiting ?? {};
+    waiting = null;
+    if (scan && unsaved) await save(scan, unsaved);
+  }
+
+  function saveSoon(): void {
+    const { scan } = store.get();
+    if (!scan) return;
+    if (waiting && waiting.scan.id !== scan.info.id) void flush();
+    clearTimeout(timer);
+    waiting = { scan: scan.info, lines: lines() };
+    put({ saving: "unsaved" });
+    timer = setTimeout(() => void flush(), PAUSE_MS);
+  }
+
+  function change(next: readonly OwnLine[], part: Partial<DrawnState>, announcement: string): void {
+    put({ ...part, lines: record(drawn().lines, next) }, { announcement });
+    saveSoon();
+  }
+
+  function add(line: OwnLine, announcement: string, part: Partial<DrawnState> = {}): void {
+    change([...lines(), line], { start: null, open: null, chosen: line.name, corner: null, ...part }, announcement);
+  }
+
+  function edit(name: string, changed: (line: OwnLine, on: Skin) => OwnLine | null, announcement: string, part: Partial<DrawnState> = {}): void {
+    const line = lineNamed(drawn(), name);
+    const on = skin();
+    const next = line && on ? changed(line, on) : null;
+    if (next && next !== line) change(withLine(lines(), name, () => next), part, announcement);
+  }
+
+  const words = text.drawing;
+
+  return {
+    /** Told by the view: how to reach the surface of the scan on the screen. */
+    skinIs: (now: () => Skin | null): void => void (skin = now),
+    skin: (): Skin | null => skin(),
+
+    take(tool: Tool): void {
+      const chosen = tool === "points" ? (drawn().chosen ?? lines().at(-1)?.name ?? null) : drawn().chosen;
+      store.set((state) => ({
+        step: tool === "none" ? state.step : "drawing",
+        active: null,
+        overlay: tool !== "none" && (state.overlay === "model" || state.overlay === "swipe" || state.overlay === "beside") ? "scan" : state.overlay,
+        drawn: { ...state.drawn, tool, start: null, open: null, chosen, corner: null },
+        announcement: words.hints[tool],
+      }));
+    },
+
+    /** A short click of the pen: the first corner, the next one, or the one that closes the ring. */
+    click(at: Vector): void {
+      const on = skin();
+      if (!on) return;
+      const { open, start } = drawn();
+      const line = lineNamed(drawn(), open);
+      if (line) {
+        const closes = line.corners.length > 2 && gap(at, line.points[0]!) < CLOSES_MM;
+        if (closes) edit(line.name, (own) => closedUp(on, own), words.announceClosed(line.name), { open: null });
+        else edit(line.name, (own) => extended(on, own, at), words.announceCorner(line.corners.length + 1));
+      } else if (start) {
+        if (gap(start, at) < 1) return;
+        const name = nextName(lines(), words.stem);
+        add(lineThrough(on, name, INK, start, at), words.announceCorner(2), { open: name });
+      } else put({ start: at, chosen: null, corner: null }, { announcement: words.announceCorner(1) });
+    },
+
+    /** A stroke of the pen; one that comes back to its start is a ring. */
+    stroke(hits: readonly Vector[]): void {
+      const on = skin();
+      if (!on || hits.length < 2) return;
+      let points = freehand(on, hits);
+      if (points.length < 2) return;
+      const isRing = points.length > 12 && gap(points[0]!, points.at(-1)!) < CLOSES_MM;
+      if (isRing) points = freehand(on, [...points, points[0]!]).slice(0, -1);
+      const name = nextName(lines(), words.stem);
+      add(lineAlong(name, INK, points, isRing), words.announceDrawn(name));
+    },
+
+    /** The clicked line is as it shall be. */
+    finish: (): void => put({ start: null, open: null }),
+
+    close(name: string): void {
+      edit(name, (line, on) => (line.closed ? openedUp(line) : closedUp(on, line)), words.announceClosed(name), { open: null, corner: null });
+    },
+
+    /** A circle of true radius along the skin. */
+    tumour(at: Vector): void {
+      const on = skin();
+      if (!on) return;
+      const radius = drawn().radiusMm;
+      const name = freeName(lines(), words.tumourName(formatMmWhole(radius)));
+      add(lineAlong(name, TUMOUR_INK, circle(on, at, radius), true), words.announceDrawn(name));
+    },
+
+    radius(mm: number): void {
+      if (Number.isFinite(mm)) put({ radiusMm: Math.min(RADIUS_MM.most, Math.max(RADIUS_MM.least, mm)) });
+    },
+
+    /** False when the name is not free. */
+    rename(name: string, wanted: string): boolean {
+      const to = wanted.trim().slice(0, 100);
+      if (to === name) return true;
+      if (to === "" || lines().some((line) => line.name === to)) return false;
+      const follow = (known: string | null): string | null => (known === name ? to : known);
+      change(withLine(lines(), name, (line) => ({ ...line, name: to })), { chosen: follow(drawn().chosen), open: follow(drawn().open) }, words.announceRenamed(to));
+      return true;
+    },
+
+    erase(name: string): void {
+      const forget = (known: string | null): string | null => (known === name ? null : known);
+      change(withoutLine(lines(), name), { chosen: forget(drawn().chosen), open: forget(drawn().open), corner: null }, words.announceErased(name));
+    },
+
+    clear: (): void => change([], { start: null, open: null, chosen: null, corner: null }, words.announceCleared),
+
+    choose: (name: string | null): void => put({ chosen: name, corner: null }),
+    chooseCorner: (corner: number | null): void => put({ corner }),
+
+    moveCorner(name: string, corner: number, to: Vector): void {
+      edit(name, (line, on) => cornerMoved(on, line, corner, to), words.announceMoved, { chosen: name, corner });
+    },
+
+    addCorner(name: string, at: Vector): void {
+      const line = lineNamed(drawn(), name);
+      if (!line) return;
+      const added = cornerAdded(line, at);
+      if (added.line.corners.length === line.corners.length) put({ chosen: name, corner: added.corner });
+      else change(withLine(lines(), name, () => added.line), { chosen: name, corner: added.corner }, words.announceCorner(added.corner + 1));
+    },
+
+    removeCorner(): void {
+      const { chosen, corner } = drawn();
+      const line = lineNamed(drawn(), chosen);
+      const on = skin();
+      if (!line || !on || corner === null) return;
+      const next = cornerRemoved(on, line, corner);
+      if (next === null) this.erase(line.name);
+      else change(withLine(lines(), line.name, () => next), { corner: Math.min(corner, next.corners.length - 1) }, words.announceCornerGone);
+    },
+
+    undo(): void {
+      if (drawn().start) return put({ start: null });
+      if (drawn().lines.past.length === 0) return;
+      put({ lines: undo(drawn().lines), corner: null }, { announcement: text.landmarks.announceUndone });
+      this.tidy();
+    },
+
+    redo(): void {
+      if (drawn().lines.future.length === 0) return;
+      put({ lines: redo(drawn().lines), start: null, corner: null }, { announcement: text.landmarks.announceRedone });
+      this.tidy();
+    },
+
+    /** What is chosen must still be there. */
+    tidy(): void {
+      const { open, chosen } = drawn();
+      put({ open: lineNamed(drawn(), open)?.name ?? null, chosen: lineNamed(drawn(), chosen)?.name ?? null });
+      saveSoon();
+    },
+
+    show(layer: Layer, name: string, isShown: boolean): void {
+      const hidden = new Set(drawn().hidden);
+      if (isShown) hidden.delete(layerKey(layer, name));
+      else hidden.add(layerKey(layer, name));
+      put({ hidden });
+    },
+
+    async importFile(file: File): Promise<void> {
+      const scan = store.get().scan;
+      if (!scan) return;
+      try {
+        const read = readDrawing(await file.text(), scan.info.unit);
+        const on = skin();
+        const far = on ? read.find((line) => line.points.every((point) => on.nearest(point).away > 50)) : undefined;
+        if (far) throw new UnreadableDrawing(words.elsewhere(far.name));
+        const all = [...lines()];
+        for (const line of read) all.push({ ...line, name: freeName(all, line.name) });
+        store.set((state) => withProblem(state, "drawing", null));
+        change(all, { start: null, open: null, chosen: null, corner: null }, words.announceImported(read.length));
+      } catch (error) {
+        const message = error instanceof UnreadableDrawing ? error.message : messageOf(error);
+        store.set((state) => withProblem(state, "drawing", message));
+      }
+    },
+
+    async saveNow(): Promise<void> {
+      const { scan } = store.get();
+      if (scan) await save(scan.info, lines());
+    },
+    flush,
+  };
+}

@@ -1,0 +1,32 @@
+// Keys of the step "drawing"; they go before the page's own.
+import type { Actions } from "../actions";
+import type { Session } from "../state/session";
+
+/** Does what the key stands for; false leaves it to the page. */
+export function drawingKey(state: Session, event: KeyboardEvent, { drawing }: Pick<Actions, "drawing">): boolean {
+  const { drawn } = state;
+  if (state.step !== "drawing" || !state.scan) return false;
+  const key = event.key.toLowerCase();
+  if (key === "z") return (event.shiftKey ? drawing.redo() : drawing.undo()), true;
+  if (key === "y") return drawing.redo(), true;
+  if (event.ctrlKey || event.metaKey) return false;
+  if (key === "p") return drawing.take(drawn.tool === "pen" ? "none" : "pen"), true;
+  if (key === "e") return drawing.take(drawn.tool === "points" ? "none" : "points"), true;
+  if (key === "t") return drawing.take(drawn.tool === "tumour" ? "none" : "tumour"), true;
+  if (key === "enter" && drawn.tool === "pen" && (drawn.open || drawn.start) && isFree(event)) return drawing.finish(), true;
+  if (key === "escape") {
+    if (drawn.open || drawn.start) drawing.finish();
+    else if (drawn.corner !== null) drawing.chooseCorner(null);
+    else drawing.take("none");
+    return true;
+  }
+  if ((key === "delete" || key === "backspace") && drawn.chosen !== null && drawn.tool === "points") {
+    if (drawn.corner !== null) drawing.removeCorner();
+    else drawing.erase(drawn.chosen);
+    return true;
+  }
+  return false;
+}
+
+/** Enter presses the button that has the focus. */
+const isFree = (event: KeyboardEvent): boolean => !(event.target instanceof HTMLElement && event.target.closest("button, a, label, summary"));
