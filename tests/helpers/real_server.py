@@ -24,7 +24,7 @@ def server(
             stdout=subprocess.PIPE,
             stderr=errors,
             text=True,
-            env=os.environ | {"PYTHONPATH": str(PROGRAM.parents[1]), **environment},
+            env=os.environ | {"PYTHONPATH": _search_path(), **environment},
         )
     assert process.stdout is not None
     try:
@@ -36,6 +36,11 @@ def server(
         process.kill()
         process.wait()
         process.stdout.close()
+
+
+def _search_path() -> str:
+    """The folder of the helpers, before whatever the tests were started with."""
+    return os.pathsep.join([str(PROGRAM.parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])])
 
 
 def children(pid: int) -> set[int]:

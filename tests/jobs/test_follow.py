@@ -1,11 +1,12 @@
 import threading
 import time
 
+import pytest
 from helpers import fake_fit
 from helpers.rows import add_waiting_fit
 from helpers.waiting import ask_for_fit, story, until
 
-from breastrig.jobs.follow import Bell, Heartbeat, Queued, follow
+from breastrig.jobs.follow import Bell, Heartbeat, Listener, Queued, follow
 from breastrig.storage.events import StoredEvent, append
 from breastrig.storage.scans import delete_scan
 from breastrig.storage.storage import Storage
@@ -41,11 +42,52 @@ def test_a_stored_event_is_heard_within_a_tenth_of_a_second(storage: Storage, sc
 
         thread = threading.Thread(target=listen)
         thread.start()
-        until(lambda: bell._waiting == 1, "the listener")
+        until(lambda: bell.listening == 1, "the listener")
         stored = time.monotonic()
         append(storage, "fit", {"kind": "failed", "reason": "so it is"})
         thread.join()
         assert times[0] - stored < 0.1
+    finally:
+        bell.stop()
+
+
+def test_news_of_one_fit_wake_only_those_whom_they_concern(
+    storage: Storage, scan_id: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An iteration concerns the fit's own viewers; the end of a fit those too whose fit waits in the queue."""
+    rung: list[str] = []
+    monkeypatch.setattr(Listener, "ring", lambda listener: rung.append(names[listener]))
+    for fit_id in ("mine", "other", "waiting"):
+        add_waiting_fit(storage, scan_id, fit_id)
+    bell = Bell(storage)
+    with bell.listen("mine") as mine, bell.listen("other") as other, bell.listen("waiting") as waiting:
+        names = {mine: "mine", other: "other", waiting: "waiting"}
+        mine.queues = other.queues = False
+        bell.start()
+        try:
+            append(storage, "mine", {"kind": "iterated", "nodes": []})
+            until(lambda: rung == ["mine"], "the ring for an iteration")
+            append(storage, "mine", {"kind": "failed", "reason": "so it is"})
+            until(lambda: len(rung) == 3, "the rings for an end")
+            assert sorted(rung[1:]) == ["mine", "waiting"]
+        finally:
+            bell.stop()
+    assert bell.listening == 0
+
+
+def test_a_waiting_fit_hears_that_it_moves_up(storage: Storage, scan_id: str) -> None:
+    for fit_id in ("first", "second"):
+        add_waiting_fit(storage, scan_id, fit_id)
+    bell = Bell(storage)
+    bell.start()
+    try:
+        stream = follow(storage, bell, "second", 0, 60.0)
+        assert next(stream) == Queued(2)
+        timer = threading.Timer(0.05, append, (storage, "first", {"kind": "cancelled", "reason": "so it is"}))
+        timer.start()
+        assert next(stream) == Queued(1)
+        timer.join()
+        stream.close()
     finally:
         bell.stop()
 
@@ -71,7 +113,7 @@ def test_a_stream_ends_when_the_fit_is_deleted(storage: Storage, scan_id: str) -
     try:
         thread = threading.Thread(target=lambda: list(follow(storage, bell, "fit", 0, 60.0)))
         thread.start()
-        until(lambda: bell._waiting == 1, "the listener")
+        until(lambda: bell.listening == 1, "the listener")
         delete_scan(storage, scan_id)
         bell.ring()
         thread.join(timeout=5)

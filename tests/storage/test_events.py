@@ -4,7 +4,7 @@ import pytest
 from helpers.rows import add_waiting_fit
 
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.storage.events import append, events_after, events_of_kind, last_position
+from breastrig.storage.events import append, events_after, events_of_kind, news_after
 from breastrig.storage.fits import claim_fit, fits_in_state, get_fit, next_queued, put_back
 from breastrig.storage.storage import Storage
 
@@ -70,13 +70,21 @@ def test_an_event_of_nobody_is_refused(storage: Storage) -> None:
         append(storage, "nobody", iterated(0))
 
 
-def test_every_event_of_any_fit_moves_the_position(storage: Storage, scan_id: str) -> None:
-    positions = [last_position(storage)]
+def test_news_name_each_fit_once_and_say_what_moves_the_queue(storage: Storage, scan_id: str) -> None:
+    assert news_after(storage, 0) == []
     for fit_id in ("fit-a", "fit-b"):
         add_waiting_fit(storage, scan_id, fit_id)
         append(storage, fit_id, iterated(0))
-        positions.append(last_position(storage))
-    assert positions == sorted(set(positions))
+        append(storage, fit_id, iterated(1))
+    first, second = sorted(news_after(storage, 0), key=lambda one: one.fit)
+    assert (first.fit, first.moves_queue, second.fit, second.moves_queue) == ("fit-a", False, "fit-b", False)
+    assert first.position < second.position
+    assert news_after(storage, first.position) == [second]
+    assert news_after(storage, second.position) == []
+    append(storage, "fit-a", {"kind": "cancelled", "reason": "so it is"})
+    append(storage, "fit-b", iterated(2))
+    last = {one.fit: one.moves_queue for one in news_after(storage, second.position)}
+    assert last == {"fit-a": True, "fit-b": False}
 
 
 def test_the_oldest_waiting_fit_is_next(storage: Storage, scan_id: str) -> None:

@@ -1,21 +1,22 @@
 """Replays a story from any number, then waits for more.
 
-Workers are other processes: they only write rows.  One thread (the bell) looks whether any row came while
-anybody waits, and wakes all that wait; each then reads its own fit's new events.  So fifty viewers cost one
-question to the database every 20 ms, not fifty.
+Workers are other processes: they only write rows.  One thread (the bell) looks for new rows while anybody waits,
+and wakes those whose fit has one; each then reads its own fit's new events.  So fifty viewers cost one question to
+the database every 20 ms, not fifty, and an event of one fit does not wake the viewers of the others.
 """
 
 import logging
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from sqlalchemy.exc import SQLAlchemyError
 
 from breastrig.core.errors import NotFound
 from breastrig.jobs.events import LAST_KINDS
-from breastrig.storage.events import StoredEvent, events_after, last_position
+from breastrig.storage.events import StoredEvent, events_after, news_after
 from breastrig.storage.fits import get_fit, queue_position
 from breastrig.storage.storage import Storage
 
@@ -37,15 +38,33 @@ class Queued:
     position: int  # 1: the next to run
 
 
+class Listener:
+    """One who waits for news of one fit; made by `Bell.listen`."""
+
+    def __init__(self) -> None:
+        self.queues = True  # whether news of other fits concern it too: its place in the queue may have changed
+        self._rung = threading.Event()
+
+    def attend(self) -> None:
+        """What rings from here on ends the next `wait`; to be called before looking at what is there."""
+        self._rung.clear()
+
+    def wait(self, timeout_s: float) -> None:
+        """Returns when it has rung since `attend`, at the latest after `timeout_s`."""
+        self._rung.wait(timeout_s)
+
+    def ring(self) -> None:
+        self._rung.set()
+
+
 class Bell:
-    """Rings when an event was stored by any process, or when `ring` is called."""
+    """Rings for those whom an event concerns that any process stored, and for all when `ring` is called."""
 
     def __init__(self, storage: Storage) -> None:
         self._storage = storage
         self._condition = threading.Condition()
+        self._listeners: dict[str, set[Listener]] = {}  # by fit
         self._position = 0
-        self._rings = 0
-        self._waiting = 0
         self._stopped = False
         self._thread = threading.Thread(target=self._watch, name="breastrig-bell", daemon=True)
 
@@ -57,6 +76,7 @@ class Bell:
         with self._condition:
             self._stopped = True
             self._condition.notify_all()
+        self.ring()
         if self._thread.is_alive():
             self._thread.join()
 
@@ -64,45 +84,57 @@ class Bell:
     def stopped(self) -> bool:
         return self._stopped
 
-    def heard(self) -> tuple[int, int]:
-        """What has rung so far, to be given to `wait`."""
+    @property
+    def listening(self) -> int:
+        """How many listen."""
         with self._condition:
-            return self._position, self._rings
+            return sum(map(len, self._listeners.values()))
 
-    def wait(self, heard: tuple[int, int], timeout_s: float) -> None:
-        """Returns when something rang after `heard`, at the latest after `timeout_s`, at once when stopped."""
+    @contextmanager
+    def listen(self, fit_id: str) -> Iterator[Listener]:
+        """A listener for the fit's news."""
+        listener = Listener()
         with self._condition:
-            self._waiting += 1
+            self._listeners.setdefault(fit_id, set()).add(listener)
             self._condition.notify_all()
-            try:
-                self._condition.wait_for(
-                    lambda: self._stopped or (self._position, self._rings) != heard, timeout=timeout_s
-                )
-            finally:
-                self._waiting -= 1
+        try:
+            yield listener
+        finally:
+            with self._condition:
+                left = self._listeners[fit_id]
+                left.discard(listener)
+                if not left:
+                    del self._listeners[fit_id]
 
     def ring(self) -> None:
         """For what no event tells: a fit was deleted."""
         with self._condition:
-            self._rings += 1
-            self._condition.notify_all()
+            for listeners in self._listeners.values():
+                for listener in listeners:
+                    listener.ring()
 
     def _watch(self) -> None:
         while True:
             with self._condition:
-                self._condition.wait_for(lambda: self._stopped or self._waiting > 0)
+                self._condition.wait_for(lambda: self._stopped or bool(self._listeners))
                 if self._stopped:
                     return
             try:
-                position = last_position(self._storage)
+                news = news_after(self._storage, self._position)
             except SQLAlchemyError:
                 log.exception("the events cannot be read")
-                position = self._position
-            with self._condition:
-                if position != self._position:
-                    self._position = position
-                    self._condition.notify_all()
+                news = []
+            if news:
+                self._position = max(one.position for one in news)
+                self._tell({one.fit for one in news}, any(one.moves_queue for one in news))
             time.sleep(LOOK_EVERY_S)
+
+    def _tell(self, fit_ids: set[str], queue_moved: bool) -> None:
+        with self._condition:
+            for fit_id, listeners in self._listeners.items():
+                for listener in listeners:
+                    if fit_id in fit_ids or (queue_moved and listener.queues):
+                        listener.ring()
 
 
 def follow(
@@ -119,29 +151,32 @@ def follow(
 
     Ends early when the fit is deleted, the bell is stopped, or `gone()` says that nobody listens any more.
     """
-    quiet_since = time.monotonic()
-    told: int | None = None
-    while not bell.stopped:
-        heard = bell.heard()
-        for event in events_after(storage, fit_id, after):
-            yield event
-            after = event.number
-            quiet_since = time.monotonic()
-            if event.kind in LAST_KINDS:
+    with bell.listen(fit_id) as listener:
+        quiet_since = time.monotonic()
+        told: int | None = None
+        while not bell.stopped:
+            listener.attend()
+            for event in events_after(storage, fit_id, after):
+                yield event
+                after = event.number
+                quiet_since = time.monotonic()
+                if event.kind in LAST_KINDS:
+                    return
+            try:
+                listener.queues = get_fit(storage, fit_id).state == "queued"
+            except NotFound:
                 return
-        try:
-            waits = get_fit(storage, fit_id).state == "queued"
-        except NotFound:
-            return
-        position = queue_position(storage, fit_id) if waits else None
-        if position is not None and position != told:
-            yield Queued(position)
-            told = position
-            quiet_since = time.monotonic()
-        left = quiet_since + heartbeat_s - time.monotonic()
-        if left <= 0:
-            yield Heartbeat()
-            quiet_since = time.monotonic()
-        bell.wait(heard, max(0.0, min(GONE_EVERY_S, heartbeat_s if left <= 0 else left)))
-        if gone is not None and gone():
-            return
+            position = queue_position(storage, fit_id) if listener.queues else None
+            if position is not None and position != told:
+                yield Queued(position)
+                told = position
+                quiet_since = time.monotonic()
+            left = quiet_since + heartbeat_s - time.monotonic()
+            if left <= 0:
+                yield Heartbeat()
+                quiet_since = time.monotonic()
+            if bell.stopped:
+                return
+            listener.wait(max(0.0, min(GONE_EVERY_S, heartbeat_s if left <= 0 else left)))
+            if gone is not None and gone():
+                return

@@ -12,7 +12,7 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import func, insert, select, update
+from sqlalchemy import case, func, insert, select, update
 
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.storage import schema
@@ -25,6 +25,15 @@ class StoredEvent:
     number: int
     kind: str
     json: str  # one line
+
+
+@dataclass(frozen=True)
+class News:
+    """New events of one fit."""
+
+    fit: str
+    position: int  # of its last one; grows with every event of every fit
+    moves_queue: bool  # whether a fit began or ended: others may have moved up
 
 
 def append(storage: Storage, fit_id: str, event: dict[str, Any], attempt: int | None = None) -> int:
@@ -93,7 +102,14 @@ def events_of_kind(storage: Storage, fit_id: str, kind: str, offset: int = 0, li
         return [StoredEvent(row.number, row.kind, row.json) for row in connection.execute(query)]
 
 
-def last_position(storage: Storage) -> int:
-    """Grows with every event of every fit."""
+def news_after(storage: Storage, position: int) -> list[News]:
+    """What came above a position: one entry for each fit, so there are never more than fits."""
+    table = schema.events
+    moves = func.max(case((table.c.kind == "iterated", 0), else_=1))
     with storage.database.reading() as connection:
-        return int(connection.execute(select(func.coalesce(func.max(schema.events.c.position), 0))).scalar_one())
+        query = (
+            select(table.c.fit, func.max(table.c.position), moves)
+            .where(table.c.position > position)
+            .group_by(table.c.fit)
+        )
+        return [News(fit, int(last), bool(moved)) for fit, last, moved in connection.execute(query)]
