@@ -82,6 +82,11 @@ class Recipe(_Part):
     def iterations_limit(self) -> int:
         return sum(stage.iterations for stage in self.stages)
 
+    @property
+    def continued(self) -> "Recipe":
+        """For a start that is a fit already: without the first of several stages, which only brings the limbs over."""
+        return self.model_copy(update={"stages": self.stages[1:] or self.stages})
+
 
 def preset_names() -> tuple[str, ...]:
     """The presets that ship with the package."""

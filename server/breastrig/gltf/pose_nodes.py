@@ -6,12 +6,13 @@ world(<bone>_scale) = T_j R_j S_j.  The root bone is absolute, in the scan's fra
 .gltf of an iteration and the animation all speak through this one function.
 """
 
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.geometry.rotations import quaternion_from_rotation
+from breastrig.geometry.rotations import quaternion_from_rotation, rotation_from_quaternion
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 
@@ -41,6 +42,28 @@ def node_poses(rig: Rig, x: RigParameters) -> list[dict[str, Any]]:
         poses.append({"name": scale_node(bone.name), "scale": _rounded(x.scales[index])})
     poses.append({"name": rig.name, "weights": _rounded(x.weights)})
     return poses
+
+
+def posed_by_nodes(rig: Rig, poses: Iterable[Mapping[str, Any]]) -> RigParameters:
+    """The parameters behind `node_poses`, which are relative to the parent bone."""
+    nodes = {pose["name"]: pose for pose in poses}
+    rotations: list[Array] = []
+    translations: list[Array] = []
+    for bone in rig.bones:
+        node = nodes[bone.name]
+        rotation = rotation_from_quaternion(np.array(node["rotation"]))
+        translation = np.array(node["translation"])
+        if bone.parent is not None:  # parents come first
+            translation = rotations[bone.parent] @ translation + translations[bone.parent]
+            rotation = rotations[bone.parent] @ rotation
+        rotations.append(rotation)
+        translations.append(translation)
+    return RigParameters(
+        rotations=np.array(rotations),
+        translations=np.array(translations),
+        scales=np.array([nodes[scale_node(bone.name)]["scale"] for bone in rig.bones]),
+        weights=np.array(nodes[rig.name]["weights"]),
+    )
 
 
 def _rounded(values: Array) -> list[float]:

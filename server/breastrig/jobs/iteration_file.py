@@ -2,12 +2,9 @@
 
 import json
 
-import numpy as np
-
-from breastrig.core.arrays import Array
 from breastrig.core.errors import NotFound
-from breastrig.geometry.rotations import rotation_from_quaternion
 from breastrig.gltf.iterate import iterate_gltf
+from breastrig.gltf.pose_nodes import posed_by_nodes
 from breastrig.jobs.events import Iterated
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
@@ -29,23 +26,5 @@ def iteration_gltf(
 
 
 def parameters_of(rig: Rig, event: Iterated) -> RigParameters:
-    """The rig's parameters behind an event: node poses are relative to the parent bone, parameters are absolute."""
-    nodes = {node.name: node for node in event.nodes}
-    rotations: list[Array] = []
-    translations: list[Array] = []
-    for bone in rig.bones:
-        node = nodes[bone.name]
-        rotation = rotation_from_quaternion(np.array(node.rotation))
-        translation = np.array(node.translation)
-        if bone.parent is not None:  # parents come first
-            translation = rotations[bone.parent] @ translation + translations[bone.parent]
-            rotation = rotations[bone.parent] @ rotation
-        rotations.append(rotation)
-        translations.append(translation)
-    weights = next(node.weights for node in event.nodes if node.weights is not None)
-    return RigParameters(
-        rotations=np.array(rotations),
-        translations=np.array(translations),
-        scales=np.array([nodes[f"{bone.name}_scale"].scale for bone in rig.bones]),
-        weights=np.array(weights),
-    )
+    """The rig's parameters behind an event."""
+    return posed_by_nodes(rig, [node.model_dump() for node in event.nodes])

@@ -4,7 +4,7 @@ The single fit and the fit of two stances share it: both make each scan ready, t
 """
 
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -16,26 +16,24 @@ from breastrig.drawings.on_scan import on_scan
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.landmark_check import Doubt, doubts, sides_exchanged
-from breastrig.fitting.orientation import best_start
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.refine import refined
-from breastrig.fitting.stance import found_stance
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.jobs.events import Done, DoubtedPick, Iterated, NodePose, Started
 from breastrig.jobs.fit_files import FitOutcome, write_fit_files
+from breastrig.jobs.fit_start import AUTO, EarlierFit, with_earlier_start, with_start
 from breastrig.least_squares.newton import Status
 from breastrig.report.distances import surface_distances
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import RigParameters
+from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import clean
-from breastrig.scan.orient import propose_frame
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 
-STANCES = ("auto", "standing", "supine")
+STANCES = (AUTO, "standing", "supine")
 ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; no landmark was followed."
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
 
@@ -55,6 +53,7 @@ class FitJob:
     model: Path | None = None  # None: the torso of the package
     landmark_confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of proposed ones; absent: 1
     refine: bool = False  # a free-form layer on top, for fitted.ply, the drawing and the numbers
+    earlier: EarlierFit | None = None  # None: the start is found from landmarks and scan
 
 
 class Clock:
@@ -146,15 +145,16 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
     target = ScanTarget(surface.vertices - centre, surface.faces)
     picked = {name: place - centre for name, place in landmarks.items()}
     _near_the_scan(picked, target)
-    frame = propose_frame(target.vertices, target.faces)
     _warm(target)
     timing["prepare"] = clock.lap()
     exchanged = (Doubt(tuple(picked), ALL_EXCHANGED),) if sides_exchanged(rig, picked) else ()
     followed = {} if exchanged else picked
-    start = best_start(rig, target, followed, frame.fronts)
     errors = {name: expected_error(share) for name, share in job.landmark_confidence.items()}
-    task = FitTask(rig, target, start, recipe, followed, landmark_errors=errors)
-    stance, reason = found_stance(task, frame) if job.stance == "auto" else (job.stance, "As asked for.")
+    task = FitTask(rig, target, rest_parameters(rig), recipe, followed, landmark_errors=errors)
+    if job.earlier is None:
+        task, reason = with_start(task, job.stance)
+    else:
+        task, reason = with_earlier_start(task, job.stance, job.earlier, centre)
     timing["align"] = clock.lap()
     return ReadyScan(
         job=job,
@@ -165,7 +165,7 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
         exchanged=exchanged,
         drawing=drawing,
         stance_reason=reason,
-        task=replace(task, stance=stance),
+        task=task,
         timing_s=timing,
     )
 
