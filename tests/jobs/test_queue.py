@@ -161,7 +161,7 @@ def test_a_fit_that_is_begun_again_is_told_the_stance_that_was_asked_for(
     append(storage, "interrupted", {"kind": "started", "stance": "supine", "model_sha256": "0" * 64})
     fit = get_fit(storage, "interrupted")
     assert (fit.stance, fit.asked_stance) == ("supine", "auto")
-    assert fit_job(storage, fit, None).stance == "auto"
+    assert fit_job(get_scan(storage, scan_id), fit, Path(), Path(), None).stance == "auto"
 
 
 def test_stopping_the_server_keeps_what_runs_and_what_waits_for_the_next(

@@ -41,7 +41,7 @@ def test_folders_without_a_row_are_removed(storage: Storage) -> None:
         folder = storage.root / kind / name
         folder.mkdir()
         (folder / "file").write_bytes(b"x")
-    storage.folders.remove_strangers({"known"}, set())
+    storage.remove_strangers({"scans/known"})
     assert os.listdir(storage.root / "scans") == ["known"]
     assert os.listdir(storage.root / "fits") == []
     assert os.listdir(storage.root / "rubbish") == []

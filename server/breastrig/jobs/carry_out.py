@@ -9,10 +9,9 @@ fits do the same each time, so the events that are known already are only counte
 
 import logging
 from collections.abc import Callable, Generator, Iterator
-from contextlib import ExitStack, closing, suppress
-from dataclasses import dataclass, replace
+from contextlib import ExitStack, closing, contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from sqlalchemy.exc import SQLAlchemyError
 
@@ -20,8 +19,12 @@ from breastrig.core.errors import BreastRigError, NotFound
 from breastrig.jobs.events import Event, Failed
 from breastrig.jobs.run_fit import FitJob
 from breastrig.jobs.telling import Over, Telling
+from breastrig.storage.disk_files import FolderDraft
+from breastrig.storage.files import Draft, fit_place, scan_place, upload_name
 from breastrig.storage.fits import FitRow, claim_fit, get_fit
-from breastrig.storage.scans import get_scan
+from breastrig.storage.location import Location
+from breastrig.storage.scans import ScanRow, get_scan
+from breastrig.storage.scratch import scratch_folder
 from breastrig.storage.storage import Storage
 
 Runner = Callable[[FitJob], Iterator[Event]]
@@ -44,17 +47,16 @@ ATTEMPTS = 3  # one that takes its machine down with it must not do so for ever
 log = logging.getLogger(__name__)
 
 
-def carry_out(root: Path, fit_id: str, runners: Runners, model: Path | None) -> None:
+def carry_out(location: Location, fit_id: str, runners: Runners, model: Path | None) -> None:
     """Runs the fit, and its partner with it, to the end; does nothing when both have ended.
 
-    Holds the folders before the claim, so that whoever has ended the fit can wait until nothing more is written
-    into them.
+    Holds the fits before the claim, so that whoever has ended one can wait until nothing more is written for it.
     """
-    storage = Storage(root)
+    storage = Storage(location)
     try:
         with ExitStack() as stack:
             for each in get_fit(storage, fit_id).both:
-                stack.enter_context(storage.folders.held(storage.folders.fit(each)))
+                stack.enter_context(storage.held(each))
             fit = claim_fit(storage, fit_id)
             if fit is not None:
                 both = [fit, *(get_fit(storage, each) for each in fit.both[1:])]
@@ -79,12 +81,14 @@ def _run(storage: Storage, tellings: list[Telling], runners: Runners, model: Pat
         fail(TOO_OFTEN.format(ATTEMPTS))
         return
     try:
-        with (
-            TemporaryDirectory() as unneeded,
-            closing(_story(storage, tellings, Path(unneeded), runners, model)) as story,
-        ):
-            for which, event in story:
-                tellings[which].tell(event)
+        with ExitStack() as stack:
+            drafts = [stack.enter_context(_draft(storage, each.fit)) for each in tellings]
+            jobs = [
+                stack.enter_context(_job(storage, each.fit, draft.folder, model))
+                for each, draft in zip(tellings, drafts, strict=True)
+            ]
+            for which, event in stack.enter_context(closing(_story(runners, jobs))):
+                _tell(tellings[which], event, drafts[which])
     except BreastRigError as error:
         fail(str(error))
     except MemoryError:
@@ -101,12 +105,8 @@ def _run(storage: Storage, tellings: list[Telling], runners: Runners, model: Pat
         fail("The fit broke for a reason inside BreastRig; the server's log says it.")
 
 
-def _story(
-    storage: Storage, tellings: list[Telling], unneeded: Path, runners: Runners, model: Path | None
-) -> Generator[tuple[int, Event], None, None]:
-    """(0, or 1 for the partner, and its next event).  The files of one that is done already go to `unneeded`."""
-    jobs = [fit_job(storage, each.fit, model) for each in tellings]
-    jobs = [replace(job, out=unneeded) if each.fit.ended else job for job, each in zip(jobs, tellings, strict=True)]
+def _story(runners: Runners, jobs: list[FitJob]) -> Generator[tuple[int, Event], None, None]:
+    """(0, or 1 for the partner, and its next event)."""
     if len(jobs) == 1:
         with closing(runners.one(jobs[0])) as events:  # type: ignore[type-var]
             for event in events:
@@ -116,12 +116,44 @@ def _story(
         yield from pairs
 
 
-def fit_job(storage: Storage, fit: FitRow, model: Path | None) -> FitJob:
-    """What the runner is told.  The unit is the one that was decided, and shown, at the upload."""
+def _tell(telling: Telling, event: Event, draft: Draft) -> None:
+    """Stores the event; the files come before the event that says that they are there."""
+    if event.kind != "done" or telling.fit.ended:
+        telling.tell(event)
+        return
+    draft.keep()
+    try:
+        telling.tell(event)
+    except Over:
+        if not telling.goes_on():
+            draft.take_back()
+        raise
+
+
+@contextmanager
+def _draft(storage: Storage, fit: FitRow) -> Iterator[Draft]:
+    """Where the fit's files are written; those of one that has ended already lead nowhere."""
+    if fit.ended:
+        with scratch_folder() as folder:
+            yield FolderDraft(folder)
+        return
+    with storage.files.writing(fit_place(fit.id)) as draft:
+        yield draft
+
+
+@contextmanager
+def _job(storage: Storage, fit: FitRow, out: Path, model: Path | None) -> Iterator[FitJob]:
+    """The fit's task, with its scan at hand."""
     scan = get_scan(storage, fit.scan)
+    with storage.files.reading(scan_place(scan.id), [upload_name(scan.file_type)]) as folder:
+        yield fit_job(scan, fit, folder, out, model)
+
+
+def fit_job(scan: ScanRow, fit: FitRow, folder: Path, out: Path, model: Path | None) -> FitJob:
+    """What the runner is told.  The unit is the one that was decided, and shown, at the upload."""
     return FitJob(
-        scan=storage.folders.uploaded(scan.id, scan.file_type),
-        out=storage.folders.fit(fit.id),
+        scan=folder / upload_name(scan.file_type),
+        out=out,
         landmarks_mm=fit.landmarks_mm,
         units=scan.facts["unit"],
         file_type=scan.file_type,

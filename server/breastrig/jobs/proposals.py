@@ -8,13 +8,14 @@ import logging
 import threading
 from collections.abc import Callable
 from concurrent.futures import CancelledError, wait
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
-from breastrig.jobs.processes import Processes
+from breastrig.jobs.executor import Executor
 from breastrig.jobs.propose_on_scan import ProposeJob
+from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.proposals import get_proposals, put_proposals
 from breastrig.storage.scans import ScanRow, get_scan
 from breastrig.storage.storage import Storage
@@ -28,7 +29,7 @@ class Proposals:
     """The proposals of all scans.  All methods may be called from any thread."""
 
     def __init__(
-        self, storage: Storage, processes: Processes, wall_s: float, proposer: Proposer, model: Path | None
+        self, storage: Storage, processes: Executor, wall_s: float, proposer: Proposer, model: Path | None
     ) -> None:
         self._storage = storage
         self._processes = processes
@@ -71,9 +72,17 @@ class Proposals:
             future = self._running.get(scan.id)
             if future is not None:
                 return future
-            file = self._storage.folders.uploaded(scan.id, scan.file_type)
-            job = ProposeJob(file, scan.file_type, scan.facts["unit"], self._model)
-            future = self._running[scan.id] = self._processes.schedule(self._proposer, (job,), timeout=self._wall_s)
+            fetched = ExitStack()
+            name = upload_name(scan.file_type)
+            try:
+                folder = fetched.enter_context(self._storage.files.reading(scan_place(scan.id), [name]))
+                job = ProposeJob(folder / name, scan.file_type, scan.facts["unit"], self._model)
+                future = self._processes.schedule(self._proposer, (job,), timeout=self._wall_s)
+            except BaseException:
+                fetched.close()
+                raise
+            self._running[scan.id] = future
+        future.add_done_callback(lambda _ended: fetched.close())
         future.add_done_callback(lambda ended: self._keep(scan.id, model_sha256, ended))
         return future
 

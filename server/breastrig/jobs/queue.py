@@ -93,7 +93,7 @@ class FitQueue:
                 self._end(each, Cancelled(reason=why))
                 self._kill(each)
         for fit_id in fit_ids:
-            if not self._storage.folders.wait_until_free(self._storage.folders.fit(fit_id), KILL_S):
+            if not self._storage.wait_until_free(fit_id, KILL_S):
                 log.error("the process of fit %s does not end", fit_id)
 
     def stop(self) -> None:
@@ -111,7 +111,7 @@ class FitQueue:
     def _start(self, fit_id: str) -> None:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
         self._began[fit_id] = time.monotonic()
-        args = (self._storage.root, fit_id, self._runners, self._model)
+        args = (self._storage.location, fit_id, self._runners, self._model)
         future = self._processes.schedule(carry_out, args, timeout=self._limits.wall_s)
         self._running[fit_id] = future
         future.add_done_callback(lambda ended: self._on_end(fit_id, ended))

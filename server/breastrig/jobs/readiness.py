@@ -6,7 +6,7 @@ The answer is kept for a moment, because anybody may ask, as often as they like.
 import threading
 import time
 
-from breastrig.jobs.processes import Processes
+from breastrig.jobs.executor import Executor
 from breastrig.storage.storage import Storage
 
 KEPT_S = 2.0
@@ -16,7 +16,7 @@ WAIT_S = 5.0  # a new process is there within a second, and the longest transact
 class Readiness:
     """Looks at the database and at the pools of processes."""
 
-    def __init__(self, storage: Storage, pools: dict[str, Processes]) -> None:
+    def __init__(self, storage: Storage, pools: dict[str, Executor]) -> None:
         self._storage = storage
         self._pools = pools  # name for people -> pool
         self._lock = threading.Lock()

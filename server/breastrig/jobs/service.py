@@ -35,6 +35,7 @@ from breastrig.jobs.transfer import TransferJob, transfer
 from breastrig.jobs.waiting_cap import WaitingCap
 from breastrig.storage import scans as scan_rows
 from breastrig.storage.events import StoredEvent
+from breastrig.storage.files import MESH, fit_place, scan_place, upload_name
 from breastrig.storage.fits import FitRow, FitWish, Once, add_fits, fit_ids, fits_of_scan, get_fit, made_before
 from breastrig.storage.folders import new_id
 from breastrig.storage.scans import Points, ScanRow
@@ -130,16 +131,18 @@ class Service:
     def add_scan(self, source: IO[bytes], file_type: str, units: str) -> ScanRow:
         """Keeps and reads an upload.  Raises BadScan or TooLarge with a sentence, and then keeps nothing."""
         scan_id = new_id()
-        folders = self.storage.folders
-        folders.make(folders.scan(scan_id))
+        place = scan_place(scan_id)
+        self.storage.files.make(place)
         try:
-            sha256 = _keep(source, folders.uploaded(scan_id, file_type))
-            job = UploadJob(folders.uploaded(scan_id, file_type), units, folders.mesh(scan_id), self._uploads.triangles)
-            facts = self._read(job)
+            with self.storage.files.writing(place) as draft:
+                upload = draft.folder / upload_name(file_type)
+                sha256 = _keep(source, upload)
+                facts = self._read(UploadJob(upload, units, draft.folder / MESH, self._uploads.triangles))
+                draft.keep()
             row = ScanRow(scan_id, utc_now(), file_type, sha256, facts)
             scan_rows.add_scan(self.storage, row)
         except BaseException:
-            folders.remove(folders.scan(scan_id))
+            self.storage.remove(place)
             raise
         return row
 
@@ -149,8 +152,7 @@ class Service:
         self._queue.drop(fits_of_scan(self.storage, scan_id))
         gone = scan_rows.delete_scan(self.storage, scan_id)
         self._queue.drop(gone)  # a fit may have been asked for in between
-        folders = self.storage.folders
-        folders.remove(folders.scan(scan_id), *(folders.fit(fit_id) for fit_id in gone))
+        self.storage.remove(scan_place(scan_id), *map(fit_place, gone))
         self._bell.ring()
 
     def proposed_landmarks(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
@@ -198,16 +200,15 @@ class Service:
 
     def _add_fit(self, wish: FitWish, other: FitWish | None, once: Once | None) -> str:
         wishes = {new_id(): one for one in (wish, other) if one is not None}
-        folders = [self.storage.folders.fit(fit_id) for fit_id in wishes]
-        for folder in folders:
-            self.storage.folders.make(folder)
+        for fit_id in wishes:
+            self.storage.make_fit(fit_id)
         try:
             made = add_fits(self.storage, utc_now(), wishes, once)
         except BaseException:
-            self.storage.folders.remove(*folders)
+            self.storage.remove(*map(fit_place, wishes))
             raise
         if made not in wishes:
-            self.storage.folders.remove(*folders)
+            self.storage.remove(*map(fit_place, wishes))
         return made
 
     def cancel_fit(self, fit_id: str) -> FitRow:
@@ -227,10 +228,11 @@ class Service:
 
         Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
         """
-        places = [self.storage.folders.fit(fit_id) for fit_id in (from_fit, to_fit)]
-        job = TransferJob(places[0], places[1], drawing, other_patient, self._model)
+        files = self.storage.files
         try:
-            carried: dict[str, Any] = self._readers.schedule(transfer, (job,), TRANSFER_WALL_S).result()
+            with files.reading(fit_place(from_fit)) as source, files.reading(fit_place(to_fit)) as goal:
+                job = TransferJob(source, goal, drawing, other_patient, self._model)
+                carried: dict[str, Any] = self._readers.schedule(transfer, (job,), TRANSFER_WALL_S).result()
         except BreastRigError:
             for fit_id in (from_fit, to_fit):
                 get_fit(self.storage, fit_id)
@@ -257,7 +259,8 @@ class Service:
         return facts
 
     def _clean(self) -> None:
-        self.storage.folders.remove_strangers(scan_rows.scan_ids(self.storage), fit_ids(self.storage))
+        known = {*map(scan_place, scan_rows.scan_ids(self.storage)), *map(fit_place, fit_ids(self.storage))}
+        self.storage.remove_strangers(known)
 
 
 def _keep(source: IO[bytes], path: Path) -> str:

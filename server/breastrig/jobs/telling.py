@@ -1,12 +1,13 @@
 """One attempt's part in the story of a fit: it stores what no attempt before it has stored."""
 
 import json
+from contextlib import suppress
 from typing import Any
 
 from breastrig.core.errors import Conflict, FitFailed, NotFound
 from breastrig.jobs.events import LAST_KINDS, Event, Started
 from breastrig.storage.events import append, events_of_kind
-from breastrig.storage.fits import FitRow
+from breastrig.storage.fits import FitRow, get_fit
 from breastrig.storage.storage import Storage
 
 OTHER_MODEL = "The model was exchanged after this fit had begun; start the fit again."
@@ -41,6 +42,12 @@ class Telling:
             append(self._storage, self.fit.id, event_json(event), self.fit.attempt)
         except (NotFound, Conflict) as error:
             raise Over from error
+
+    def goes_on(self) -> bool:
+        """Whether another worker has the fit, or has brought it to its end: then its files are that one's."""
+        with suppress(NotFound):
+            return get_fit(self._storage, self.fit.id).state in ("queued", "running", "done")
+        return False
 
     def _check_model(self, event: Started) -> None:
         known = events_of_kind(self._storage, self.fit.id, "started")

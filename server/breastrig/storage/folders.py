@@ -1,6 +1,6 @@
 """The files of scans and fits: one folder each, named by an unguessable id, below the data folder.
 
-    data/breastrig.sqlite3      rows
+    data/breastrig.sqlite3      rows, unless they are elsewhere (see `location`)
     data/scans/ID/              scan.ply, .obj, ... (the bytes as uploaded), mesh.glb (for display)
     data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json,
                                 distances.bin, fit.log.jsonl
@@ -14,7 +14,7 @@ import os
 import secrets
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -33,10 +33,6 @@ class Folders:
     def create(self) -> None:
         for folder in (self.root, self._scans, self._fits, self._rubbish):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-
-    @property
-    def database(self) -> Path:
-        return self.root / "breastrig.sqlite3"
 
     @property
     def lock(self) -> Path:
@@ -114,8 +110,7 @@ class Folders:
         for folder in self._rubbish.iterdir():
             shutil.rmtree(folder, ignore_errors=True)  # another thread may be at the same folder
 
-    def remove_strangers(self, scan_ids: set[str], fit_ids: set[str]) -> None:
-        """Removes every folder whose row is gone: what a killed upload or fit left behind."""
-        strangers = [folder for folder in self._scans.iterdir() if folder.name not in scan_ids]
-        strangers += [folder for folder in self._fits.iterdir() if folder.name not in fit_ids]
-        self.remove(*strangers)
+    def remove_strangers(self, known: Collection[str]) -> None:
+        """Removes every folder of a scan or fit that is not among `known` (as scans/ID, fits/ID)."""
+        found = (folder for kind in (self._scans, self._fits) for folder in kind.iterdir())
+        self.remove(*(folder for folder in found if folder.relative_to(self.root).as_posix() not in known))

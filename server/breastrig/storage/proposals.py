@@ -3,8 +3,7 @@
 import json
 from typing import Any
 
-from sqlalchemy import select
-from sqlalchemy.dialects.sqlite import insert as upsert
+from sqlalchemy import delete, insert, select
 
 from breastrig.core.errors import NotFound
 from breastrig.storage import schema
@@ -26,5 +25,5 @@ def put_proposals(storage: Storage, scan_id: str, model_sha256: str, landmarks: 
     with storage.database.writing() as connection:
         if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is None:
             raise NotFound("There is no such scan; it may have been deleted.")
-        statement = upsert(schema.proposals).values(scan=scan_id, **values)
-        connection.execute(statement.on_conflict_do_update(index_elements=["scan"], set_=values))
+        connection.execute(delete(schema.proposals).where(schema.proposals.c.scan == scan_id))
+        connection.execute(insert(schema.proposals).values(scan=scan_id, **values))

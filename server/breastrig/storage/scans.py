@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from sqlalchemy import delete, insert, select, update
-from sqlalchemy.dialects.sqlite import insert as upsert
 
 from breastrig.core.errors import NotFound
 from breastrig.storage import schema
@@ -81,5 +80,5 @@ def put_landmarks(storage: Storage, scan_id: str, points_mm: Points) -> None:
     with storage.database.writing() as connection:
         if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is None:
             raise NotFound("There is no such scan; it may have been deleted.")
-        statement = upsert(schema.landmarks).values(scan=scan_id, points_mm=text)
-        connection.execute(statement.on_conflict_do_update(index_elements=["scan"], set_={"points_mm": text}))
+        connection.execute(delete(schema.landmarks).where(schema.landmarks.c.scan == scan_id))
+        connection.execute(insert(schema.landmarks).values(scan=scan_id, points_mm=text))

@@ -1,0 +1,82 @@
+"""Where the files of scans and fits are kept: on the disk, or in a store such as S3.
+
+The rest of the program sees the same three things of both: a folder on this machine to read from, one to write into
+whose content is kept when it is whole, and an opened file to answer with.
+
+A place is `scans/ID` or `fits/ID`.
+"""
+
+from collections.abc import Callable, Collection
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Protocol
+
+
+def scan_place(scan_id: str) -> str:
+    return f"scans/{scan_id}"
+
+
+def fit_place(fit_id: str) -> str:
+    return f"fits/{fit_id}"
+
+
+def upload_name(file_type: str) -> str:
+    """The uploaded bytes' name in their scan's place."""
+    return f"scan.{file_type}"
+
+
+MESH = "mesh.glb"  # the scan for display
+
+
+@dataclass(frozen=True)
+class OpenedFile:
+    """One kept file, about to be answered with; nothing of its content has been read."""
+
+    path: Path | None  # where it is on this machine's disk; None: in a store
+    size: int
+    etag: str  # another one whenever the content is another
+    open: Callable[[], IO[bytes]]  # seekable; OSError when it was deleted meanwhile
+
+
+class Draft(Protocol):
+    """A folder to write into, whose files are nobody's until they are kept."""
+
+    folder: Path
+
+    def keep(self) -> None:
+        """Puts the folder's files where others find them.  Raises OSError."""
+
+    def take_back(self) -> None:
+        """Undoes `keep`, when what the files belong to has gone or ended otherwise."""
+
+
+class Files(Protocol):
+    """May be used from any thread."""
+
+    def create(self) -> None:
+        """What has to be there before anything is kept.  Raises BadSettings."""
+
+    def make(self, place: str) -> None:
+        """Before anything is put there."""
+
+    def reading(self, place: str, names: Collection[str] | None = None) -> AbstractContextManager[Path]:
+        """A folder with these of the place's files (None: all); to be read only, and only inside the block.
+
+        Files that are not there are not in it.
+        """
+
+    def writing(self, place: str) -> AbstractContextManager[Draft]:
+        """A folder of this block to write into."""
+
+    def find(self, place: str, name: str) -> OpenedFile | None:
+        """The file, if it is there."""
+
+    def write(self, place: str, name: str, content: bytes) -> None:
+        """Keeps one file, whole or not at all.  Raises OSError."""
+
+    def remove(self, *places: str) -> None:
+        """Removes the places with all they hold; one that is not there is no error."""
+
+    def remove_strangers(self, known: Collection[str]) -> None:
+        """Removes every other place: what a killed upload or fit left behind."""

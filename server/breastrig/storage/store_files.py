@@ -1,0 +1,146 @@
+"""Files in any store that fsspec knows, such as S3.
+
+Whatever is read is fetched into a scratch folder first, and whatever is kept is written there first, because the
+programs that read and write scans need files of their own.  Nothing that was fetched outlives its use, and no list
+of the store's content is kept, so that a deleted scan is gone.
+
+The store's credentials come from its own settings (for S3 the environment or ~/.aws), never from ours.
+"""
+
+import errno
+import hashlib
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from breastrig.core.errors import BadSettings
+from breastrig.storage.files import OpenedFile
+from breastrig.storage.scratch import scratch_folder
+
+KINDS = ("scans", "fits")
+BLOCK_BYTES = 2**20  # fetched ahead while a file is answered
+
+
+@dataclass(frozen=True)
+class ScratchDraft:
+    """A scratch folder, whose files go into the store at once when they are whole."""
+
+    folder: Path
+    put: Callable[[], None]
+    remove: Callable[[], None]
+
+    def keep(self) -> None:
+        self.put()
+
+    def take_back(self) -> None:
+        self.remove()
+
+
+class StoreFiles:
+    """The Files below a URL.  Raises BadSettings when fsspec, or what it needs for this URL, is not installed."""
+
+    def __init__(self, url: str) -> None:
+        self._url = url
+        try:
+            from fsspec.core import url_to_fs  # only large installations have it
+        except ImportError as error:
+            raise BadSettings("A store of files needs fsspec; install it with: pip install 'breastrig[s3]'.") from error
+        try:
+            fs, root = url_to_fs(url, use_listings_cache=False, skip_instance_cache=True)
+        except (ImportError, ValueError) as error:
+            raise BadSettings(
+                f"Files cannot be kept at {url} ({error}); check the URL, for S3: pip install 'breastrig[s3]'."
+            ) from error
+        self._fs: Any = fs
+        self._root = root.rstrip("/")
+
+    def create(self) -> None:
+        try:
+            for kind in KINDS:
+                self._fs.makedirs(f"{self._root}/{kind}", exist_ok=True)
+                self._names(kind)
+        except Exception as error:  # each kind of store has errors of its own
+            said = str(error).strip().splitlines()[0].rstrip(".") if str(error).strip() else type(error).__name__
+            raise BadSettings(
+                f"The files at {self._url} cannot be reached ({said}); check the URL, the store and its credentials."
+            ) from error
+
+    def make(self, place: str) -> None:
+        pass
+
+    @contextmanager
+    def reading(self, place: str, names: Collection[str] | None = None) -> Iterator[Path]:
+        with scratch_folder() as folder:
+            self._fetch(place, names, folder)
+            yield folder
+
+    @contextmanager
+    def writing(self, place: str) -> Iterator[ScratchDraft]:
+        with scratch_folder() as folder:
+            yield ScratchDraft(folder, lambda: self._put(place, folder), lambda: self.remove(place))
+
+    def find(self, place: str, name: str) -> OpenedFile | None:
+        path = self._path(place, name)
+        with _as_os_errors():
+            try:
+                facts = self._fs.info(path)
+            except FileNotFoundError:
+                return None
+        changed = facts.get("ETag") or facts.get("mtime") or facts.get("created")
+        etag = hashlib.sha256(f"{changed} {facts['size']}".encode()).hexdigest()[:32]
+        return OpenedFile(None, int(facts["size"]), etag, lambda: self._open(path))
+
+    def write(self, place: str, name: str, content: bytes) -> None:
+        with _as_os_errors():
+            self._fs.pipe_file(self._path(place, name), content)
+
+    def remove(self, *places: str) -> None:
+        for place in places:
+            with _as_os_errors(), suppress(FileNotFoundError):
+                self._fs.rm(self._path(place), recursive=True)
+
+    def remove_strangers(self, known: Collection[str]) -> None:
+        places = {f"{kind}/{name}" for kind in KINDS for name in self._names(kind)}
+        self.remove(*(places - set(known)))
+
+    def _fetch(self, place: str, names: Collection[str] | None, folder: Path) -> None:
+        with _as_os_errors():
+            found = self._fs.find(self._path(place)) if names is None else [self._path(place, name) for name in names]
+            for path in found:
+                with suppress(FileNotFoundError):
+                    self._fs.get_file(path, str(folder / path.rpartition("/")[2]))
+
+    def _put(self, place: str, folder: Path) -> None:
+        with _as_os_errors():
+            self._fs.makedirs(self._path(place), exist_ok=True)
+            for file in sorted(folder.iterdir()):
+                self._fs.put_file(str(file), self._path(place, file.name))
+
+    def _open(self, path: str) -> IO[bytes]:
+        with _as_os_errors():
+            opened: IO[bytes] = self._fs.open(path, "rb", block_size=BLOCK_BYTES)
+        return opened
+
+    def _names(self, kind: str) -> set[str]:
+        with _as_os_errors():
+            try:
+                found = self._fs.ls(f"{self._root}/{kind}", detail=False, refresh=True)
+            except FileNotFoundError:  # S3 knows no empty folders
+                return set()
+        return {path.rstrip("/").rpartition("/")[2] for path in found} - {kind, ""}
+
+    def _path(self, *parts: str) -> str:
+        return "/".join((self._root, *parts))
+
+
+@contextmanager
+def _as_os_errors() -> Iterator[None]:
+    """A store that does not answer is told from a disk that does not by nobody but the log."""
+    try:
+        yield
+    except OSError:
+        raise
+    except Exception as error:
+        raise OSError(errno.EIO, f"the store of files does not answer ({type(error).__name__})") from error
