@@ -9,6 +9,7 @@ from breastrig.jobs.limits import UploadLimits
 from breastrig.jobs.sweep import KEEP_DAYS
 
 TOKEN_VARIABLE = "BREASTRIG_TOKEN"
+STREAMS = 64  # fifty viewers and some scripts; a waiting thread costs 0.1 MB and no time
 TOKEN_LENGTH = 16  # characters, at least; shorter ones can be guessed
 
 
@@ -24,7 +25,7 @@ class Config:
     json_bytes: int = 1_000_000  # largest JSON body; twelve landmarks need 1 kB
     heartbeat_s: float = 15.0  # proxies close a silent stream after 30 to 60 s
     proposal_wait_s: float = 8.0  # proposals take about 0.7 s; browsers and proxies wait for 30 s and more
-    streams: int = 24  # open event streams; each holds one thread of the server
+    streams: int = STREAMS  # open event streams; each holds one thread of the server
 
     @property
     def allowed_hosts(self) -> frozenset[str] | None:

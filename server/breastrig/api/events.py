@@ -50,7 +50,9 @@ def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
     if fit.ended and fit.last_event <= after:
         return Response(status=204)
     if not here.service.streams.acquire(blocking=False):
-        raise refuse(503, "Too many event streams are open; ask events.json instead, or try again later.")
+        raise refuse(
+            503, "Too many event streams are open; ask events.json instead, or try again later.", {"Retry-After": "5"}
+        )
     gone = request.environ.get("waitress.client_disconnected")
     response = Response(
         _lines(here.service.follow(fit_id, after, here.config.heartbeat_s, gone)),

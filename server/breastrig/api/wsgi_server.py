@@ -11,11 +11,12 @@ from waitress.channel import HTTPChannel
 from waitress.server import BaseWSGIServer, create_server
 from waitress.task import ErrorTask
 
+from breastrig.api.config import STREAMS
 from breastrig.api.errors import SENTENCES, problem
 from breastrig.api.security import HEADERS
 from breastrig.core.errors import BadSettings
 
-THREADS = 32  # 24 streams and 8 for everything else
+THREADS = STREAMS + 16  # 16 for everything else: what takes long is done by processes, two or four at a time
 SPARE_BYTES = 10_000_000  # over the upload limit: a body in between is refused by us, with a better sentence
 
 

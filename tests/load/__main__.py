@@ -1,0 +1,29 @@
+"""`make load`, or `python -m load --seconds 60 --clients 4 --viewers 50` with tests/ on the path."""
+
+import argparse
+import os
+import platform
+import sys
+
+from load.measured import table
+from load.run import run
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(prog="load", description=__doc__)
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--clients", type=int, default=4)
+    parser.add_argument("--viewers", type=int, default=50)
+    options = parser.parse_args()
+    found = run(options.seconds, options.clients, options.viewers)
+    out = sys.stdout.write
+    out(f"{options.clients} clients, {options.viewers} viewers; Python {platform.python_version()}, ")
+    out(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}\n\n")
+    out("\n".join(table(found.measured, found.seconds)) + "\n\n")
+    out(f"{'server after':<16}{'its memory MB':>14}{'all MB':>10}{'threads':>10}{'processes':>11}\n")
+    last = len(found.memory) - 1
+    for index in sorted({0, last // 4, last // 2, 3 * last // 4, last}):
+        at, used = found.memory[index]
+        out(f"{at:>12.0f} s  {used.server_mb:>14.0f}{used.tree_mb:>10.0f}{used.threads:>10}{used.processes:>11}\n")
+    out(f"\nthe server ended with {found.exit_status}, its log has {len(found.log.splitlines())} lines\n")
+    out("".join(f"  {line[:300]}\n" for line in found.log.splitlines()[-5:]))
+    sys.exit(1 if found.measured.errors or found.exit_status else 0)

@@ -1,0 +1,86 @@
+"""One run: a server as a process of its own, the clients and viewers in this one."""
+
+import asyncio
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+from breastrig.core.assets import asset_folder
+from load.clients import work
+from load.measured import Measured
+from load.viewers import Stage, view
+from load.watched import Footprint, StoredEvents, footprint
+
+SETTLE_S = 60.0  # at the end whatever is under way is let finish
+
+
+@dataclass(frozen=True)
+class Result:
+    measured: Measured
+    seconds: float
+    memory: list[tuple[float, Footprint]]  # (s since the start, what the server used)
+    exit_status: int
+    log: str
+
+
+def run(seconds: float, clients: int, viewers: int) -> Result:
+    """`breastrig serve` with the packaged model and the example patient, on a port and a data folder of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        data, log = Path(folder, "data"), Path(folder, "log")
+        with log.open("w") as errors:
+            server = subprocess.Popen(
+                [sys.executable, "-m", "breastrig.cli.main", "serve", "--port", "0", "--data", str(data)],
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                text=True,
+            )
+        assert server.stdout is not None
+        try:
+            found = re.search(r"http://[^:]+:(\d+)/", server.stdout.readline())
+            assert found, log.read_text()
+            stored = StoredEvents(data / "breastrig.sqlite3")
+            stored.start()
+            measured, took, memory = asyncio.run(_all(int(found[1]), server.pid, seconds, clients, viewers, stored))
+            stored.stop()
+            server.terminate()
+            status = server.wait(timeout=60)
+        finally:
+            server.kill()
+            server.wait()
+            server.stdout.close()
+        return Result(measured, took, memory, status, log.read_text())
+
+
+async def _all(
+    port: int, pid: int, seconds: float, clients: int, viewers: int, stored: StoredEvents
+) -> tuple[Measured, float, list[tuple[float, Footprint]]]:
+    folder = asset_folder("example") / "standing"
+    scan = (folder / "scan.ply").read_bytes()
+    landmarks = json.loads((folder / "landmarks.json").read_text(encoding="utf-8"))["landmarks"]
+    stage = Stage(port, Measured(), asyncio.Event())
+    memory = [(0.0, footprint(pid))]
+    began = perf_counter()
+    async with asyncio.TaskGroup() as tasks:
+        for _ in range(clients):
+            tasks.create_task(work(stage, scan, landmarks))
+        for seed in range(viewers):
+            tasks.create_task(view(stage, seed))
+        while (now := perf_counter() - began) < seconds:
+            await asyncio.sleep(min(1.0, seconds - now))
+            stage.measured.open_streams.append(stage.streams)
+            memory.append((perf_counter() - began, footprint(pid)))
+        stage.over.set()
+        await asyncio.sleep(0)
+    took = perf_counter() - began
+    stage.measured.late_s += [
+        max(0.0, moment - stored.moments[fit, number])
+        for fit, number, moment, opened in stage.received
+        if stored.moments.get((fit, number), 0.0) > opened  # the others had been stored before anyone asked
+    ]
+    memory.append((took, footprint(pid)))
+    return stage.measured, took, memory

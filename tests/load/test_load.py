@@ -1,0 +1,48 @@
+"""A short run of what `make load` does for a minute."""
+
+import sqlite3
+from pathlib import Path
+
+from load.measured import Measured, percentile, table
+from load.run import run
+from load.watched import StoredEvents
+
+
+def test_clients_work_while_viewers_watch_without_any_error() -> None:
+    found = run(seconds=3.0, clients=2, viewers=8)
+    assert found.measured.errors == []
+    assert found.exit_status == 0
+    assert "error" not in found.log
+    assert found.measured.fits >= 2
+    assert found.measured.stories >= 1
+    calls = found.measured.seconds
+    assert len(calls["POST scans"]) == len(calls["GET fitted.glb"]) == len(calls["DELETE scan"]) == found.measured.fits
+    assert found.measured.late_s
+    assert all(used.server_mb > 0 and used.threads > 50 for _, used in found.memory)
+
+
+def test_the_table_counts_and_ranks() -> None:
+    measured = Measured(fits=6, stories=9, open_streams=[4, 6], errors=["client: so it is"])
+    measured.seconds["POST fits"] += [0.001 * k for k in range(1, 102)]
+    assert percentile(measured.seconds["POST fits"], 95) == 0.096
+    lines = table(measured, 3.0)
+    assert lines[1].split() == ["POST", "fits", "101", "51", "96", "101"]
+    assert "fits        6 in 3 s: 2.00 fits/s" in lines
+    assert "viewers     9 whole stories, on average 5 streams open" in lines
+    assert "            client: so it is" in lines
+
+
+def test_the_moment_of_a_stored_event_is_noted(tmp_path: Path) -> None:
+    connection = sqlite3.connect(tmp_path / "rows", isolation_level=None)
+    connection.execute("CREATE TABLE events (position INTEGER PRIMARY KEY, fit TEXT, number INTEGER)")
+    connection.execute("INSERT INTO events VALUES (1, 'fit', 1)")
+    stored = StoredEvents(tmp_path / "rows")
+    stored.start()
+    while len(stored.moments) < 1:
+        stored.join(0.001)
+    connection.execute("INSERT INTO events VALUES (2, 'fit', 2)")
+    while len(stored.moments) < 2:
+        stored.join(0.001)
+    stored.stop()
+    connection.close()
+    assert stored.moments["fit", 2] > stored.moments["fit", 1]
