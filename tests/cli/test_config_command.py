@@ -113,3 +113,51 @@ def test_purge_looks_where_serve_would(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setenv("BREASTRIG_DATA", str(tmp_path / "elsewhere"))
     assert main(["purge", "--all"]) == 2
     assert f"no BreastRig data folder at {tmp_path / 'elsewhere'}" in capsys.readouterr().err
+
+
+def test_the_password_of_the_database_is_shown_nowhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for url, shown in (
+        ("postgresql://me:geheim@host:5432/rig", "postgresql://me:***@host:5432/rig"),
+        ("postgresql://me:ge@heim:geheim@host/rig", "postgresql://me:***@host/rig"),
+        ("postgresql://host/rig?user=me&password=geheim", "postgresql://host/rig?user=me&password=***"),
+        ("postgresql://host/rig", "postgresql://host/rig"),
+    ):
+        monkeypatch.setenv("BREASTRIG_DATABASE", url)
+        assert lines(capsys)["database"] == (shown, "environment BREASTRIG_DATABASE")
+    for wrong in ("mysql://me:geheim@host/rig", "me:geheim@host"):
+        monkeypatch.setenv("BREASTRIG_DATABASE", wrong)
+        assert main(["config"]) == 2
+        said = capsys.readouterr().err
+        assert "is no database; use a URL such as postgresql://USER@HOST/NAME." in said
+        assert "geheim" not in said
+
+
+def test_where_things_are_and_who_works_can_be_set(capsys: pytest.CaptureFixture[str]) -> None:
+    found = lines(capsys, "--files", "s3://bucket/prefix/", "--scheduler", "tcp://host:8786")
+    assert found["files"] == ("s3://bucket/prefix", "option --files")
+    assert found["scheduler"] == ("tcp://host:8786", "option --scheduler")
+    found = lines(capsys)
+    assert found["database"][0] == "SQLite in the data folder"
+    assert found["files"][0] == "in the data folder"
+    assert found["scheduler"][0] == "none: local processes"
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "sentence"),
+    [
+        ("--files", "/a/folder", "is no store of files"),
+        ("--files", "s3://key:geheim@bucket", "holds credentials"),
+        ("--scheduler", "host", "is no address of a scheduler"),
+    ],
+)
+def test_an_address_that_is_none_is_a_mistake_of_usage(
+    option: str, value: str, sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["config", option, value])
+    assert stop.value.code == 2
+    said = capsys.readouterr().err
+    assert sentence in said
+    assert "geheim" not in said

@@ -5,6 +5,7 @@ token is no setting of the file: it comes from the environment or from a file of
 """
 
 import os
+import re
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from breastrig.api.config import TOKEN_VARIABLE
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.sweep import KEEP_DAYS
+from breastrig.storage.location import Location
 from breastrig.storage.storage import default_data_folder
 
 PREFIX = "BREASTRIG_"
@@ -29,6 +31,7 @@ class Setting:
     read: Callable[[str], Any]
     default: Callable[[], Any]
     show: Callable[[Any], str] = str
+    quote: Callable[[str], str] = str  # how text that cannot be used is named in a sentence
 
 
 @dataclass(frozen=True)
@@ -82,10 +85,49 @@ def read_folder(text: str) -> Path:
     return Path(text).expanduser().absolute()
 
 
+def read_database(text: str) -> str:
+    """postgresql://USER:PASSWORD@HOST/NAME, as psycopg knows it."""
+    if not re.fullmatch(r"postgres(ql)?(\+psycopg)?://\S*", text):
+        raise ValueError("is no database; use a URL such as postgresql://USER@HOST/NAME")
+    return text
+
+
+def without_password(url: str) -> str:
+    """The same URL, fit to be shown; also when it is none."""
+    hidden = re.sub(r"(?<=[?&]password=)[^&]*", "***", url)
+    return re.sub(r"(//[^/?#]*?):[^/?#]*@", r"\1:***@", hidden)
+
+
+def read_files(text: str) -> str:
+    if "://" not in text:
+        raise ValueError("is no store of files; use a URL such as s3://BUCKET/PREFIX, or --data for a folder")
+    if "@" in text:
+        raise ValueError("holds credentials; give them to the store's own settings, for S3 AWS_ACCESS_KEY_ID and so on")
+    return text.rstrip("/")
+
+
+def read_scheduler(text: str) -> str:
+    if not re.fullmatch(r"[a-z]+://\S+|[^\s:/]+:[0-9]+", text):
+        raise ValueError("is no address of a scheduler; use tcp://HOST:8786")
+    return text
+
+
 SETTINGS: dict[str, Setting] = {
     "host": Setting(str, lambda: "127.0.0.1"),
     "port": Setting(read_port, lambda: 8321),
     "data": Setting(read_folder, default_data_folder),
+    "database": Setting(
+        read_database,
+        lambda: None,
+        lambda url: "SQLite in the data folder" if url is None else without_password(url),
+        lambda text: without_password(text) if "//" in text else "this",  # it may be a password alone
+    ),
+    "files": Setting(
+        read_files, lambda: None, lambda url: "in the data folder" if url is None else url, without_password
+    ),
+    "scheduler": Setting(
+        read_scheduler, lambda: None, lambda address: "none: local processes" if address is None else address
+    ),
     "keep_days": Setting(
         read_keep_days, lambda: float(KEEP_DAYS), lambda days: "forever" if days is None else f"{days:g}"
     ),
@@ -131,7 +173,7 @@ def effective_settings(
         try:
             value = setting.read(str(text))
         except ValueError as error:
-            raise BadSettings(f"{name} ({source}): {text} {error}.") from error
+            raise BadSettings(f"{name} ({source}): {setting.quote(str(text))} {error}.") from error
         found[name] = Found(value, source, setting.show(value))
     return found
 
@@ -150,6 +192,11 @@ def _read_file(file: Path) -> dict[str, Any]:
         if name not in SETTINGS:
             raise BadSettings(f"{file}: {unknown_name('setting', name, tuple(SETTINGS))}")
     return document
+
+
+def location_of(found: Mapping[str, Found]) -> Location:
+    """Where rows and files are."""
+    return Location(found["data"].value, found["database"].value, found["files"].value)
 
 
 def token_source(found: Mapping[str, Found], environment: Mapping[str, str] = os.environ) -> tuple[str | None, str]:

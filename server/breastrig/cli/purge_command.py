@@ -2,9 +2,10 @@
 
 import argparse
 
-from breastrig.api.settings import read_days
-from breastrig.cli.data_option import add_data_option, data_folder
+from breastrig.api.settings import read_days, without_password
+from breastrig.cli.place_options import add_place_options, chosen_location
 from breastrig.jobs.purge import purge
+from breastrig.storage.location import Location
 from breastrig.storage.storage import Storage
 
 
@@ -13,19 +14,23 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     which = parser.add_mutually_exclusive_group(required=True)
     which.add_argument("--all", action="store_true", help="every scan")
     which.add_argument("--older-than", type=days, metavar="DAYS", help="scans uploaded more than so many days ago")
-    add_data_option(parser)
+    add_place_options(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Deletes for good and says how many; returns 0."""
-    storage = Storage(data_folder(options))
+    storage = Storage(chosen_location(options))
     try:
         count = purge(storage, None if options.all else options.older_than)
     finally:
         storage.close()
-    print(f"{count} {'scan' if count == 1 else 'scans'} deleted from {storage.root}")
+    print(f"{count} {'scan' if count == 1 else 'scans'} deleted from {_place(storage.location)}")
     return 0
+
+
+def _place(location: Location) -> str:
+    return str(location.root) if location.database is None else without_password(location.database)
 
 
 def days(text: str) -> float:

@@ -3,17 +3,19 @@
 import argparse
 import signal
 import sys
+from contextlib import ExitStack
 from types import FrameType
 from typing import Any
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config, checked_token
-from breastrig.api.settings import token_source
+from breastrig.api.settings import location_of, token_source
 from breastrig.api.wsgi_server import listen
 from breastrig.cli.service_options import add_service_options, service_settings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.core.notice import RESEARCH_USE_ONLY
 from breastrig.jobs.carry_out import Runner
+from breastrig.jobs.executor import Executor
 from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.run_fit import run_fit
 from breastrig.jobs.service import Service
@@ -43,18 +45,26 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
         model=setting["model"],
         keep_days=setting["keep_days"],
     )
+    limits = FitLimits(workers=setting["workers"], waiting_per_client=setting["waiting_per_client"])
+    storage = Storage(location_of(found))
+    executor = None if setting["scheduler"] is None else _cluster(setting["scheduler"], limits)
     service = Service(
-        Storage(setting["data"]),
+        storage,
         runner=runner,
         model=config.model,
         uploads=config.uploads,
-        fits=FitLimits(workers=setting["workers"], waiting_per_client=setting["waiting_per_client"]),
+        fits=limits,
+        executor=executor,
         streams=config.streams,
         keep_days=config.keep_days,
     )
-    app = create_app(config, service)
-    server = listen(app, config.host, setting["port"], config.uploads.file_bytes)
-    try:
+    with ExitStack() as stack:
+        if executor is not None:
+            stack.callback(executor.stop)
+        app = create_app(config, service)
+        server = listen(app, config.host, setting["port"], config.uploads.file_bytes)
+        stack.callback(server.close)
+        stack.callback(server.task_dispatcher.shutdown)
         with service.started():
             _stop_on_signals(service)
             shown = f"[{config.host}]" if ":" in config.host else config.host
@@ -63,10 +73,14 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
             if config.token is not None:
                 print(f"Browsers are asked for the token ({token_from}); scripts send it as a bearer.", flush=True)
             server.run()
-    finally:
-        server.task_dispatcher.shutdown()
-        server.close()
     return 0
+
+
+def _cluster(address: str, limits: FitLimits) -> Executor:
+    """The workers of a Dask scheduler.  Raises BadSettings when it does not answer or Dask is not installed."""
+    from breastrig.jobs.dask_pool import DaskPool  # most installations have no Dask
+
+    return DaskPool(address, memory_bytes=limits.memory_bytes)
 
 
 def _stop_on_signals(service: Service) -> None:

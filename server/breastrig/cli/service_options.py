@@ -2,9 +2,7 @@
 
 import argparse
 import os
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from breastrig.api.config import TOKEN_VARIABLE
 from breastrig.api.settings import (
@@ -13,12 +11,9 @@ from breastrig.api.settings import (
     SETTINGS,
     Found,
     effective_settings,
-    read_count,
-    read_keep_days,
-    read_port,
     settings_file,
 )
-from breastrig.cli.data_option import add_data_option
+from breastrig.cli.place_options import add_place_options, checked
 from breastrig.jobs.sweep import KEEP_DAYS
 
 PORT = SETTINGS["port"].default()
@@ -30,21 +25,27 @@ def add_service_options(parser: argparse.ArgumentParser) -> None:
         help=f"address to listen on (default 127.0.0.1); any but this machine's own needs {TOKEN_VARIABLE} or "
         "--token-file",
     )
-    parser.add_argument("--port", type=_checked(read_port), help=f"port to listen on (default {PORT}; 0: a free one)")
-    add_data_option(parser)
+    parser.add_argument("--port", type=checked("port"), help=f"port to listen on (default {PORT}; 0: a free one)")
+    add_place_options(parser)
+    parser.add_argument(
+        "--scheduler",
+        type=checked("scheduler"),
+        metavar="ADDRESS",
+        help="a Dask scheduler, whose workers carry out the fits (default: processes of this machine)",
+    )
     parser.add_argument(
         "--keep-days",
-        type=_checked(read_keep_days),
+        type=checked("keep_days"),
         metavar="DAYS",
         help=f"delete scans so many days after their upload (default {KEEP_DAYS}), or: forever",
     )
     parser.add_argument("--model", metavar="GLB", help="another rig than the package's torso")
     parser.add_argument(
-        "--workers", type=_checked(read_count), help="fits that run at once (default: one a core, at most 8)"
+        "--workers", type=checked("workers"), help="fits that run at once (default: one a core, at most 8)"
     )
     parser.add_argument(
         "--waiting-per-client",
-        type=_checked(read_count),
+        type=checked("waiting_per_client"),
         metavar="N",
         help="fits that one client may have waiting (default 50)",
     )
@@ -63,16 +64,3 @@ def service_settings(options: argparse.Namespace) -> dict[str, Found]:
     """The effective settings.  Raises BadSettings."""
     given = {name: getattr(options, name) for name in SETTINGS}
     return effective_settings(given, settings_file(options.config, os.environ), os.environ)
-
-
-def _checked(read: Callable[[str], Any]) -> Callable[[str], str]:
-    """Refuses a wrong value as a mistake of usage; the text itself goes on."""
-
-    def check(text: str) -> str:
-        try:
-            read(text)
-        except ValueError as error:
-            raise argparse.ArgumentTypeError(f"{text} {error}") from error
-        return text
-
-    return check

@@ -28,8 +28,10 @@ from breastrig.storage.storage import Storage
 
 STARTS = 3  # a process may die before it has claimed its fit; then the fit is started again, so often at most
 SETTLE_AGAIN_S = 1.0
+LOOK_S = 1.0  # how soon a worker that has joined a cluster is given a waiting fit
 KILL_S = 10.0  # Pebble asks a process to end, and after 3 s makes it
 DIED = "The fit's process ended unexpectedly, perhaps for want of memory; start the fit again or give a smaller scan."
+LOST = "The cluster's scheduler was lost while this fit ran; start the fit again."
 SILENT = "The fit ended without a result; this is an error inside BreastRig."
 
 log = logging.getLogger(__name__)
@@ -52,12 +54,15 @@ class FitQueue:
         self._began: dict[str, float] = {}  # fit id -> time.monotonic() of its last start
         self.tell_end: Callable[[str, float], None] | None = None  # (state, seconds) of each fit that ends
         self._stopping = False
+        self._stop_looking = threading.Event()
+        self._look = threading.Thread(target=self._look_on, name="breastrig-queue", daemon=True)
 
     def recover(self) -> tuple[int, int]:
         """After a start: takes up the fits that ran, and those that waited.  (how many ran, how many wait now)."""
         interrupted = put_back(self._storage)
         waiting = len(fits_in_state(self._storage, "queued"))
         self.wake()
+        self._look.start()
         return interrupted, waiting
 
     def wake(self) -> None:
@@ -101,12 +106,21 @@ class FitQueue:
         with self._lock:
             self._stopping = True
             running = dict(self._running)
+        self._stop_looking.set()
         wait(running.values(), timeout=self._limits.grace_s)
         self._processes.stop()
         try:
             put_back(self._storage)
         except SQLAlchemyError as unwritten:  # the next start does it
             log.error("the fits that ran cannot be put back yet: %s", type(unwritten).__name__)
+
+    def _look_on(self) -> None:
+        """Whoever adds or ends a fit wakes the queue; only the workers come and go without a word."""
+        while not self._stop_looking.wait(LOOK_S):
+            try:
+                self.wake()
+            except Exception:
+                log.exception("the queue cannot be read")
 
     def _start(self, fit_id: str) -> None:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
@@ -190,4 +204,6 @@ def _why(error: BaseException | None) -> str:
     """The sentence for a fit whose process came back without an end."""
     if error is None:
         return SILENT
+    if isinstance(error, ConnectionError):
+        return LOST
     return UNWRITTEN if isinstance(error, SQLAlchemyError) else DIED

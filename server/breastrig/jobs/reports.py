@@ -5,13 +5,13 @@ A report of two stances is not kept: it would outlive the deletion of the other 
 
 import logging
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
-from breastrig.core.errors import BreastRigError, FitFailed
-from breastrig.jobs.fit_files import write_whole
-from breastrig.jobs.processes import Processes
+from breastrig.core.errors import BreastRigError, FitFailed, NotFound
+from breastrig.jobs.executor import Executor
 from breastrig.jobs.report import ReportJob, measures_json_of, report_pdf_of
+from breastrig.storage.files import fit_place
 from breastrig.storage.fits import get_fit
 from breastrig.storage.storage import Storage
 
@@ -24,7 +24,7 @@ log = logging.getLogger(__name__)
 class Reports:
     """The reports of all fits.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: Processes, model: Path | None) -> None:
+    def __init__(self, storage: Storage, processes: Executor, model: Path | None) -> None:
         self._storage = storage
         self._processes = processes
         self._model = model
@@ -41,26 +41,35 @@ class Reports:
         return self._kept_or_made("measures.json", fit_id, other_id)
 
     def _kept_or_made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
-        kept = self._storage.folders.fit(fit_id) / name
-        if other_id is None and kept.is_file():
-            return kept.read_bytes()
-        content = self._made(name, fit_id, other_id)
-        if other_id is None:
-            try:
-                write_whole(kept, content)
-            except OSError as error:
-                get_fit(self._storage, fit_id)  # deleted: its folder is gone
-                log.warning("a report cannot be kept (%s)", error.strerror)
+        if other_id is not None:
+            return self._made(name, fit_id, other_id)
+        kept = self._storage.files.find(fit_place(fit_id), name)
+        if kept is not None:
+            with kept.open() as file:
+                return file.read()
+        content = self._made(name, fit_id, None)
+        self._keep(name, fit_id, content)
         return content
 
-    def _made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
-        folders = self._storage.folders
-        other = None if other_id is None else folders.fit(other_id)
-        future: Any = self._processes.schedule(
-            MAKERS[name], (ReportJob(folders.fit(fit_id), other, self._model),), WALL_S
-        )
+    def _keep(self, name: str, fit_id: str, content: bytes) -> None:
+        """Raises NotFound when the fit was deleted meanwhile; then nothing is left of the report."""
         try:
-            content: bytes = future.result()
+            self._storage.files.write(fit_place(fit_id), name, content)
+        except OSError as error:  # on the disk also because the folder is gone
+            log.warning("a report cannot be kept (%s)", error.strerror)
+        try:
+            get_fit(self._storage, fit_id)
+        except NotFound:
+            self._storage.remove(fit_place(fit_id))
+            raise
+
+    def _made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
+        try:
+            with ExitStack() as stack:
+                places = [fit_place(one) for one in (fit_id, other_id) if one is not None]
+                folders = [stack.enter_context(self._storage.files.reading(place)) for place in places]
+                job = ReportJob(folders[0], None if other_id is None else folders[1], self._model)
+                content: bytes = self._processes.schedule(MAKERS[name], (job,), WALL_S).result()
         except BreastRigError:
             for known in (fit_id, other_id):
                 if known is not None:

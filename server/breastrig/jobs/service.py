@@ -3,7 +3,7 @@
     with Service(storage, runner).started() as service: ...
 
 owns two pools of processes (uploads, fits), the queue and the bell; `started` starts all and leaves nothing
-running.
+running.  Another executor may carry out the fits; it is the service's then.
 """
 
 import hashlib
@@ -19,6 +19,7 @@ from typing import IO, Any
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound, unknown_name
 from breastrig.jobs.carry_out import PairRunner, Runner, Runners
+from breastrig.jobs.executor import Executor
 from breastrig.jobs.follow import Bell, Heartbeat, Queued, follow
 from breastrig.jobs.limits import FitLimits, UploadLimits
 from breastrig.jobs.processes import Processes
@@ -69,6 +70,7 @@ class Service:
         examples: Path | None = None,
         uploads: UploadLimits | None = None,
         fits: FitLimits | None = None,
+        executor: Executor | None = None,
         streams: int = 24,
         keep_days: float | None = KEEP_DAYS,
     ) -> None:
@@ -79,7 +81,7 @@ class Service:
         self._readers = Processes(
             self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s
         )
-        self._workers = Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes)
+        self._workers = executor or Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes)
         self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner), model)
         self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
