@@ -22,6 +22,7 @@ export function pageActions(store: Store<Session>, onLandmarks: () => void) {
         overlay: showDistances && (state.overlay === "both" || state.overlay === "scan") ? "model" : state.overlay,
       })),
     nextTheme: (): void => store.set((state) => ({ theme: after(THEMES, state.theme) })),
+    announce: (announcement: string): void => store.set({ announcement }),
     help: (isHelpOpen: boolean): void => store.set({ isHelpOpen }),
     graphics: (graphics: Session["graphics"]): void => store.set({ graphics }),
   };

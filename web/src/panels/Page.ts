@@ -32,7 +32,7 @@ export interface Stage {
 }
 
 export function createPage(actions: Actions, dismiss: (place: Place) => void) {
-  const canvas = el("canvas", { class: "view", "aria-label": text.view.canvas, tabindex: 0 });
+  const canvas = el("canvas", { class: "view", role: "application", "aria-label": text.view.canvas, tabindex: 0 });
   const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
   const guide = createGuideCard(actions);
   const viewBar = createViewBar(actions);

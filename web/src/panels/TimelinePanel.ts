@@ -14,7 +14,7 @@ export function createTimeline(actions: Actions): Panel {
     id: "iteration",
     oninput: () => actions.player.seek(Number(slider.value)),
   });
-  const position = el("output", { class: "position", for: "iteration" });
+  const position = el("output", { class: "position", for: "iteration", "aria-live": "off" });
   const mean = el("span", { class: "mean muted" });
   const words = el("span", {});
   const play = el("button", { type: "button", class: "button quiet outlined", id: "replay", onclick: () => actions.player.toggle() });

@@ -19,7 +19,7 @@ const actions = { page: pageActions(store, () => undefined) } as Pick<Actions, "
 const words = text.shared;
 const moment = new Intl.DateTimeFormat("en-GB", { dateStyle: "long", timeStyle: "short" });
 
-const canvas = el("canvas", { class: "view", "aria-label": text.view.canvas, tabindex: 0 });
+const canvas = el("canvas", { class: "view", role: "img", "aria-label": text.view.shared, tabindex: 0 });
 const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
 const viewBar = createViewBar(actions);
 const swipe = createSwipe(actions);

@@ -3,11 +3,13 @@
 export const help = {
   title: "Keyboard and mouse",
   keys: [
-    ["1 – 4", "Go to a step"],
+    ["1 – 5", "Go to a step"],
     ["N", "Next landmark"],
-    ["Z · Shift+Z", "Undo · redo"],
+    ["Arrows", "On the body: move the cross of the wanted landmark, or nudge a placed one along the skin; else turn the body (Shift: faster)"],
+    ["Enter", "On the body: place the landmark under the cross"],
+    ["+ · −", "On the body: zoom"],
     ["C", "Take the proposed point"],
-    ["Arrows", "Move the chosen landmark along the skin, when the view has the focus (Shift: faster)"],
+    ["Z · Shift+Z", "Undo · redo"],
     ["Esc", "Stop placing"],
     ["F", "View from the front"],
     ["O", "Scan, both, model, beside, swipe"],
@@ -20,6 +22,6 @@ export const help = {
     ["Drag", "Turn the view, or move a placed landmark: a fit then follows at once"],
     ["Right drag", "Move the view"],
     ["Scroll", "Zoom"],
-    ["Touch", "One finger turns, two move and zoom, a tap places"],
+    ["Touch", "One finger turns, two move and zoom, a tap places; held still, a cross above the finger places when you let go"],
   ],
 };

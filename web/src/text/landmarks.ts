@@ -41,6 +41,7 @@ export const landmarks = {
   announcePlaced: (label: string, next: string | null) =>
     next === null ? `Placed: ${label}. All landmarks are done.` : `Placed: ${label}. Next: ${next}.`,
   announceMoved: (label: string) => `Moved: ${label}.`,
+  noSkin: "There is no skin under the cross: move it with the arrow keys.",
   announceUndone: "Undone.",
   announceRedone: "Redone.",
   announceImported: (count: number) => `${plural(count, "landmark", "landmarks")} read.`,

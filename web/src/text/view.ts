@@ -22,7 +22,8 @@ export const view = {
   } satisfies Record<Overlay, string>,
   swipe: "Line between scan and model",
   panes: { scan: "Scan", model: "Model" },
-  canvas: "3D view of the scan. Drag to turn it, scroll to zoom, drag with the right button to move it.",
+  canvas: "3D view of the scan. Arrow keys turn it, plus and minus zoom; while a landmark is wanted they move a cross, and Enter places it.",
+  shared: "3D view of the result. Drag to turn it, scroll to zoom; the buttons below show it from all sides.",
   left: "patient's left",
   right: "patient's right",
 };

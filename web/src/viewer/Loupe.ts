@@ -41,6 +41,11 @@ export class Loupe implements Part {
     this.ask(this.pointer);
   }
 
+  /** At page pixels, for whoever points without a pointer; null: nowhere. */
+  look(at: { x: number; y: number } | null): void {
+    this.ask(at);
+  }
+
   /** Once a frame at most: pointers move more often than screens are drawn. */
   private ask(pointer: { x: number; y: number } | null): void {
     this.pointer = pointer;

@@ -1,7 +1,7 @@
 // The one WebGL view: renderer, camera, controls and a loop that draws only when something changed.
 // `body` is the scan's own frame (metres); it is turned so that the patient stands upright and faces +Z, hence the
 // camera always has +Y up and "from the front" means the same for every scan.
-import { Box3, Group, Matrix4, MOUSE, TOUCH, type Object3D, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from "three";
+import { Box3, Group, Matrix4, MOUSE, TOUCH, type Object3D, PerspectiveCamera, Scene, Spherical, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Frame, Vector } from "../api/types";
 import { leftOf } from "../state/frame";
@@ -201,6 +201,23 @@ export class Viewer {
   lookFrom(name: ViewName, isMoving = true): void {
     this.view = name;
     this.move.to(DIRECTIONS[name].clone().multiplyScalar(this.fitDistance(name)), new Vector3(), isMoving);
+  }
+
+  /** Turns the body before the eye, as a drag by the mouse does; degrees to the right and downwards. */
+  turnBy(right: number, down: number): void {
+    const seen = new Spherical().setFromVector3(this.camera.position.clone().sub(this.controls.target));
+    seen.theta -= (right * Math.PI) / 180;
+    seen.phi = Math.min(Math.max(seen.phi - (down * Math.PI) / 180, 0.01), Math.PI - 0.01); // straight down has no upright
+    this.camera.position.setFromSpherical(seen).add(this.controls.target);
+    this.controls.update();
+  }
+
+  /** The distance to the body, times a factor. */
+  zoomBy(factor: number): void {
+    const away = this.camera.position.clone().sub(this.controls.target).multiplyScalar(factor);
+    away.clampLength(this.controls.minDistance, this.controls.maxDistance);
+    this.camera.position.copy(away).add(this.controls.target);
+    this.controls.update();
   }
 
   /** Pixels in the host's box of a point in the scan's axes (metres), and its distance from the eye. */

@@ -1,4 +1,4 @@
-// A placed landmark is moved by dragging its mark over the skin, or by arrow keys while it is the wanted one.
+// A placed landmark is moved by dragging its mark over the skin.
 // The mark follows the pointer at once; the state learns of it when the mark is let go.
 import type { Actions } from "../actions";
 import type { Vector } from "../api/types";
@@ -10,8 +10,6 @@ import type { ScanMesh } from "./ScanMesh";
 import type { Viewer } from "./Viewer";
 
 const MOVED = 3; // pixels; less is a click
-const ARROWS: Record<string, readonly [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-const FAST = 5; // times as far with Shift
 
 export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: ScanMesh, pins: LandmarkPins, store: Store<Session>, actions: Actions): void {
   let held: { name: string; id: number; x: number; y: number; point: Vector | null } | null = null;
@@ -51,16 +49,4 @@ export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: ScanMes
     if (point) void actions.moveLandmark(name, point);
   });
   canvas.addEventListener("pointercancel", letGo);
-
-  canvas.addEventListener("keydown", (event) => {
-    const arrow = ARROWS[event.key];
-    const { active, picks } = store.get();
-    const point = active === null ? undefined : picks.present[active];
-    if (!arrow || active === null || !point) return;
-    event.preventDefault();
-    const at = viewer.toPage(point);
-    const far = event.shiftKey ? FAST : 1;
-    const hit = pickAt(viewer, scan, at.x + far * arrow[0], at.y + far * arrow[1]);
-    if (hit) actions.landmarks.move(active, hit.point);
-  });
 }

@@ -9,9 +9,12 @@ import { CornerPins } from "../drawing/CornerPins";
 import { OwnLines } from "../drawing/OwnLines";
 import { listenToPen } from "../drawing/PenTool";
 import { skinFrom } from "../drawing/skin";
+import { listenToCanvasKeys } from "./canvasKeys";
 import { onClick } from "./clicks";
+import { Crosshair } from "./Crosshair";
 import { Drawings } from "./Drawings";
 import { listenToDrags } from "./dragPins";
+import { listenToFingers } from "./fingers";
 import { FittedSurface } from "./FittedSurface";
 import { HoverValue } from "./HoverValue";
 import { offerHook } from "./hook";
@@ -45,6 +48,8 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
   const proposed = new ProposalPins(viewer, scan);
   const own = new OwnLines(viewer, scan);
   const corners = new CornerPins(viewer, scan);
+  const loupe = new Loupe(viewer, scan, stage.canvas);
+  const cross = new Crosshair(viewer, scan, loupe);
   const parts: Part[] = [
     proposed,
     scan,
@@ -57,7 +62,8 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),
     new Ruler(viewer),
-    new Loupe(viewer, scan, stage.canvas),
+    loupe,
+    cross,
     new ModelPicture(viewer, torso, stage.picture, stage.light),
   ];
   /** A part that fails must not keep the others from drawing, nor the state from changing: its error is reported later. */
@@ -92,6 +98,8 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
   actions.drawing.skinIs(skinFrom(() => scan.mesh?.geometry ?? null));
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions);
   listenToDrags(stage.canvas, viewer, scan, pins, store, actions);
+  listenToCanvasKeys(stage.canvas, viewer, scan, cross, store, actions);
+  listenToFingers(stage.canvas, viewer, cross, store, actions);
   onClick(stage.canvas, (event) => {
     const ghost = store.get().active === null ? proposed.at(event.clientX, event.clientY) : null;
     if (ghost !== null) return actions.landmarks.confirm([ghost]);
