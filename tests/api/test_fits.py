@@ -40,6 +40,7 @@ def test_a_fit_is_accepted_carried_out_and_described(client: FlaskClient, servic
         "preset": "default",
         "drawing": "lumpectomy",
         "refine": False,
+        "start_from": None,
         "partner": None,
         "last_event": 6,
         "iterations": 4,
@@ -95,6 +96,29 @@ def test_refining_is_asked_for_and_carried_out(client: FlaskClient, service: Ser
 )
 def test_a_fit_that_cannot_be_meant_is_refused(client: FlaskClient, scan_id: str, body, word: str) -> None:
     assert word in problem(client.post("/api/fits", json={"scan": scan_id, "drawing": None, **body}), 422)
+
+
+def test_a_fit_goes_on_only_from_one_of_its_own_scan_that_is_done(
+    client: FlaskClient, service: Service, torso: bytes, scan_id: str, fit_id: str
+) -> None:
+    other = client.post("/api/scans", data={"file": (io.BytesIO(torso), "torso.ply")}).json["id"]
+
+    def ask(**body: object):
+        return client.post("/api/fits", json={"drawing": None, **body})
+
+    assert "same scan" in problem(ask(scan=other, start_from=fit_id), 422)
+    assert "no such fit" in problem(ask(scan=scan_id, start_from="nobody"), 404)
+    assert "leave `start_from` or `with`" in problem(
+        ask(scan=scan_id, start_from=fit_id, **{"with": {"scan": other}}), 422
+    )
+    client.delete(f"/api/scans/{other}")
+    running = ask(scan=scan_id, preset="paper").json["id"]  # one that takes its time
+    assert "one that is done" in problem(ask(scan=scan_id, start_from=running), 409)
+    client.post(f"/api/fits/{running}/cancel")
+    assert "that one is cancelled" in problem(ask(scan=scan_id, start_from=running), 409)
+    went_on = ask(scan=scan_id, start_from=fit_id)
+    assert went_on.status_code == 202
+    assert ended(service, went_on.json["id"]).start_from == fit_id
 
 
 def test_the_fits_of_a_scan_are_listed_page_by_page(client: FlaskClient, service: Service, scan_id: str) -> None:

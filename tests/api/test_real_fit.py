@@ -15,6 +15,7 @@ from breastrig.api.config import Config
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.service import Service
+from breastrig.storage.fits import get_fit
 from breastrig.storage.storage import Storage
 
 
@@ -99,6 +100,29 @@ def test_the_packaged_example_is_fitted(real: tuple[Service, FlaskClient], name:
     refined = fitted(service, client, scan, picked, refine=True)
     assert refined["refined"]
     assert refined["surface_distance_mm"]["mean"] < 0.5
+    client.delete(scan["links"]["self"])
+
+
+def test_a_fit_goes_on_from_an_earlier_one_of_its_scan(real: tuple[Service, FlaskClient]) -> None:
+    service, client = real
+    scan = client.post("/api/examples/supine").json
+    picked = scan["example_landmarks"]["landmarks"]
+    body = {"scan": scan["id"], "landmarks": picked}
+    first = client.post("/api/fits", json=body).json
+    assert ended(service, first["id"]).state == "done"
+    moved = picked | {"umbilicus": np.add(picked["umbilicus"], [0.0, 8.0, 0.0]).tolist()}
+    again = client.post("/api/fits", json=body | {"landmarks": moved, "start_from": first["id"]}).json
+    done = ended(service, again["id"])
+    assert (done.state, done.stance) == ("done", "supine")
+    assert done.iterations < get_fit(service.storage, first["id"]).iterations
+    assert client.get(again["links"]["self"]).json["start_from"] == first["id"]
+    told = client.get(again["links"]["events"] + ".json").json["events"]
+    before = client.get(first["links"]["events"] + ".json").json["events"]
+    assert "goes on from" in told[0]["event"]["stance_reason"]
+    start, end = ({node["name"]: node for node in event["event"]["nodes"]} for event in (told[1], before[-2]))
+    for name, node in end.items():
+        assert np.allclose(node.get("translation", 0.0), start[name].get("translation", 0.0), atol=1e-6)
+        assert np.allclose(node.get("weights", 0.0), start[name].get("weights", 0.0), atol=1e-6)
     client.delete(scan["links"]["self"])
 
 

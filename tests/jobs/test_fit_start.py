@@ -49,7 +49,7 @@ def test_after_one_pick_was_moved(rig: Rig, tmp_path: Path) -> None:
     first = events_of(tmp_path / "first", PICKS, stance="standing")
     earlier = EarlierFit("standing", nodes(first[-2]))
     skin_mm = 1e3 * trimesh.load(EXAMPLE / "scan.ply", process=False).vertices
-    wanted = np.array(PICKS["nipple_L"]) + [0.0, 10.0, 0.0]
+    wanted = np.add(PICKS["nipple_L"], [0.0, 10.0, 0.0])
     moved = skin_mm[np.linalg.norm(skin_mm - wanted, axis=1).argmin()]
     picks = PICKS | {"nipple_L": moved.tolist()}
     fresh = events_of(tmp_path / "fresh", picks, stance="standing")

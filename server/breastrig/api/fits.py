@@ -46,6 +46,8 @@ def start_fit(
 
     With `with` two stances of one patient are fitted together, by one job: each has a fit of its own, with its own
     events and files, and names the other as its `partner`.  Cancelling one cancels both.
+
+    With `start_from` a fit goes on from an earlier one of the same scan: for when a landmark was moved.
     """
     here = behind()
     storage = here.service.storage
@@ -58,6 +60,8 @@ def start_fit(
     other = json_data.with_
     if other is not None and other.scan == json_data.scan:
         raise BadScan("Two stances need two scans; leave `with` out to fit one scan.")
+    if json_data.start_from is not None:
+        _check_start(json_data, json_data.start_from)
     wish = _wish(json_data, json_data)
     fit_id = here.service.add_fit(
         wish,
@@ -69,6 +73,16 @@ def start_fit(
     partner = None if partner_id is None else wire.FitPartner(id=partner_id, links=fit_links(partner_id))
     links = fit_links(fit_id)
     return wire.FitAccepted(id=fit_id, links=links, partner=partner), 202, {"Location": links.self}
+
+
+def _check_start(asked: wire.FitRequest, start_from: str) -> None:
+    earlier = get_fit(behind().service.storage, start_from)
+    if asked.with_ is not None:
+        raise BadSettings("Two stances together find their own start; leave `start_from` or `with` out.")
+    if earlier.scan != asked.scan:
+        raise BadSettings("A fit goes on from a fit of the same scan; leave `start_from` out for another one.")
+    if earlier.state != "done":
+        raise Conflict(f"A fit goes on from one that is done; that one is {earlier.state}.")
 
 
 def _wish(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance) -> FitWish:
@@ -86,6 +100,7 @@ def _wish(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance) ->
         drawing=asked.drawing,
         landmarks_mm=landmarks,
         refine=asked.refine,
+        start_from=asked.start_from,
     )
 
 
@@ -240,6 +255,7 @@ def fit_answer(row: FitRow) -> wire.Fit:
         preset=row.preset,
         drawing=row.drawing,
         refine=row.refine,
+        start_from=row.start_from,
         partner=row.partner,
         last_event=row.last_event,
         iterations=row.iterations,

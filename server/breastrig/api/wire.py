@@ -106,6 +106,11 @@ class FitRequest(Wire):
     refine: bool = Field(
         False, strict=True, description="after the fit a smooth free-form layer where the scan shows skin"
     )
+    start_from: Name | None = Field(
+        None,
+        description="id of a fit of the same scan that is done: this one goes on from there, with its landmarks "
+        "where they are now, in fewer iterations",
+    )
     with_: "OtherStance | None" = Field(
         None,
         alias="with",
@@ -180,6 +185,7 @@ class Fit(Wire):
     preset: str
     drawing: str | None
     refine: bool
+    start_from: str | None = Field(description="id of the fit that this one went on from")
     partner: str | None = Field(description="id of the other stance's fit when both are fitted together")
     last_event: int = Field(description="number of the last stored event, 0 before the first")
     iterations: int = Field(description="number of iterated events so far")

@@ -7,19 +7,22 @@ A fit whose worker was lost with its machine or its server is begun again, and i
 fits do the same each time, so the events that are known already are only counted.
 """
 
+import json
 import logging
 from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sqlalchemy.exc import SQLAlchemyError
 
 from breastrig.core.errors import BreastRigError, NotFound
 from breastrig.jobs.events import Event, Failed
+from breastrig.jobs.fit_start import EarlierFit
 from breastrig.jobs.run_fit import FitJob
 from breastrig.jobs.telling import Over, Telling
 from breastrig.storage.disk_files import FolderDraft
+from breastrig.storage.events import events_of_kind
 from breastrig.storage.files import Draft, fit_place, scan_place, upload_name
 from breastrig.storage.fits import FitRow, claim_fit, get_fit
 from breastrig.storage.location import Location
@@ -146,7 +149,16 @@ def _job(storage: Storage, fit: FitRow, out: Path, model: Path | None) -> Iterat
     """The fit's task, with its scan at hand."""
     scan = get_scan(storage, fit.scan)
     with storage.files.reading(scan_place(scan.id), [upload_name(scan.file_type)]) as folder:
-        yield fit_job(scan, fit, folder, out, model)
+        yield replace(fit_job(scan, fit, folder, out, model), earlier=_earlier(storage, fit))
+
+
+def _earlier(storage: Storage, fit: FitRow) -> EarlierFit | None:
+    """The fit that this one goes on from, as its story told it last."""
+    if fit.start_from is None:
+        return None
+    earlier = get_fit(storage, fit.start_from)
+    last = events_of_kind(storage, earlier.id, "iterated", offset=earlier.iterations - 1)
+    return EarlierFit(earlier.stance, json.loads(last[0].json)["nodes"])
 
 
 def fit_job(scan: ScanRow, fit: FitRow, folder: Path, out: Path, model: Path | None) -> FitJob:

@@ -26,6 +26,7 @@ class FitWish:
     drawing: str | None = None
     landmarks_mm: Points
     refine: bool = False
+    start_from: str | None = None  # an earlier fit of the same scan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -256,6 +257,7 @@ def _fit_row(row: Row[Any]) -> FitRow:
         drawing=row.drawing,
         landmarks_mm=json.loads(row.landmarks_mm),
         refine=row.refine,
+        start_from=row.start_from,
         last_event=row.last_event,
         iterations=row.iterations,
         numbers=None if row.numbers is None else json.loads(row.numbers),

@@ -70,6 +70,7 @@ fits = Table(
     Column("drawing", String(100)),
     Column("landmarks_mm", Text, nullable=False),  # JSON, as they were when the fit was asked for
     Column("refine", Boolean, nullable=False, server_default=false()),
+    Column("start_from", String(32)),  # an earlier fit of the same scan, whose last pose this one goes on from
     Column("partner", String(32)),  # the fit of the other stance, when both are fitted together
     Column("leads", Boolean, nullable=False, server_default=true()),  # of two partners one waits in the queue for both
     Column("attempt", Integer, nullable=False, server_default="0"),  # how often a worker has begun it

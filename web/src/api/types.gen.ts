@@ -143,6 +143,8 @@ export type Fit = {
   preset: string;
   drawing: string | null;
   refine: boolean;
+  /** id of the fit that this one went on from */
+  start_from: string | null;
   /** id of the other stance's fit when both are fitted together */
   partner: string | null;
   /** number of the last stored event, 0 before the first */
@@ -200,6 +202,8 @@ export type FitRequest = {
   landmarks?: Record<string, [number, number, number]> | null;
   /** after the fit a smooth free-form layer where the scan shows skin */
   refine?: boolean;
+  /** id of a fit of the same scan that is done: this one goes on from there, with its landmarks where they are now, in fewer iterations */
+  start_from?: string | null;
   /** another scan of the same patient: both are fitted together, sharing the body; preset, drawing and refine hold for both */
   with?: OtherStance | null;
 };
