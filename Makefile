@@ -32,7 +32,8 @@ vitest: web-packages
 	$(IN_VENV) npm --prefix web test
 
 pytest: page $(VENV)/.stamp-test
-	$(IN_VENV) "$(VENV)/bin/python" -m pytest --ignore=tests/faults/test_broken_surroundings.py # that is in `make faults`
+	OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n auto --maxprocesses=4 --dist loadfile \
+	    --ignore=tests/faults/test_broken_surroundings.py # that is in `make faults`
 
 browser: page web-packages $(VENV)/.stamp-test
 	BREASTRIG_CHROMIUM="$$(sh .ci/chromium.sh)" && export BREASTRIG_CHROMIUM && \
