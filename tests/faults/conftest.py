@@ -5,13 +5,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from helpers.fault_table import Outcome, lines
 from helpers.toy_rig import toy_rig
 from helpers.uploads import torso as torso_ply
 
 from breastrig.gltf.write_rig import write_rig
 
-TABLE = pytest.StashKey[list[tuple[str, str]]]()
-Note = Callable[[str, str], None]
+TABLE = pytest.StashKey[list[tuple[str, Outcome]]]()
+Note = Callable[[str, Outcome], None]
 
 
 @pytest.fixture(scope="session")
@@ -28,15 +29,19 @@ def torso() -> bytes:
 
 @pytest.fixture
 def note(request: pytest.FixtureRequest) -> Note:
-    """Adds a line to the table: the fault, and what became of the fits."""
+    """Adds a line to the table, the fault and what became of the fits; fails when something is lost or doubled."""
     rows = request.config.stash.setdefault(TABLE, [])
-    return lambda fault, outcome: rows.append((fault, outcome))
+
+    def add(fault: str, outcome: Outcome) -> None:
+        rows.append((fault, outcome))
+        assert outcome.nothing_is_wrong, (fault, outcome)
+
+    return add
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
     rows = config.stash.get(TABLE, [])
     if os.environ.get("BREASTRIG_FAULT_TABLE") and rows:
-        width = max(len(fault) for fault, _ in rows)
         terminalreporter.section("faults")
-        for fault, outcome in rows:
-            terminalreporter.write_line(f"{fault:<{width}}  {outcome}")
+        for line in lines(rows):
+            terminalreporter.write_line(line)

@@ -6,7 +6,6 @@ import socket
 import sqlite3
 import subprocess
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from typing import Any
 
 import httpx
 import pytest
+from helpers.fault_table import outcome
 from helpers.real_server import alive, children, server
 from helpers.waiting import until
 
@@ -41,10 +41,8 @@ def ends(client: httpx.Client, fits: list[dict[str, str]]) -> list[dict[str, Any
     return found
 
 
-def outcome(fits: list[dict[str, Any]]) -> str:
-    counts = Counter(fit["state"] for fit in fits)
-    reasons = sorted({fit["reason"] for fit in fits if fit["reason"]})
-    return " ".join([str(dict(counts)), *reasons])
+def ids(fits: list[dict[str, str]]) -> list[str]:
+    return [links["self"].rsplit("/", 1)[1] for links in fits]
 
 
 @dataclass(frozen=True)
@@ -83,7 +81,9 @@ def test_a_killed_worker_takes_one_fit_with_it(running: Running, torso: bytes, n
     assert last[0]["state"] == "done" or last[0]["reason"].startswith(DIED)
     assert [fit["state"] for fit in last[1:]] == ["done"] * 4
     assert alive({process.pid})
-    note("a worker killed", outcome(last))
+    found = outcome(client, running.data, ids(fits))
+    assert (found.done, found.failed) in ((5, 0), (4, 1))
+    note("a worker killed", found)
 
 
 def _holders(folder: Path, pids: set[int]) -> set[int]:
@@ -108,7 +108,7 @@ def test_a_locked_database_makes_fits_wait_and_loses_none(running: Running, tors
     other.close()
     last = ends(client, fits)
     assert [fit["state"] for fit in last] == ["done"] * 4
-    note("database locked for 1.5 s", outcome(last))
+    note("database locked for 1.5 s", outcome(client, running.data, ids(fits)))
 
 
 def test_a_client_gone_in_the_middle_of_an_upload_leaves_nothing(running: Running, torso: bytes, note) -> None:
@@ -123,10 +123,10 @@ def test_a_client_gone_in_the_middle_of_an_upload_leaves_nothing(running: Runnin
     for _ in range(5):
         with socket.create_connection(address, timeout=10) as connection:
             connection.sendall(head.encode() + torso[: len(torso) // 2])
-    last = ends(client, asked(client, torso, 2))
-    assert [fit["state"] for fit in last] == ["done"] * 2
+    fits = asked(client, torso, 2)
+    assert [fit["state"] for fit in ends(client, fits)] == ["done"] * 2
     assert len(list((running.data / "scans").iterdir())) == kept + 1
-    note("5 clients gone mid-upload", outcome(last) + " and nothing of theirs is left")
+    note("5 clients gone in the middle of an upload", outcome(client, running.data, ids(fits)))
 
 
 def test_clients_gone_in_the_middle_of_a_stream_stop_no_fit(running: Running, torso: bytes, note) -> None:
@@ -137,7 +137,7 @@ def test_clients_gone_in_the_middle_of_a_stream_stop_no_fit(running: Running, to
             next(stream.iter_text())
     last = ends(client, fits)
     assert [fit["state"] for fit in last] == ["done"] * 3
-    note("12 clients gone mid-stream", outcome(last))
+    note("12 clients gone in the middle of a stream", outcome(client, running.data, ids(fits)))
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount a small disk")
@@ -178,7 +178,9 @@ def test_a_full_disk_fails_fits_with_a_sentence_and_loses_none(
             assert all("stored" in fit["reason"] or "written" in fit["reason"] for fit in last if fit["reason"])
             again = ends(client, asked(client, torso, 2))
             assert [fit["state"] for fit in again] == ["done"] * 2
-            note("disk full for a while", outcome(last) + " afterwards " + outcome(again))
+            full, after = (ids(running + waiting), ids(kept) + [fit["id"] for fit in again])
+            note("disk full while fits run", outcome(client, disk / "data", full))
+            note("disk full before and after", outcome(client, disk / "data", after))
             process.terminate()
             process.wait(timeout=20)
         rows = sqlite3.connect(disk / "data" / "breastrig.sqlite3")

@@ -14,10 +14,8 @@ PROGRAM = Path(__file__).with_name("serve_fake.py")
 
 
 @contextmanager
-def server(
-    data: Path, model: Path, log: Path, *options: str, **environment: str
-) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """(process, address) of a running server."""
+def starting(data: Path, model: Path, log: Path, *options: str, **environment: str) -> Iterator[subprocess.Popen[str]]:
+    """A server that may not be ready yet; it is killed at the end."""
     with log.open("a") as errors:
         process = subprocess.Popen(
             [sys.executable, str(PROGRAM), "--port", "0", "--data", str(data), "--model", str(model), *options],
@@ -28,14 +26,24 @@ def server(
         )
     assert process.stdout is not None
     try:
-        line = process.stdout.readline()
-        found = re.search(r"http://\S+", line)
-        assert found, f"{line}\n{log.read_text()}"
-        yield process, found[0]
+        yield process
     finally:
         process.kill()
         process.wait()
         process.stdout.close()
+
+
+@contextmanager
+def server(
+    data: Path, model: Path, log: Path, *options: str, **environment: str
+) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """(process, address) of a running server."""
+    with starting(data, model, log, *options, **environment) as process:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        found = re.search(r"http://\S+", line)
+        assert found, f"{line}\n{log.read_text()}"
+        yield process, found[0]
 
 
 def _search_path() -> str:

@@ -1,0 +1,90 @@
+"""What became of every fit after a fault, looked at from outside: over HTTP, in the database, in the data folder."""
+
+import json
+import sqlite3
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import httpx
+
+FILES = ("result", "fitted_glb", "fitted_ply", "drawing", "distances")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Numbers of fits, and of files that belong to none."""
+
+    asked: int
+    done: int
+    resumed: int  # begun again after their worker or server was gone, whatever came of it
+    failed: int  # with a sentence that says why
+    lost: int  # promised, and now unknown or without an end
+    doubled: int  # with two beginnings, two ends or an iteration told twice
+    left_over: int
+
+    @property
+    def nothing_is_wrong(self) -> bool:
+        return (self.lost, self.doubled, self.left_over) == (0, 0, 0)
+
+
+def outcome(client: httpx.Client, data: Path, fits: Iterable[str]) -> Outcome:
+    """What is to be seen now of the fits with these ids; all should have ended."""
+    counts = dict.fromkeys(("asked", "done", "resumed", "failed", "lost", "doubled"), 0)
+    attempts, left = _database_and_folder(data)
+    for fit_id in fits:
+        counts["asked"] += 1
+        answer = client.get(f"/api/fits/{fit_id}")
+        if answer.status_code != 200 or answer.json()["state"] in ("queued", "running"):
+            counts["lost"] += 1
+            continue
+        fit = answer.json()
+        told = [one["event"] for one in client.get(fit["links"]["events"] + ".json?limit=1000").json()["events"]]
+        counts["resumed"] += attempts[fit_id] > 1
+        counts["doubled"] += _is_doubled(told)
+        if fit["state"] == "done" and _is_whole(client, fit["links"], told):
+            counts["done"] += 1
+        elif fit["state"] == "failed" and len(fit["reason"]) > 20 and told[-1]["kind"] == "failed":
+            counts["failed"] += 1
+        else:
+            counts["lost"] += 1
+    return Outcome(**counts, left_over=len(left))
+
+
+def _is_doubled(told: list[dict]) -> bool:  # type: ignore[type-arg]
+    kinds = [event["kind"] for event in told]
+    iterations = [event["iteration"] for event in told if event["kind"] == "iterated"]
+    ends = sum(kind in ("done", "failed", "cancelled") for kind in kinds)
+    return kinds.count("started") > 1 or ends != 1 or len(set(iterations)) < len(iterations)
+
+
+def _is_whole(client: httpx.Client, links: dict[str, str], told: list[dict]) -> bool:  # type: ignore[type-arg]
+    files = {name: client.get(links[name]) for name in FILES}
+    if {answer.status_code for answer in files.values()} != {200}:
+        return False
+    return bool(json.loads(files["result"].content) == told[-1]["result"])
+
+
+def _database_and_folder(data: Path) -> tuple[dict[str, int], list[Path]]:
+    """(how often each fit was begun, the files and folders that belong to no row)."""
+    rows = sqlite3.connect(data / "breastrig.sqlite3", timeout=30)
+    try:
+        attempts = dict(rows.execute("SELECT id, attempt FROM fits"))
+        scans = {row[0] for row in rows.execute("SELECT id FROM scans")}
+    finally:
+        rows.close()
+    known = {"scans": scans, "fits": set(attempts)}
+    left = []
+    for folder in (one for one in data.iterdir() if one.is_dir()):
+        left += [entry for entry in folder.iterdir() if entry.name not in known.get(folder.name, set())]
+    return attempts, left
+
+
+def lines(rows: list[tuple[str, Outcome]]) -> list[str]:
+    """The table for people."""
+    names = [field.name.replace("_", "-") for field in fields(Outcome)]
+    width = max(len("fault"), *(len(fault) for fault, _ in rows))
+    table = [f"{'fault':<{width}}" + "".join(f"{name:>10}" for name in names)]
+    for fault, found in rows:
+        table.append(f"{fault:<{width}}" + "".join(f"{number:>10}" for number in asdict(found).values()))
+    return table
