@@ -7,10 +7,12 @@ model shows nobody and its address holds its hash: it may be kept for ever, by a
 """
 
 import hashlib
-from pathlib import Path
 from typing import Any
 
 from flask import Response, request, send_file
+from werkzeug.wsgi import wrap_file
+
+from breastrig.storage.files import OpenedFile
 
 FOR_EVER = "public, max-age=31536000, immutable"
 PERSONAL = "private, no-cache"
@@ -29,12 +31,30 @@ def file_of(media_type: str, description: str) -> dict[str, Any]:
     return {"content": content, "description": description}
 
 
-def file_answer(path: Path, media_type: str, caching: str, *, download_as: str | None = None) -> Response:
+def file_answer(file: OpenedFile, media_type: str, caching: str, *, download_as: str | None = None) -> Response:
     """The file; 304 when the browser has it, 206 for a range."""
-    response = send_file(
-        path, media_type, conditional=True, as_attachment=download_as is not None, download_name=download_as
-    )
+    if file.path is not None:
+        response = send_file(file.path, media_type, conditional=True, etag=file.etag)
+    else:
+        response = _stored_answer(file, media_type)
     response.headers["Cache-Control"] = caching
+    if download_as is not None:
+        response.headers["Content-Disposition"] = f"attachment; filename={download_as}"
+    return response
+
+
+def _stored_answer(file: OpenedFile, media_type: str) -> Response:
+    """The same from a store: opened only when some of it is wanted, and fetched as it is sent."""
+    if request.if_none_match.contains_weak(file.etag):
+        response = Response(status=304)
+        response.set_etag(file.etag)
+        return response
+    opened = file.open()
+    response = Response(wrap_file(request.environ, opened), mimetype=media_type, direct_passthrough=True)
+    response.call_on_close(opened.close)
+    response.content_length = file.size
+    response.set_etag(file.etag)
+    response.make_conditional(request, accept_ranges=True, complete_length=file.size)
     return response
 
 

@@ -14,6 +14,7 @@ from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unkn
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
 from breastrig.jobs.iteration_file import iteration_gltf
+from breastrig.storage.files import fit_place
 from breastrig.storage.fits import FitRow, FitWish, Once, fits_page, get_fit, queue_position
 from breastrig.storage.scans import get_landmarks, get_scan
 
@@ -220,10 +221,10 @@ def _result_file(fit_id: str, name: str) -> Response:
             if fit.ended
             else f"This fit is still {fit.state}; its results come when it is done."
         )
-    path = storage.folders.fit(fit_id) / name
-    if not path.is_file():
+    file = storage.files.find(fit_place(fit_id), name)
+    if file is None:
         raise NotFound(f"This fit has no {name}.")
-    return file_answer(path, MEDIA_TYPES[name], PERSONAL, download_as=name)
+    return file_answer(file, MEDIA_TYPES[name], PERSONAL, download_as=name)
 
 
 def fit_links(fit_id: str) -> wire.FitLinks:

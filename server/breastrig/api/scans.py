@@ -10,7 +10,10 @@ from breastrig.api.answers import GLB, PERSONAL, file_answer, file_of
 from breastrig.api.current import behind
 from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.security import refuse
+from breastrig.core.errors import NotFound
+from breastrig.storage.files import MESH, OpenedFile, scan_place
 from breastrig.storage.scans import ScanRow, get_landmarks, get_scan, put_landmarks
+from breastrig.storage.storage import Storage
 
 TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, delete it with everything made of it."}
 
@@ -66,7 +69,15 @@ def show_mesh(scan_id: str) -> Response:
     """The scan for display: glTF, metres, the scan's own axes"""
     storage = behind().service.storage
     get_scan(storage, scan_id)
-    return file_answer(storage.folders.mesh(scan_id), GLB, PERSONAL)
+    return file_answer(mesh_file(storage, scan_id), GLB, PERSONAL)
+
+
+def mesh_file(storage: Storage, scan_id: str) -> OpenedFile:
+    """The scan for display.  Raises NotFound when it was deleted meanwhile."""
+    file = storage.files.find(scan_place(scan_id), MESH)
+    if file is None:
+        raise NotFound("This scan has no mesh; it may have been deleted.")
+    return file
 
 
 @scans.get("/<scan_id>/landmarks")

@@ -10,12 +10,14 @@ from werkzeug.security import check_password_hash
 from breastrig.api import wire_files, wire_shares
 from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_answer, file_of
 from breastrig.api.current import behind
+from breastrig.api.scans import mesh_file
 from breastrig.api.security import refuse
 from breastrig.api.share_credential import hand_out, share_behind, visited_share
 from breastrig.api.shares import SHARES_TAG
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import NotFound
 from breastrig.gltf.plain_mesh import plain_mesh
+from breastrig.storage.files import fit_place
 from breastrig.storage.fits import get_fit
 from breastrig.storage.shares import ShareRow, note_opening
 from breastrig.storage.storage import utc_now
@@ -146,10 +148,11 @@ def show_mesh() -> Response:
     if share.scan == "none":
         raise refuse(403, "This link does not show the scan.")
     storage = behind().service.storage
-    mesh = storage.folders.mesh(get_fit(storage, share.fit).scan)
+    mesh = mesh_file(storage, get_fit(storage, share.fit).scan)
     if share.scan == "full":
         return file_answer(mesh, GLB, NO_STORE)
-    return bytes_answer(plain_mesh(mesh.read_bytes()), GLB, NO_STORE)
+    with mesh.open() as file:
+        return bytes_answer(plain_mesh(file.read()), GLB, NO_STORE)
 
 
 @share_page.get("/s")
@@ -170,10 +173,10 @@ def script() -> Response:
 
 def _file(name: str) -> Response:
     share = visited_share()
-    path = behind().service.storage.folders.fit(share.fit) / name
-    if not path.is_file():
+    file = behind().service.storage.files.find(fit_place(share.fit), name)
+    if file is None:
         raise NotFound(f"This result has no {name}.")
-    return file_answer(path, MEDIA_TYPES[name], NO_STORE, download_as=name)
+    return file_answer(file, MEDIA_TYPES[name], NO_STORE, download_as=name)
 
 
 def _result(share: ShareRow) -> wire_shares.SharedResult:

@@ -53,14 +53,16 @@ class StoreFiles:
             raise BadSettings(
                 f"Files cannot be kept at {url} ({error}); check the URL, for S3: pip install 'breastrig[s3]'."
             ) from error
+        if hasattr(fs, "auto_mkdir"):  # a folder; stores have none, and would be made to make a bucket
+            fs.auto_mkdir = True
         self._fs: Any = fs
         self._root = root.rstrip("/")
 
     def create(self) -> None:
         try:
-            for kind in KINDS:
-                self._fs.makedirs(f"{self._root}/{kind}", exist_ok=True)
-                self._names(kind)
+            probe = self._path(".writable")
+            self._fs.pipe_file(probe, b"")
+            self._fs.rm_file(probe)
         except Exception as error:  # each kind of store has errors of its own
             said = str(error).strip().splitlines()[0].rstrip(".") if str(error).strip() else type(error).__name__
             raise BadSettings(
@@ -114,7 +116,6 @@ class StoreFiles:
 
     def _put(self, place: str, folder: Path) -> None:
         with _as_os_errors():
-            self._fs.makedirs(self._path(place), exist_ok=True)
             for file in sorted(folder.iterdir()):
                 self._fs.put_file(str(file), self._path(place, file.name))
 
