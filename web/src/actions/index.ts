@@ -2,6 +2,7 @@
 import type { Client } from "../api/client";
 import type { Vector } from "../api/types";
 import { drawingActions } from "../drawing/actions";
+import { stancesActions } from "../stances/actions";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import { fitActions } from "./fit";
@@ -18,11 +19,15 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const fit = fitActions(store, client, player);
   const proposals = createProposalSearch(store, client);
   const landmarks = landmarkActions(store, client, proposals.lookOnce);
+  const scan = scanActions(store, client, fit.stop);
+  const drawing = drawingActions(store, client);
+  const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
   return {
     page: pageActions(store, proposals.lookOnce),
-    scan: scanActions(store, client, fit.stop),
+    scan,
     landmarks,
-    drawing: drawingActions(store, client),
+    drawing,
+    stances: stancesActions(store, client, { scan, fit, landmarks, drawing }, memory),
     share: shareActions(store, client),
     proposals,
     /** What still waits is saved first; the page that follows asks for the token. */

@@ -6,6 +6,7 @@ import { startDrawn } from "../drawing/lines";
 import { tidyFrame, turned, type Turn } from "../state/frame";
 import { startHistory } from "../state/history";
 import { frameFromPicks, type Picks } from "../state/landmarks";
+import { initialStances } from "../stances/state";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import { text } from "../text";
@@ -112,7 +113,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
     leave(): void {
       generation += 1;
       stopFit();
-      store.set({ scan: null, fit: null, isStarting: false, loading: null, picks: startHistory<Picks>({}), drawn: startDrawn(), proposals: null, active: null, step: "scan", problems: {} });
+      store.set({ scan: null, fit: null, isStarting: false, stances: initialStances, loading: null, picks: startHistory<Picks>({}), drawn: startDrawn(), proposals: null, active: null, step: "scan", problems: {} });
     },
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),

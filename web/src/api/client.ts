@@ -3,6 +3,8 @@ import { text } from "../text";
 import type {
   CarriedDrawing,
   DrawingFile,
+  EventPage,
+  EventRecord,
   Example,
   ExampleScan,
   Fit,
@@ -94,6 +96,16 @@ export const client = {
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links">>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
   cancel: (link: string) => askJson<Fit>(link, "POST"),
+  /** All events so far; `link` is that of the stream. */
+  async story(link: string): Promise<EventRecord[]> {
+    const events: EventRecord[] = [];
+    for (let next: string | null = `${link}.json?limit=1000`; next !== null; ) {
+      const page: EventPage = await askJson<EventPage>(next);
+      events.push(...page.events);
+      next = page.next;
+    }
+    return events;
+  },
   result: (link: string) => askJson<Result>(link),
   drawing: (link: string) => askJson<DrawingFile>(link),
   /** Nothing has been drawn yet: null. */

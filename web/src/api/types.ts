@@ -5,6 +5,8 @@ export type {
   CarriedDrawing,
   DrawingFile,
   DrawnShape,
+  EventPage,
+  EventRecord,
   Fit,
   FitLinks,
   FitRequest,

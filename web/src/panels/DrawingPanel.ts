@@ -6,6 +6,7 @@ import { el, saveFile, setText, show } from "../dom";
 import type { Session } from "../state/session";
 import { text } from "../text";
 import { button, fileButton, iconButton, problem, segmented } from "./controls";
+import { createDrawingCarry } from "./DrawingCarry";
 import { createDrawingLayers } from "./DrawingLayers";
 import type { Panel } from "./Panel";
 
@@ -36,6 +37,7 @@ export function createDrawingPanel(actions: Actions, dismiss: () => void): Panel
   const wrong = problem(dismiss);
   const corners = createCorners(actions);
   const layers = createDrawingLayers(actions);
+  const carry = createDrawingCarry(actions, () => actions.stances.dialog(true));
   const element = el(
     "div",
     { class: "panel drawing" },
@@ -47,6 +49,7 @@ export function createDrawingPanel(actions: Actions, dismiss: () => void): Panel
     corners.element,
     el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, save),
     layers.element,
+    carry.element,
   );
   return {
     element,
@@ -66,6 +69,7 @@ export function createDrawingPanel(actions: Actions, dismiss: () => void): Panel
       show(again, drawn.saving === "unsaved" && session.problems.drawing !== undefined);
       corners.update(session);
       layers.update(session);
+      carry.update(session);
     },
   };
 }

@@ -1,6 +1,8 @@
 // Puts the panels in their places.
 import type { Actions } from "../actions";
 import { READABLE } from "../actions/scan";
+import type { OtherStage } from "../stances/OtherView";
+import { isComparing } from "../stances/state";
 import { el, setText, show } from "../dom";
 import type { Place, Session } from "../state/session";
 import { text } from "../text";
@@ -18,6 +20,10 @@ import { createScanPanel } from "./ScanPanel";
 import { createShareDialog } from "./ShareDialog";
 import { createSteps } from "./Steps";
 import { createTimeline } from "./TimelinePanel";
+import { createOtherPane } from "./StancesPane";
+import { createStancesBar } from "./StancesBar";
+import { createStancesDialog } from "./StancesDialog";
+import { createMeasuresDialog } from "./MeasuresDialog";
 import { createTopBar } from "./TopBar";
 import { createSwipe } from "./Swipe";
 import { createViewBar } from "./ViewBar";
@@ -29,6 +35,7 @@ export interface Stage {
   overlay: HTMLElement;
   picture: HTMLCanvasElement;
   light: HTMLElement;
+  other: OtherStage;
 }
 
 export function createPage(actions: Actions, dismiss: (place: Place) => void) {
@@ -61,18 +68,27 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
   const help = createHelpDialog(actions);
   const share = createShareDialog(actions, () => dismiss("share"));
   const top = createTopBar(actions);
+  const stances = createStancesBar(actions);
+  top.element.querySelector(".spring")!.before(stances.element);
+  const adding = createStancesDialog(actions, () => dismiss("stances"));
+  const measures = createMeasuresDialog(actions, () => dismiss("stances"));
+  const other = createOtherPane(actions);
+  host.append(other.caption);
   const version = el("span", { class: "muted" });
   const live = el("p", { class: "visually-hidden", role: "status", "aria-live": "polite" });
   const footer = el("footer", { class: "footer" }, el("strong", {}, text.notice), el("span", { class: "spring" }), version);
-  const panels = [top, steps, guide, viewBar, colourBar, swipe, empty, numbers, timeline, help, share];
+  const panels = [top, steps, guide, viewBar, colourBar, swipe, empty, numbers, timeline, help, share, stances, adding, measures, other];
 
   return {
-    elements: [top.element, steps.element, host, aside, timeline.element, footer, help.element, share.element, live],
-    stage: { host, canvas, overlay, picture: guide.canvas, light: guide.light } satisfies Stage,
+    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, live],
+    stage: { host, canvas, overlay, picture: guide.canvas, light: guide.light, other: other.stage } satisfies Stage,
     update(state: Session): void {
       document.documentElement.dataset.theme = state.theme;
       document.body.classList.toggle("is-empty", state.scan === null);
       document.body.classList.toggle("has-timeline", (state.fit?.iterations.length ?? 0) > 0);
+      document.body.classList.toggle("is-comparing", isComparing(state));
+      document.body.classList.toggle("has-other", state.stances.other !== null);
+      document.body.classList.toggle("is-second", state.stances.isSecond);
       host.classList.toggle("is-placing", state.active !== null);
       overlay.classList.toggle("is-numbered", state.step === "landmarks");
       overlay.classList.toggle("is-narrow", state.fit !== null && state.overlay === "beside");

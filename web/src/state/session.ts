@@ -16,6 +16,7 @@ import type {
   UnitChoice,
 } from "../api/types";
 import { type DrawnState, startDrawn } from "../drawing/lines";
+import { initialStances, type StancesState } from "../stances/state";
 import { type History, startHistory } from "./history";
 import type { Picks } from "./landmarks";
 import type { Proposals } from "./proposals";
@@ -90,6 +91,7 @@ export interface Session {
     readonly list: readonly Share[] | null; // null until the service told
     readonly made: string | null; // address of the link just made: it is told only once
   };
+  readonly stances: StancesState;
   readonly isSignedIn: boolean; // with a token; a service on one's own machine needs none
   readonly isHelpOpen: boolean;
   readonly problems: Readonly<Partial<Record<Place, string>>>;
@@ -124,6 +126,7 @@ export const initialSession: Session = {
   theme: "system",
   graphics: "ok",
   share: { isOpen: false, isBusy: false, list: null, made: null },
+  stances: initialStances,
   isSignedIn: false,
   isHelpOpen: false,
   problems: {},

@@ -9,6 +9,7 @@ import { page, top, next } from "./page";
 import { result, distances, numbers } from "./result";
 import { empty, units, loading, scan } from "./scan";
 import { share, shared } from "./share";
+import { stances } from "./stances";
 import { view } from "./view";
 
 export const text = {
@@ -29,6 +30,7 @@ export const text = {
   numbers,
   share,
   shared,
+  stances,
   view,
   help,
   errors,

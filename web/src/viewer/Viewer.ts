@@ -42,6 +42,10 @@ export class Viewer {
   readonly beforeFrame = new Set<() => void>();
   /** Half sizes of the body in the view's axes, metres. */
   readonly half = new Vector3(0.25, 0.35, 0.15);
+  /** Called when the camera has another pose. */
+  readonly turned = new Set<() => void>();
+  /** A hand is on this view. */
+  isHeld = false;
   palette: Palette = readPalette();
   frames = 0;
   private layout: Layout = "one";
@@ -71,7 +75,12 @@ export class Viewer {
     this.controls.zoomToCursor = true;
     this.controls.minDistance = 0.15;
     this.controls.maxDistance = 8;
-    this.controls.addEventListener("change", () => this.invalidate());
+    this.controls.addEventListener("change", () => {
+      this.invalidate();
+      for (const told of this.turned) told();
+    });
+    this.controls.addEventListener("start", () => (this.isHeld = true));
+    this.controls.addEventListener("end", () => (this.isHeld = false));
     this.move = new CameraMove(this.camera, this.controls, () => this.invalidate(), prefersStill);
     this.repaint();
     this.resize();
@@ -106,6 +115,18 @@ export class Viewer {
     const { near, far } = this.camera;
     const distance = this.camera.position.distanceTo(this.controls.target);
     return (2 ** 24 * near * far) / ((far - near) * distance ** 2);
+  }
+
+  /** Where the eye is and what it looks at, in the view's axes. */
+  get pose(): { eye: Vector3; target: Vector3 } {
+    return { eye: this.camera.position.clone(), target: this.controls.target.clone() };
+  }
+
+  set pose({ eye, target }) {
+    this.camera.position.copy(eye);
+    this.controls.target.copy(target);
+    this.controls.update();
+    this.invalidate();
   }
 
   /** Unit vector from the body to the eye, in the view's axes. */

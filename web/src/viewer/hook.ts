@@ -4,16 +4,25 @@
 //   window.__breastrig.project([x,y,z]) page pixels of a point (scan's frame, mm) and whether the scan hides it
 //   window.__breastrig.pickAt(x, y)     point (scan's frame, mm) and triangle under page pixels, or null
 //   window.__breastrig.surfaceAt(x, y)  corners and weights of the fitted surface's triangle there, while it is shown
+//   window.__breastrig.other()          the same of the other stance's pane, and its camera
+//   window.__breastrig.pose()           the camera of the stance in work
 //   window.__breastrig.picture()        what is really on the canvas: number of colours, a checksum, context lost or not
 import { Vector3 } from "three";
 import type { Vector } from "../api/types";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
+import type { OtherHook } from "../stances/OtherView";
 import { metresFromMm } from "../units";
 import type { FittedSurface } from "./FittedSurface";
 import { type Hit, isHidden, pickAt, surfaceAt, type SurfaceHit } from "./picking";
 import type { ScanMesh } from "./ScanMesh";
 import type { Viewer } from "./Viewer";
+
+interface Picture {
+  colours: number;
+  checksum: number;
+  isLost: boolean;
+}
 
 interface Hook {
   state(): Session;
@@ -22,7 +31,11 @@ interface Hook {
   project(point: Vector): { x: number; y: number; hidden: boolean };
   pickAt(x: number, y: number): Hit | null;
   surfaceAt(x: number, y: number): SurfaceHit | null;
-  picture(): { colours: number; checksum: number; isLost: boolean };
+  picture(): Picture;
+  /** the pane of the other stance, once its scan is drawn */
+  other(): { picture: Picture; pose: Record<"eye" | "target", Vector> } | null;
+  /** of the camera, in the view's axes, metres */
+  pose(): Record<"eye" | "target", Vector>;
 }
 
 declare global {
@@ -31,7 +44,7 @@ declare global {
   }
 }
 
-export function offerHook(store: Store<Session>, viewer: Viewer, scan: ScanMesh, fitted: FittedSurface): void {
+export function offerHook(store: Store<Session>, viewer: Viewer, scan: ScanMesh, fitted: FittedSurface, other?: OtherHook): void {
   const hook: Hook = {
     state: () => ({ ...store.get(), model: null }),
     isReady: () => scan.mesh !== null,
@@ -46,12 +59,19 @@ export function offerHook(store: Store<Session>, viewer: Viewer, scan: ScanMesh,
     pickAt: (x, y) => pickAt(viewer, scan, x, y),
     surfaceAt: (x, y) => surfaceAt(viewer, fitted.mesh, x, y),
     picture: () => readPicture(viewer),
+    other: () => {
+      const pane = other?.isReady() ? other.viewer() : null;
+      return pane && { picture: readPicture(pane), pose: poseOf(pane) };
+    },
+    pose: () => poseOf(viewer),
   };
   Object.defineProperty(window, "__breastrig", { value: Object.freeze(hook) });
 }
 
+const poseOf = ({ pose }: Viewer): Record<"eye" | "target", Vector> => ({ eye: pose.eye.toArray(), target: pose.target.toArray() });
+
 /** Draws and reads at once, as the canvas is empty again after the frame. */
-function readPicture(viewer: Viewer): ReturnType<Hook["picture"]> {
+function readPicture(viewer: Viewer): Picture {
   const gl = viewer.renderer.getContext();
   viewer.draw();
   const pixels = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);

@@ -1,10 +1,11 @@
 // Makes the 3D view and keeps it up to date; without WebGL the page says so and the rest of it goes on working.
 import type { Actions } from "../actions";
-import { withProblem } from "../actions/problems";
+import { messageOf, withProblem } from "../actions/problems";
 import type { Stage } from "../panels/Page";
 import { isBeside, type Session } from "../state/session";
 import type { Store } from "../state/store";
 import { text } from "../text";
+import { openOtherView } from "../stances/OtherView";
 import { CornerPins } from "../drawing/CornerPins";
 import { OwnLines } from "../drawing/OwnLines";
 import { listenToPen } from "../drawing/PenTool";
@@ -115,5 +116,6 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
     actions.page.graphics("ok");
     viewer.invalidate();
   });
-  offerHook(store, viewer, scan, fitted);
+  const other = openOtherView(store, viewer, stage.other, prefersStill, (error) => store.set((state) => withProblem(state, "stances", messageOf(error))));
+  offerHook(store, viewer, scan, fitted, other);
 }

@@ -1,0 +1,175 @@
+// Two stances of one patient: each with its own landmarks and fit, side by side with linked cameras, a drawing carried from one
+// to the other, and the measures of both; all of it again after a reload.
+import { readFileSync } from "node:fs";
+import { expect, type Page } from "@playwright/test";
+import type { CarriedDrawing, MeasuresFile, Vector } from "../src/api/types";
+import { formatCell } from "../src/stances/measuresTable";
+import { distance, hook, test, untilFitted, untilStill } from "./page";
+
+const state = (page: Page) => page.evaluate(() => window.__breastrig!.state());
+const other = (page: Page) => page.evaluate(() => window.__breastrig!.other());
+const pose = (page: Page) => page.evaluate(() => window.__breastrig!.pose());
+const unit = ([x, y, z]: Vector): Vector => [x / Math.hypot(x, y, z), y / Math.hypot(x, y, z), z / Math.hypot(x, y, z)];
+const gaze = ({ eye, target }: { eye: Vector; target: Vector }): Vector => unit([eye[0] - target[0], eye[1] - target[1], eye[2] - target[2]]);
+const degrees = (a: Vector, b: Vector): number => (Math.acos(Math.min(1, a[0] * b[0] + a[1] * b[1] + a[2] * b[2])) * 180) / Math.PI;
+
+async function fitWithExample(page: Page): Promise<void> {
+  await page.keyboard.press("2");
+  await page.getByRole("button", { name: /example/i }).first().click();
+  await page.keyboard.press("3");
+  await page.getByRole("button", { name: /^Fit (again )?with \d+ landmarks$/ }).first().click();
+  await untilFitted(page);
+}
+
+async function drag(page: Page, selector: string, dx: number): Promise<void> {
+  const box = (await page.locator(selector).boundingBox())!;
+  await page.mouse.move(box.x + box.width / 2, box.y + 70);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2 + dx, box.y + 70, { steps: 4 });
+  await page.mouse.up();
+}
+
+test("the drawing of the standing patient is shown on the supine one, side by side, with measures of both", async ({ page, base, troubles }, info) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await fitWithExample(page);
+  const standing = (await hook.fit(page))!.id;
+
+  await test.step("a line is drawn on the standing scan", async () => {
+    await page.keyboard.press("4");
+    await page.getByRole("button", { name: "Pen", exact: true }).click();
+    await untilStill(page);
+    const box = (await page.locator("canvas.view").first().boundingBox())!;
+    const [x, y] = [box.x + box.width * 0.42, box.y + box.height * 0.5];
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    for (let i = 1; i <= 20; i += 1) await page.mouse.move(x + 3 * i, y - 14 * Math.sin(i / 6));
+    await page.mouse.up();
+    expect((await state(page)).drawn.lines.present).toHaveLength(1);
+    await page.keyboard.press("Escape");
+    await expect(page.getByText("To see the drawing on the standing and on the supine body, add the other scan.")).toBeVisible();
+  });
+
+  await test.step("the second scan comes with landmarks and a fit of its own", async () => {
+    await page.locator("#add-stance").click();
+    await page.getByRole("dialog", { name: "Add the other stance" }).getByRole("button", { name: /supine/i }).click();
+    await expect(page.getByRole("dialog")).toHaveCount(0);
+    await expect(page.locator(".stances-bar .segmented button")).toHaveText(["Standing", "Supine"]);
+    expect(await hook.pickCount(page)).toBe(0);
+    expect((await state(page)).drawn.lines.present).toHaveLength(0);
+    await hook.ready(page);
+    await fitWithExample(page);
+    const now = await state(page);
+    expect(now.stances.other!.fit!.id).toBe(standing);
+    expect(now.fit!.id).not.toBe(standing);
+  });
+  const supine = (await hook.fit(page))!.id;
+
+  await test.step("carried: the lines on the supine scan are those of the API", async () => {
+    await page.keyboard.press("4");
+    await page.getByRole("button", { name: "Show on supine scan" }).click();
+    await expect(page.getByText(/the fits lie .* mm off the standing scan/)).toBeVisible();
+    const { drawn, stances } = await state(page);
+    const drawing = { schema: "breastrig/drawing@1", unit: "mm", shapes: stances.other!.drawn.lines.present.map(({ name, closed, color, points }) => ({ name, closed, color, points })) };
+    const answer = (await (await page.request.post(`${base}/api/transfers`, { data: { from_fit: standing, to_fit: supine, drawing } })).json()) as CarriedDrawing;
+    const shown = drawn.carried!.drawing;
+    expect(shown.unit).toBe(answer.unit);
+    expect(shown.shapes.map(({ name }) => name)).toEqual(["Line 1"]);
+    const perUnit = { m: 1000, dm: 100, cm: 10, mm: 1, in: 25.4 }[answer.unit];
+    answer.shapes[0]!.points.forEach((point, i) => expect(distance(point, shown.shapes[0]!.points[i]!) * perUnit).toBeLessThan(0.02));
+    await expect(page.getByText("Carried from standing")).toBeVisible();
+    await untilStill(page);
+    const full = await hook.picture(page);
+    await page.getByLabel("Show Line 1").uncheck();
+    expect((await hook.picture(page)).checksum).not.toBe(full.checksum);
+    await page.getByLabel("Show Line 1").check();
+  });
+
+  await test.step("side by side: both bodies are drawn, turning one turns the other, until unlinked", async () => {
+    await page.locator("#compare").click();
+    await expect.poll(() => other(page)).not.toBeNull();
+    await untilStill(page);
+    const first = (await other(page))!;
+    expect(first.picture.colours).toBeGreaterThan(100);
+    expect(first.picture.isLost).toBe(false);
+    const panes = await Promise.all([page.locator(".other-stage").boundingBox(), page.locator("main.stage").boundingBox()]);
+    expect(panes[0]!.x, "the first stance stands to the left").toBeLessThan(panes[1]!.x);
+    await drag(page, "main.stage canvas.view", 90);
+    const turned = (await other(page))!;
+    expect(turned.picture.checksum).not.toBe(first.picture.checksum);
+    expect(degrees(gaze(turned.pose), gaze(first.pose))).toBeGreaterThan(10);
+    expect(degrees(gaze(turned.pose), gaze(await pose(page))), "both torsos are seen from the same side").toBeLessThan(3);
+    await drag(page, ".other-stage canvas.view", -60);
+    const back = await pose(page);
+    expect(degrees(gaze(back), gaze((await other(page))!.pose))).toBeLessThan(3);
+    await page.getByRole("button", { name: "Linked" }).click();
+    await drag(page, ".other-stage canvas.view", -80);
+    expect(await pose(page)).toEqual(back);
+    await page.getByRole("button", { name: "Linked" }).click();
+    await expect.poll(async () => degrees(gaze(await pose(page)), gaze((await other(page))!.pose))).toBeLessThan(3);
+  });
+
+  await test.step("the measures are those of the API, as a table and as a file", async () => {
+    await page.locator("#measures").click();
+    const dialog = page.getByRole("dialog", { name: "Measures" });
+    await expect(dialog.locator("tbody tr").first()).toBeVisible();
+    const file = (await (await page.request.get(`${base}/api/fits/${standing}/measures.json?with=${supine}`)).json()) as MeasuresFile;
+    await expect(dialog.locator("thead .group[colspan]")).toHaveText(["Standing", "Supine", "supine − standing"]);
+    const names = [...new Set(file.measures.map(({ measure, kind }) => `${measure} ${kind}`))];
+    expect(await dialog.locator("tbody tr").count()).toBe(names.length);
+    for (const row of file.measures.filter(({ left }) => left !== null).slice(0, 12)) {
+      const isChange = row.stance.includes(" - ");
+      const cells = await dialog.locator(`tbody tr[data-measure="${row.measure}"][data-kind="${row.kind}"] td`).allTextContents();
+      expect(cells, row.measure).toContain(formatCell({ value: row.left, low: null, high: null }, row.unit, isChange));
+    }
+    const waiting = page.waitForEvent("download");
+    await dialog.getByRole("button", { name: "measures.csv" }).click();
+    const path = info.outputPath("measures.csv");
+    await (await waiting).saveAs(path);
+    expect(readFileSync(path, "utf8").trim().split("\r\n")).toHaveLength(file.measures.length + 1);
+    const report = await page.request.get(base + (await dialog.locator("#report-both").getAttribute("href"))!);
+    expect(report.status()).toBe(200);
+    expect((await report.body()).subarray(0, 5).toString()).toBe("%PDF-");
+    await page.keyboard.press("Escape");
+    await expect(dialog).toBeHidden();
+  });
+
+  await test.step("the page works on the other one at a click, and back", async () => {
+    await page.getByRole("button", { name: "Work here" }).click();
+    await expect.poll(async () => (await state(page)).fit!.id).toBe(standing);
+    expect((await state(page)).drawn.lines.present).toHaveLength(1);
+    await expect(page.locator(".stances-bar .segmented button").first()).toHaveAttribute("aria-pressed", "true");
+    const carried = (await state(page)).stances.other!.drawn.carried!;
+    expect(carried.from).toBe("standing");
+  });
+
+  await test.step("drawing goes on, and the other scan follows", async () => {
+    await page.keyboard.press("4");
+    await page.getByRole("button", { name: "Tumour", exact: true }).click();
+    await expect.poll(() => page.evaluate(() => window.__breastrig!.isReady())).toBe(true);
+    await untilStill(page);
+    const box = (await page.locator("main.stage canvas.view").boundingBox())!;
+    await page.mouse.click(box.x + box.width * 0.5, box.y + box.height * 0.45);
+    expect((await state(page)).drawn.lines.present).toHaveLength(2);
+    await expect.poll(async () => (await state(page)).stances.other!.drawn.carried!.drawing.shapes.length).toBe(2);
+    await page.keyboard.press("Escape");
+    await expect(page.locator(".drawing .saved")).toHaveText("Saved");
+  });
+
+  await test.step("after a reload both are there, side by side", async () => {
+    await page.reload();
+    await hook.ready(page);
+    await untilFitted(page);
+    await expect.poll(() => other(page)).not.toBeNull();
+    const now = await state(page);
+    expect([now.fit!.id, now.stances.other!.fit!.id]).toEqual([standing, supine]);
+    expect(now.drawn.lines.present).toHaveLength(2);
+    expect((await other(page))!.picture.colours).toBeGreaterThan(100);
+    await expect(page.locator(".stances-bar .segmented button")).toHaveText(["Standing", "Supine"]);
+    await expect.poll(async () => (await state(page)).stances.other!.drawn.carried?.drawing.shapes.length).toBe(2);
+  });
+
+  expect((await hook.picture(page)).isLost).toBe(false);
+  expect(troubles).toEqual([]);
+});

@@ -1,0 +1,107 @@
+// The pane of the stance that waits: a view of its own, made when it is first wanted, whose camera goes with the other's.
+import { Matrix4 } from "three";
+import { OwnLines } from "../drawing/OwnLines";
+import type { Session } from "../state/session";
+import type { Store } from "../state/store";
+import { Drawings } from "../viewer/Drawings";
+import { FittedSurface } from "../viewer/FittedSurface";
+import { LandmarkPins } from "../viewer/LandmarkPins";
+import { ScanMesh } from "../viewer/ScanMesh";
+import { SideLetters } from "../viewer/SideLetters";
+import { TorsoModel } from "../viewer/TorsoModel";
+import { type Part, Viewer } from "../viewer/Viewer";
+import { linkedPose, torsoOf } from "./cameras";
+import { isComparing, otherSession } from "./state";
+
+export interface OtherStage {
+  readonly host: HTMLElement;
+  readonly canvas: HTMLCanvasElement;
+  readonly overlay: HTMLElement;
+}
+
+/** What browser tests may know of the second pane. */
+export interface OtherHook {
+  isReady(): boolean;
+  viewer(): Viewer | null;
+}
+
+export function openOtherView(store: Store<Session>, main: Viewer, stage: OtherStage, prefersStill: () => boolean, failed: (error: unknown) => void): OtherHook {
+  let viewer: Viewer | null = null;
+  let scan: ScanMesh | null = null;
+  let parts: Part[] = [];
+  let theme: Session["theme"] | null = null;
+  let isFollowing = false; // a pose that was taken over is not handed back
+  let viewAsked = store.get().view.asked;
+
+  function follow(leader: Viewer, follower: Viewer): void {
+    const state = store.get();
+    const { other, isLinked } = state.stances;
+    if (isFollowing || !isLinked || !other || !isComparing(state)) return;
+    const isMain = leader === main;
+    const [mine, its] = [torsoOf(state), torsoOf(other)];
+    // By landmarks only when both have them: the middle of one body and the breastbone of the other are not one place.
+    const origin = (of: Viewer): Matrix4 => of.body.matrixWorld.clone().invert();
+    const [a, b] = mine && its ? [mine, its] : [origin(main), origin(viewer!)];
+    const [from, to] = isMain ? [a, b] : [b, a];
+    isFollowing = true;
+    for (const each of [leader, follower]) each.scene.updateMatrixWorld();
+    follower.pose = linkedPose(leader.pose, { world: leader.body.matrixWorld, torso: from }, { world: follower.body.matrixWorld, torso: to });
+    isFollowing = false;
+  }
+
+  function make(): Viewer {
+    const made = new Viewer(stage.host, stage.canvas, stage.overlay, prefersStill);
+    const ready = (error: unknown): void => {
+      if (error !== null) return failed(error);
+      update(store.get());
+      follow(main, made);
+    };
+    scan = new ScanMesh(made, ready);
+    const torso = new TorsoModel(made, ready);
+    const fitted = new FittedSurface(made, ready);
+    parts = [scan, torso, fitted, new Drawings(made, scan, torso, fitted), new OwnLines(made, scan), new LandmarkPins(made, scan), new SideLetters(made)];
+    main.turned.add(() => follow(main, made));
+    made.turned.add(() => made.isHeld && follow(made, main));
+    stage.canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => made.repaint());
+    return made;
+  }
+
+  function update(state: Session): void {
+    const session = otherSession(state);
+    if (!session || (!viewer && !isComparing(state))) return;
+    try {
+      viewer ??= make();
+    } catch (error) {
+      return failed(error);
+    }
+    if (state.theme !== theme) {
+      theme = state.theme;
+      viewer.repaint();
+    }
+    for (const part of parts) {
+      try {
+        part.update(session);
+      } catch (error) {
+        queueMicrotask(() => reportError(error));
+      }
+    }
+    if (state.view.asked !== viewAsked && !state.stances.isLinked) viewer.lookFrom(state.view.name);
+    viewAsked = state.view.asked;
+    viewer.invalidate();
+  }
+
+  let wasComparing = false;
+  let wasLinked = true;
+  let wasScan: unknown = null;
+  store.subscribe((state) => {
+    update(state);
+    const now = isComparing(state);
+    const isNew = now && (!wasComparing || (state.stances.isLinked && !wasLinked) || state.scan !== wasScan);
+    wasComparing = now;
+    wasLinked = state.stances.isLinked;
+    wasScan = state.scan;
+    if (isNew && viewer) requestAnimationFrame(() => viewer && follow(main, viewer)); // after the layout has changed
+  });
+  return { isReady: () => scan?.mesh != null, viewer: () => viewer };
+}

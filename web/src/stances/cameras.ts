@@ -1,0 +1,48 @@
+// Two cameras that look at two bodies from the same side: the pose of one, told in its torso's frame, is the other's.
+// All matrices are rigid and in metres; a torso's frame has the patient's left, up and front as axes.
+import { Matrix4, Vector3 } from "three";
+import { picksOf } from "../actions/scan";
+import type { Frame, Vector } from "../api/types";
+import { leftOf } from "../state/frame";
+import { frameFromPicks, type Picks } from "../state/landmarks";
+import { metresFromMm } from "../units";
+import type { Slice } from "./state";
+
+export interface Pose {
+  readonly eye: Vector3;
+  readonly target: Vector3;
+}
+
+// The breastbone is the part of the trunk that keeps its shape from standing to supine; the belly is not.
+const RIGID = ["suprasternal_notch", "mid_sternum", "xiphoid"];
+
+function basis(frame: Frame, origin: Vector3): Matrix4 {
+  return new Matrix4().makeBasis(new Vector3(...leftOf(frame)), new Vector3(...frame.up), new Vector3(...frame.front)).setPosition(origin);
+}
+
+/** Takes coordinates of the torso to the scan's own, from landmarks in millimetres; null when they say too little. */
+export function torsoFromLandmarks(picks: Picks): Matrix4 | null {
+  const frame = frameFromPicks(picks);
+  const points = RIGID.flatMap((name) => (picks[name] ? [picks[name]] : []));
+  if (!frame || points.length === 0) return null;
+  const origin = points.reduce((sum, point) => sum.add(new Vector3(...point.map(metresFromMm))), new Vector3()).divideScalar(points.length);
+  return basis(frame, origin);
+}
+
+/** By the fitted landmarks, or by those that were placed. */
+export function torsoOf({ fit, picks }: Pick<Slice, "fit" | "picks">): Matrix4 | null {
+  const fitted = fit?.result ? torsoFromLandmarks(picksOf({ landmarks: fit.result.landmarks, unit: fit.result.scan.unit })) : null;
+  return fitted ?? torsoFromLandmarks(picks.present);
+}
+
+/** Without landmarks the body stands upright by its frame, and its middle serves as origin. */
+export const torsoFromFrame = (frame: Frame, middle: Vector): Matrix4 => basis(frame, new Vector3(...middle));
+
+/**
+ * The pose of the second camera.  `world` takes each scan's coordinates to those of its view, `torso` those of its
+ * torso to the scan's.
+ */
+export function linkedPose(pose: Pose, from: { world: Matrix4; torso: Matrix4 }, to: { world: Matrix4; torso: Matrix4 }): Pose {
+  const across = new Matrix4().multiplyMatrices(from.world, from.torso).invert().premultiply(to.torso).premultiply(to.world);
+  return { eye: pose.eye.clone().applyMatrix4(across), target: pose.target.clone().applyMatrix4(across) };
+}

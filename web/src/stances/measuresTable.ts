@@ -1,0 +1,75 @@
+// The report's flat rows as a table: one line for each measure, the stances beside each other, changes at the end.
+import type { Measure, MeasuresFile } from "../api/types";
+
+export interface Cell {
+  readonly value: number | null;
+  readonly low: number | null;
+  readonly high: number | null;
+}
+
+export interface MeasureLine {
+  readonly measure: string;
+  readonly kind: string;
+  readonly unit: Measure["unit"];
+  /** for each stance and then the change: the cells that the columns name */
+  readonly groups: readonly { readonly left: Cell; readonly right: Cell; readonly difference: Cell; readonly whole: Cell }[];
+  readonly method: string;
+  readonly landmarks: readonly { readonly stance: string; readonly words: string }[];
+}
+
+export interface MeasuresTable {
+  /** names of the groups: one stance; or first, second, `second - first` */
+  readonly groups: readonly string[];
+  readonly lines: readonly MeasureLine[];
+}
+
+const NONE: Cell = { value: null, low: null, high: null };
+const bare = (value: number | null): Cell => ({ value, low: null, high: null });
+
+export function measuresTable(file: Pick<MeasuresFile, "measures" | "stances">): MeasuresTable {
+  const groups = [...new Set(file.measures.map(({ stance }) => stance))];
+  const keyOf = ({ measure, kind }: Measure): string => `${measure}, ${kind}`; // most lengths are there twice: straight, and along the skin
+  const lines = [...new Set(file.measures.map(keyOf))].map((key): MeasureLine => {
+    const rows = groups.map((group) => file.measures.find((row) => keyOf(row) === key && row.stance === group) ?? null);
+    const first = rows.find((row) => row !== null)!;
+    return {
+      measure: first.measure,
+      kind: first.kind,
+      unit: first.unit,
+      groups: rows.map((row) =>
+        row
+          ? {
+              left: { value: row.left, low: row.left_low, high: row.left_high },
+              right: { value: row.right, low: row.right_low, high: row.right_high },
+              difference: bare(row.difference),
+              whole: bare(row.value),
+            }
+          : { left: NONE, right: NONE, difference: NONE, whole: NONE },
+      ),
+      method: first.method,
+      landmarks: rows.flatMap((row) => (row && row.landmarks !== "" && file.stances.some(({ name }) => name === row.stance) ? [{ stance: row.stance, words: row.landmarks }] : [])),
+    };
+  });
+  return { groups, lines };
+}
+
+const DIGITS: Record<Measure["unit"], number> = { mm: 1, ml: 0, "1": 2 };
+
+/** With the digits that the measure is worth; changes and differences with their sign. */
+export function formatCell({ value }: Cell, unit: Measure["unit"], isSigned: boolean): string {
+  if (value === null) return "–";
+  const digits = Math.abs(value).toFixed(DIGITS[unit]);
+  const isZero = Number(digits) === 0;
+  const sign = value < 0 && !isZero ? "\u2212" : isSigned && !isZero ? "+" : "";
+  return sign + digits;
+}
+
+const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "value", "landmarks", "method"] as const satisfies readonly (keyof Measure)[];
+
+const quoted = (cell: string): string => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
+
+/** The same columns as the command line's measures.csv, every digit that the service sent. */
+export function measuresCsv(rows: readonly Measure[]): string {
+  const written = rows.map((row) => COLUMNS.map((name) => quoted(row[name] === null ? "" : String(row[name]))).join(","));
+  return [COLUMNS.join(","), ...written].join("\r\n") + "\r\n";
+}

@@ -1,0 +1,101 @@
+// Two stances of one patient: the page works on one, the other one waits with all that belongs to it.
+import type { MeasuresFile } from "../api/types";
+import type { FitState, Session } from "../state/session";
+
+/** What belongs to one scan, and goes away and comes back with it. */
+export type Slice = Pick<Session, "scan" | "picks" | "drawn" | "proposals" | "skipped" | "saving" | "stance" | "fit">;
+
+/** A scan that was open in this tab. */
+export interface KnownScan {
+  readonly id: string;
+  readonly title: string;
+  readonly stance: string;
+  readonly at: string; // ISO 8601
+}
+
+export interface StancesState {
+  readonly other: Slice | null;
+  readonly isSecond: boolean; // the page works on the one that came second: it stands to the right
+  readonly isComparing: boolean;
+  readonly isLinked: boolean; // turning one turns the other
+  readonly isAdding: boolean; // the dialog for a second scan is open
+  readonly isBringing: boolean; // the second scan is on its way
+  readonly known: readonly KnownScan[];
+  readonly isCarrying: boolean;
+  readonly wantsCarried: boolean; // the person asked for it once: it is kept up to date
+  readonly measures: { readonly isOpen: boolean; readonly isBusy: boolean; readonly of: string; readonly file: MeasuresFile | null };
+}
+
+export const initialStances: StancesState = {
+  other: null,
+  isSecond: false,
+  isComparing: false,
+  isLinked: true,
+  isAdding: false,
+  isBringing: false,
+  known: [],
+  isCarrying: false,
+  wantsCarried: false,
+  measures: { isOpen: false, isBusy: false, of: "", file: null },
+};
+
+/** What the page has of its scan, as it may wait: a replay is at its end. */
+export function sliceOf({ scan, picks, drawn, proposals, skipped, saving, stance, fit }: Session): Slice {
+  const resting = fit && { ...fit, shown: fit.iterations.length - 1, playing: false };
+  return { scan, picks, drawn: { ...drawn, tool: "none", start: null, open: null, corner: null }, proposals, skipped, saving, stance, fit: resting };
+}
+
+/** standing or supine: as fitted, as asked for, or as the service proposes. */
+export function stanceOf(slice: Pick<Slice, "fit" | "stance" | "scan">): "standing" | "supine" {
+  const asked = slice.stance === "auto" ? null : slice.stance;
+  return slice.fit?.result?.stance ?? asked ?? slice.scan?.info.stance?.proposed ?? "standing";
+}
+
+/** What the two are called, the one that the page works on first; two of a kind are numbered as they stand. */
+export function stanceNames(state: Session): [string, string] {
+  const { other, isSecond } = state.stances;
+  const [mine, its] = [stanceOf(state), other ? stanceOf(other) : ""];
+  if (mine !== its) return [mine, its];
+  return isSecond ? [`${mine} 2`, `${its} 1`] : [`${mine} 1`, `${its} 2`];
+}
+
+/** The fits to measure: the first that came, and the second one when it is done as well. */
+export function measuredFits({ fit, stances }: Session): [FitState, FitState | null] | null {
+  if (fit?.state !== "done") return null;
+  const its = stances.other?.fit?.state === "done" ? stances.other.fit : null;
+  return its && stances.isSecond ? [its, fit] : [fit, its];
+}
+
+/** Both stances are on the stage.  While landmarks are placed there is one, with its instructions. */
+export const isComparing = (state: Session): boolean => state.stances.isComparing && state.stances.other !== null && state.scan !== null && state.active === null;
+
+/** The session as the other pane shows it. */
+export function otherSession(state: Session): Session | null {
+  const { other } = state.stances;
+  if (!other) return null;
+  const overlay = state.overlay === "beside" || state.overlay === "swipe" ? "both" : state.overlay;
+  return { ...state, ...other, overlay, active: null, step: state.step === "drawing" ? "drawing" : "result" };
+}
+
+/** A fit that is over but not all here, or that was running when its scan was put aside. */
+export const isUnfinished = (fit: FitState | null): boolean =>
+  fit !== null && (fit.state === "running" || (fit.state === "done" && (fit.surface === null || (fit.drawingName !== null && fit.drawing === null))));
+
+const KEY = "breastrig.scans";
+const KEPT = 20;
+type Memory = Pick<Storage, "getItem" | "setItem">;
+
+export function knownScans(memory: Memory): KnownScan[] {
+  try {
+    const read = JSON.parse(memory.getItem(KEY) ?? "[]") as unknown;
+    return Array.isArray(read) ? (read as KnownScan[]).filter((each) => typeof each?.id === "string") : [];
+  } catch {
+    return [];
+  }
+}
+
+/** The newest first, each once. */
+export function rememberScan(memory: Memory, scan: KnownScan): void {
+  const rest = knownScans(memory).filter(({ id }) => id !== scan.id);
+  memory.setItem(KEY, JSON.stringify([scan, ...rest].slice(0, KEPT)));
+}
