@@ -1,7 +1,7 @@
 // The result in colour: distances are those of distances.bin, under the pointer and in the numbers; scan and model beside
 // each other and cut by a line.
 import { expect, type Page } from "@playwright/test";
-import type { Result } from "../src/api/types";
+import type { Fit, Result } from "../src/api/types";
 import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/state/distances";
 import { formatPercent, formatSignedMm } from "../src/units";
 import { distance, hook, test, untilFitted, untilStill } from "./page";
@@ -131,14 +131,37 @@ test("a landmark that is dragged after the fit is fitted again at once, and arro
   await page.mouse.down();
   await page.mouse.move(at.x + 12, at.y + 8, { steps: 3 });
   const wanted = await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!)!.point, [at.x + 12, at.y + 8]);
+  // From the finger's lift to the first picture on which the model is another one, by the page's own clock.
+  const followed = page.evaluate(
+    (id) =>
+      new Promise<{ ms: number; isChanged: boolean }>((done) => {
+        const before = window.__breastrig!.picture().checksum;
+        addEventListener("pointerup", () => {
+          const lifted = performance.now();
+          const look = (): void => {
+            const { fit } = window.__breastrig!.state();
+            if (fit?.id === id || (fit?.shown ?? -1) < 0) return void requestAnimationFrame(look);
+            const ms = performance.now() - lifted;
+            done({ ms, isChanged: window.__breastrig!.picture().checksum !== before });
+          };
+          look();
+        }, { once: true, capture: true });
+      }),
+    first.id,
+  );
   await page.mouse.up();
+  const { ms, isChanged } = await followed;
+  expect(isChanged).toBe(true);
+  console.log(`a landmark let go: the model follows after ${ms.toFixed(0)} ms`);
   expect(distance((await hook.pick(page, "umbilicus"))!, wanted)).toBeLessThan(0.01);
-  await page.waitForFunction((id) => window.__breastrig!.state().fit?.id !== id, first.id);
   await untilFitted(page);
   const second = (await hook.fit(page))!;
   const result = (await (await page.request.get(`${base}/api/fits/${second.id}/result.json`)).json()) as Result;
   const picked = result.landmarks_picked!.umbilicus!; // in the scan's unit, metres
   expect(picked.map((value) => 1000 * value)).toEqual(wanted.map((value) => expect.closeTo(value, 0)));
+  const { start_from } = (await (await page.request.get(`${base}/api/fits/${second.id}`)).json()) as Fit;
+  expect(start_from).toBe(first.id);
+  expect(second.iterations, "iterations from where the model stood").toBeLessThan(first.iterations);
 
   await page.keyboard.press("2");
   await page.locator(".landmarks [data-landmark=umbilicus] .landmark-name").click();

@@ -208,20 +208,85 @@ test("another scan ends the following of the fit before", async () => {
   expect(store.get().fit).toBeNull();
 });
 
-test("a landmark that is dragged after a fit is saved and fitted again; before any fit it is only saved", async () => {
+test("a landmark that is dragged after a fit is fitted again from there; the picture of the one before stays until the new one has its own", async () => {
+  const startFit = vi.fn(async () => ({ id: `f${startFit.mock.calls.length}`, links: fitLinks(`f${startFit.mock.calls.length}`) }));
+  const { store, client, actions } = await withScan({ startFit });
+  const settle = (): Promise<unknown> => vi.advanceTimersByTimeAsync(1000);
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.place([1, 2, 3]);
+  actions.landmarks.move("nipple_L", [4, 5, 6]);
+  await settle();
+  expect(startFit, "before any fit a move is only saved").not.toHaveBeenCalled();
+  await actions.fit.start();
+  FakeEventSource.last!.say("iterated", iterated(0));
+  FakeEventSource.last!.say("done", { result });
+  await settle();
+  actions.page.overlay("swipe");
+  actions.page.goTo("landmarks");
+
+  actions.landmarks.move("nipple_L", [7, 8, 9]);
+  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [7, 8, 9] }, start_from: "f1" }));
+  await settle();
+  expect(store.get()).toMatchObject({ fit: { id: "f1", state: "done", shown: 0 }, isStarting: true });
+  const second = FakeEventSource.last!;
+  second.say("started", { stance: "standing", drawing: "lumpectomy", iterations_limit: 9, notes: [] });
+  expect(store.get().fit?.id, "nothing to show yet").toBe("f1");
+  second.say("iterated", iterated(1));
+  expect(store.get()).toMatchObject({ fit: { id: "f2", shown: 0, started: { iterations_limit: 9 } }, isStarting: false, overlay: "swipe", step: "landmarks" });
+
+  actions.landmarks.move("nipple_L", [9, 9, 9]); // while that one runs
+  expect(client.cancel).toHaveBeenLastCalledWith("/api/fits/f2/cancel");
+  await settle();
+  second.say("iterated", iterated(2));
+  expect(store.get().fit?.iterations.length, "a fit that was given up tells nothing any more").toBe(1);
+  FakeEventSource.last!.say("iterated", iterated(1));
+  FakeEventSource.last!.say("done", { result });
+  expect(store.get()).toMatchObject({ fit: { id: "f3", state: "done" }, step: "landmarks" });
+  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ start_from: "f1" }));
+});
+
+test("a run of nudges is two fits: one for the first at once, one for where it ended", async () => {
   const startFit = vi.fn(async () => ({ id: `f${startFit.mock.calls.length}`, links: fitLinks(`f${startFit.mock.calls.length}`) }));
   const { store, client, actions } = await withScan({ startFit });
   actions.landmarks.want("nipple_L");
-  actions.landmarks.place([1, 2, 3]);
-  await actions.moveLandmark("nipple_L", [4, 5, 6]);
-  expect(startFit).not.toHaveBeenCalled();
+  actions.landmarks.place([0, 0, 0]);
   await actions.fit.start();
+  FakeEventSource.last!.say("iterated", iterated(0));
   FakeEventSource.last!.say("done", { result });
-  actions.page.overlay("swipe");
-  await actions.moveLandmark("nipple_L", [7, 8, 9]);
-  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [7, 8, 9] } }));
-  expect(store.get()).toMatchObject({ fit: { id: "f2", state: "running" }, overlay: "swipe" });
-  await actions.moveLandmark("nipple_L", [9, 9, 9]); // while that one runs
+  await vi.advanceTimersByTimeAsync(1000);
+  for (let i = 1; i <= 10; i += 1) {
+    actions.landmarks.move("nipple_L", [i, 0, 0]);
+    await vi.advanceTimersByTimeAsync(30);
+  }
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(startFit.mock.calls.length).toBe(3);
+  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [10, 0, 0] } }));
   expect(client.cancel).toHaveBeenCalledWith("/api/fits/f2/cancel");
+  FakeEventSource.last!.say("failed", { reason: "Too far." });
+  expect(store.get()).toMatchObject({ fit: { id: "f1", state: "done" }, isStarting: false, problems: { fit: "Too far." } });
+  actions.landmarks.undo();
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [9, 0, 0] }, start_from: "f1" }));
+});
+
+test("a fit whose landmarks were moved before the service answered is cancelled and never shown", async () => {
+  const answers: ((id: string) => void)[] = [];
+  const startFit = vi.fn(() => new Promise<{ id: string; links: ReturnType<typeof fitLinks> }>((done) => answers.push((id) => done({ id, links: fitLinks(id) }))));
+  const { store, client, actions } = await withScan({ startFit });
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.place([0, 0, 0]);
+  void actions.fit.start();
+  answers[0]!("f1");
+  await vi.advanceTimersByTimeAsync(1000);
+  FakeEventSource.last!.say("done", { result });
+  actions.landmarks.move("nipple_L", [1, 0, 0]);
+  await vi.advanceTimersByTimeAsync(1000);
+  actions.landmarks.move("nipple_L", [2, 0, 0]);
+  answers[2]!("f3");
+  await vi.advanceTimersByTimeAsync(10);
+  answers[1]!("f2");
+  await vi.advanceTimersByTimeAsync(10);
+  expect(client.cancel).toHaveBeenLastCalledWith("/api/fits/f2/cancel");
+  FakeEventSource.last!.say("iterated", iterated(0));
   expect(store.get().fit?.id).toBe("f3");
 });

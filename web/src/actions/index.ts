@@ -1,6 +1,5 @@
 // All that a person or the address can ask of the page; panels get this and nothing else to act with.
 import type { Client } from "../api/client";
-import type { Vector } from "../api/types";
 import { drawingActions } from "../drawing/actions";
 import { stancesActions } from "../stances/actions";
 import type { Session } from "../state/session";
@@ -18,7 +17,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const player = createPlayer(store, prefersStill);
   const fit = fitActions(store, client, player);
   const proposals = createProposalSearch(store, client);
-  const landmarks = landmarkActions(store, client, proposals.lookOnce);
+  const landmarks = landmarkActions(store, client, proposals.lookOnce, fit.refit);
   const scan = scanActions(store, client, fit.stop);
   const drawing = drawingActions(store, client);
   const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
@@ -39,11 +38,6 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
       } catch (error) {
         store.set((state) => withProblem(state, "page", messageOf(error)));
       }
-    },
-    /** A landmark that is dragged after a fit asks for the fit that belongs to it. */
-    async moveLandmark(name: string, point: Vector): Promise<void> {
-      landmarks.move(name, point);
-      await fit.again();
     },
     fit,
     player,

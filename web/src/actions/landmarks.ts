@@ -14,7 +14,7 @@ import { straightened } from "./straighten";
 
 const PAUSE_MS = 400; // a run of quick clicks is one save
 
-export function landmarkActions(store: Store<Session>, client: Client, onBegun: () => void) {
+export function landmarkActions(store: Store<Session>, client: Client, onBegun: () => void, onMoved: () => void) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let waiting: { scan: Scan; picks: Picks } | null = null;
 
@@ -60,9 +60,18 @@ export function landmarkActions(store: Store<Session>, client: Client, onBegun: 
     if (scan) await save(scan.info, picks.present);
   }
 
+  /** The same landmarks elsewhere, and nothing else: what a fit can go on from. */
+  function tellOfMoves(before: Picks): void {
+    const after = store.get().picks.present;
+    const names = Object.keys(after);
+    if (names.length === Object.keys(before).length && names.every((name) => name in before) && names.some((name) => after[name] !== before[name])) onMoved();
+  }
+
   function change(picks: Picks, more: Partial<Session> = {}): void {
+    const before = store.get().picks.present;
     store.set((state) => ({ ...more, picks: record(state.picks, picks) }));
     saveSoon();
+    tellOfMoves(before);
   }
 
   return {
@@ -131,14 +140,18 @@ export function landmarkActions(store: Store<Session>, client: Client, onBegun: 
 
     undo(): void {
       if (store.get().picks.past.length === 0) return;
+      const before = store.get().picks.present;
       store.set((state) => ({ picks: undo(state.picks), announcement: text.landmarks.announceUndone }));
       saveSoon();
+      tellOfMoves(before);
     },
 
     redo(): void {
       if (store.get().picks.future.length === 0) return;
+      const before = store.get().picks.present;
       store.set((state) => ({ picks: redo(state.picks), announcement: text.landmarks.announceRedone }));
       saveSoon();
+      tellOfMoves(before);
     },
 
     useExample(): void {

@@ -43,7 +43,7 @@ export function createFitPanel(actions: Actions, dismiss: () => void): Panel {
       setText(hint, count === 0 ? text.fit.noLandmarks : text.fit.fewLandmarks(count));
       show(running, busy);
       const shown = shownIteration(fit);
-      setText(phase, shown ? `${text.fit.stage}: ${shown.stage}` : fit?.started ? text.fit.running : text.fit.waiting);
+      setText(phase, shown ? `${text.fit.stage}: ${shown.stage}` : fit?.started || fit?.result ? text.fit.running : text.fit.waiting);
       const limit = fit?.started?.iterations_limit ?? 0;
       if (shown && limit > 0) progress.value = Math.min(1, shown.iteration / limit);
       else progress.removeAttribute("value");

@@ -46,7 +46,7 @@ export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: ScanMes
     if (event.pointerId !== held?.id) return;
     const { name, point } = held;
     letGo();
-    if (point) void actions.moveLandmark(name, point);
+    if (point) actions.landmarks.move(name, point);
   });
   canvas.addEventListener("pointercancel", letGo);
 }
