@@ -14,6 +14,8 @@ help:
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
 	@echo "make fuzz    many made-up files and requests for every reader and call   (FUZZ=20: so many times those of make test)"
 	@echo "make faults  kill, fill, lock and leave: a table of what became of every fit   (KILLS=20)"
+	@echo "make load    clients that work and viewers on one server: a table of times, memory, errors   (LOAD=\"--seconds 60\")"
+	@echo "make routes  every route with every credential: a table of status codes"
 	@echo "make clean   remove what make made (data stays)"
 
 serve: page $(VENV)/.stamp-serve
@@ -47,6 +49,12 @@ fuzz: $(VENV)/.stamp-test
 faults: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 BREASTRIG_KILLS="$${KILLS:-20}" BREASTRIG_FAULT_TABLE=1 "$(VENV)/bin/python" -m pytest -q tests/faults
 
+load: $(VENV)/.stamp-test
+	OPENBLAS_NUM_THREADS=1 PYTHONPATH=tests "$(VENV)/bin/python" -m load $${LOAD}
+
+routes: $(VENV)/.stamp-test
+	BREASTRIG_ROUTE_TABLE=1 "$(VENV)/bin/python" -m pytest -q tests/api/test_route_walk.py
+
 bench: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest tests/benchmarks --benchmark-only --benchmark-columns=min,median,rounds --benchmark-sort=name $${BENCH}
 
@@ -78,4 +86,4 @@ $(VENV)/.stamp-test: $(VENV)/.stamp-venv pyproject.toml
 
 # Two recipes must not install into the same folder at once, whatever -j says.
 .NOTPARALLEL:
-.PHONY: help serve test check vitest pytest browser fuzz faults bench clean page packages web-packages
+.PHONY: help serve test check vitest pytest browser fuzz faults load routes bench clean page packages web-packages

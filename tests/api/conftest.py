@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from breastrig.jobs.service import Service
 from breastrig.storage.storage import Storage
 
 NIPPLE_MM = [70.0, 350.0, 120.0]
+ROUTES = pytest.StashKey[list[str]]()
 
 
 class Client(FlaskClient):
@@ -126,3 +128,21 @@ def fit_id(client: FlaskClient, service: Service, scan_id: str) -> str:
     assert answer.json is not None
     assert ended(service, answer.json["id"]).state == "done"
     return answer.json["id"]
+
+
+@pytest.fixture
+def keep_route_table(request: pytest.FixtureRequest) -> Callable[[list[str]], None]:
+    """Keeps the lines of the table for the end of the run."""
+
+    def keep(lines: list[str]) -> None:
+        request.config.stash[ROUTES] = lines
+
+    return keep
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    lines = config.stash.get(ROUTES, [])
+    if os.environ.get("BREASTRIG_ROUTE_TABLE") and lines:
+        terminalreporter.section("routes")
+        for line in lines:
+            terminalreporter.write_line(line)

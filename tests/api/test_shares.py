@@ -6,31 +6,19 @@ from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import pytest
-from apiflask import APIFlask
 from flask.testing import FlaskClient
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
+from helpers.shares import expire
 from limits import RateLimitItemPerMinute
 
 from breastrig.api import rate_limits, share_credential
 from breastrig.api.config import Config
 from breastrig.core.glb import split_glb
 from breastrig.jobs.service import Service
-from breastrig.storage.storage import iso_utc
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 FILES = ("result.json", "fitted.glb", "fitted.ply", "drawing.json", "distances.bin")
-OPEN_TO_ALL = {
-    "/healthz",
-    "/readyz",
-    "/metrics",
-    "/s",
-    "/s/share.js",
-    "/sign-in",
-    "/sign-in/style.css",
-    "/sign-out",
-    "/",
-}
 
 
 @pytest.fixture
@@ -115,66 +103,6 @@ def test_the_cookie_goes_to_the_shared_calls_only_and_scripts_cannot_read_it(vis
         assert word in cookie
 
 
-def every_call(app: APIFlask, fit_id: str, scan_id: str, share_id: str) -> list[tuple[str, str]]:
-    """(method, address) of every route, filled in with what is really there."""
-    ids = {"fit_id": fit_id, "scan_id": scan_id, "share_id": share_id, "iteration": "0", "name": "standing"}
-    return [
-        (method, re.sub(r"<(?:\w+:)?(\w+)>", lambda m: ids.get(m[1], "nobody"), rule.rule))
-        for rule in app.url_map.iter_rules()
-        for method in sorted((rule.methods or set()) - {"HEAD", "OPTIONS"})
-        if rule.endpoint != "page.asset"
-    ]
-
-
-def statuses(visitor: FlaskClient, calls: list[tuple[str, str]]) -> dict[tuple[str, str], int]:
-    return {call: visitor.open(call[1], method=call[0]).status_code for call in calls}
-
-
-def test_the_route_walk(
-    app: APIFlask, client: FlaskClient, client_for, config: Config, service: Service, scan_id: str, fit_id: str, share
-) -> None:
-    """A visitor with a share in any state reaches nothing but that share's own calls."""
-    made, other = share(), share()
-    calls = every_call(app, fit_id, scan_id, made["id"])
-    mine = {call for call in calls if call[1].startswith("/api/shared") and call[1] != "/api/shared/open"}
-    assert len(mine) == 8
-    walks = {}
-    for state in ("nothing", "open", "revoked", "expired", "forged"):
-        visitor = client_for(replace(config, host="0.0.0.0", token=TOKEN))
-        if state != "nothing":
-            one = other if state == "expired" else made
-            if state == "revoked":
-                one = share()
-            assert opened(visitor, one).status_code == 200
-            if state == "revoked":
-                client.delete(one["links"]["self"])
-            if state == "expired":
-                expire(service, one)
-            if state == "forged":
-                visitor.set_cookie(share_credential.COOKIE, f"{made['token']}x.proof", path=share_credential.PATH)
-        walks[state] = statuses(visitor, calls)
-    for state, walk in walks.items():
-        for call, status in walk.items():
-            if call in mine:
-                expected = {"nothing": 401, "revoked": 410, "expired": 410, "forged": 404, "open": 200}[state]
-                if state == "open" and call[1].endswith(("mesh.glb", "report.pdf")):
-                    expected = 403
-                assert status == expected, (state, call)
-            elif call[1].startswith("/api/") and call[1] != "/api/shared/open":
-                assert status == 401, (state, call)
-            else:
-                assert call[1] in OPEN_TO_ALL | {"/api/shared/open"}, call
-    assert client.get(f"/api/scans/{scan_id}").status_code == 200  # nothing was deleted on the way
-
-
-def expire(service: Service, made: dict) -> None:
-    from breastrig.storage import schema
-
-    past = iso_utc(datetime.now(UTC) - timedelta(seconds=1))
-    with service.storage.database.writing() as connection:
-        connection.execute(schema.shares.update().where(schema.shares.c.id == made["id"]).values(expires_at=past))
-
-
 def test_one_share_opens_no_other_fit(client: FlaskClient, visitor: FlaskClient, service: Service, share) -> None:
     made = share()
     assert opened(visitor, made).status_code == 200
@@ -192,7 +120,7 @@ def test_an_ended_link_opens_nothing_and_says_why(
     revoked, expired = share(), share()
     for _ in range(2):
         assert client.delete(revoked["links"]["self"]).status_code == 204
-    expire(service, expired)
+    expire(service, expired["id"])
     for made in (revoked, expired):
         assert "expired or was revoked" in problem(opened(visitor, made), 410)
         assert client.get(made["links"]["self"]).json["is_open"] is False

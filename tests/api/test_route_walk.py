@@ -1,0 +1,191 @@
+"""Every route with every kind of credential, as a table of status codes; `make routes` prints it.
+
+The routes come from the application's own map, so a new one is in the walk before anyone thinks of it.
+"""
+
+import io
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import pytest
+from apiflask import APIFlask
+from flask.testing import FlaskClient
+from helpers.shares import expire
+from helpers.waiting import ended
+
+from breastrig.api import share_credential
+from breastrig.api.config import Config
+from breastrig.jobs.service import Service
+
+TOKEN = "a-token-of-more-than-sixteen-characters"
+CREDENTIALS = (
+    "no token", "token", "cookie", "signed out", "share", "expired", "revoked", "forged", "another's",
+)  # fmt: skip
+FULL = ("token", "cookie")
+SHARED = "/api/shared"
+OPEN = f"{SHARED}/open"
+OPEN_TO_ALL = {  # everything outside of /api: health, the sign-in page, the empty pages and their files
+    "/", "/healthz", "/metrics", "/readyz", "/s", "/s/share.js", "/sign-in", "/sign-in/style.css", "/sign-out",
+}  # fmt: skip
+NOT_SHOWN = ("mesh.glb", "report.pdf")  # of a share without the scan
+Call = tuple[str, str]  # method, pattern of the route
+Walk = dict[Call, int]
+
+
+@dataclass(frozen=True)
+class Patient:
+    """A scan with a fit that is done, and a share of it."""
+
+    scan: str
+    fit: str
+    share: dict[str, Any]
+    model: str
+
+    def address(self, rule: str) -> str:
+        ids = {"scan_id": self.scan, "fit_id": self.fit, "share_id": self.share["id"]}
+        name = "lumpectomy" if "/drawings/" in rule else "standing"
+        ids |= {"iteration": "0", "name": name, "sha256": self.model}
+        return re.sub(r"<(?:\w+:)?(\w+)>", lambda found: ids[found[1]], rule)
+
+
+@pytest.fixture
+def patient(client: FlaskClient, service: Service, torso: bytes) -> Iterator[Callable[[], Patient]]:
+    """Makes patients; what is left of them is deleted at the end."""
+    scans: list[str] = []
+    model = client.get("/api/meta").json["model"]["sha256"]
+
+    def make() -> Patient:
+        scan = client.post("/api/scans", data={"file": (io.BytesIO(torso), "torso.ply")}).json["id"]
+        scans.append(scan)
+        fit = client.post("/api/fits", json={"scan": scan, "drawing": "lumpectomy"}).json["id"]
+        assert ended(service, fit).state == "done"
+        return Patient(scan, fit, client.post(f"/api/fits/{fit}/shares", json={}).json, model)
+
+    yield make
+    for scan in scans:
+        client.delete(f"/api/scans/{scan}")
+
+
+def secret(share: dict[str, Any]) -> str:
+    return str(share["url"]).removeprefix("/s#")
+
+
+def calls_of(app: APIFlask) -> list[Call]:
+    """Every route but the files of the page; deletions at the end, and signing out after them."""
+    calls = {
+        (method, rule.rule)
+        for rule in app.url_map.iter_rules()
+        for method in (rule.methods or set()) - {"HEAD", "OPTIONS"}
+        if rule.endpoint != "page.asset"
+    }
+    assert len(calls) > 50
+    return sorted(
+        calls,
+        key=lambda call: (call[1] == "/sign-out", call[0] == "DELETE", call[1].split("/"), call[0] != "PUT", call[0]),
+    )
+
+
+def body(call: Call, patient: Patient) -> dict[str, Any]:
+    """What a well-meant request of that call sends."""
+    landmarks = {"landmarks": {"nipple_L": [70, 350, 120]}}
+    bodies: dict[Call, dict[str, Any]] = {
+        ("PUT", "/api/scans/<scan_id>/landmarks"): {"json": landmarks},
+        ("PUT", "/api/scans/<scan_id>/drawing"): {"json": {"shapes": []}},
+        ("POST", "/api/fits"): {"json": {"scan": patient.scan}},
+        ("POST", "/api/fits/<fit_id>/shares"): {"json": {}},
+        ("POST", OPEN): {"json": {"token": secret(patient.share)}},
+    }
+    return bodies.get(call, {})
+
+
+def walk(visitor: FlaskClient, calls: list[Call], patient: Patient, headers: dict[str, str]) -> Walk:
+    kept = {cookie.key: cookie for cookie in visitor._cookies.values()}
+    found = {}
+    for call in calls:
+        answer = visitor.open(patient.address(call[1]), method=call[0], headers=headers, **body(call, patient))
+        found[call] = answer.status_code
+        visitor._cookies.clear()  # no call may change who asks the next one
+        for cookie in kept.values():
+            visitor._cookies[cookie._storage_key] = cookie
+    return found
+
+
+def test_every_route_with_every_credential(
+    app: APIFlask,
+    client: FlaskClient,
+    client_for: Callable[[Config], FlaskClient],
+    config: Config,
+    service: Service,
+    patient: Callable[[], Patient],
+    keep_route_table: Callable[[list[str]], None],
+) -> None:
+    calls = calls_of(app)
+    mine, others = patient(), patient()
+    walks: dict[str, Walk] = {}
+    for credential in CREDENTIALS:
+        visitor = client_for(replace(config, host="0.0.0.0", token=TOKEN))
+        share = others.share if credential == "another's" else mine.share
+        if credential in ("expired", "revoked"):
+            share = client.post(f"/api/fits/{mine.fit}/shares", json={}).json
+        if credential in ("share", "expired", "revoked", "another's"):
+            assert visitor.post(OPEN, json={"token": secret(share)}).status_code == 200
+        if credential in ("cookie", "signed out"):
+            assert visitor.post("/sign-in", data={"token": TOKEN}).status_code == 303
+        if credential == "signed out":
+            copied = dict(visitor._cookies)
+            visitor.post("/sign-out")
+            visitor._cookies.update(copied)
+        if credential == "expired":
+            expire(service, share["id"])
+        if credential == "revoked":
+            client.delete(share["links"]["self"])
+        if credential == "forged":
+            visitor.set_cookie(share_credential.COOKIE, f"{secret(share)}x.proof", path=share_credential.PATH)
+        if credential == "another's":
+            answer = visitor.get(f"{SHARED}/result.json")
+            assert answer.data == client.get(f"/api/fits/{others.fit}/result.json").data
+        headers = {"Authorization": f"Bearer {TOKEN}"} if credential == "token" else {}
+        whose = patient() if credential in FULL else mine
+        walks[credential] = walk(visitor, calls, whose, headers)
+        if credential in FULL:
+            assert client.get(f"/api/scans/{whose.scan}").status_code == 404  # the walk deletes at its end
+    assert client.get(f"/api/fits/{mine.fit}").json["state"] == "done"  # nobody else changed or deleted anything
+    assert client.get(mine.share["links"]["self"]).json["is_open"]
+    assert client.get(f"/api/scans/{mine.scan}/landmarks").json["landmarks"] == {}
+    keep_route_table(table(calls, walks))
+    for credential, found in walks.items():
+        for call, status in found.items():
+            assert status in expected(credential, call), (credential, call, status)
+
+
+def expected(credential: str, call: Call) -> set[int]:
+    """The statuses that a call may have with a credential."""
+    method, rule = call
+    if not rule.startswith("/api/"):
+        assert rule in OPEN_TO_ALL, rule
+        return {200, 303, 401} if rule == "/sign-in" else {200, 303}
+    if rule == OPEN:
+        return {200}
+    if rule == SHARED or rule.startswith(f"{SHARED}/"):
+        opened = {403} if rule.endswith(NOT_SHOWN) else {200}
+        by_share = {"share": opened, "another's": opened, "expired": {410}, "revoked": {410}, "forged": {404}}
+        return by_share.get(credential, {401})
+    if credential not in FULL:
+        return {401}
+    if method == "DELETE":
+        return {204}
+    if method != "GET":
+        return {200, 201, 202} if body(call, Patient("", "", {"url": ""}, "")) else {201, 409, 415, 422}
+    return {422} if rule.endswith(("report.pdf", "measures.json")) else {200}  # 422: the fit here is a fake
+
+
+def table(calls: list[Call], walks: dict[str, Walk]) -> list[str]:
+    width = max(len(rule) for _, rule in calls) + 8
+    lines = [f"{'':<{width}}" + "".join(f"{credential:>12}" for credential in walks)]
+    for method, rule in sorted(calls, key=lambda call: (call[1].split("/"), call[0] != "PUT", call[0])):
+        lines.append(
+            f"{method:<7} {rule:<{width - 8}}" + "".join(f"{found[method, rule]:>12}" for found in walks.values())
+        )
+    return lines
