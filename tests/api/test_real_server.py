@@ -190,4 +190,6 @@ def test_the_token_may_come_from_a_file_and_the_log_is_json_without_names(
         until(lambda: "ZeroDivisionError" in log.read_text(), "its line in the log")
     lines = [json.loads(line) for line in log.read_text().splitlines()]
     assert any("ZeroDivisionError" in line.get("traceback", "") for line in lines)
+    requests = {(line["method"], line["route"], line["status"]) for line in lines if "route" in line}
+    assert {("GET", "/api/meta", 401), ("PUT", "/api/scans/<scan_id>/landmarks", 200)} <= requests
     assert not any(word in log.read_text() for word in ("Jane", token, "127.0.0.1", scan["id"], "350"))

@@ -32,6 +32,7 @@ def test_without_any_setting_all_are_defaults(capsys: pytest.CaptureFixture[str]
     assert set(found) == {*SETTINGS, "token"}
     assert {source for _, source in found.values()} == {"default"}
     assert (found["host"][0], found["port"][0], found["keep_days"][0]) == ("127.0.0.1", "8321", "30")
+    assert found["log_requests"][0] == "auto"
 
 
 def test_options_win_over_the_environment_and_that_over_the_file(

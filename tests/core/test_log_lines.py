@@ -2,7 +2,7 @@ import json
 import logging
 import sys
 
-from breastrig.core.log_lines import JsonLines
+from breastrig.core.log_lines import FIELDS, JsonLines
 
 
 def test_a_line_is_one_json_object_whatever_it_says() -> None:
@@ -17,3 +17,9 @@ def test_a_line_is_one_json_object_whatever_it_says() -> None:
     assert (line["level"], line["logger"], line["message"]) == ("error", "breastrig.jobs", 'fit abc "broke"\n')
     assert line["time"].endswith("Z")
     assert "ZeroDivisionError" in line["traceback"]
+
+
+def test_a_line_may_say_more_in_members_of_its_own() -> None:
+    record = logging.makeLogRecord({"msg": "GET / 200", FIELDS: {"method": "GET", "status": 200}})
+    line = json.loads(JsonLines().format(record))
+    assert (line["message"], line["method"], line["status"]) == ("GET / 200", "GET", 200)

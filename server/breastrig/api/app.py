@@ -19,6 +19,7 @@ from breastrig.api.openapi import finish_document
 from breastrig.api.operations import operations
 from breastrig.api.page import PageFile, page
 from breastrig.api.reports import reports
+from breastrig.api.request_log import register_request_log
 from breastrig.api.scans import scans
 from breastrig.api.security import register_security
 from breastrig.api.served_model import serve_model
@@ -36,6 +37,8 @@ def create_app(config: Config, service: Service) -> APIFlask:
     metrics = Metrics(service)
     app.extensions[KEY] = Behind(config, service, serve_model(config.model), metrics)
     register_errors(app)
+    if config.log_requests:
+        register_request_log(app)
     register_metrics(app, metrics)  # before the guards, so that what they refuse is counted too
     register_security(app, config, service.storage)
     return app

@@ -25,6 +25,7 @@ class Config:
     json_bytes: int = 1_000_000  # largest JSON body; twelve landmarks need 1 kB
     heartbeat_s: float = 15.0  # proxies close a silent stream after 30 to 60 s
     proposal_wait_s: float = 8.0  # proposals take about 0.7 s; browsers and proxies wait for 30 s and more
+    log_requests: bool = False
     streams: int = STREAMS  # open event streams; each holds one thread of the server
 
     @property

@@ -15,6 +15,7 @@ from prometheus_client.core import GaugeMetricFamily, Metric
 from prometheus_client.exposition import CONTENT_TYPE_LATEST, generate_latest
 from prometheus_client.registry import Collector
 
+from breastrig.api.request_log import route_of_request
 from breastrig.jobs.service import Service
 from breastrig.storage.fits import STATES, count_by_state
 
@@ -49,8 +50,7 @@ class Metrics:
 
     def count(self, response: Response) -> None:
         """Counts the request at hand."""
-        route = request.url_rule.rule if request.url_rule is not None else "none"
-        method = request.method if request.method in METHODS else "other"
+        method, route = route_of_request()
         self._requests.labels(method, route, str(response.status_code)).inc()
         began = g.get("breastrig_began")
         if began is not None:
@@ -61,9 +61,6 @@ class Metrics:
     def text(self) -> tuple[bytes, str]:
         """What is scraped, and its content type."""
         return generate_latest(self.registry), CONTENT_TYPE_LATEST
-
-
-METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "DELETE", "OPTIONS"})
 
 
 class _Fits(Collector):

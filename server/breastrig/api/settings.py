@@ -22,6 +22,7 @@ from breastrig.storage.storage import default_data_folder
 PREFIX = "BREASTRIG_"
 FILE_VARIABLE = "BREASTRIG_CONFIG"
 LOG_FORMS = ("auto", "text", "json")
+LOG_REQUESTS = ("auto", "yes", "no")
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,12 @@ def read_count(text: str) -> int:
 def read_log_form(text: str) -> str:
     if text not in LOG_FORMS:
         raise ValueError(f"is not a form of log; use one of {', '.join(LOG_FORMS)}")
+    return text
+
+
+def read_log_requests(text: str) -> str:
+    if text not in LOG_REQUESTS:
+        raise ValueError(f"is no answer; use one of {', '.join(LOG_REQUESTS)}")
     return text
 
 
@@ -135,6 +142,7 @@ SETTINGS: dict[str, Setting] = {
     "workers": Setting(read_count, lambda: FitLimits().workers),
     "waiting_per_client": Setting(read_count, lambda: FitLimits().waiting_per_client),
     "log": Setting(read_log_form, lambda: "auto"),
+    "log_requests": Setting(read_log_requests, lambda: "auto"),
     "token_file": Setting(read_folder, lambda: None, lambda path: "none" if path is None else str(path)),
 }
 

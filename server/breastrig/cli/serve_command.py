@@ -44,6 +44,8 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
         token=checked_token(setting["host"], given),
         model=setting["model"],
         keep_days=setting["keep_days"],
+        log_requests=setting["log_requests"] == "yes"
+        or (setting["log_requests"] == "auto" and not sys.stderr.isatty()),
     )
     limits = FitLimits(workers=setting["workers"], waiting_per_client=setting["waiting_per_client"])
     storage = Storage(location_of(found))

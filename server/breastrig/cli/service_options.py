@@ -8,6 +8,7 @@ from breastrig.api.config import TOKEN_VARIABLE
 from breastrig.api.settings import (
     FILE_VARIABLE,
     LOG_FORMS,
+    LOG_REQUESTS,
     SETTINGS,
     Found,
     effective_settings,
@@ -51,6 +52,11 @@ def add_service_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--log", choices=LOG_FORMS, help="log lines for people or as JSON (auto: JSON unless on a terminal)"
+    )
+    parser.add_argument(
+        "--log-requests",
+        choices=LOG_REQUESTS,
+        help="a log line for each request, without addresses and ids (auto: yes unless on a terminal)",
     )
     parser.add_argument("--token-file", metavar="FILE", help=f"file that holds the token, instead of {TOKEN_VARIABLE}")
     parser.add_argument("--config", type=Path, metavar="FILE", help=f"settings file, TOML (or {FILE_VARIABLE})")

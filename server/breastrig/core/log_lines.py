@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 
 VARIABLE = "BREASTRIG_LOG"  # tells the worker processes, who inherit the environment
 TEXT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
+FIELDS = "fields"  # name in a record's `extra` of what a JSON line says in members of their own
 NOISY = ("waitress", "waitress.queue", "trimesh", "PIL", "alembic")  # they tell of files' contents, or nothing of use
 
 
@@ -26,6 +27,7 @@ class JsonLines(logging.Formatter):
             "message": record.getMessage(),
             "process": record.process,
         }
+        line |= getattr(record, FIELDS, {})
         if record.exc_info:
             line["traceback"] = self.formatException(record.exc_info)
         return json.dumps(line, ensure_ascii=False)

@@ -1,0 +1,44 @@
+"""A line for each request that was answered, for those who run the service: what was called and how it went.
+
+Never who: no address, no id (the route is named by its pattern), no query, no header.  The line is written when the
+answer has been sent or its reader has left, so that the time of a stream is the time it was open.
+"""
+
+import logging
+import time
+
+from apiflask import APIFlask
+from flask import Response, g, request
+
+from breastrig.core.log_lines import FIELDS
+
+METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "DELETE", "OPTIONS"})
+
+log = logging.getLogger("breastrig.requests")
+
+
+def route_of_request() -> tuple[str, str]:
+    """(method, pattern of the route) of the request at hand; made-up methods and addresses have no name here."""
+    route = request.url_rule.rule if request.url_rule is not None else "none"
+    return request.method if request.method in METHODS else "other", route
+
+
+def register_request_log(app: APIFlask) -> None:
+    """To be registered before the guards, so that what they refuse is told too."""
+
+    @app.before_request
+    def begin() -> None:
+        g.breastrig_asked = time.perf_counter()
+
+    @app.after_request
+    def end(response: Response) -> Response:
+        method, route = route_of_request()
+        began, status = g.get("breastrig_asked", time.perf_counter()), response.status_code
+        response.call_on_close(lambda: _tell(method, route, status, time.perf_counter() - began))
+        return response
+
+
+def _tell(method: str, route: str, status: int, seconds: float) -> None:
+    milliseconds = round(1000.0 * seconds, 1)
+    fields = {"method": method, "route": route, "status": status, "duration_ms": milliseconds}
+    log.info("%s %s %d in %.1f ms", method, route, status, milliseconds, extra={FIELDS: fields})
