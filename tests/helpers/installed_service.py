@@ -1,0 +1,58 @@
+"""A service in one of the two installations, with fits that need no numerics."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from flask.testing import FlaskClient
+from werkzeug.test import TestResponse
+
+from breastrig.api.app import create_app
+from breastrig.api.config import Config
+from breastrig.jobs.carry_out import Runner
+from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.service import Service
+from breastrig.storage.location import Location
+from breastrig.storage.storage import Storage
+from helpers import fake_fit, fake_proposals
+from helpers.installations import Installation
+
+
+class Client(FlaskClient):
+    """Reads every answer to its end and closes it."""
+
+    def open(self, *args: Any, buffered: bool = True, **kwargs: Any) -> TestResponse:
+        return super().open(*args, buffered=buffered, **kwargs)
+
+
+@dataclass(frozen=True)
+class Running:
+    """A service at work."""
+
+    service: Service
+    client: FlaskClient
+    location: Location
+    installation: Installation
+
+
+@contextmanager
+def serving(
+    installation: Installation, location: Location, model: Path, runner: Runner = fake_fit.mostly_patient
+) -> Iterator[Running]:
+    """A service on that place, which is left as it is at the end."""
+    service = Service(
+        Storage(location),
+        runner=runner,
+        pair_runner=fake_fit.mostly_patient_pair,
+        proposer=fake_proposals.at_the_nipple,
+        model=model,
+        fits=FitLimits(workers=2, grace_s=0.1),
+        executor=installation.executor(),
+        keep_days=None,
+    )
+    with service.started():
+        app = create_app(Config(model=model, heartbeat_s=0.05), service)
+        app.test_client_class = Client
+        yield Running(service, app.test_client(), location, installation)

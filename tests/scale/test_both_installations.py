@@ -1,0 +1,185 @@
+"""What the service promises, on one machine with SQLite and on many with PostgreSQL, S3 and Dask: the same tests."""
+
+import io
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers import fake_fit
+from helpers.installed_service import Running, serving
+from helpers.waiting import ended, story, until
+
+FILES = ("result", "fitted_glb", "fitted_ply", "drawing", "distances")
+KINDS = ["started", *["iterated"] * 4, "done"]
+
+
+def uploaded(running: Running, torso: bytes) -> dict[str, Any]:
+    answer = running.client.post("/api/scans", data={"file": (io.BytesIO(torso), "a name of a patient.ply")})
+    assert answer.status_code == 201, answer.json
+    assert answer.json is not None
+    return answer.json
+
+
+def asked(running: Running, scan: dict[str, Any], **wishes: object) -> dict[str, Any]:
+    headers = {"Idempotency-Key": str(wishes.pop("key"))} if "key" in wishes else {}
+    answer = running.client.post("/api/fits", json={"scan": scan["id"], "drawing": None, **wishes}, headers=headers)
+    assert answer.status_code == 202, answer.json
+    assert answer.json is not None
+    return answer.json
+
+
+def kinds(running: Running, fit: dict[str, Any]) -> list[str]:
+    """The fit's story, after a look at whether it is numbered without a gap."""
+    records = running.client.get(fit["links"]["events"] + ".json?limit=1000").json["events"]
+    assert [one["id"] for one in records] == list(range(1, len(records) + 1))
+    return [one["event"]["kind"] for one in records]
+
+
+@pytest.fixture
+def scan(running: Running, torso: bytes) -> dict[str, Any]:
+    return uploaded(running, torso)
+
+
+def test_an_upload_is_read_and_can_be_looked_at(running: Running, scan: dict[str, Any], torso: bytes) -> None:
+    assert scan["triangles"] > 100
+    mesh = running.client.get(scan["links"]["mesh"])
+    assert (mesh.status_code, mesh.data[:4], mesh.content_length) == (200, b"glTF", len(mesh.data))
+    bad = running.client.post("/api/scans", data={"file": (io.BytesIO(b"no scan"), "x.ply")})
+    assert bad.status_code == 422
+    kept = running.installation.kept(running.location)
+    assert torso in kept
+    assert b"a name of a patient" not in kept
+    assert b"no scan" not in kept
+
+
+def test_landmarks_and_proposals_are_kept_with_the_scan(running: Running, scan: dict[str, Any]) -> None:
+    picked = {"nipple_L": [70.0, 350.0, 120.0]}
+    for _ in range(2):
+        assert running.client.put(scan["links"]["landmarks"], json={"landmarks": picked}).status_code == 200
+    assert running.client.get(scan["links"]["landmarks"]).json["landmarks"] == picked
+    for _ in range(2):
+        assert list(running.client.get(scan["links"]["proposed"]).json["landmarks"]) == ["nipple_L"]
+
+
+def test_a_fit_tells_its_story_once_and_from_any_number(running: Running, scan: dict[str, Any]) -> None:
+    fit = asked(running, scan)
+    events = story(running.service, fit["id"])
+    assert [event.kind for event in events] == KINDS
+    assert story(running.service, fit["id"], after=3) == events[3:]
+    assert kinds(running, fit) == KINDS
+    stream = running.client.get(fit["links"]["events"], headers={"Last-Event-ID": "4"}).get_data(as_text=True)
+    assert [line for line in stream.splitlines() if line.startswith("id:")] == ["id: 5", "id: 6"]
+
+
+def test_results_have_an_etag_and_ranges(running: Running, scan: dict[str, Any]) -> None:
+    fit = asked(running, scan)
+    ended(running.service, fit["id"])
+    for name in FILES:
+        place = fit["links"][name]
+        whole = running.client.get(place)
+        assert (whole.status_code, whole.headers["Accept-Ranges"]) == (200, "bytes")
+        etag = whole.headers["ETag"]
+        again = running.client.get(place, headers={"If-None-Match": etag})
+        assert (again.status_code, again.data, again.headers["ETag"]) == (304, b"", etag)
+        part = running.client.get(place, headers={"Range": "bytes=3-7"})
+        assert (part.status_code, part.data) == (206, whole.data[3:8])
+        assert part.headers["Content-Range"] == f"bytes 3-7/{len(whole.data)}"
+        last = running.client.get(place, headers={"Range": "bytes=-4", "If-Range": etag})
+        assert (last.status_code, last.data) == (206, whole.data[-4:])
+        beyond = running.client.get(place, headers={"Range": f"bytes={len(whole.data)}-"})
+        assert beyond.status_code == 416
+        head = running.client.head(place)
+        assert (head.status_code, head.content_length, head.data) == (200, len(whole.data), b"")
+    told = running.client.get(fit["links"]["events"] + ".json").json["events"][-1]["event"]["result"]
+    assert json.loads(running.client.get(fit["links"]["result"]).data) == told
+
+
+def test_two_stances_are_fitted_by_one_job(running: Running, scan: dict[str, Any], torso: bytes) -> None:
+    other = uploaded(running, torso)
+    fit = asked(running, scan, **{"with": {"scan": other["id"]}})
+    for each in (fit, fit["partner"]):
+        ended(running.service, each["id"])
+        assert kinds(running, each) == KINDS
+        assert running.client.get(each["links"]["result"]).status_code == 200
+
+
+def test_more_fits_than_workers_all_run(running: Running, scan: dict[str, Any]) -> None:
+    fits = [asked(running, scan) for _ in range(5)]
+    assert {ended(running.service, fit["id"]).state for fit in fits} == {"done"}
+    assert all(kinds(running, fit) == KINDS for fit in fits)
+
+
+def test_cancelling_ends_a_running_fit_and_frees_its_worker(running: Running, scan: dict[str, Any]) -> None:
+    fits = [asked(running, scan, preset="paper") for _ in range(3)]
+    state = lambda fit: running.client.get(fit["links"]["self"]).json  # noqa: E731
+    until(lambda: all(state(fit)["iterations"] > 1 for fit in fits[:2]), "two running fits")
+    for fit in fits:
+        assert running.client.post(fit["links"]["cancel"]).json["state"] == "cancelled"
+    assert [kinds(running, fit)[-1] for fit in fits] == ["cancelled"] * 3
+    assert ended(running.service, asked(running, scan)["id"]).state == "done"
+    assert running.client.get(fits[0]["links"]["result"]).status_code == 409
+
+
+def test_the_same_request_again_starts_no_second_fit(running: Running, scan: dict[str, Any]) -> None:
+    first, again = (asked(running, scan, key="a-key-of-this-test-" + scan["id"]) for _ in range(2))
+    assert first["id"] == again["id"]
+    refused = running.client.post(
+        "/api/fits",
+        json={"scan": scan["id"], "refine": True},
+        headers={"Idempotency-Key": "a-key-of-this-test-" + scan["id"]},
+    )
+    assert refused.status_code == 422
+
+
+def test_a_share_opens_until_it_is_revoked(running: Running, scan: dict[str, Any]) -> None:
+    fit = asked(running, scan)
+    ended(running.service, fit["id"])
+    share = running.client.post(fit["links"]["shares"], json={"scan": "full"}).json
+    token = share["url"].removeprefix("/s#")
+    assert token.encode() not in running.installation.kept(running.location)
+    visitor = running.client.application.test_client()
+    shown = visitor.post("/api/shared/open", json={"token": token}).json
+    assert visitor.get(shown["links"]["result"]).data == running.client.get(fit["links"]["result"]).data
+    assert visitor.get(shown["links"]["mesh"]).data == running.client.get(scan["links"]["mesh"]).data
+    assert running.client.delete(share["links"]["self"]).status_code == 204
+    assert visitor.get(shown["links"]["result"]).status_code == 410
+    assert visitor.post("/api/shared/open", json={"token": token}).status_code == 410
+
+
+def test_what_cannot_be_an_id_is_not_found_or_refused(running: Running) -> None:
+    for place in ("/api/scans/nobody", "/api/fits/nobody", "/api/scans/a%00b", "/api/fits/%F0%9F%A6%B4"):
+        assert running.client.get(place).status_code in (404, 422)
+
+
+def test_deleting_leaves_nothing_of_a_finished_and_a_running_fit(
+    running: Running, scan: dict[str, Any], torso: bytes
+) -> None:
+    done = asked(running, scan)
+    ended(running.service, done["id"])
+    running.client.post(done["links"]["shares"], json={})
+    busy = [asked(running, scan, preset="paper") for _ in range(3)]
+    until(lambda: running.client.get(busy[1]["links"]["self"]).json["iterations"] > 1, "a running fit")
+    assert running.client.delete(scan["links"]["self"]).status_code == 204
+    kept = running.installation.kept(running.location)
+    for name in (scan["id"], done["id"], *(fit["id"] for fit in busy)):
+        assert name.encode() not in kept
+    for links in (scan["links"]["mesh"], done["links"]["result"], busy[0]["links"]["self"]):
+        assert running.client.get(links).status_code == 404
+    assert ended(running.service, asked(running, uploaded(running, torso))["id"]).state == "done"
+    left = list((Path(tempfile.gettempdir()) / f"breastrig-{os.getuid()}").iterdir())
+    assert left == []
+
+
+def test_after_a_restart_every_fit_goes_on(installation, model: Path, torso: bytes, tmp_path: Path) -> None:
+    location = installation.location(tmp_path)
+    with serving(installation, location, model, fake_fit.unhurried) as running:
+        scan = uploaded(running, torso)
+        fits = [asked(running, scan) for _ in range(4)]
+        until(lambda: running.client.get(fits[1]["links"]["self"]).json["iterations"] > 0, "a running fit")
+    with serving(installation, location, model) as running:
+        assert {ended(running.service, fit["id"]).state for fit in fits} == {"done"}
+        assert all(kinds(running, fit) == KINDS for fit in fits)
+        assert running.client.get(fits[0]["links"]["result"]).status_code == 200
