@@ -115,6 +115,36 @@ test("distances are coloured, read under the pointer, and are the service's", as
   expect(troubles).toEqual([]);
 });
 
+test("the model's shape is read off sliders; they pose the picture, not the fit", async ({ page, base, troubles }) => {
+  await page.emulateMedia({ reducedMotion: "reduce" });
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("3");
+  await page.getByRole("button", { name: "Fit without landmarks" }).click();
+  await untilFitted(page);
+  await page.locator("summary", { hasText: "Shape of the model" }).click();
+  await page.locator("summary", { hasText: "Left breast" }).click();
+  await page.locator("summary", { hasText: "Size of the parts" }).click();
+  const fit = (await hook.fit(page))!;
+  const result = (await (await page.request.get(`${base}/api/fits/${fit.id}/result.json`)).json()) as Result;
+  const forward = page.getByRole("slider", { name: /^Breast stands further forward/ });
+  const waist = page.getByRole("slider", { name: /^Waist, width/ });
+  expect(Number(await forward.inputValue())).toBeCloseTo(result.parameters.blendshapes.projection_L!, 1);
+  expect(Number(await waist.inputValue())).toBeCloseTo(result.parameters.bones.find(({ name }) => name === "lumbar")!.scale[0]!, 1);
+  const mean = (await page.locator(".hero-number").textContent())!;
+  const fitted = await hook.picture(page);
+  await forward.fill("1.5");
+  await waist.fill("1.4");
+  const posed = await hook.picture(page);
+  expect(posed.checksum).not.toBe(fitted.checksum);
+  await expect(page.getByText("Posed by hand")).toBeVisible();
+  await expect(page.locator(".hero-number")).toHaveText(mean);
+  await page.getByRole("button", { name: "Back to the fitted shape" }).click();
+  expect((await hook.picture(page)).checksum).toBe(fitted.checksum);
+  expect(troubles).toEqual([]);
+});
+
 test("a landmark that is dragged after the fit is fitted again at once, and arrow keys move one along the skin", async ({ page, base, troubles }) => {
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();

@@ -6,6 +6,7 @@ import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import { fitActions } from "./fit";
 import { landmarkActions } from "./landmarks";
+import { lookActions } from "./look";
 import { pageActions } from "./page";
 import { createPlayer } from "./playback";
 import { messageOf, withProblem } from "./problems";
@@ -40,6 +41,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
       }
     },
     fit,
+    look: lookActions(store),
     player,
   };
 }

@@ -19,6 +19,7 @@ export function pageActions(store: Store<Session>, onLandmarks: () => void) {
     showDistances: (showDistances: boolean): void =>
       store.set((state) => ({
         showDistances,
+        look: showDistances ? null : state.look, // distances belong to the fit as it is
         overlay: showDistances && (state.overlay === "both" || state.overlay === "scan") ? "model" : state.overlay,
       })),
     nextTheme: (): void => store.set((state) => ({ theme: after(THEMES, state.theme) })),

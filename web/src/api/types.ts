@@ -47,5 +47,9 @@ export type ModelShape = wire.ModelDrawnShape;
 export type Result = wire.ResultFile;
 export type Ended = Pick<wire.Failed, "reason">;
 export type Done = { result: Result };
-/** The side file has more; the page needs where the model's landmarks are. */
-export type ModelSide = wire.ModelSide & { landmarks: (LandmarkDefinition & wire.SurfacePoint)[] };
+/** The side file has more; the page needs where the model's landmarks are, and how far its parts and shapes go. */
+export type ModelSide = wire.ModelSide & {
+  landmarks: (LandmarkDefinition & wire.SurfacePoint)[];
+  bones: { name: string; scale_min: Vector; scale_max: Vector }[];
+  shapes: { name: string; label: string; min: number; max: number }[];
+};

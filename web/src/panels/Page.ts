@@ -60,7 +60,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
     landmarks: createLandmarkPanel(actions, () => dismiss("landmarks")),
     fit: createFitPanel(actions, () => dismiss("fit")),
     drawing: createDrawingPanel(actions, () => dismiss("drawing")),
-    result: createResultPanel(),
+    result: createResultPanel(actions),
   });
   const numbers = createNumbersPanel();
   const aside = el("aside", { class: "aside" }, guide.element, numbers.element);

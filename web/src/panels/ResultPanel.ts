@@ -1,13 +1,16 @@
 // Step 4: the drawing's parts and the files to take away.
+import type { Actions } from "../actions";
 import { el, fill, icon, setText, show } from "../dom";
 import { doubtSentences, labelsOf } from "../state/doubts";
 import type { Session } from "../state/session";
 import { text } from "../text";
 import type { Panel } from "./Panel";
+import { createShapeSliders } from "./ShapeSliders";
 
 const plainStart = (label: string): string => label.charAt(0).toUpperCase() + label.slice(1);
 
-export function createResultPanel(): Panel {
+export function createResultPanel(actions: Actions): Panel {
+  const sliders = createShapeSliders(actions);
   const shapes = el("ul", { class: "shapes" });
   const note = el("p", { class: "muted small" });
   const files = el("ul", { class: "files" });
@@ -15,13 +18,14 @@ export function createResultPanel(): Panel {
   const downloads = el("div", {}, el("p", { class: "label" }, text.result.files), files);
   const doubted = el("ul", { class: "reasons" });
   const doubts = el("div", { class: "look-here", hidden: true }, el("p", { class: "label" }, text.result.doubts), doubted);
-  const element = el("div", { class: "panel" }, doubts, drawing, downloads);
+  const element = el("div", { class: "panel" }, doubts, drawing, sliders.element, downloads);
   return {
     element,
     update(state: Session): void {
       const fit = state.fit;
       const isDone = fit?.state === "done";
       show(downloads, isDone);
+      sliders.update(state);
       const sentences = isDone ? doubtSentences(fit, labelsOf(state.meta?.landmarks)) : [];
       show(doubts, sentences.length > 0);
       fill(doubted, sentences, () => sentences.map((sentence) => el("li", {}, sentence)));

@@ -9,6 +9,7 @@ import type { Panel } from "./Panel";
 export function createTimeline(actions: Actions): Panel {
   const slider = el("input", {
     type: "range",
+    class: "slider",
     min: 0,
     step: 1,
     id: "iteration",

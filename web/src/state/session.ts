@@ -8,6 +8,7 @@ import type {
   LandmarkFile,
   Meta,
   ModelSide,
+  NodePose,
   Result,
   Scan,
   Share,
@@ -19,6 +20,7 @@ import { type DrawnState, startDrawn } from "../drawing/lines";
 import { initialStances, type StancesState } from "../stances/state";
 import { type History, startHistory } from "./history";
 import type { Picks } from "./landmarks";
+import type { Look } from "./look";
 import type { Proposals } from "./proposals";
 
 export type Step = "scan" | "landmarks" | "fit" | "drawing" | "result";
@@ -78,6 +80,7 @@ export interface Session {
   readonly drawing: string;
   readonly refine: boolean;
   readonly fit: FitState | null;
+  readonly look: Look | null; // the model posed by hand
   readonly isStarting: boolean; // the request for a fit is under way
   readonly overlay: Overlay;
   readonly swipe: number; // 0 to 1: how much of the stage shows the scan
@@ -118,6 +121,7 @@ export const initialSession: Session = {
   drawing: "lumpectomy",
   refine: false,
   fit: null,
+  look: null,
   isStarting: false,
   overlay: "both",
   swipe: 0.5,
@@ -141,6 +145,13 @@ export const shownIteration = (fit: FitState | null): Iterated | null => fit?.it
 /** True when the last iteration is on the screen and there will be no other. */
 export const isAtRest = (fit: FitState): boolean => fit.state !== "running" && fit.shown === fit.iterations.length - 1;
 
+/** Somebody has posed this fit's model by hand, and sees it so. */
+export const hasLook = ({ fit, look }: Session): boolean => fit !== null && look?.fit === fit.id && isAtRest(fit);
+
+/** How the rig stands on the screen: as posed by hand, else as in the shown iteration. */
+export const shownPoses = (state: Session): readonly NodePose[] | null =>
+  hasLook(state) ? state.look!.nodes : (shownIteration(state.fit)?.nodes ?? null);
+
 /** Something of the model is on the stage. */
 export const hasModelShown = (state: Session): boolean => (state.fit !== null && state.fit.shown >= 0) || showsFittedSurface(state);
 
@@ -148,7 +159,9 @@ export const hasModelShown = (state: Session): boolean => (state.fit !== null &&
 export const isBeside = (overlay: Overlay): boolean => overlay === "beside" || overlay === "swipe";
 
 /** At rest the surface that the service wrote stands for the posed rig: coloured, or bent onto the skin beyond what a rig can show. */
-export const showsFittedSurface = ({ fit, model, showDistances }: Session): boolean =>
+export const showsFittedSurface = (state: Session): boolean => !hasLook(state) && hasFittedSurface(state);
+
+const hasFittedSurface = ({ fit, model, showDistances }: Session): boolean =>
   Boolean(fit?.surface && fit.result && isAtRest(fit) && (!model || fit.result.refined || (showDistances && fit.distances)));
 
 export const pickCount = (state: Session): number => Object.keys(state.picks.present).length;

@@ -5,6 +5,7 @@ import { errors } from "./errors";
 import { fit, timeline } from "./fit";
 import { help } from "./help";
 import { landmarks, proposals } from "./landmarks";
+import { look } from "./look";
 import { page, top, next } from "./page";
 import { result, distances, numbers } from "./result";
 import { empty, units, loading, scan } from "./scan";
@@ -27,6 +28,7 @@ export const text = {
   drawing,
   result,
   distances,
+  look,
   numbers,
   share,
   shared,

@@ -1,7 +1,7 @@
 // The drawing where it belongs: on the model at every iteration, on the scan's own surface when the fit has ended.
 import { Vector3 } from "three";
 import type { DrawingFile, ModelShape } from "../api/types";
-import { isAtRest, type Session } from "../state/session";
+import { hasLook, isAtRest, type Session, shownPoses } from "../state/session";
 import { isUnit, metresFromMm, mmFrom } from "../units";
 import { layerKey } from "../drawing/lines";
 import type { FittedSurface } from "./FittedSurface";
@@ -31,14 +31,14 @@ export class Drawings implements Part {
     const { palette } = this.viewer;
     this.lines.paint(palette.line, palette["line-outline"]);
     const fit = state.fit;
-    const isOnScan = fit?.drawing != null && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh?.visible === true : this.scan.bvh !== null);
+    const isOnScan = fit?.drawing != null && !hasLook(state) && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh?.visible === true : this.scan.bvh !== null);
     const skin = this.scan.bvh ? this.scan : this.fitted; // a link may show the model alone
     const shapes = state.model?.side.drawings.find((drawing) => drawing.name === fit?.drawingName)?.shapes;
     const vertexAt = this.torso.vertexAt;
     const isOnModel = !isOnScan && fit !== null && fit.shown >= 0 && state.overlay !== "scan" && Boolean(shapes && vertexAt);
     const { hidden } = state.drawn;
     const isOn = ({ name }: { name: string }): boolean => !hidden.has(layerKey("reference", name));
-    const source = isOnScan ? [fit.drawing, skin.bvh, hidden] : isOnModel ? [shapes, fit.iterations[fit.shown], hidden] : [];
+    const source = isOnScan ? [fit.drawing, skin.bvh, hidden] : isOnModel ? [shapes, shownPoses(state), hidden] : [];
     if (source.length === this.drawn.length && source.every((each, i) => each === this.drawn[i])) return;
     this.drawn = source;
     if (isOnScan) this.lines.set(onScan({ ...fit.drawing!, shapes: fit.drawing!.shapes.filter(isOn) }, skin));

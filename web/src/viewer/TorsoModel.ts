@@ -2,7 +2,7 @@
 // Over the scan it is translucent clay.  A first pass fills the depth only, so that it never shows its own inside.
 import { DoubleSide, FrontSide, MeshBasicMaterial, MeshStandardMaterial, type Object3D, SkinnedMesh, Vector3 } from "three";
 import type { NodePose } from "../api/types";
-import { isBeside, type Session, shownIteration, showsFittedSurface } from "../state/session";
+import { isBeside, type Session, shownPoses, showsFittedSurface } from "../state/session";
 import { disposeTree, readGltf } from "./gltf";
 import type { VertexAt } from "./surfacePoints";
 import type { Part, Viewer } from "./Viewer";
@@ -29,7 +29,7 @@ export class TorsoModel implements Part {
       this.wanted = bytes;
       if (bytes) void this.load(bytes);
     }
-    const poses = shownIteration(state.fit)?.nodes ?? null;
+    const poses = shownPoses(state);
     if (!this.mesh || !this.root) return;
     if (poses && poses !== this.applied) this.apply(poses);
     this.root.visible = poses !== null && state.overlay !== "scan" && !showsFittedSurface(state);
