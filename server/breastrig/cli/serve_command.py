@@ -17,6 +17,7 @@ from breastrig.core.notice import RESEARCH_USE_ONLY
 from breastrig.jobs.carry_out import Runner
 from breastrig.jobs.executor import Executor
 from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.processes import preload_remote
 from breastrig.jobs.run_fit import run_fit
 from breastrig.jobs.service import Service
 from breastrig.storage.storage import Storage
@@ -48,7 +49,10 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
         or (setting["log_requests"] == "auto" and not sys.stderr.isatty()),
     )
     limits = FitLimits(workers=setting["workers"], waiting_per_client=setting["waiting_per_client"])
-    storage = Storage(location_of(found))
+    location = location_of(found)
+    if location.database is not None or location.files is not None:
+        preload_remote()
+    storage = Storage(location)
     executor = None if setting["scheduler"] is None else _cluster(setting["scheduler"], limits)
     service = Service(
         storage,

@@ -15,6 +15,8 @@ from breastrig.core.errors import BadSettings
 from breastrig.jobs.dask_pool import CONNECT_S, distributed, no_scheduler
 from breastrig.jobs.dask_task import RESOURCE, get_ready, stop_children
 from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.processes import preload_remote
+from breastrig.storage.scratch import sweep_scratch
 
 
 def run_worker(address: str, workers: int, tell_ready: Callable[[], None]) -> bool:
@@ -23,12 +25,14 @@ def run_worker(address: str, workers: int, tell_ready: Callable[[], None]) -> bo
     Raises BadSettings when distributed is not installed or no scheduler answers.
     """
     package = distributed()
+    preload_remote()
     try:
         get_ready(workers, FitLimits().memory_bytes)
         with tempfile.TemporaryDirectory(prefix="breastrig-worker-") as folder:
             return asyncio.run(_work(package, address, workers, folder, tell_ready))
     finally:
         stop_children()
+        sweep_scratch()
 
 
 async def _work(package: Any, address: str, workers: int, folder: str, tell_ready: Callable[[], None]) -> bool:

@@ -32,6 +32,13 @@ PRELOAD = (
     "breastrig.jobs.run_pair",
     "breastrig.jobs.transfer",
 )
+REMOTE = ("breastrig.storage.postgres", "psycopg", "breastrig.storage.store_files", "s3fs")  # half a second to import
+_preloaded = list(PRELOAD)
+
+
+def preload_remote() -> None:
+    """For processes that will find rows or files elsewhere, before the first pool; what is not installed is left out."""
+    _preloaded.extend(name for name in REMOTE if name not in _preloaded)
 
 
 class Processes:
@@ -107,7 +114,7 @@ class _LockKeepingContext:
 
     def __init__(self) -> None:
         self._server = multiprocessing.get_context("forkserver")
-        self._server.set_forkserver_preload(list(PRELOAD))
+        self._server.set_forkserver_preload(_preloaded)
         self.locks: list[Any] = []
 
     def RLock(self) -> Any:
