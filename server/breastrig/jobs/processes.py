@@ -12,6 +12,7 @@ the process that has already begun the next one.
 import multiprocessing
 import os
 import resource
+import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -114,7 +115,7 @@ class _LockKeepingContext:
 
     def __init__(self) -> None:
         self._server = multiprocessing.get_context("forkserver")
-        self._server.set_forkserver_preload(_preloaded)
+        self._server.set_forkserver_preload([*_preloaded, *_imported()])
         self.locks: list[Any] = []
 
     def RLock(self) -> Any:
@@ -123,6 +124,15 @@ class _LockKeepingContext:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._server, name)
+
+
+def _imported() -> list[str]:
+    """All of ours that the program has imported.
+
+    Each process first imports what the program's main module imports, which for `breastrig serve` is Flask and all
+    the rest: 0.4 s of work before each task, unless the fork server has done it already.
+    """
+    return sorted(name for name in sys.modules if name.startswith("breastrig."))
 
 
 def _limit(memory_bytes: int, cpu_s: int | None) -> None:
