@@ -3,7 +3,7 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { expect, type Page } from "@playwright/test";
 import type { OwnDrawing, Vector } from "../src/api/types";
-import { distance, hook, SCAN_FILE, test, trueLandmarks, untilStill } from "./page";
+import { distance, hook, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
 
 const ON_SKIN_MM = 0.5;
 
@@ -137,7 +137,7 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
     await page.mouse.click(place.x, place.y - 15);
     const circle = (await lines(page))[2]!;
     const centre = await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!)!.point, [place.x, place.y - 15]);
-    expect(circle.name).toBe("Tumour, radius 20 mm");
+    expect(circle.name).toBe("Tumour 20 mm");
     for (const point of circle.points) expect(distance(point, centre)).toBeLessThan(20.1);
     expect(Math.max(...circle.points.map((point) => distance(point, centre)))).toBeGreaterThan(17);
     expect(await toSurface(page, base, circle.points)).toBeLessThan(ON_SKIN_MM);
@@ -203,7 +203,7 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
     await page.getByLabel("Show incision").check();
     expect((await hook.picture(page)).checksum).toBe(full.checksum);
     await page.getByRole("button", { name: "Erase Line 2" }).click();
-    expect((await lines(page)).map(({ name }) => name)).toEqual(["incision", "Tumour, radius 20 mm"]);
+    expect((await lines(page)).map(({ name }) => name)).toEqual(["incision", "Tumour 20 mm"]);
   });
 
   await test.step("out to a file and in again", async () => {
@@ -216,10 +216,10 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
     const other = info.outputPath("other.json");
     writeFileSync(other, JSON.stringify({ ...file, shapes: file.shapes.slice(0, 1) }));
     await page.locator("#drawing-file").setInputFiles(other);
-    await expect.poll(async () => (await lines(page)).map(({ name }) => name)).toEqual(["incision", "Tumour, radius 20 mm", "incision 2"]);
+    await expect.poll(async () => (await lines(page)).map(({ name }) => name)).toEqual(["incision", "Tumour 20 mm", "incision 2"]);
     writeFileSync(other, "{");
     await page.locator("#drawing-file").setInputFiles(other);
-    await expect(page.locator(".drawing [role=alert]")).toContainText("not valid JSON");
+    await expect(page.locator(".drawing [role=alert]").first()).toContainText("not valid JSON");
     await page.keyboard.press("z");
     await expect(page.locator(".drawing .saved")).toHaveText("Saved");
   });
@@ -238,5 +238,67 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
   });
 
   expect((await hook.picture(page)).isLost).toBe(false);
+  expect(troubles).toEqual([]);
+});
+
+test("the pen by keys alone: a cross on the body, Enter sets corners, twice ends the line", async ({ page, base, troubles }) => {
+  await open(page, base);
+  await page.keyboard.press("p");
+  await page.locator("canvas.view").first().focus();
+  await page.keyboard.press("ArrowUp");
+  await expect(page.locator(".crosshair")).toBeVisible();
+  await page.keyboard.press("Enter");
+  for (let i = 0; i < 4; i += 1) await page.keyboard.press("Shift+ArrowUp");
+  await page.keyboard.press("Enter");
+  expect((await lines(page))[0]!.corners).toHaveLength(2);
+  for (let i = 0; i < 2; i += 1) await page.keyboard.press("Shift+ArrowRight");
+  await page.keyboard.press("Enter");
+  expect((await lines(page))[0]!.corners).toHaveLength(3);
+  await page.keyboard.press("Enter");
+  expect((await drawn(page)).open).toBeNull();
+  expect(await toSurface(page, base, (await lines(page))[0]!.points)).toBeLessThan(ON_SKIN_MM);
+  await page.keyboard.press("Escape");
+  await expect(page.locator(".crosshair")).toBeHidden();
+  expect(troubles).toEqual([]);
+});
+
+test("a pattern with its numbers and a tumour by the clock are drawn on the fitted patient", async ({ page, base, troubles }) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("2");
+  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
+  await page.keyboard.press("3");
+  await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).first().click();
+  await untilFitted(page);
+  const first = (await hook.fit(page))!.id;
+  await page.keyboard.press("4");
+  const pattern = page.locator(".pattern");
+  await pattern.locator("summary").click();
+  await pattern.locator("select").first().selectOption("reduction");
+  const areola = pattern.locator("[data-parameter=areola_mm]");
+  await areola.fill("99");
+  await areola.press("Tab");
+  expect(await areola.evaluate((input: HTMLInputElement) => input.validationMessage)).toContain("between 30 and 55");
+  await areola.fill("45");
+  await areola.press("Tab");
+  await pattern.getByLabel("Tumour by the clock").check();
+  await pattern.locator("[data-parameter=clock]").fill("10");
+  await pattern.locator("[data-parameter=clock]").press("Tab");
+  const wanted = "reduction:areola_mm=45+tumour:side=L,clock=10,distance_mm=40,radius_mm=15";
+  expect((await page.evaluate(() => window.__breastrig!.state())).drawing).toBe(wanted);
+  await untilStill(page);
+  const before = await hook.picture(page);
+  await pattern.getByRole("button", { name: "Fit with this drawing" }).click();
+  await page.waitForFunction((id) => window.__breastrig!.state().fit?.id !== id, first);
+  await untilFitted(page);
+  const fit = (await hook.fit(page))!;
+  const file = (await (await page.request.get(`${base}/api/fits/${fit.id}/drawing.json`)).json()) as { shapes: { name: string; points: Vector[] }[] };
+  const names = file.shapes.map(({ name }) => name);
+  expect(names).toEqual(expect.arrayContaining(["wise_L", "wise_R", "areola_L", "tumour_L"]));
+  await page.keyboard.press("4");
+  for (const name of names) await expect(page.locator(`[data-layer=reference] [data-line="${name}"]`)).toHaveCount(1);
+  await expect(page.getByText("Reference: Reduction (Wise pattern), Tumour")).toBeVisible();
+  expect((await hook.picture(page)).checksum).not.toBe(before.checksum);
   expect(troubles).toEqual([]);
 });

@@ -100,11 +100,11 @@ test("the drawing of the standing patient is shown on the supine one, side by si
     expect(turned.picture.checksum).not.toBe(first.picture.checksum);
     expect(degrees(gaze(turned.pose), gaze(first.pose))).toBeGreaterThan(10);
     expect(degrees(gaze(turned.pose), gaze(await pose(page))), "both torsos are seen from the same side").toBeLessThan(3);
-    await drag(page, ".other-stage canvas.view", -60);
+    await drag(page, ".other-stage canvas", -60);
     const back = await pose(page);
     expect(degrees(gaze(back), gaze((await other(page))!.pose))).toBeLessThan(3);
     await page.getByRole("button", { name: "Linked" }).click();
-    await drag(page, ".other-stage canvas.view", -80);
+    await drag(page, ".other-stage canvas", -80);
     expect(await pose(page)).toEqual(back);
     await page.getByRole("button", { name: "Linked" }).click();
     await expect.poll(async () => degrees(gaze(await pose(page)), gaze((await other(page))!.pose))).toBeLessThan(3);
@@ -115,7 +115,7 @@ test("the drawing of the standing patient is shown on the supine one, side by si
     const dialog = page.getByRole("dialog", { name: "Measures" });
     await expect(dialog.locator("tbody tr").first()).toBeVisible();
     const file = (await (await page.request.get(`${base}/api/fits/${standing}/measures.json?with=${supine}`)).json()) as MeasuresFile;
-    await expect(dialog.locator("thead .group[colspan]")).toHaveText(["Standing", "Supine", "supine − standing"]);
+    await expect(dialog.locator("thead .group[colspan]")).toHaveText(["Standing", "Supine", "Change: supine − standing"]);
     const names = [...new Set(file.measures.map(({ measure, kind }) => `${measure} ${kind}`))];
     expect(await dialog.locator("tbody tr").count()).toBe(names.length);
     for (const row of file.measures.filter(({ left }) => left !== null).slice(0, 12)) {

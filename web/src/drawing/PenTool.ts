@@ -8,14 +8,12 @@ import { pickAt } from "../viewer/picking";
 import type { ScanMesh } from "../viewer/ScanMesh";
 import type { Viewer } from "../viewer/Viewer";
 import type { CornerPins } from "./CornerPins";
-import { cornerAt, cornerMoved } from "./edits";
+import { cornerMoved } from "./edits";
 import { gap, lineNamed } from "./lines";
 import type { OwnLines } from "./OwnLines";
 
 const STILL = 6; // pixels; less is a click
 const NEAR_LINE = 12; // pixels from a line that still choose it
-const ARROWS: Record<string, readonly [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-const FAST = 5; // times as far with Shift
 
 interface Held {
   readonly id: number;
@@ -118,18 +116,6 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: ScanMesh,
   canvas.addEventListener("pointercancel", () => {
     pointers = Math.max(0, pointers - 1);
     letGo();
-  });
-
-  canvas.addEventListener("keydown", (event) => {
-    const { drawn } = store.get();
-    const arrow = ARROWS[event.key];
-    const line = lineNamed(drawn, drawn.chosen);
-    if (!isDrawing() || !arrow || !line || drawn.corner === null) return;
-    event.preventDefault();
-    const at = viewer.toPage(cornerAt(line, drawn.corner));
-    const far = event.shiftKey ? FAST : 1;
-    const hit = pickAt(viewer, scan, at.x + far * arrow[0], at.y + far * arrow[1]);
-    if (hit) drawing.moveCorner(line.name, drawn.corner, hit.point);
   });
 
   store.subscribe((state) => {

@@ -1,4 +1,4 @@
-// The drawing on the other stance: what is missing for it, the button that shows it there, and how sure its place is.
+// The drawing on the other stance: what is missing for it, and how sure its place is.
 import type { Actions } from "../actions";
 import { el, setText, show } from "../dom";
 import type { Session } from "../state/session";
@@ -15,14 +15,12 @@ export function createDrawingCarry({ stances }: Pick<Actions, "stances">, addOth
   const says = el("p", { class: "muted small" });
   const note = el("p", { class: "look-here small" });
   const add = button(text.stances.add, addOther, "quiet outlined wide");
-  const go = button("", () => void stances.carry(), "primary wide");
-  const goWords = go.querySelector("span")!;
   const wrong = problem(() => stances.dismiss());
-  const element = el("div", { class: "panel carry" }, el("p", { class: "label" }, words.title), wrong.element, says, add, go, note);
+  const element = el("div", { class: "panel carry" }, el("p", { class: "label" }, words.title), wrong.element, says, add, note);
 
-  function sentence(state: Session): { says: string; note: string; canGo: boolean } {
+  function sentence(state: Session): { says: string; note: string } {
     const { other, isCarrying } = state.stances;
-    const quiet = { note: "", canGo: false };
+    const quiet = { note: "" };
     if (!other) return { says: words.needsOther, ...quiet };
     const [mine, its] = stanceNames(state);
     const missing = [...(state.fit?.state === "done" ? [] : [mine]), ...(other.fit?.state === "done" ? [] : [its])];
@@ -30,12 +28,12 @@ export function createDrawingCarry({ stances }: Pick<Actions, "stances">, addOth
     if (state.drawn.lines.present.length + other.drawn.lines.present.length === 0) return { says: words.needsLines, ...quiet };
     if (isCarrying) return { says: words.busy, ...quiet };
     const shown = other.drawn.carried ?? state.drawn.carried;
-    if (!shown) return { says: "", note: "", canGo: true };
+    if (!shown) return { says: words.ready(its), ...quiet };
     const there = other.drawn.carried !== null;
     const { from, to, bridged, points } = carriedNote(shown.drawing);
     const [source, goal] = there ? [mine, its] : [its, mine];
     const distances = from && to ? words.note(source, formatMm(from.mean), formatMm(from.p95), goal, formatMm(to.mean), formatMm(to.p95)) : "";
-    return { says: words.done(goal), note: [distances, bridged > 0 ? words.bridged(bridged, points) : ""].filter((each) => each !== "").join(" "), canGo: false };
+    return { says: words.done(goal), note: [distances, bridged > 0 ? words.bridged(bridged, points) : ""].filter((each) => each !== "").join(" ") };
   }
 
   return {
@@ -48,8 +46,6 @@ export function createDrawingCarry({ stances }: Pick<Actions, "stances">, addOth
       setText(note, told.note);
       show(note, told.note !== "");
       show(add, other === null);
-      show(go, told.canGo);
-      setText(goWords, other ? words.go(state.drawn.lines.present.length > 0 ? stanceNames(state)[1] : stanceNames(state)[0]) : "");
       wrong.set(other ? state.problems.stances : undefined);
     },
   };

@@ -1,6 +1,7 @@
 // The legend: every line on the body with its stroke, switched on and off; the own ones can be named, closed and erased.
 import type { Actions } from "../actions";
 import { type Layer, layerKey, lengthOf, type OwnLine } from "../drawing/lines";
+import { wishLabel, wishLabels } from "../drawing/wish";
 import { el, fill, setText, show } from "../dom";
 import type { Session } from "../state/session";
 import { text } from "../text";
@@ -68,7 +69,8 @@ export function createDrawingLayers({ drawing }: Pick<Actions, "drawing">): Pane
     });
     const ring = button(line.closed ? words.openShort : words.closeShort, () => drawing.close(name), "quiet small");
     ring.setAttribute("aria-label", line.closed ? words.open(name) : words.close(name));
-    const length = el("span", { class: "muted small" }, words.length(cm(lengthOf(line))));
+    const length = line.closed ? null : el("span", { class: "muted small" }, words.length(cm(lengthOf(line))));
+    field.title = name;
     return el("li", { "data-line": name }, toggle("own", name, null), field, length, ring, iconButton("close", words.erase(name), () => drawing.erase(name)));
   }
 
@@ -84,9 +86,8 @@ export function createDrawingLayers({ drawing }: Pick<Actions, "drawing">): Pane
       const known = model?.side.drawings.find((each) => each.name === fit?.drawingName);
       const shapes = fit?.drawing?.shapes ?? known?.shapes ?? [];
       const named = shapes.map(({ name }) => ({ name, label: plainStart(known?.shapes.find((each) => each.name === name)?.label ?? text.shared.shape(name)) }));
-      const title = known?.label ?? fit?.drawingName ?? "";
-      const label = state.meta?.drawings.find((each) => each.name === fit?.drawingName)?.label ?? title;
-      reference.set(fit ? words.reference(label) : "", named, hidden, !fit || fit.drawingName ? "" : words.referenceNone);
+      const label = wishLabel(fit?.drawingName ?? "", wishLabels(state));
+      reference.set(fit && label !== "" ? words.reference(label) : "", named, hidden, "");
       const from = state.drawn.carried;
       carried.set(from ? words.carried(from.from) : "", from?.drawing.shapes.map(({ name }) => ({ name, label: name })) ?? [], hidden, "");
       const hasBridge = [...(fit?.drawing?.shapes ?? []), ...(from?.drawing.shapes ?? [])].some((shape) => shape.bridged?.includes(true));

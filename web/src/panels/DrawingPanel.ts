@@ -7,12 +7,13 @@ import type { Session } from "../state/session";
 import { text } from "../text";
 import { button, fileButton, iconButton, problem, segmented } from "./controls";
 import { createDrawingCarry } from "./DrawingCarry";
+import { createDrawingPattern } from "./DrawingPattern";
 import { createDrawingLayers } from "./DrawingLayers";
 import type { Panel } from "./Panel";
 
 const words = text.drawing;
 
-export function createDrawingPanel(actions: Actions, dismiss: () => void): Panel {
+export function createDrawingPanel(actions: Actions, dismiss: () => void, dismissFit: () => void): Panel {
   const { drawing } = actions;
   let state: Session | null = null;
   const tools = segmented<Tool>(
@@ -37,6 +38,7 @@ export function createDrawingPanel(actions: Actions, dismiss: () => void): Panel
   const wrong = problem(dismiss);
   const corners = createCorners(actions);
   const layers = createDrawingLayers(actions);
+  const pattern = createDrawingPattern(actions, dismissFit);
   const carry = createDrawingCarry(actions, () => actions.stances.dialog(true));
   const element = el(
     "div",
@@ -49,6 +51,7 @@ export function createDrawingPanel(actions: Actions, dismiss: () => void): Panel
     corners.element,
     el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, save),
     layers.element,
+    pattern.element,
     carry.element,
   );
   return {
@@ -69,6 +72,7 @@ export function createDrawingPanel(actions: Actions, dismiss: () => void): Panel
       show(again, drawn.saving === "unsaved" && session.problems.drawing !== undefined);
       corners.update(session);
       layers.update(session);
+      pattern.update(session);
       carry.update(session);
     },
   };

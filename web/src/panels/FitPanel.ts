@@ -1,6 +1,7 @@
 // Step 3: the few choices before a fit, and what goes on during one.
 import type { Actions } from "../actions";
 import type { StanceChoice } from "../api/types";
+import { wishLabel, wishLabels } from "../drawing/wish";
 import { el, setText, show } from "../dom";
 import { doubtSentences, labelsOf } from "../state/doubts";
 import { ENOUGH } from "../state/landmarks";
@@ -33,7 +34,9 @@ export function createFitPanel(actions: Actions, dismiss: () => void): Panel {
       const busy = isFitting(state);
       const stances = (["auto", "standing", "supine"] as const).map((value) => ({ value, label: text.scan.stances[value] }));
       stance.set(stances, state.stance);
-      drawing.set((meta?.drawings ?? []).map(({ name, label }) => ({ value: name, label })), state.drawing);
+      const offered = (meta?.drawings ?? []).map(({ name, label }) => ({ value: name, label }));
+      const isOffered = offered.some(({ value }) => value === state.drawing);
+      drawing.set(isOffered ? offered : [...offered, { value: state.drawing, label: wishLabel(state.drawing, wishLabels(state)) || text.drawing.pattern.none }], state.drawing);
       preset.set((meta?.presets ?? []).map((name) => ({ value: name, label: text.fit.presets[name] ?? name })), state.preset);
       for (const each of [stance, drawing, preset]) each.enable(!busy);
       refine.checked = state.refine;

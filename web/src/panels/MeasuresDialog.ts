@@ -1,7 +1,7 @@
 // The table of measures: left, right and difference, of one stance or of both and the change between them.
 import type { Actions } from "../actions";
 import { el, fill, icon, saveFile, setText, show } from "../dom";
-import { formatCell, measuresCsv, type MeasureLine, measuresTable, type MeasuresTable } from "../stances/measuresTable";
+import { type Cell, formatCell, measuresCsv, type MeasureLine, measuresTable, type MeasuresTable } from "../stances/measuresTable";
 import type { Session } from "../state/session";
 import { measuredFits } from "../stances/state";
 import { text } from "../text";
@@ -9,8 +9,8 @@ import { button, iconButton, problem } from "./controls";
 import type { Panel } from "./Panel";
 
 const words = text.stances.table;
-const COLUMNS = ["left", "right", "difference", "whole"] as const;
-const HEADS = { left: words.left, right: words.right, difference: words.difference, whole: words.both };
+const COLUMNS = ["left", "right", "difference"] as const;
+const HEADS = { left: words.left, right: words.right, difference: words.difference };
 const UNITS = { mm: "mm", ml: "ml", "1": "" };
 
 export function createMeasuresDialog({ stances }: Pick<Actions, "stances">, dismiss: () => void): Panel {
@@ -63,8 +63,8 @@ export function createMeasuresDialog({ stances }: Pick<Actions, "stances">, dism
       const table = file && measuresTable(file);
       setText(says, table && table.groups.length > 1 ? words.two : words.one);
       show(holder, table !== null);
-      fill(holder, [measures.of, table !== null], () => (table ? [tableOf(table)] : []));
-      setText(signs, file ? `${file.signs} ${words.hint}` : "");
+      fill(holder, [measures.of, table !== null], () => (table ? [tableOf(table, new Map(state.meta?.landmarks.map(({ name, label }) => [name, label])))] : []));
+      setText(signs, file ? `${file.signs.charAt(0).toUpperCase()}${file.signs.slice(1)}. ${words.hint}` : "");
       for (const each of [copy, csv]) each.disabled = file === null;
       const fits = measuredFits(state);
       if (fits) report.href = fits[0].links.report + (fits[1] ? `?with=${encodeURIComponent(fits[1].id)}` : "");
@@ -72,11 +72,10 @@ export function createMeasuresDialog({ stances }: Pick<Actions, "stances">, dism
   };
 }
 
-function tableOf({ groups, lines }: MeasuresTable): HTMLElement {
-  const used = groups.map((_, g) => COLUMNS.filter((column) => lines.some((line) => line.groups[g]![column].value !== null)));
-  const top = el("tr", {}, el("th", { rowspan: 2, scope: "col" }, words.measure), ...groups.map((name, g) => el("th", { colspan: used[g]!.length, scope: "colgroup", class: "group" }, title(name))));
-  const heads = el("tr", {}, ...groups.flatMap((_, g) => used[g]!.map((column, i) => el("th", { scope: "col", class: i === 0 ? "group" : "" }, HEADS[column]))));
-  return el("table", {}, el("thead", {}, top, heads), el("tbody", {}, ...lines.map((line) => row(line, used, groups.length))));
+function tableOf({ groups, lines }: MeasuresTable, labels: ReadonlyMap<string, string>): HTMLElement {
+  const top = el("tr", {}, el("th", { rowspan: 2, scope: "col" }, words.measure), ...groups.map((name) => el("th", { colspan: COLUMNS.length, scope: "colgroup", class: "group" }, title(name))));
+  const heads = el("tr", {}, ...groups.flatMap(() => COLUMNS.map((column, i) => el("th", { scope: "col", class: i === 0 ? "group" : "" }, HEADS[column]))));
+  return el("table", {}, el("thead", {}, top, heads), el("tbody", {}, ...lines.map((line) => row(line, groups.length, labels))));
 }
 
 const title = (name: string): string => {
@@ -84,22 +83,29 @@ const title = (name: string): string => {
   return first ? words.change(second!, first) : name.charAt(0).toUpperCase() + name.slice(1);
 };
 
-function row(line: MeasureLine, used: readonly (readonly (typeof COLUMNS)[number][])[], groups: number): HTMLElement {
-  const where = line.landmarks.map(({ stance, words: between }) => `${title(stance)}: ${between}`).join("\n");
-  const tip = `${words.kind}: ${line.kind}\n${words.method}: ${line.method}\n${words.landmarks}: ${where}`;
+function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, string>): HTMLElement {
+  const readable = (names: string): string => names.replace(/[a-z]+(_[a-zA-Z]+)*/g, (name) => labels.get(name) ?? name);
+  const where = line.landmarks.map(({ stance, words: between }) => `${title(stance)}: ${readable(between)}`);
+  const facts = [[words.kind, line.kind], [words.method, line.method], [words.landmarks, where.join("\n")]] as const;
   const unit = UNITS[line.unit];
   const name = el(
     "th",
-    { scope: "row", title: tip },
-    el("details", {}, el("summary", {}, words.names[line.measure] ?? line.measure, el("span", { class: "unit" }, ` ${line.kind}${unit === "" ? "" : `, ${unit}`}`)), el("p", { class: "muted small" }, tip)),
+    { scope: "row", title: facts.map(([fact, value]) => `${fact}: ${value}`).join("\n") },
+    el(
+      "details",
+      {},
+      el("summary", {}, words.names[line.measure] ?? line.measure, el("span", { class: "unit" }, ` ${line.kind}${unit === "" ? "" : `, ${unit}`}`)),
+      el("dl", { class: "muted small" }, ...facts.flatMap(([fact, value]) => [el("dt", {}, fact), el("dd", {}, value)])),
+    ),
   );
-  const cells = line.groups.flatMap((group, g) =>
-    used[g]!.map((column, i) => {
-      const cell = group[column];
-      const isSigned = column === "difference" || (groups > 1 && g === groups - 1);
-      const band = cell.low !== null && cell.high !== null ? words.band(formatCell({ ...cell, value: cell.low }, line.unit, isSigned), formatCell({ ...cell, value: cell.high }, line.unit, isSigned)) : "";
-      return el("td", { class: i === 0 ? "group" : "", ...(band ? { title: band } : {}) }, formatCell(cell, line.unit, isSigned));
-    }),
-  );
+  const cells = line.groups.flatMap((group, g) => {
+    const isChange = groups > 1 && g === groups - 1;
+    const write = (cell: Cell, isSigned: boolean, attributes: { class: string; colspan?: number }): HTMLElement => {
+      const ends = [cell.low, cell.high].map((value) => formatCell({ ...cell, value }, line.unit, isSigned));
+      return el("td", { ...attributes, ...(cell.low === null ? {} : { title: words.band(ends[0]!, ends[1]!) }) }, formatCell(cell, line.unit, isSigned));
+    };
+    if (group.whole.value !== null) return [write(group.whole, isChange, { class: "group whole", colspan: COLUMNS.length })]; // one value for both sides
+    return COLUMNS.map((column, i) => write(group[column], isChange || column === "difference", { class: i === 0 ? "group" : "" }));
+  });
   return el("tr", { "data-measure": line.measure, "data-kind": line.kind }, name, ...cells);
 }

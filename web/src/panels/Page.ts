@@ -59,7 +59,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
     scan: createScanPanel(actions, () => dismiss("scan")),
     landmarks: createLandmarkPanel(actions, () => dismiss("landmarks")),
     fit: createFitPanel(actions, () => dismiss("fit")),
-    drawing: createDrawingPanel(actions, () => dismiss("drawing")),
+    drawing: createDrawingPanel(actions, () => dismiss("drawing"), () => dismiss("fit")),
     result: createResultPanel(actions),
   });
   const numbers = createNumbersPanel();
@@ -91,7 +91,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void) {
       document.body.classList.toggle("is-second", state.stances.isSecond);
       host.classList.toggle("is-placing", state.active !== null);
       overlay.classList.toggle("is-numbered", state.step === "landmarks");
-      overlay.classList.toggle("is-narrow", state.fit !== null && state.overlay === "beside");
+      overlay.classList.toggle("is-narrow", isComparing(state) || (state.fit !== null && state.overlay === "beside"));
       for (const panel of panels) panel.update(state);
       show(numbers.element, state.active === null);
       page.set(state.problems.page);

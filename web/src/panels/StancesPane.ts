@@ -11,7 +11,7 @@ import type { Panel } from "./Panel";
 const words = text.stances;
 
 export function createOtherPane({ stances }: Pick<Actions, "stances">): Panel & { caption: HTMLElement; stage: OtherStage } {
-  const canvas = el("canvas", { class: "view", tabindex: 0 });
+  const canvas = el("canvas", { class: "other-view", tabindex: 0, role: "application" });
   const overlay = el("div", { class: "overlay is-narrow", "aria-hidden": "true" });
   const name = el("strong", {});
   const work = button(words.workHere, () => void stances.swap(), "outlined");

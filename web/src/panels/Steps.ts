@@ -80,6 +80,7 @@ function wording(next: NextStep, state: Session): string {
   if (next.kind === "confirm") return text.proposals.confirmLikely(next.names.length);
   if (next.kind === "fit" && next.again) return text.fit.again(next.landmarks);
   if (next.kind === "fit") return next.landmarks > 0 ? text.fit.with(next.landmarks) : text.fit.without;
+  if (next.kind === "carry") return text.stances.carry.go(next.to);
   return next.kind === "save" ? text.result.save : "";
 }
 
@@ -88,6 +89,7 @@ function createNextButton(actions: Actions): Panel {
   const press = (): void => {
     if (next.kind === "place") actions.landmarks.want(next.isArmed ? null : next.landmark);
     if (next.kind === "confirm") actions.landmarks.confirm(next.names);
+    if (next.kind === "carry") void actions.stances.carry();
     if (next.kind === "fit") void actions.fit.start();
   };
   const words = el("span", {});

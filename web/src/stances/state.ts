@@ -66,6 +66,15 @@ export function measuredFits({ fit, stances }: Session): [FitState, FitState | n
   return its && stances.isSecond ? [its, fit] : [fit, its];
 }
 
+/** What the scan is called that a drawing could be shown on now, and is not yet; null otherwise. */
+export function canCarryTo(state: Session): string | null {
+  const { other, isCarrying } = state.stances;
+  if (!other || isCarrying || state.fit?.state !== "done" || other.fit?.state !== "done" || state.drawn.carried || other.drawn.carried) return null;
+  const [mine, its] = stanceNames(state);
+  if (state.drawn.lines.present.length > 0) return its;
+  return other.drawn.lines.present.length > 0 ? mine : null;
+}
+
 /** Both stances are on the stage.  While landmarks are placed there is one, with its instructions. */
 export const isComparing = (state: Session): boolean => state.stances.isComparing && state.stances.other !== null && state.scan !== null && state.active === null;
 

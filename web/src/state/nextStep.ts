@@ -1,4 +1,5 @@
 // The one primary button: what the person would do next, from the state alone.
+import { canCarryTo } from "../stances/state";
 import { ENOUGH, nextMissing } from "./landmarks";
 import { ghostsOf, isLikely } from "./proposals";
 import { isFitting, pickCount, type Session } from "./session";
@@ -8,6 +9,7 @@ export type NextStep =
   | { kind: "place"; landmark: string; isArmed: boolean }
   | { kind: "confirm"; names: readonly string[] }
   | { kind: "fit"; again: boolean; landmarks: number }
+  | { kind: "carry"; to: string }
   | { kind: "save" };
 
 const picksChanged = (state: Session): boolean =>
@@ -23,6 +25,8 @@ export function nextStep(state: Session): NextStep {
     const landmark = state.active ?? nextMissing(list, state.picks.present, state.skipped);
     if (landmark !== null) return { kind: "place", landmark, isArmed: state.active !== null };
   }
+  const carried = state.step === "drawing" ? canCarryTo(state) : null;
+  if (carried !== null) return { kind: "carry", to: carried };
   if (state.fit && state.fit.state === "done" && !picksChanged(state)) return { kind: "save" };
   if (state.fit) return { kind: "fit", again: true, landmarks };
   if (state.step === "fit" || landmarks >= ENOUGH) return { kind: "fit", again: false, landmarks };

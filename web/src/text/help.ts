@@ -11,6 +11,7 @@ export const help = {
     ["C", "Take the proposed point"],
     ["Z · Shift+Z", "Undo · redo"],
     ["Esc", "Stop placing"],
+    ["P · E · T", "In the step Drawing: pen, points of a line, tumour; Enter ends a line, Delete takes away a point or a line"],
     ["F", "View from the front"],
     ["O", "Scan, both, model, beside, swipe"],
     ["D", "Distances in colour"],

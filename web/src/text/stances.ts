@@ -36,6 +36,7 @@ export const stances = {
     needsFits: (names: string) => `A drawing is carried between two fitted scans. Not fitted yet: ${names}.`,
     needsLines: "Draw a line on either scan to carry it to the other.",
     go: (name: string) => `Show on ${name} scan`,
+    ready: (name: string) => `Ready to be shown on the ${name} scan.`,
     busy: "Carrying the drawing …",
     done: (name: string) => `Shown on the ${name} scan; it follows what you draw.`,
     note: (from: string, fromMean: string, fromP95: string, to: string, toMean: string, toP95: string) =>
@@ -51,9 +52,9 @@ export const stances = {
     left: "Left",
     right: "Right",
     difference: "L − R",
-    both: "Whole",
-    change: (second: string, first: string) => `${second} − ${first}`,
-    hint: "Patient's left and right. Method and landmarks of a row stand in its tooltip and, for keyboards, under it.",
+    whole: "both",
+    change: (second: string, first: string) => `Change: ${second} − ${first}`,
+    hint: "Method and landmarks of a measure open under its name.",
     /** the program's names of measures; M1 to M6 are ratios, one is equal on both sides */
     names: {
       notch_nipple: "Notch to nipple",
@@ -79,7 +80,6 @@ export const stances = {
     csv: "measures.csv",
     report: "report.pdf",
     busy: "Measuring …",
-    noise: (version: string) => `Computed by BreastRig ${version}.`,
     band: (low: string, high: string) => `${low} to ${high}`,
   },
 

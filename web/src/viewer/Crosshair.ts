@@ -23,9 +23,9 @@ export class Crosshair implements Part {
     viewer.overlay.append(this.element);
   }
 
-  /** It serves the placing of landmarks only. */
-  update({ active }: Session): void {
-    if (active === null) this.hide();
+  /** It serves the placing of landmarks and the tools that draw. */
+  update({ active, drawn }: Session): void {
+    if (active === null && (drawn.tool === "none" || drawn.tool === "points")) this.hide();
   }
 
   get isShown(): boolean {

@@ -34,7 +34,7 @@ export class LandmarkPins implements Part {
 
   update(state: Session): void {
     const picks = state.picks.present;
-    const isShown = (this.isShown = state.scan !== null && state.overlay !== "model");
+    const isShown = (this.isShown = state.scan !== null && state.overlay !== "model" && state.drawn.tool === "none");
     for (const pin of this.pins.values()) pin.element.hidden = !isShown;
     for (const [name, pin] of this.pins) pin.element.classList.toggle("is-active", name === state.active);
     if (picks === this.drawn) return;

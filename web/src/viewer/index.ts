@@ -9,6 +9,7 @@ import { openOtherView } from "../stances/OtherView";
 import { CornerPins } from "../drawing/CornerPins";
 import { OwnLines } from "../drawing/OwnLines";
 import { listenToPen } from "../drawing/PenTool";
+import { listenToPenKeys } from "../drawing/penKeys";
 import { skinFrom } from "../drawing/skin";
 import { listenToCanvasKeys } from "./canvasKeys";
 import { onClick } from "./clicks";
@@ -98,6 +99,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
 
   actions.drawing.skinIs(skinFrom(() => scan.mesh?.geometry ?? null));
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions);
+  listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions);
   listenToDrags(stage.canvas, viewer, scan, pins, store, actions);
   listenToCanvasKeys(stage.canvas, viewer, scan, cross, store, actions);
   listenToFingers(stage.canvas, viewer, cross, store, actions);
