@@ -1,5 +1,6 @@
 """The same contract as local processes, kept by a scheduler and two worker processes on loopback."""
 
+import json
 import signal
 import subprocess
 import sys
@@ -9,12 +10,15 @@ from concurrent.futures import wait
 from pathlib import Path
 
 import pytest
-from helpers import in_worker
+from helpers import fake_batch, in_worker
 from helpers.dask_cluster import Cluster, cluster, wait_until_ready
 from helpers.real_server import alive
 from helpers.waiting import until
 
+from breastrig.cli import batch_command
+from breastrig.cli.main import main
 from breastrig.core.errors import BadScan, BadSettings, TooMany
+from breastrig.jobs.batch_table import TIMES
 from breastrig.jobs.dask_pool import DaskPool
 
 GIB = 2**30
@@ -143,6 +147,70 @@ def test_nothing_of_a_task_is_logged_or_named(two_workers: Cluster, pool: DaskPo
     wait(futures)
     assert "Register worker" in two_workers.said()  # it is the log
     assert "Doe" not in two_workers.said()
+
+
+MIXED = {f"row{n}": f"slow 0.{n}" for n in range(3, 9)} | {"bad": "fail", "dead": "die"}
+
+
+@pytest.fixture
+def fake(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(batch_command, "run_fit", fake_batch.as_told)
+
+
+def _without_times(out: Path) -> list[dict[str, str]]:
+    return [{column: value for column, value in row.items() if column not in TIMES} for row in fake_batch.table(out)]
+
+
+@pytest.mark.usefixtures("fake")
+def test_a_batch_on_a_cluster_that_loses_a_worker_makes_the_same_table(
+    two_workers: Cluster, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    manifest = fake_batch.write_manifest(tmp_path, MIXED)
+    there, here = tmp_path / "there", tmp_path / "here"
+
+    def kill_one() -> None:
+        until(lambda: any(there.glob("row*")), "the first result")
+        two_workers.workers[1].kill()
+
+    killer = threading.Thread(target=kill_one)
+    killer.start()
+    assert main(["batch", str(manifest), "-o", str(there), "--scheduler", two_workers.address]) == 1
+    killer.join()
+    told = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert sorted(line["name"] for line in told) == sorted(MIXED)  # each once
+
+    assert main(["batch", str(manifest), "-o", str(here), "--jobs", "2"]) == 1
+    assert _without_times(there) == _without_times(here)
+    assert [row["state"] for row in fake_batch.table(there)] == ["done"] * 6 + ["failed"] * 2
+    names = {name for name in MIXED if name.startswith("row")}
+    assert fake_batch.whole_results(there) == fake_batch.whole_results(here) == names
+    for name in names:
+        for file in fake_batch.WHOLE - {"result.json"}:
+            assert (there / name / file).read_bytes() == (here / name / file).read_bytes()
+
+
+@pytest.mark.usefixtures("fake")
+def test_a_scheduler_that_vanishes_ends_a_batch_with_one_sentence(
+    two_workers: Cluster, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """After the tests above: the third worker is left."""
+    manifest = fake_batch.write_manifest(tmp_path, {f"row{n}": f"slow 0.{n}" for n in range(3, 9)})
+    out = tmp_path / "out"
+
+    def kill_it() -> None:
+        until(lambda: any(out.glob("row*")), "the first result")
+        two_workers.scheduler.kill()
+
+    killer = threading.Thread(target=kill_it)
+    killer.start()
+    assert main(["batch", str(manifest), "-o", str(out), "--scheduler", two_workers.address]) == 1
+    killer.join()
+    assert capsys.readouterr().err == (
+        "breastrig: The scheduler was lost; run the same command again, it goes on where it was.\n"
+    )
+    assert 0 < len(fake_batch.whole_results(out)) < 6
+    assert two_workers.workers[2].wait(timeout=30) == 1
+    assert f"The scheduler at {two_workers.address} is gone" in two_workers.said()
 
 
 def test_an_address_without_a_scheduler_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from breastrig import __version__
 from breastrig.cli import (
+    batch_command,
     compare_command,
     config_command,
     evaluate_command,
@@ -38,6 +39,7 @@ def parser() -> argparse.ArgumentParser:
         report_command,
         export_command,
         landmarks_command,
+        batch_command,
         evaluate_command,
         model_command,
         serve_command,

@@ -1,0 +1,164 @@
+"""`breastrig batch MANIFEST.csv -o DIR`: many scans, one row per fit.
+
+The first line of the manifest names its columns: scan, and any of landmarks, name, units, stance, preset, drawing,
+tumour (several split by blanks) and refine (yes or no), each as the option of `breastrig fit`.  DIR/NAME/ holds what
+`breastrig fit` writes; DIR/batch.csv has the numbers of all rows.  A batch that was interrupted goes on when it is
+called again: only rows that failed, are missing, or whose files or settings have changed are done.
+"""
+
+import argparse
+import json
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing.forkserver import ensure_running
+from pathlib import Path
+from threading import Event
+
+from tqdm import tqdm
+
+from breastrig.core.errors import BadSettings
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.jobs.batch import Batch, exclusive, run_batch
+from breastrig.jobs.batch_manifest import BadManifest, read_manifest
+from breastrig.jobs.batch_table import FILE, Outcome, write_table
+from breastrig.jobs.dask_pool import DaskPool
+from breastrig.jobs.dask_task import RESOURCE
+from breastrig.jobs.executor import Executor
+from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.processes import Processes
+from breastrig.jobs.run_fit import run_fit
+from breastrig.storage.scratch import sweep_scratch
+
+SHOWN_FAULTS = 20  # a screenful; a table with more has one cause
+
+EXAMPLE = """example of a manifest:
+  scan,landmarks,name,stance,tumour
+  a/standing.ply,a/standing.json,a_standing,standing,"L:10,45,12"
+  a/supine.ply,a/supine.json,a_supine,supine,
+
+on two machines, beside a scheduler (dask scheduler --host ADDRESS):
+  breastrig worker tcp://ADDRESS:8786
+  breastrig batch manifest.csv -o results --scheduler tcp://ADDRESS:8786
+"""
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser(
+        "batch",
+        help="fit the model to many scans",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("manifest", type=Path, metavar="MANIFEST.csv", help="one scan a row")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--jobs", type=int, metavar="N", help="fits at a time (default: one a core, at most 8)")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, as in tcp://host:8786")
+    parser.add_argument("--again", action="store_true", help="do also the rows that are done")
+    parser.add_argument("--no-progress", action="store_true", help="no progress bar, no line for each row")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Fits, writes and counts; 0: all rows are done, 1: some failed, 2: the manifest cannot be used."""
+    if options.jobs is not None and options.jobs < 1:
+        raise BadSettings("--jobs must be 1 or more.")
+    rig = read_rig(default_rig_path())
+    try:
+        rows = read_manifest(options.manifest, rig, options.output)
+    except BadManifest as error:
+        return _tell_faults(error.faults)
+    batch = Batch(rows, options.output, rig.sha256, options.again, run_fit)
+    with exclusive(options.output):
+        executor = _executor(options)
+        try:
+            with _orderly_end() as stop:
+                outcomes = _run(batch, executor, options.no_progress, stop)
+            write_table(outcomes, options.output)
+        finally:
+            executor.stop()
+            sweep_scratch()  # of fits that were stopped
+    failed = sum(outcome.reason is not None for outcome in outcomes)
+    if sys.stdout.isatty():
+        print(f"{len(outcomes) - failed} of {len(outcomes)} fits are done; {options.output / FILE} has the numbers.")
+    return 1 if failed else 0
+
+
+def _executor(options: argparse.Namespace) -> Executor:
+    limits = FitLimits()
+    if options.scheduler is None:
+        processes = Processes(options.jobs or limits.workers, memory_bytes=limits.memory_bytes)
+        _keep_interrupts_from_the_fork_server()
+        return processes
+    pool = DaskPool(options.scheduler, memory_bytes=limits.memory_bytes)
+    if not pool.found_workers:
+        print(
+            f"breastrig: The scheduler has no worker of this version ({RESOURCE}) yet; the fits wait for one. "
+            f"Start it with: breastrig worker {options.scheduler}",
+            file=sys.stderr,
+        )
+    return pool
+
+
+def _keep_interrupts_from_the_fork_server() -> None:
+    """Ctrl-C on a terminal goes to every process there; one that is just starting would die of it with a traceback.
+
+    Processes inherit what is blocked here, and the pool ends them anyway.
+    """
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+
+@contextmanager
+def _orderly_end() -> Iterator[Event]:
+    """An event that Ctrl-C or a request to end sets, so that neither cuts into what is being written or started.
+
+    The second Ctrl-C has its usual effect.
+    """
+    stop = Event()
+
+    def note(_number: int, _frame: object) -> None:
+        if stop.is_set():
+            raise KeyboardInterrupt
+        stop.set()
+
+    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stop
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _run(batch: Batch, executor: Executor, silent: bool, stop: Event) -> list[Outcome]:
+    """Tells of each row: a bar on a terminal, else a line of JSON on stdout; failures in words on stderr."""
+    told = 0
+    in_lines = not silent and not sys.stderr.isatty()
+    with tqdm(total=len(batch.rows), unit="fit", disable=silent or in_lines, leave=False, smoothing=0.1) as bar:
+
+        def tell(outcome: Outcome) -> None:
+            nonlocal told
+            told += 1
+            bar.update()
+            if in_lines:
+                line = {"name": outcome.name, "state": outcome.state, "reason": outcome.reason}
+                line |= {"mean_mm": outcome.numbers.get("mean_mm"), "row": told, "of": len(batch.rows)}
+                print(json.dumps(line), flush=True)
+            if outcome.reason is not None:
+                bar.write(f"breastrig: {outcome.name}: {outcome.reason}", file=sys.stderr)
+
+        return run_batch(batch, executor, tell, stop)
+
+
+def _tell_faults(faults: list[str]) -> int:
+    for fault in faults[:SHOWN_FAULTS]:
+        print(f"breastrig: {fault}", file=sys.stderr)
+    if len(faults) > SHOWN_FAULTS:
+        print(f"breastrig: There are {len(faults) - SHOWN_FAULTS} more wrong rows.", file=sys.stderr)
+    return 2

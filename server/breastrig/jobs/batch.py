@@ -1,0 +1,223 @@
+"""Many fits, one after the other as far as memory goes, side by side as far as workers go.
+
+Workers give bytes back and only this process writes: a result is a folder that appears whole under its name, with
+a record of what it was made from.  So whatever ends a batch, a second one finds only whole results and goes on.
+
+At most a few scans more than there are workers are in memory: enough that a worker never waits for the next one.
+"""
+
+import hashlib
+import json
+import os
+import queue
+import secrets
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError, Future
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from fcntl import LOCK_EX, LOCK_NB, flock
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+from breastrig import __version__
+from breastrig.core.errors import BadSettings, BreastRigError
+from breastrig.jobs.batch_fit import FitOfBytes, Runner, fit_of_bytes
+from breastrig.jobs.batch_manifest import INPUTS, BatchRow
+from breastrig.jobs.batch_table import Outcome, numbers_of
+from breastrig.jobs.executor import Executor
+from breastrig.jobs.fit_files import json_bytes
+from breastrig.jobs.limits import FitLimits
+from breastrig.jobs.run_fit import run_fit
+
+SPARE = 8  # scans at most that wait beside the workers; a large cluster needs no more to be kept busy
+LOOK_S = 0.2  # between two looks whether to stop
+DIED = "The fit's process ended unexpectedly, perhaps for want of memory; run the batch again, or give a smaller scan."
+BROKEN = "The fit broke for a reason inside BreastRig ({})."
+MEMORY = "The fit needed more memory than it may use; give a smaller scan."
+
+
+class BatchStopped(BreastRigError):
+    """The batch cannot go on; what is done is kept."""
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What to do and where; `model_sha256` is the hash of the rig that the workers have."""
+
+    rows: Sequence[BatchRow]
+    folder: Path
+    model_sha256: str
+    again: bool = False  # do also what is done
+    runner: Runner = run_fit
+    wall_s: float = FitLimits().wall_s
+
+
+@contextmanager
+def exclusive(folder: Path) -> Iterator[None]:
+    """Makes the folder, holds it for one batch, and removes what a killed one left half-written.
+
+    Raises BadSettings.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    except OSError as error:
+        raise BadSettings(f"The folder {folder} cannot be made ({error.strerror}); choose another with -o.") from error
+    try:
+        flock(handle, LOCK_EX | LOCK_NB)
+        _remove_halves(folder)
+        yield
+    except BlockingIOError as error:
+        raise BadSettings(f"Another batch is writing into {folder}; wait for its end, or choose another.") from error
+    finally:
+        os.close(handle)
+
+
+def run_batch(
+    batch: Batch, executor: Executor, tell: Callable[[Outcome], None], stop: Event | None = None
+) -> list[Outcome]:
+    """One outcome for each row, in the rows' order; `tell` is called with each as it comes.
+
+    Raises BatchStopped when nothing can be written, or no worker be reached, any more, and KeyboardInterrupt soon
+    after `stop` is set.
+    """
+    asked_to_stop = stop or Event()
+    outcomes: dict[str, Outcome] = {}
+    ended: queue.SimpleQueue[Future[dict[str, bytes]]] = queue.SimpleQueue()
+    in_flight: dict[Future[dict[str, bytes]], tuple[BatchRow, dict[str, Any]]] = {}
+    rows = iter(batch.rows)
+
+    def note(outcome: Outcome) -> None:
+        outcomes[outcome.name] = outcome
+        tell(outcome)
+
+    try:
+        while True:
+            while len(in_flight) < executor.workers + min(executor.workers, SPARE) and not asked_to_stop.is_set():
+                row = next(rows, None)
+                if row is None:
+                    break
+                try:
+                    wish = _wish(row)
+                except OSError as error:
+                    note(Outcome(row.name, f"The files of this row cannot be read any more ({error.strerror})."))
+                    continue
+                inputs = _inputs(batch, wish)
+                found = None if batch.again else _found(batch.folder / row.name, inputs)
+                if found is not None:
+                    note(found)
+                    continue
+                future = executor.schedule(fit_of_bytes, (wish, batch.runner), batch.wall_s)
+                in_flight[future] = row, inputs
+                future.add_done_callback(ended.put)
+            if not in_flight:
+                return [outcomes[row.name] for row in batch.rows]
+            if asked_to_stop.is_set():
+                raise KeyboardInterrupt
+            with suppress(queue.Empty):
+                future = ended.get(timeout=LOOK_S)
+                row, inputs = in_flight.pop(future)
+                note(_outcome(batch, row, inputs, future))
+    finally:
+        for future in in_flight:
+            future.cancel()
+        _remove_halves(batch.folder)
+
+
+def _wish(row: BatchRow) -> FitOfBytes:
+    return FitOfBytes(
+        scan=row.scan.read_bytes(),
+        ending=row.scan.suffix,
+        landmarks=row.landmarks.read_bytes() if row.landmarks else None,
+        landmarks_ending=row.landmarks.suffix if row.landmarks else "",
+        units=row.units,
+        stance=row.stance,
+        preset=row.preset,
+        preset_file=Path(row.preset).read_bytes() if row.preset.endswith(".toml") else None,
+        drawing=row.drawing,
+        refine=row.refine,
+    )
+
+
+def _inputs(batch: Batch, wish: FitOfBytes) -> dict[str, Any]:
+    """Everything that a result depends on; no name of a file is among it."""
+    return {
+        "schema": "breastrig/batch-inputs@1",
+        "scan_sha256": _sha256(wish.scan),
+        "landmarks_sha256": _sha256(wish.landmarks),
+        "units": wish.units,
+        "stance": wish.stance,
+        "preset": wish.preset if wish.preset_file is None else None,
+        "preset_sha256": _sha256(wish.preset_file),
+        "drawing": wish.drawing,
+        "refine": wish.refine,
+        "model_sha256": batch.model_sha256,
+        "breastrig": __version__,
+    }
+
+
+def _sha256(content: bytes | None) -> str | None:
+    return None if content is None else hashlib.sha256(content).hexdigest()
+
+
+def _found(folder: Path, inputs: dict[str, Any]) -> Outcome | None:
+    """A whole result of the same inputs, from an earlier batch."""
+    try:
+        if json.loads((folder / INPUTS).read_bytes()) != inputs:
+            return None
+        return Outcome(folder.name, None, numbers_of(json.loads((folder / "result.json").read_bytes())))
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _outcome(batch: Batch, row: BatchRow, inputs: dict[str, Any], future: "Future[dict[str, bytes]]") -> Outcome:
+    """Of a fit that has ended; a result is kept.  Raises BatchStopped."""
+    try:
+        files = future.result()
+        numbers = numbers_of(json.loads(files["result.json"]))
+    except (CancelledError, TimeoutError, BreastRigError, MemoryError, OSError, RuntimeError) as error:
+        return Outcome(row.name, _why(error, batch.wall_s))
+    except Exception as error:
+        return Outcome(row.name, BROKEN.format(type(error).__name__))
+    try:
+        _keep(batch.folder, row.name, {**files, INPUTS: json_bytes(inputs)})
+    except OSError as error:
+        raise BatchStopped(
+            f"The results cannot be written ({error.strerror}); free space, then run the same command: it goes on."
+        ) from error
+    return Outcome(row.name, None, numbers)
+
+
+def _why(error: BaseException, wall_s: float) -> str:
+    """The sentence for a fit that has no result.  Raises BatchStopped when none will have one any more."""
+    if isinstance(error, ConnectionError):
+        raise BatchStopped("The scheduler was lost; run the same command again, it goes on where it was.") from error
+    if isinstance(error, TimeoutError):
+        return f"The fit took longer than {wall_s:g} s and was stopped."
+    if isinstance(error, BreastRigError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return MEMORY
+    if isinstance(error, OSError) and error.errno is not None:
+        return f"The fit's worker met an error of its disk or system ({error.strerror}); run the batch again."
+    return DIED
+
+
+def _keep(folder: Path, name: str, files: dict[str, bytes]) -> None:
+    """The result's folder, whole or not at all, in the place of an older one."""
+    half = folder / f".part-{secrets.token_hex(8)}"
+    half.mkdir()
+    for file, content in files.items():
+        (half / file).write_bytes(content)
+    place, old = folder / name, folder / f".old-{secrets.token_hex(8)}"
+    if place.exists():
+        place.rename(old)
+    half.rename(place)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def _remove_halves(folder: Path) -> None:
+    for half in (*folder.glob(".part-*"), *folder.glob(".old-*")):
+        shutil.rmtree(half, ignore_errors=True)
