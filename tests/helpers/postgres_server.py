@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+PLACES = "/usr/lib/postgresql"  # where Debian keeps one folder for each version
 NONE_HERE = (
     "These tests need PostgreSQL's server programs: install the package postgresql (apt-get install postgresql, or "
     "sh .ci/postgres.sh), or set BREASTRIG_POSTGRES to the folder that holds initdb."
@@ -22,7 +23,7 @@ NONE_HERE = (
 def programs() -> Path:
     """The folder of initdb and postgres; fails with a sentence when there is none."""
     places = [Path(os.environ["BREASTRIG_POSTGRES"])] if os.environ.get("BREASTRIG_POSTGRES") else []
-    places += sorted(Path("/usr/lib/postgresql").glob("*/bin"), key=lambda place: int(place.parent.name), reverse=True)
+    places += sorted(Path(PLACES).glob("*/bin"), key=lambda place: int(place.parent.name), reverse=True)
     found = shutil.which("initdb")
     places += [Path(found).resolve().parent] if found else []
     for place in places:

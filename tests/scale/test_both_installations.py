@@ -3,14 +3,23 @@
 import io
 import json
 import os
+import signal
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 from helpers import fake_fit
+from helpers.installations import Large
 from helpers.installed_service import Running, serving
 from helpers.waiting import ended, story, until
+from sqlalchemy import select
+
+from breastrig.core.errors import BadSettings
+from breastrig.storage import schema
+from breastrig.storage.fits import get_fit
+from breastrig.storage.storage import Storage
 
 FILES = ("result", "fitted_glb", "fitted_ply", "drawing", "distances")
 KINDS = ["started", *["iterated"] * 4, "done"]
@@ -186,3 +195,38 @@ def test_after_a_restart_every_fit_goes_on(installation, model: Path, torso: byt
         assert {ended(running.service, fit["id"]).state for fit in fits} == {"done"}
         assert all(kinds(running, fit) == KINDS for fit in fits)
         assert running.client.get(fits[0]["links"]["result"]).status_code == 200
+
+
+def test_a_second_server_on_the_same_place_is_refused(running: Running, tmp_path: Path) -> None:
+    elsewhere = Storage(replace(running.location, root=tmp_path) if running.location.database else running.location)
+    with pytest.raises(BadSettings, match="Another BreastRig server uses"), elsewhere.exclusive():
+        pass
+    elsewhere.close()
+
+
+def test_when_a_worker_of_the_cluster_is_killed_every_fit_is_carried_out_once(
+    large: Large, model: Path, torso: bytes, tmp_path: Path
+) -> None:
+    # The last test: it leaves the cluster with one worker.
+    location = large.location(tmp_path)
+    killed, kept = large.cluster.workers
+    with serving(large, location, model, fake_fit.unhurried) as running:
+        scan = uploaded(running, torso)
+        fits = [asked(running, scan) for _ in range(6)]
+        storage = running.service.storage
+        until(
+            lambda: all(get_fit(storage, fit["id"]).iterations > 0 for fit in fits[:2]), "a running fit on each worker"
+        )
+        os.kill(killed.pid, signal.SIGKILL)
+        assert {ended(running.service, fit["id"]).state for fit in fits} == {"done"}
+        with storage.database.reading() as connection:
+            table = schema.events
+            rows = connection.execute(
+                select(table.c.fit, table.c.number, table.c.kind).order_by(table.c.position)
+            ).all()
+        for fit in fits:
+            assert [(row.number, row.kind) for row in rows if row.fit == fit["id"]] == list(enumerate(KINDS, start=1))
+            assert running.client.get(fit["links"]["result"]).json["iterations"] == 3
+        attempts = sorted(get_fit(storage, fit["id"]).attempt for fit in fits)
+        assert attempts == [1, 1, 1, 1, 1, 2]  # only the one that the killed worker was at was begun again
+        assert kept.poll() is None

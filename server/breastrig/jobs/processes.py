@@ -38,7 +38,7 @@ _preloaded = list(PRELOAD)
 
 
 def preload_remote() -> None:
-    """For processes that will find rows or files elsewhere, before the first pool; what is not installed is left out."""
+    """For processes that will find rows or files elsewhere, before the first pool; what is not installed is left."""
     _preloaded.extend(name for name in REMOTE if name not in _preloaded)
 
 
