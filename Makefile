@@ -1,5 +1,5 @@
-# One command each; `make help` lists them.  Everything is installed into $(VENV) and web/node_modules, nothing outside
-# (but Chromium for the browser test, from the system's packages, when there is none).  Plain make: no GNU extensions.
+# One command each; `make help` lists them.  Everything is installed into $(VENV) and web/node_modules, nothing outside (but
+# Chromium and PostgreSQL for the tests, from the system's packages, when there are none).  Plain make: no GNU extensions.
 PYTHON ?= python3
 VENV ?= .venv
 PORT ?= 8321
@@ -34,7 +34,8 @@ vitest: web-packages
 	$(IN_VENV) npm --prefix web test
 
 pytest: page $(VENV)/.stamp-test
-	OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n auto --maxprocesses=4 --dist loadfile \
+	BREASTRIG_POSTGRES="$$(sh .ci/postgres.sh)" && export BREASTRIG_POSTGRES && \
+	    OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n auto --maxprocesses=4 --dist loadfile \
 	    --ignore=tests/faults/test_broken_surroundings.py # that is in `make faults`
 
 browser: page web-packages $(VENV)/.stamp-test
