@@ -128,5 +128,5 @@ test("when the session has ended the sign-in page comes, and afterwards scan and
   await page.getByRole("button", { name: "Sign in" }).click();
   await hook.ready(page);
   await expect.poll(() => hook.pickCount(page)).toBe(1);
-  await expect(page.locator(".saved")).toHaveText("Saved");
+  await expect(page.locator("#step-landmarks .saved")).toHaveText("Saved");
 });

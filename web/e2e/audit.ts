@@ -25,6 +25,7 @@ export function smallTargets(page: Page): Promise<string[]> {
     const root = document.querySelector("dialog[open]") ?? document.body;
     const all = [...root.querySelectorAll<HTMLElement>("button, a[href], input, select, textarea, summary, [tabindex='0'], [role=button]")];
     return all.flatMap((each) => {
+      if (each.closest("[aria-hidden=true]")) return []; // the cube's faces, seen aslant: the buttons below do the same
       const target = each.closest<HTMLElement>("label") ?? each;
       if (!target.checkVisibility({ visibilityProperty: true })) return [];
       const { width, height } = target.getBoundingClientRect();
@@ -40,7 +41,7 @@ export function overlaps(page: Page): Promise<string[]> {
     const root = document.querySelector("dialog[open]") ?? document.body;
     const name = (each: Element): string => (each.getAttribute("aria-label") ?? each.textContent ?? each.id).trim().slice(0, 40) || each.className.toString();
     const shown = [...root.querySelectorAll<HTMLElement>("button, a[href], input:not([type=file]), select, summary")].flatMap((each) => {
-      if (!each.checkVisibility({ visibilityProperty: true, opacityProperty: true }) || each.matches(".swipe")) return [];
+      if (!each.checkVisibility({ visibilityProperty: true, opacityProperty: true }) || each.matches(".swipe, [aria-hidden=true] *")) return [];
       const box = each.getBoundingClientRect();
       const holder = each.closest(".steps-scroll, .aside, .share-list, .shared-side")?.getBoundingClientRect();
       const isScrolledAway = holder && (box.bottom > holder.bottom || box.top < holder.top);

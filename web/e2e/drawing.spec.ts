@@ -105,7 +105,7 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
 
   await test.step("the second button turns the body and draws nothing", async () => {
     const before = await hook.picture(page);
-    const box = (await page.locator("canvas.view").boundingBox())!;
+    const box = (await page.locator("main canvas.view").boundingBox())!;
     await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
     await page.mouse.down({ button: "right" });
     await page.mouse.move(box.x + box.width / 2 + 60, box.y + box.height / 2, { steps: 4 });
@@ -170,7 +170,7 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
     expect(distance(ring.points[ring.corners[1]!]!, before.points[before.corners[1]!]!)).toBeGreaterThan(5);
     expect(ring.points[ring.corners[3]!]).toEqual(before.points[before.corners[3]!]);
     expect(await toSurface(page, base, ring.points)).toBeLessThan(ON_SKIN_MM);
-    await page.locator("canvas.view").focus();
+    await page.locator("main canvas.view").focus();
     const moved = ring.points[ring.corners[1]!]!;
     await page.keyboard.press("Shift+ArrowRight");
     ring = (await lines(page))[1]!;
@@ -244,7 +244,7 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
 test("the pen by keys alone: a cross on the body, Enter sets corners, twice ends the line", async ({ page, base, troubles }) => {
   await open(page, base);
   await page.keyboard.press("p");
-  await page.locator("canvas.view").first().focus();
+  await page.locator("main canvas.view").first().focus();
   await page.keyboard.press("ArrowUp");
   await expect(page.locator(".crosshair")).toBeVisible();
   await page.keyboard.press("Enter");

@@ -16,7 +16,7 @@ test("proposals are ghosts until they are confirmed, and then picks like any oth
 
   await test.step("each ghost stands where the API says, with its error", async () => {
     await expect(page.locator("[data-proposed]")).toHaveCount(Object.keys(landmarks).length);
-    const canvas = (await page.locator("canvas.view").boundingBox())!;
+    const canvas = (await page.locator("main canvas.view").boundingBox())!;
     for (const [name, { point }] of Object.entries(landmarks)) {
       const { x, y } = await hook.project(page, point);
       const style = await page.locator(`[data-proposed=${name}]`).evaluate((each) => (each as HTMLElement).style.transform);
@@ -45,7 +45,7 @@ test("proposals are ghosts until they are confirmed, and then picks like any oth
     const wanted = Object.values(landmarks).filter((each) => each.on_scan && each.confidence >= 0.5).length;
     expect(await hook.pickCount(page)).toBe(wanted);
     await expect(page.locator("[data-proposed]")).toHaveCount(Object.keys(landmarks).length - wanted);
-    await expect(page.locator(".saved")).toHaveText("Saved");
+    await expect(page.locator("#step-landmarks .saved")).toHaveText("Saved");
     const kept = (await (await page.request.get(base + scan.links.landmarks)).json()) as { landmarks: object };
     expect(Object.keys(kept.landmarks).length).toBe(wanted);
   });

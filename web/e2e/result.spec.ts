@@ -1,5 +1,6 @@
 // The result in colour: distances are those of distances.bin, under the pointer and in the numbers; scan and model beside
 // each other and cut by a line.
+import { readFileSync } from "node:fs";
 import { expect, type Page } from "@playwright/test";
 import type { Fit, Result } from "../src/api/types";
 import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/state/distances";
@@ -9,7 +10,7 @@ import { distance, hook, test, untilFitted, untilStill } from "./page";
 /** Shares of strongly blue and strongly orange pixels in a part of the stage (0 to 1 across). */
 async function colours(page: Page, from: number, to: number): Promise<{ coloured: number; skin: number }> {
   await untilStill(page);
-  const box = (await page.locator("canvas.view").boundingBox())!;
+  const box = (await page.locator("main canvas.view").boundingBox())!;
   const clip = { x: box.x + from * box.width, y: box.y, width: (to - from) * box.width, height: box.height - 140 };
   const shot = (await page.screenshot({ clip })).toString("base64");
   return page.evaluate(async (data) => {
@@ -67,7 +68,7 @@ test("distances are coloured, read under the pointer, and are the service's", as
   });
 
   const read = async (across: number, down: number): Promise<number | null> => {
-    const box = (await page.locator("canvas.view").boundingBox())!;
+    const box = (await page.locator("main canvas.view").boundingBox())!;
     const [x, y] = [box.x + across * box.width, box.y + down * box.height];
     await page.mouse.move(x, y);
     const hit = await page.evaluate(([left, top]) => window.__breastrig!.surfaceAt(left!, top!), [x, y]);
@@ -87,6 +88,38 @@ test("distances are coloured, read under the pointer, and are the service's", as
     expect(values.filter((mm) => mm !== null).length, "places with a value").toBeGreaterThan(2);
     await page.mouse.move(5, 5);
     await expect(page.locator(".hover-value")).toBeHidden();
+  });
+
+  await test.step("what can be taken away: every file, the distances as a table, the picture at twice the size", async () => {
+    await page.getByRole("button", { name: "Export" }).click();
+    const links = await page.locator(".menu a").evaluateAll((all) => all.map((each) => (each as HTMLAnchorElement).href));
+    expect(links.map((link) => link.split("/").at(-1))).toEqual(["report.pdf", "fitted.glb", "fitted.ply", "drawing.json", "result.json"]);
+    const [table] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: /^distances\.csv/ }).click()]);
+    const rows = readFileSync(await table.path(), "utf8").trim().split("\r\n");
+    expect(rows.length).toBe(1 + distances.length);
+    const some = distances.findIndex((value) => !Number.isNaN(value));
+    expect(rows[1 + some]).toBe(`${some},${distances[some]!.toFixed(3)}`);
+
+    await page.getByRole("button", { name: "Export" }).click();
+    const [picture] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: /^Picture of this view/ }).click()]);
+    expect(picture.suggestedFilename()).toBe("breastrig.png");
+    const png = readFileSync(await picture.path());
+    const stage = (await page.locator("main.stage").boundingBox())!;
+    expect(png.readUInt32BE(16)).toBe(2 * stage.width);
+    expect(png.readUInt32BE(20)).toBeGreaterThan(2 * stage.height);
+    expect(png.includes("tIME"), "no date in it").toBe(false);
+    const seen = await page.evaluate(async (data) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${data}`;
+      await image.decode();
+      const pen = new OffscreenCanvas(image.width, image.height).getContext("2d")!;
+      pen.drawImage(image, 0, 0);
+      const shades = (x: number, y: number, width: number, height: number): number => new Set(new Uint32Array(pen.getImageData(x, y, width, height).data.buffer)).size;
+      return { body: shades(0, 0, image.width, image.height - 68), bar: shades(36, image.height - 68 - 420, 20, 320), foot: shades(0, image.height - 60, image.width, 60) };
+    }, png.toString("base64"));
+    expect(seen.body, "the body").toBeGreaterThan(100);
+    expect(seen.bar, "the colours' scale").toBeGreaterThan(20);
+    expect(seen.foot, "scale and notice").toBeGreaterThan(5);
   });
 
   await test.step("side by side: two bodies, the map on the right one only", async () => {
@@ -195,7 +228,7 @@ test("a landmark that is dragged after the fit is fitted again at once, and arro
 
   await page.keyboard.press("2");
   await page.locator(".landmarks [data-landmark=umbilicus] .landmark-name").click();
-  await page.locator("canvas.view").focus();
+  await page.locator("main canvas.view").focus();
   const start = (await hook.pick(page, "umbilicus"))!;
   await page.keyboard.press("ArrowRight");
   const one = (await hook.pick(page, "umbilicus"))!;

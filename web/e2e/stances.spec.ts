@@ -40,7 +40,7 @@ test("the drawing of the standing patient is shown on the supine one, side by si
     await page.keyboard.press("4");
     await page.getByRole("button", { name: "Pen", exact: true }).click();
     await untilStill(page);
-    const box = (await page.locator("canvas.view").first().boundingBox())!;
+    const box = (await page.locator("main canvas.view").first().boundingBox())!;
     const [x, y] = [box.x + box.width * 0.42, box.y + box.height * 0.5];
     await page.mouse.move(x, y);
     await page.mouse.down();

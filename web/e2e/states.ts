@@ -23,6 +23,9 @@ export async function holdFits(page: Page): Promise<void> {
       };
       listen.call(this, kind, later);
     } as typeof listen;
+    // A stream whose end is held back has not broken.
+    const { set } = Object.getOwnPropertyDescriptor(EventSource.prototype, "onerror")!;
+    Object.defineProperty(EventSource.prototype, "onerror", { set(told: EventListener) { set!.call(this, (event: Event) => isHeld || told(event)); } });
     Object.defineProperty(window, "releaseFit", { value: () => ((isHeld = false), waiting.splice(0).forEach((each) => each())) });
   }, HELD_AT);
 }

@@ -22,7 +22,8 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
   });
 
   await test.step("clicks on the canvas place landmarks where they are", async () => {
-    await page.getByRole("button", { name: /^Place / }).click();
+    await page.getByRole("button", { name: "Size and direction are right" }).click();
+    await expect(page.locator("[data-proposed]").first()).toBeAttached();
     for (const name of CLICKED) {
       await page.locator(`.landmarks [data-landmark=${name}] .landmark-name`).click();
       const at = await hook.project(page, truth[name]!);
@@ -35,7 +36,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
 
   await test.step("a drag turns the view and places nothing", async () => {
     const before = await hook.picture(page);
-    const canvas = (await page.locator("canvas.view").boundingBox())!;
+    const canvas = (await page.locator("main canvas.view").boundingBox())!;
     const [x, y] = [canvas.x + canvas.width / 2, canvas.y + canvas.height / 2];
     await page.mouse.move(x, y);
     await page.mouse.down();
@@ -51,7 +52,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     expect(await hook.pick(page, CLICKED.at(-1)!)).toBeNull();
     await page.keyboard.press("Shift+Z");
     expect(await hook.pickCount(page)).toBe(CLICKED.length);
-    await expect(page.locator(".saved")).toHaveText("Saved");
+    await expect(page.locator("#step-landmarks .saved")).toHaveText("Saved");
     const scan = await page.evaluate(() => window.__breastrig!.state().scan!.info);
     const kept = (await (await page.request.get(base + scan.links.landmarks)).json()) as { landmarks: Record<string, Vector> };
     expect(Object.keys(kept.landmarks).sort()).toEqual([...CLICKED].sort());

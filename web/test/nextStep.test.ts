@@ -7,7 +7,7 @@ import { initialSession, type Session } from "../src/state/session";
 
 const landmarks = ["notch", "nipple_L", "nipple_R", "umbilicus"].map((name) => ({ name }) as LandmarkDefinition);
 const some: Picks = { notch: [0, 0, 0], nipple_L: [1, 0, 0], nipple_R: [-1, 0, 0] };
-const withScan = { ...initialSession, meta: { landmarks }, scan: {} } as unknown as Session;
+const withScan = { ...initialSession, meta: { landmarks }, scan: { file: null } } as unknown as Session;
 const fitted = (picks: Picks | null, state = "done") => ({ state, picks }) as unknown as Session["fit"];
 
 test("without a scan, and while a fit runs, no step is the next", () => {
@@ -18,6 +18,15 @@ test("without a scan, and while a fit runs, no step is the next", () => {
 
 test("a fresh scan asks for the first landmark", () => {
   expect(nextStep(withScan)).toEqual({ kind: "place", landmark: "notch", isArmed: false });
+});
+
+test("a scan of one's own is looked at first: size and direction; once for each, and never after landmarks were placed", () => {
+  const own = { ...withScan, scan: { file: {}, info: { id: "s1" } } } as unknown as Session;
+  expect(nextStep(own)).toEqual({ kind: "confirm scan" });
+  expect(nextStep({ ...own, confirmed: "s1" }).kind).toBe("place");
+  expect(nextStep({ ...own, confirmed: "another" }).kind).toBe("confirm scan");
+  expect(nextStep({ ...own, picks: startHistory(some) }).kind).toBe("fit");
+  expect(nextStep({ ...own, step: "fit" }).kind).toBe("fit");
 });
 
 test("while placing, the wanted landmark is the step", () => {

@@ -8,6 +8,7 @@ import { fitActions } from "./fit";
 import { landmarkActions } from "./landmarks";
 import { lookActions } from "./look";
 import { pageActions } from "./page";
+import { pictureActions } from "./picture";
 import { createPlayer } from "./playback";
 import { messageOf, withProblem } from "./problems";
 import { createProposalSearch } from "./proposals";
@@ -19,7 +20,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const fit = fitActions(store, client, player);
   const proposals = createProposalSearch(store, client);
   const landmarks = landmarkActions(store, client, proposals.lookOnce, fit.refit);
-  const scan = scanActions(store, client, fit.stop);
+  const scan = scanActions(store, client, fit.stop, proposals.lookOnce);
   const drawing = drawingActions(store, client);
   const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
   return {
@@ -42,6 +43,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     },
     fit,
     look: lookActions(store),
+    picture: pictureActions(store),
     player,
   };
 }

@@ -15,7 +15,7 @@ import { messageOf, withProblem } from "./problems";
 
 export const READABLE = /\.(ply|obj|stl|glb|zip)$/i;
 
-export function scanActions(store: Store<Session>, client: Client, stopFit: () => void) {
+export function scanActions(store: Store<Session>, client: Client, stopFit: () => void, onLandmarks: () => void) {
   let generation = 0; // the scan asked for last wins over slower, earlier ones
 
   /** Shows `info` as the page's scan; everything that belonged to the one before is dropped. */
@@ -96,6 +96,12 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
     /** The scan that the address names. */
     open(scan: string, own: Frame | null): Promise<boolean> {
       return bring(text.top.uploaded, async () => ({ info: await client.scan(scan), file: null, own }));
+    },
+
+    /** Size and direction are right: on to the landmarks. */
+    confirm(): void {
+      store.set((state) => ({ confirmed: state.scan?.info.id ?? null, step: "landmarks" }));
+      onLandmarks();
     },
 
     turn(turn: Turn): void {

@@ -11,11 +11,11 @@ const HEIGHT = 320;
 const HATCH = 12;
 const words = text.distances;
 
-const signed = (mm: number): string => (mm > 0 ? `+${mm}` : mm < 0 ? `\u2212${-mm}` : "0");
+export const signedMm = (mm: number): string => (mm > 0 ? `+${mm}` : mm < 0 ? `\u2212${-mm}` : "0");
 
 export function createColourBar(): Panel {
   const canvas = el("canvas", { width: WIDTH, height: HEIGHT, role: "img", "aria-label": words.bar(SCALE_MM, SCANNER_MM) });
-  const tick = (mm: number, note: string): HTMLElement => el("li", {}, el("span", {}, signed(mm)), note === "" ? null : el("small", {}, note));
+  const tick = (mm: number, note: string): HTMLElement => el("li", {}, el("span", {}, signedMm(mm)), note === "" ? null : el("small", {}, note));
   const ticks = el(
     "ol",
     { class: "ticks", "aria-hidden": "true" },
@@ -32,7 +32,7 @@ export function createColourBar(): Panel {
     el("div", { class: "scale" }, canvas, ticks),
     el("div", { class: "no-scan" }, el("span", { "aria-hidden": "true" }), words.noScan),
   );
-  paint(canvas);
+  paintColourScale(canvas);
   return {
     element,
     update(state: Session): void {
@@ -42,7 +42,8 @@ export function createColourBar(): Panel {
   };
 }
 
-function paint(canvas: HTMLCanvasElement): void {
+/** Colours and hatching, as large as a canvas of WIDTH by HEIGHT. */
+export function paintColourScale(canvas: HTMLCanvasElement): void {
   const context = canvas.getContext("2d");
   if (!context) return;
   for (let y = 0; y < HEIGHT; y += 1) {

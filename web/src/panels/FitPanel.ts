@@ -3,6 +3,7 @@ import type { Actions } from "../actions";
 import type { StanceChoice } from "../api/types";
 import { wishLabel, wishLabels } from "../drawing/wish";
 import { el, setText, show } from "../dom";
+import { hasPattern } from "../state/askedDrawing";
 import { doubtSentences, labelsOf } from "../state/doubts";
 import { ENOUGH } from "../state/landmarks";
 import { isFitting, pickCount, type Session, shownIteration } from "../state/session";
@@ -20,8 +21,9 @@ export function createFitPanel(actions: Actions, dismiss: () => void): Panel {
   const progress = el("progress", { max: 1, "aria-label": text.fit.running });
   const phase = el("p", { class: "phase" });
   const retrying = el("p", { class: "look-here", hidden: true }, text.fit.retrying);
+  const pattern = el("p", { class: "muted small", hidden: true }, text.fit.patternLater);
   const cancel = button(text.fit.cancel, () => void actions.fit.cancel(), "quiet outlined wide");
-  const running = el("div", { class: "running", hidden: true }, phase, progress, retrying, cancel);
+  const running = el("div", { class: "running", hidden: true }, phase, progress, pattern, retrying, cancel);
   const cancelled = el("p", { class: "muted", hidden: true }, text.fit.cancelled);
   const doubts = el("p", { class: "look-here", hidden: true });
   const notes = el("div", { class: "reasons" });
@@ -50,6 +52,7 @@ export function createFitPanel(actions: Actions, dismiss: () => void): Panel {
       const limit = fit?.started?.iterations_limit ?? 0;
       if (shown && limit > 0) progress.value = Math.min(1, shown.iteration / limit);
       else progress.removeAttribute("value");
+      show(pattern, hasPattern(state.model?.side ?? null, fit?.drawingName ?? null));
       show(retrying, fit !== null && !fit.isConnected);
       show(cancelled, fit?.state === "cancelled");
       const doubted = fit ? doubtSentences(fit, labelsOf(meta?.landmarks)) : [];

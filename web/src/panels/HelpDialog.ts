@@ -13,10 +13,9 @@ export function createHelpDialog(actions: Actions): Panel {
   const close = (): void => actions.page.help(false);
   const element = el(
     "dialog",
-    { class: "help", "aria-labelledby": "help-title", onclose: close },
+    { class: "help key-help", "aria-labelledby": "help-title", onclose: close },
     el("div", { class: "dialog-head" }, el("h2", { id: "help-title" }, text.help.title), iconButton("close", text.close, close)),
-    table(text.help.keys),
-    table(text.help.mouse),
+    el("div", { class: "key-lists" }, table(text.help.keys), table(text.help.mouse)),
     el("p", { class: "muted small" }, text.noticeLong),
   );
   // Escape goes through the state like any other way out; the browser's own closing would tell of it only later.

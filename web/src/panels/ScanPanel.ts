@@ -3,7 +3,7 @@ import type { Actions } from "../actions";
 import type { UnitChoice } from "../api/types";
 import { el, fill, show } from "../dom";
 import type { Turn } from "../state/frame";
-import type { Session } from "../state/session";
+import { needsConfirming, type Session } from "../state/session";
 import { text } from "../text";
 import { formatCm, formatCount } from "../units";
 import { button, fileButton, problem, row, select, type Option } from "./controls";
@@ -26,18 +26,23 @@ export function createScanPanel(actions: Actions, dismiss: () => void): Panel {
     made.title = text.scan.turnHints[turn];
     return made;
   });
+  const check = el("p", { class: "look-here", hidden: true }, text.scan.check);
+  const unitNote = el("p", { class: "muted small", hidden: true }, text.scan.unitNote);
   const wrong = problem(dismiss);
   const other = fileButton(text.scan.other, SCAN_FILES, "quiet wide", (file) => void actions.scan.upload(file));
   const element = el(
     "div",
     { class: "panel" },
     wrong.element,
+    check,
     facts,
     reasons,
     again.element,
+    unitNote,
     coloursRow,
     el("p", { class: "label" }, text.scan.wrongWay),
     el("div", { class: "buttons" }, ...turns),
+    el("p", { class: "muted small" }, text.scan.turnNote),
     other,
   );
   let chosen: File | null = null;
@@ -62,7 +67,9 @@ export function createScanPanel(actions: Actions, dismiss: () => void): Panel {
         const sentences = [info.unit_reason, info.stance.reason, facing, ...info.notes].filter((sentence) => sentence !== "");
         return sentences.map((sentence) => el("p", {}, sentence));
       });
+      show(check, needsConfirming(state));
       show(again.element, file !== null);
+      show(unitNote, file === null && state.scan.example === null);
       again.set(unitOptions(), state.units);
       show(coloursRow, info.colours !== "none");
       colours.checked = state.showColours;

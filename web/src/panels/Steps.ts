@@ -77,6 +77,7 @@ function wording(next: NextStep, state: Session): string {
     const label = entry ? text.landmarks.spoken(entry) : next.landmark;
     return next.isArmed ? text.next.armed(label) : text.next.start(label);
   }
+  if (next.kind === "confirm scan") return text.scan.confirm;
   if (next.kind === "confirm") return text.proposals.confirmLikely(next.names.length);
   if (next.kind === "fit" && next.again) return text.fit.again(next.landmarks);
   if (next.kind === "fit") return next.landmarks > 0 ? text.fit.with(next.landmarks) : text.fit.without;
@@ -87,6 +88,7 @@ function wording(next: NextStep, state: Session): string {
 function createNextButton(actions: Actions): Panel {
   let next: NextStep = { kind: "none" };
   const press = (): void => {
+    if (next.kind === "confirm scan") actions.scan.confirm();
     if (next.kind === "place") actions.landmarks.want(next.isArmed ? null : next.landmark);
     if (next.kind === "confirm") actions.landmarks.confirm(next.names);
     if (next.kind === "carry") void actions.stances.carry();

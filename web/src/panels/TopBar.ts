@@ -4,12 +4,14 @@ import { el, icon, setText, show } from "../dom";
 import type { Session } from "../state/session";
 import { text } from "../text";
 import { button, iconButton } from "./controls";
+import { createExportMenu } from "./ExportMenu";
 import type { Panel } from "./Panel";
 
 export function createTopBar(actions: Actions): Panel {
   const title = el("span", { class: "scan-title" });
   const fresh = button(text.top.newScan, () => actions.scan.leave());
   const share = button(text.top.share, () => void actions.share.open(), "quiet outlined", "link");
+  const files = createExportMenu(actions);
   const leave = button(text.top.signOut, () => void actions.signOut());
   const theme = iconButton("system", text.top.theme("system"), () => actions.page.nextTheme());
   const help = el(
@@ -18,13 +20,14 @@ export function createTopBar(actions: Actions): Panel {
     el("span", { "aria-hidden": "true" }, "?"),
   );
   const mark = el("span", { class: "logo", "aria-hidden": "true" });
-  const element = el("header", { class: "top-bar" }, mark, el("h1", {}, text.name), title, el("span", { class: "spring" }), share, fresh, theme, help, leave);
+  const element = el("header", { class: "top-bar" }, mark, el("h1", {}, text.name), title, el("span", { class: "spring" }), share, files.element, fresh, theme, help, leave);
   let drawn: Session["theme"] | null = null;
   return {
     element,
     update(state: Session): void {
       setText(title, state.scan?.title ?? "");
       show(share, state.fit?.state === "done");
+      files.update(state);
       show(leave, state.isSignedIn);
       show(fresh, state.scan !== null);
       if (state.theme === drawn) return;

@@ -37,6 +37,12 @@ export function distanceWithin(distances: Float32Array, corners: readonly number
   return Number.isNaN(value) ? null : value;
 }
 
+/** One row for each vertex, in the order of fitted.ply; empty where the scan shows no skin. */
+export function distancesCsv(distances: Float32Array): string {
+  const rows = Array.from(distances, (mm, vertex) => `${vertex},${Number.isNaN(mm) ? "" : mm.toFixed(3)}`);
+  return ["vertex,distance_mm", ...rows, ""].join("\r\n");
+}
+
 type Oklab = readonly [lightness: number, a: number, b: number];
 // Blue under, orange over: told apart with any kind of colour blindness, and equally far from the neutral middle.
 const INSIDE: Oklab = [0.47, -0.035, -0.155];

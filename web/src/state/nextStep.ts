@@ -2,10 +2,11 @@
 import { canCarryTo } from "../stances/state";
 import { ENOUGH, nextMissing } from "./landmarks";
 import { ghostsOf, isLikely } from "./proposals";
-import { isFitting, pickCount, type Session } from "./session";
+import { isFitting, needsConfirming, pickCount, type Session } from "./session";
 
 export type NextStep =
   | { kind: "none" }
+  | { kind: "confirm scan" }
   | { kind: "place"; landmark: string; isArmed: boolean }
   | { kind: "confirm"; names: readonly string[] }
   | { kind: "fit"; again: boolean; landmarks: number }
@@ -17,6 +18,7 @@ const picksChanged = (state: Session): boolean =>
 
 export function nextStep(state: Session): NextStep {
   if (!state.scan || state.loading || isFitting(state)) return { kind: "none" };
+  if (state.step === "scan" && needsConfirming(state)) return { kind: "confirm scan" };
   const landmarks = pickCount(state);
   if (state.step === "landmarks") {
     const likely = ghostsOf(state.proposals, state.picks.present).filter((ghost) => isLikely(ghost) && !state.skipped.has(ghost.name));

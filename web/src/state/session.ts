@@ -67,6 +67,7 @@ export interface Session {
   readonly step: Step;
   readonly loading: { readonly phase: "sending" | "preparing"; readonly share: number; readonly title: string } | null;
   readonly scan: ScanState | null;
+  readonly confirmed: string | null; // the scan whose size and direction a person has called right
   readonly showColours: boolean;
   readonly picks: History<Picks>;
   readonly drawn: DrawnState;
@@ -108,6 +109,7 @@ export const initialSession: Session = {
   step: "scan",
   loading: null,
   scan: null,
+  confirmed: null,
   showColours: true,
   picks: startHistory<Picks>({}),
   drawn: startDrawn(),
@@ -138,6 +140,10 @@ export const initialSession: Session = {
 };
 
 export const isFitting = (state: Session): boolean => state.isStarting || state.fit?.state === "running";
+
+/** Nobody has said yet that a scan of one's own has the right size and stands the right way up. */
+export const needsConfirming = ({ scan, confirmed, picks }: Session): boolean =>
+  scan !== null && scan.file !== null && confirmed !== scan.info.id && Object.keys(picks.present).length === 0;
 
 /** The iteration that is on the screen. */
 export const shownIteration = (fit: FitState | null): Iterated | null => fit?.iterations[fit.shown] ?? null;

@@ -13,6 +13,7 @@ export const fit = {
   waiting: "Waiting for a free worker …",
   running: "Fitting …",
   stage: "Stage",
+  patternLater: "The pattern is measured on the fitted skin: it appears when the fit has ended.",
   retrying: "The connection to the service broke; trying again. The fit goes on meanwhile.",
   cancelled: "Cancelled. The iterations so far can still be looked at.",
   noLandmarks: "Without landmarks the fit has to find its start alone: that works best upright and facing front.",

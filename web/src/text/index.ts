@@ -7,6 +7,7 @@ import { help } from "./help";
 import { landmarks, proposals } from "./landmarks";
 import { look } from "./look";
 import { page, top, next } from "./page";
+import { picture } from "./picture";
 import { result, distances, numbers } from "./result";
 import { empty, units, loading, scan } from "./scan";
 import { share, shared } from "./share";
@@ -29,6 +30,7 @@ export const text = {
   result,
   distances,
   look,
+  picture,
   numbers,
   share,
   shared,

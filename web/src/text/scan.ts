@@ -38,7 +38,11 @@ export const scan = {
   stance: "Stance",
   stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine" },
   facingFrom: { landmarks: "Upright by its landmarks.", person: "Turned by you." },
-  wrongWay: "Not upright and facing you?",
+  check: "Is it right? The ruler beside the body is 30 cm long; the body should stand upright and face you, with L on your right.",
+  confirm: "Size and direction are right",
+  wrongWay: "Not upright and facing you? Turn it by 90°:",
+  turnNote: "This turns the view only: a fit finds its own start, from the landmarks or the scan itself.",
+  unitNote: "To read it in another unit, load its file again: it is not kept in this page.",
   turns: { around: "Turn", sideways: "Roll", forwards: "Tip" },
   turnHints: {
     around: "Turn the body by 90° about its long axis",

@@ -4,6 +4,8 @@ import type { Overlay, ViewName } from "../state/session";
 export const view = {
   label: "View",
   names: { front: "Front", left: "Left", right: "Right", back: "Back", top: "Top" } satisfies Record<ViewName, string>,
+  /** on the cube: the patient's sides */
+  faces: { front: "Front", left: "L", right: "R", back: "Back", top: "Up" } satisfies Record<ViewName, string>,
   hints: {
     front: "From the front (F)",
     left: "From the patient's left",

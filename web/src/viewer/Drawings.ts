@@ -1,6 +1,7 @@
 // The drawing where it belongs: on the model at every iteration, on the scan's own surface when the fit has ended.
 import { Vector3 } from "three";
 import type { DrawingFile, ModelShape } from "../api/types";
+import { hasPattern, shapesOnModel } from "../state/askedDrawing";
 import { hasLook, isAtRest, type Session, shownPoses } from "../state/session";
 import { isUnit, metresFromMm, mmFrom } from "../units";
 import { layerKey } from "../drawing/lines";
@@ -31,18 +32,19 @@ export class Drawings implements Part {
     const { palette } = this.viewer;
     this.lines.paint(palette.line, palette["line-outline"]);
     const fit = state.fit;
-    const isOnScan = fit?.drawing != null && !hasLook(state) && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh?.visible === true : this.scan.bvh !== null);
+    const side = state.model?.side ?? null;
+    const isOnScan = fit?.drawing != null && !hasLook(state) && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh !== null && (this.fitted.mesh.visible || hasPattern(side, fit.drawingName)) : this.scan.bvh !== null);
     const skin = this.scan.bvh ? this.scan : this.fitted; // a link may show the model alone
-    const shapes = state.model?.side.drawings.find((drawing) => drawing.name === fit?.drawingName)?.shapes;
+    const shapes = shapesOnModel(side, fit?.drawingName ?? null);
     const vertexAt = this.torso.vertexAt;
-    const isOnModel = !isOnScan && fit !== null && fit.shown >= 0 && state.overlay !== "scan" && Boolean(shapes && vertexAt);
+    const isOnModel = !isOnScan && fit !== null && fit.shown >= 0 && state.overlay !== "scan" && shapes.length > 0 && vertexAt !== null;
     const { hidden } = state.drawn;
     const isOn = ({ name }: { name: string }): boolean => !hidden.has(layerKey("reference", name));
-    const source = isOnScan ? [fit.drawing, skin.bvh, hidden] : isOnModel ? [shapes, shownPoses(state), hidden] : [];
+    const source = isOnScan ? [fit.drawing, skin.bvh, hidden] : isOnModel ? [fit.drawingName, shownPoses(state), hidden] : [];
     if (source.length === this.drawn.length && source.every((each, i) => each === this.drawn[i])) return;
     this.drawn = source;
     if (isOnScan) this.lines.set(onScan({ ...fit.drawing!, shapes: fit.drawing!.shapes.filter(isOn) }, skin));
-    else if (isOnModel) this.lines.set(onModel(shapes!.filter(isOn), this.torso, vertexAt!));
+    else if (isOnModel) this.lines.set(onModel(shapes.filter(isOn), this.torso, vertexAt!));
     else this.lines.set([]);
     this.viewer.invalidate();
   }

@@ -8,14 +8,15 @@ import type { Part, Viewer } from "./Viewer";
 const AWAY = 46; // pixels beside the body: room for the words
 
 export class SideLetters implements Part {
-  private readonly letters = ([1, -1] as const).map((side) => ({
+  private readonly letters = ([0, 1] as const).flatMap((pane) => ([1, -1] as const).map((side) => ({
     side,
+    pane, // of two beside each other
     element: el(
       "div",
       { class: `letter side-${side > 0 ? "left" : "right"}`, hidden: true },
       el("div", {}, el("strong", {}, side > 0 ? "L" : "R"), el("span", {}, side > 0 ? text.view.left : text.view.right)),
     ),
-  }));
+  })));
 
   constructor(private readonly viewer: Viewer) {
     viewer.overlay.append(...this.letters.map((letter) => letter.element));
@@ -30,13 +31,14 @@ export class SideLetters implements Part {
     const { half, body, gaze } = this.viewer;
     const height = 0.5 + 0.62 * gaze.x ** 4; // beside the shoulders; seen from the side above them, not over the body
     const middle = this.viewer.toScreen(body.worldToLocal(new Vector3())).x;
-    for (const { side, element } of this.letters) {
+    for (const { side, pane, element } of this.letters) {
+      element.classList.toggle("is-elsewhere", pane >= this.viewer.panes);
       const seen = new Vector3(side * half.x, height * half.y, 0);
       const edge = this.viewer.toScreen(body.worldToLocal(seen));
       const limit = this.viewer.paneWidth - 44;
       const outwards = Math.max(-1, Math.min(1, (edge.x - middle) / 30));
       const x = Math.min(Math.max(edge.x + AWAY * outwards, 44), limit);
-      element.style.transform = `translate(${x.toFixed(1)}px, ${Math.max(edge.y, 34).toFixed(1)}px)`;
+      element.style.transform = `translate(${(x + pane * this.viewer.paneWidth).toFixed(1)}px, ${Math.max(edge.y, 34).toFixed(1)}px)`;
       element.classList.toggle("is-far", side * gaze.x < -0.55);
     }
   }

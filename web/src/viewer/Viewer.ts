@@ -142,6 +142,22 @@ export class Viewer {
     this.frames += 1;
   }
 
+  /** Draws once with so many pixels for each of the page's, hands the canvas over, and goes back. */
+  drawAt(times: number, use: (canvas: HTMLCanvasElement) => void): void {
+    const own = this.renderer.getPixelRatio();
+    this.renderer.setPixelRatio(times);
+    this.draw();
+    use(this.renderer.domElement);
+    this.renderer.setPixelRatio(own);
+    this.draw();
+  }
+
+  /** Pixels of the page that one metre is long at the middle of what is looked at. */
+  get pixelsPerMetre(): number {
+    const away = this.camera.position.distanceTo(this.controls.target);
+    return this.host.clientHeight / (2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * away);
+  }
+
   /** In which half a thing is seen while the stage is shared; null: in both. */
   inHalf(thing: Object3D, half: Half | null): void {
     if (half === null) this.halves.delete(thing);
@@ -162,6 +178,11 @@ export class Viewer {
       this.controls.update();
     }
     this.invalidate();
+  }
+
+  /** Pictures of the body beside each other. */
+  get panes(): number {
+    return this.layout === "beside" ? 2 : 1;
   }
 
   /** Width of one picture of the body, pixels. */

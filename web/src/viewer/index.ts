@@ -16,6 +16,7 @@ import { onClick } from "./clicks";
 import { Crosshair } from "./Crosshair";
 import { Drawings } from "./Drawings";
 import { listenToDrags } from "./dragPins";
+import { exportPicture } from "./exportPicture";
 import { listenToFingers } from "./fingers";
 import { FittedSurface } from "./FittedSurface";
 import { HoverValue } from "./HoverValue";
@@ -23,6 +24,7 @@ import { offerHook } from "./hook";
 import { LandmarkPins } from "./LandmarkPins";
 import { Loupe } from "./Loupe";
 import { ModelPicture } from "./ModelPicture";
+import { OrientationCube } from "./OrientationCube";
 import { pickAt } from "./picking";
 import { ProposalPins } from "./ProposalPins";
 import { Ruler } from "./Ruler";
@@ -65,6 +67,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
     new SideLetters(viewer),
     new Ruler(viewer),
     loupe,
+    new OrientationCube(viewer, actions),
     cross,
     new ModelPicture(viewer, torso, stage.picture, stage.light),
   ];
@@ -101,6 +104,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions);
   listenToDrags(stage.canvas, viewer, scan, pins, store, actions);
+  actions.picture.takenBy(() => exportPicture(viewer, store.get()));
   listenToCanvasKeys(stage.canvas, viewer, scan, cross, store, actions);
   listenToFingers(stage.canvas, viewer, cross, store, actions);
   onClick(stage.canvas, (event) => {
