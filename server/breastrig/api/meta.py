@@ -5,7 +5,7 @@ from dataclasses import asdict
 from apiflask import APIBlueprint
 
 from breastrig import __version__
-from breastrig.api import wire
+from breastrig.api import wire, wire_meta
 from breastrig.api.current import behind
 from breastrig.api.scans import scan_answer
 from breastrig.core.notice import LIMITS_OF_USE
@@ -17,18 +17,18 @@ meta = APIBlueprint("meta", __name__, tag={"name": "meta", "description": "Versi
 
 
 @meta.get("/api/meta")
-@meta.output(wire.Meta)
+@meta.output(wire_meta.Meta)
 @meta.doc(operation_id="getMeta")
-def about() -> wire.Meta:
+def about() -> wire_meta.Meta:
     """Version, limits of use, limits of size, the model"""
     here = behind()
     rig = here.model.rig
     uploads = here.config.uploads
-    return wire.Meta(
+    return wire_meta.Meta(
         name="BreastRig",
         version=__version__,
         notice=LIMITS_OF_USE,
-        limits=wire.Limits(
+        limits=wire_meta.Limits(
             upload_bytes=uploads.file_bytes, triangles=uploads.triangles, keep_days=here.config.keep_days
         ),
         units=list(wire.UNITS),
@@ -40,7 +40,7 @@ def about() -> wire.Meta:
             blendshapes=len(rig.shapes),
         ),
         landmarks=[
-            wire.LandmarkInfo(
+            wire_meta.LandmarkInfo(
                 name=landmark.name,
                 label=landmark.label,
                 latin=landmark.latin,
@@ -52,29 +52,31 @@ def about() -> wire.Meta:
         ],
         presets=list(preset_names()),
         drawings=[
-            wire.DrawingInfo(name=name, label=label)
+            wire_meta.DrawingInfo(name=name, label=label)
             for name, label in (*((one.name, one.label) for one in rig.drawings), *offered_patterns(rig))
         ],
-        patterns=[wire.PatternInfo.model_validate(asdict(form)) for form in pattern_forms(rig)],
+        patterns=[wire_meta.PatternInfo.model_validate(asdict(form)) for form in pattern_forms(rig)],
     )
 
 
 @meta.get("/api/examples")
-@meta.output(wire.Examples)
+@meta.output(wire_meta.Examples)
 @meta.doc(operation_id="listExamples")
-def list_examples() -> wire.Examples:
+def list_examples() -> wire_meta.Examples:
     """The example patient's scans"""
-    entries = [wire.ExampleEntry(name=example.name, label=example.label) for example in behind().service.examples()]
-    return wire.Examples(examples=entries)
+    entries = [
+        wire_meta.ExampleEntry(name=example.name, label=example.label) for example in behind().service.examples()
+    ]
+    return wire_meta.Examples(examples=entries)
 
 
 @meta.post("/api/examples/<name>")
-@meta.output(wire.ExampleScan, status_code=201, description="The example was read and stored as a scan")
+@meta.output(wire_meta.ExampleScan, status_code=201, description="The example was read and stored as a scan")
 @meta.doc(operation_id="openExample")
-def open_example(name: str) -> tuple[wire.ExampleScan, int, dict[str, str]]:
+def open_example(name: str) -> tuple[wire_meta.ExampleScan, int, dict[str, str]]:
     """Open an example as if it had been uploaded"""
     row, points_mm = behind().service.add_example(name)
     scan = scan_answer(row)
     landmarks = wire.LandmarkFile(landmarks=points_mm)
-    answer = wire.ExampleScan(**scan.model_dump(), example_landmarks=landmarks)
+    answer = wire_meta.ExampleScan(**scan.model_dump(), example_landmarks=landmarks)
     return answer, 201, {"Location": scan.links.self}

@@ -7,7 +7,7 @@ None of it says anything about a patient.  /healthz and /readyz answer everyone,
 from apiflask import APIBlueprint
 from flask import Response, request
 
-from breastrig.api import wire
+from breastrig.api import wire_meta
 from breastrig.api.config import is_loopback
 from breastrig.api.current import behind
 from breastrig.api.security import refuse
@@ -20,17 +20,17 @@ METRICS = {"content": {"text/plain": {"schema": {"type": "string"}}}, "descripti
 
 
 @operations.get("/healthz")
-@operations.output(wire.Health)
+@operations.output(wire_meta.Health)
 @operations.doc(operation_id="health")
-def health() -> wire.Health:
+def health() -> wire_meta.Health:
     """Answers when the service runs"""
-    return wire.Health(status="ok")
+    return wire_meta.Health(status="ok")
 
 
 @operations.get("/readyz")
-@operations.output(wire.Readiness)
+@operations.output(wire_meta.Readiness)
 @operations.doc(operation_id="ready", responses={503: "Not ready; the sentence says why"})
-def ready() -> wire.Readiness:
+def ready() -> wire_meta.Readiness:
     """Whether work would be done
 
     The database can be written, the workers answer, the model can be read.
@@ -40,7 +40,7 @@ def ready() -> wire.Readiness:
         troubles = (*troubles, "The model's file is gone or another one.")
     if troubles:
         raise refuse(503, " ".join(troubles), {"Retry-After": "5"})
-    return wire.Readiness(status="ready")
+    return wire_meta.Readiness(status="ready")
 
 
 @operations.get("/metrics")
