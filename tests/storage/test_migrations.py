@@ -1,12 +1,15 @@
 """Databases of every version become those of this one, and keep their rows."""
 
 import sqlite3
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
 
 from breastrig.cli.main import main
 from breastrig.storage import schema
@@ -113,5 +116,16 @@ def test_a_database_of_a_newer_version_is_refused_and_left_alone(
         assert connection.exec_driver_sql("SELECT version_num FROM alembic_version").scalar_one() == "9999"
 
 
-def test_the_revisions_form_one_line() -> None:
-    assert known_revisions() == {f"{number:04}" for number in range(1, len(known_revisions()) + 1)}
+def test_the_revisions_form_one_line_as_their_files_are_numbered(storage: Storage) -> None:
+    with storage.database.reading() as connection:
+        scripts = ScriptDirectory.from_config(alembic_config(connection))
+    known = [script.revision for script in scripts.walk_revisions()][::-1]
+    assert known == known_revisions() == [f"{number:04}" for number in range(1, len(known) + 1)]
+
+
+def test_a_database_that_is_up_to_date_is_seen_without_alembic(storage: Storage) -> None:
+    program = (
+        "import sys; from pathlib import Path; from breastrig.storage.storage import Storage\n"
+        "Storage(Path(sys.argv[1])).prepare(); sys.exit('alembic' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", program, str(storage.root)], check=False).returncode == 0
