@@ -12,7 +12,7 @@ help:
 	@echo "make test    everything that must hold: check, unit tests of page and package, browser test"
 	@echo "make check   lint and types only"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
-	@echo "make fuzz    many made-up files and requests for every reader and call   (FUZZ=20: so many times those of make test)"
+	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: times as many as in make test)"
 	@echo "make faults  kill, fill, lock and leave: a table of what became of every fit   (KILLS=20)"
 	@echo "make load    clients that work and viewers on one server: a table of times, memory, errors   (LOAD=\"--seconds 60\")"
 	@echo "make routes  every route with every credential: a table of status codes"
@@ -44,8 +44,8 @@ browser: page web-packages $(VENV)/.stamp-test
 
 # The same tests as in `make test`, with many more cases, other ones each time.
 fuzz: $(VENV)/.stamp-test
-	OPENBLAS_NUM_THREADS=1 BREASTRIG_FUZZ="$${FUZZ:-20}" "$(VENV)/bin/python" -m pytest --durations=10 tests/scan/test_fuzz.py \
-	    tests/scan/test_fuzz_inside.py tests/gltf/test_fuzz_rig.py tests/api/test_fuzz_http.py
+	OPENBLAS_NUM_THREADS=1 BREASTRIG_FUZZ="$${FUZZ:-20}" PYTHONPATH=tests "$(VENV)/bin/python" -m pytest -q -p helpers.fuzz_table \
+	    tests/scan/test_fuzz.py tests/scan/test_fuzz_inside.py tests/gltf/test_fuzz_rig.py tests/api/test_fuzz_http.py
 
 faults: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 BREASTRIG_KILLS="$${KILLS:-20}" BREASTRIG_FAULT_TABLE=1 "$(VENV)/bin/python" -m pytest -q tests/faults

@@ -7,6 +7,7 @@ import pytest
 import schemathesis
 from apiflask import APIFlask
 from helpers.damage import bounded
+from helpers.fuzz_table import count
 from helpers.waiting import ended
 from hypothesis import given
 from hypothesis import strategies as st
@@ -88,6 +89,7 @@ def test_requests_of_every_kind_are_answered_as_described(
                 **{k: v for k, v in known.items() if f"{{{k}}}" in path},
             }
         response = case.call(app=read_whole)
+        count(f"{method.upper():<6} {path}", str(response.status_code))
         case.validate_response(response, checks=CHECKS + [response_schema_conformance] * (name not in OWN_SHAPE))
 
     run()

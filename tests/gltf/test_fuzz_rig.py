@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.damage import BOUNDED, damage, damaged
+from helpers.fuzz_table import count
 from helpers.toy_rig import toy_rig
 from hypothesis import given
 from hypothesis import strategies as st
@@ -37,6 +38,7 @@ def refused_or_sound(folder: Path, name: str, content: bytes) -> None:
         refused = str(error)
     finally:
         (folder / name).write_bytes(kept)
+    count(f"model {name}", "read" if refused is None else "refused")
     if refused is not None:
         assert refused.endswith(".")
         assert "\n" not in refused

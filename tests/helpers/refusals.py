@@ -5,6 +5,7 @@ import numpy as np
 from breastrig.core.errors import BadInput
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
+from helpers.fuzz_table import count
 
 
 def is_sentence(error: BadInput) -> bool:
@@ -18,6 +19,7 @@ def refused_or_sound(data: bytes, named: str | None = None) -> None:
         scan = read_scan(data, named, "m")
     except BadInput as error:
         refused = error
+    count(f"scan {named or 'of any kind'}", "read" if refused is None else "refused")
     if refused is not None:
         assert is_sentence(refused)
         return
@@ -35,6 +37,7 @@ def sound_landmarks_or_refused(data: bytes) -> None:
         places, _ = read_landmarks(data)
     except BadInput as error:
         refused = error
+    count("landmarks", "read" if refused is None else "refused")
     if refused is not None:
         assert is_sentence(refused)
         return
