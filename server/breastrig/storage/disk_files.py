@@ -61,6 +61,9 @@ class DiskFiles:
             partial.unlink(missing_ok=True)
             raise
 
+    def is_empty(self) -> bool:
+        return self._folders.are_empty()
+
     def remove(self, *places: str) -> None:
         self._folders.remove(*(self._folder(place) for place in places))
 

@@ -75,6 +75,9 @@ class Files(Protocol):
     def write(self, place: str, name: str, content: bytes) -> None:
         """Keeps one file, whole or not at all.  Raises OSError."""
 
+    def is_empty(self) -> bool:
+        """Whether no scan and no fit is kept."""
+
     def remove(self, *places: str) -> None:
         """Removes the places with all they hold; one that is not there is no error."""
 

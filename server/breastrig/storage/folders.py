@@ -110,6 +110,10 @@ class Folders:
         for folder in self._rubbish.iterdir():
             shutil.rmtree(folder, ignore_errors=True)  # another thread may be at the same folder
 
+    def are_empty(self) -> bool:
+        """Whether there is no folder of a scan or fit."""
+        return not any(True for kind in (self._scans, self._fits) for _ in kind.iterdir())
+
     def remove_strangers(self, known: Collection[str]) -> None:
         """Removes every folder of a scan or fit that is not among `known` (as scans/ID, fits/ID)."""
         found = (folder for kind in (self._scans, self._fits) for folder in kind.iterdir())

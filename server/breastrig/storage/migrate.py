@@ -4,6 +4,7 @@ Alembic takes a third of a second to import, so a database that is up to date, a
 """
 
 import logging
+import sys
 from importlib.resources import files
 from typing import Any
 
@@ -43,7 +44,7 @@ def alembic_config(connection: Connection) -> Any:
     """Alembic's settings, which stand in no file."""
     from alembic.config import Config
 
-    config = Config()
+    config = Config(stdout=sys.stdout)  # by default it is that of the moment of import
     folder = str(files("breastrig.storage") / "migrations")
     config.set_main_option("script_location", folder.replace("%", "%%"))
     config.attributes["connection"] = connection

@@ -8,6 +8,7 @@ Readers work on one snapshot.  Writers must not: theirs would be older than the 
 """
 
 import hashlib
+import logging
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,8 +23,13 @@ from breastrig.storage.database import BUSY_TIMEOUT_S, Database
 from breastrig.storage.schema import metadata
 
 CONNECT_TIMEOUT_S = 10  # a server on another continent answers within one
+# The locks of a machine that vanished without a word are free after a minute.
+KEEPALIVE = "-c tcp_keepalives_idle=30 -c tcp_keepalives_interval=10 -c tcp_keepalives_count=3"
 WRITER = 0x42524947_00000001  # any numbers that nobody else takes in this database
 SERVER = 0x42524947_00000002
+
+
+log = logging.getLogger(__name__)
 
 
 class PostgresDatabase(Database):
@@ -34,7 +40,7 @@ class PostgresDatabase(Database):
     def __init__(self, url: str) -> None:
         try:
             address = make_url(url).set(drivername="postgresql+psycopg")
-            settings = f"-c lock_timeout={round(1e3 * BUSY_TIMEOUT_S)}"
+            settings = f"-c lock_timeout={round(1e3 * BUSY_TIMEOUT_S)} {KEEPALIVE}"
             connect = {"connect_timeout": CONNECT_TIMEOUT_S, "options": settings, "application_name": "breastrig"}
             shared: dict[str, Any] = {"connect_args": connect, "hide_parameters": True}
             super().__init__(create_engine(address, pool_pre_ping=True, **shared))  # it may have been restarted
@@ -81,9 +87,15 @@ class PostgresDatabase(Database):
 
     @contextmanager
     def held(self, fit_id: str) -> Iterator[None]:
-        """Marks the fit as being carried out, until the block ends or the process dies; waits for who has it."""
+        """Marks the fit as being carried out, until the block ends or the process dies; waits for who has it.
+
+        Not for ever: who has it may be a machine that was cut off, and its events are refused.
+        """
         with self._lone.connect() as connection:
-            connection.execute(text("SELECT pg_advisory_lock(:lock)"), {"lock": _number(fit_id)})
+            try:
+                connection.execute(text("SELECT pg_advisory_lock(:lock)"), {"lock": _number(fit_id)})
+            except OperationalError:
+                log.warning("whoever carries fit %s out does not end; it is carried out by another now", fit_id)
             yield
 
     def wait_until_free(self, fit_id: str, timeout_s: float) -> bool:

@@ -130,3 +130,9 @@ events = Table(
 )
 
 Index("events_of_kind", events.c.fit, events.c.kind)
+
+installation = Table(  # one row: the name that the files carry too
+    "installation",
+    metadata,
+    Column("id", String(32), primary_key=True),
+)

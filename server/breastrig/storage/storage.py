@@ -13,6 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from breastrig.core.errors import BadSettings
+from breastrig.storage.belonging import check_belonging
 from breastrig.storage.folders import Folders
 from breastrig.storage.location import Location
 from breastrig.storage.locks import FolderLocks, Locks
@@ -34,7 +35,8 @@ class Storage:
     def prepare(self) -> None:
         """Creates folders and tables, or brings older tables up to date.
 
-        Raises BadSettings when the place cannot be written, or was written by a newer version.
+        Raises BadSettings when the place cannot be written, was written by a newer version, or when the files are
+        another database's.
         """
         try:
             self.folders.create()
@@ -44,6 +46,7 @@ class Storage:
             ) from error
         self.database.bring_up_to_date()
         self.files.create()
+        check_belonging(self.database, self.files, beside=self.location == Location(self.root))
 
     @contextmanager
     def exclusive(self) -> Iterator[None]:

@@ -98,6 +98,9 @@ class StoreFiles:
         with _as_os_errors():
             self._fs.pipe_file(self._path(place, name), content)
 
+    def is_empty(self) -> bool:
+        return not any(self._names(kind) for kind in KINDS)
+
     def remove(self, *places: str) -> None:
         for place in places:
             with _as_os_errors(), suppress(FileNotFoundError):
@@ -133,7 +136,7 @@ class StoreFiles:
         return {path.rstrip("/").rpartition("/")[2] for path in found} - {kind, ""}
 
     def _path(self, *parts: str) -> str:
-        return "/".join((self._root, *parts))
+        return "/".join((self._root, *(part for part in parts if part)))
 
 
 @contextmanager
