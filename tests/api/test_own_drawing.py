@@ -2,8 +2,10 @@
 
 import io
 import json
+from collections.abc import Iterator
 
 import pytest
+from apiflask import APIFlask
 from flask.testing import FlaskClient
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
@@ -20,6 +22,15 @@ LINE = {
 DRAWING = {"schema": "breastrig/drawing@1", "unit": "mm", "shapes": [LINE]}
 
 
+@pytest.fixture(scope="module")
+def shared_scan(app: APIFlask, torso: bytes) -> Iterator[str]:
+    """A scan for the tests that leave no drawing on it."""
+    client = app.test_client()
+    scan_id = client.post("/api/scans", data={"file": (io.BytesIO(torso), "torso.ply")}).json["id"]
+    yield scan_id
+    client.delete(f"/api/scans/{scan_id}")
+
+
 def place(scan_id: str) -> str:
     return f"/api/scans/{scan_id}/drawing"
 
@@ -34,6 +45,13 @@ def test_a_drawing_is_kept_with_its_scan(client: FlaskClient, scan_id: str) -> N
     empty = DRAWING | {"shapes": []}
     assert client.put(place(scan_id), json=empty).json == empty
     assert client.get(place(scan_id)).json == empty
+
+
+def test_points_up_to_50_mm_outside_of_the_scan_are_taken(client: FlaskClient, scan_id: str) -> None:
+    high = client.get(f"/api/scans/{scan_id}").json["bounds_m"]["max"]
+    for gap_mm, status in ((49.0, 200), (51.0, 422)):
+        point = [1000 * high[0] + gap_mm, 1000 * high[1], 1000 * high[2]]
+        assert client.put(place(scan_id), json=line(points=[point])).status_code == status
 
 
 def test_a_drawing_file_of_a_transfer_can_be_kept_as_it_is(client: FlaskClient, scan_id: str) -> None:
@@ -65,35 +83,28 @@ def line(**changes: object) -> dict[str, object]:
         ([], "valid"),
     ],
 )
-def test_what_cannot_be_a_drawing_on_this_scan_is_refused(client: FlaskClient, scan_id: str, body, word: str) -> None:
-    assert word in problem(client.put(place(scan_id), json=body), 422)
-    problem(client.get(place(scan_id)), 404)
+def test_what_cannot_be_a_drawing_is_refused(client: FlaskClient, shared_scan: str, body, word: str) -> None:
+    assert word in problem(client.put(place(shared_scan), json=body), 422)
+    problem(client.get(place(shared_scan)), 404)
 
 
-def test_points_that_are_not_finite_are_refused(client: FlaskClient, scan_id: str) -> None:
+def test_points_that_are_not_finite_are_refused(client: FlaskClient, shared_scan: str) -> None:
     for number in ("NaN", "Infinity", "1e999"):
         body = json.dumps(DRAWING).replace("340.25", number)
-        answer = client.put(place(scan_id), data=body, content_type="application/json")
+        answer = client.put(place(shared_scan), data=body, content_type="application/json")
         assert "finite" in problem(answer, 422)
 
 
-def test_points_up_to_50_mm_outside_of_the_scan_are_taken(client: FlaskClient, scan_id: str) -> None:
-    high = client.get(f"/api/scans/{scan_id}").json["bounds_m"]["max"]
-    for gap_mm, status in ((49.0, 200), (51.0, 422)):
-        point = [1000 * high[0] + gap_mm, 1000 * high[1], 1000 * high[2]]
-        assert client.put(place(scan_id), json=line(points=[point])).status_code == status
-
-
-def test_too_much_is_refused_with_what_may_be(client: FlaskClient, scan_id: str) -> None:
+def test_too_much_is_refused_with_what_may_be(client: FlaskClient, shared_scan: str) -> None:
     many = [LINE | {"name": str(k), "points": [[0, 350, 0]] * 10_001} for k in range(2)]
     body = json.dumps(DRAWING | {"shapes": many}, separators=(",", ":"))
     assert len(body) > 200_000
-    whole = client.put(place(scan_id), data=body, content_type="application/json")
+    whole = client.put(place(shared_scan), data=body, content_type="application/json")
     assert "200 kB" in problem(whole, 413)
     short = [LINE | {"name": str(k), "points": [[0, 9, 0]] * 10_001} for k in range(2)]
     body = json.dumps({"shapes": short}, separators=(",", ":"))
     assert len(body) < 200_000
-    answer = client.put(place(scan_id), data=body, content_type="application/json")
+    answer = client.put(place(shared_scan), data=body, content_type="application/json")
     assert "20002 points; at most 20000" in problem(answer, 422)
 
 
