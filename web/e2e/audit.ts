@@ -43,7 +43,7 @@ export function overlaps(page: Page): Promise<string[]> {
     const shown = [...root.querySelectorAll<HTMLElement>("button, a[href], input:not([type=file]), select, summary")].flatMap((each) => {
       if (!each.checkVisibility({ visibilityProperty: true, opacityProperty: true }) || each.matches(".swipe, [aria-hidden=true] *")) return [];
       const box = each.getBoundingClientRect();
-      const holder = each.closest(".steps-scroll, .aside, .share-list, .shared-side")?.getBoundingClientRect();
+      const holder = each.closest(".steps-scroll, .aside, .share-list, .shared-side, .measures-scroll")?.getBoundingClientRect();
       const isScrolledAway = holder && (box.bottom > holder.bottom || box.top < holder.top);
       return isScrolledAway ? [] : [{ each, box }];
     });

@@ -77,7 +77,7 @@ async function open(page: Page, base: string): Promise<void> {
 }
 
 async function kept(page: Page, base: string): Promise<OwnDrawing> {
-  await expect(page.locator(".drawing .saved")).toHaveText("Saved");
+  await expect(page.locator(".drawing-saved")).toHaveText("Saved");
   const links = await page.evaluate(() => window.__breastrig!.state().scan!.info.links);
   return (await (await page.request.get(base + links.drawing)).json()) as OwnDrawing;
 }
@@ -221,7 +221,7 @@ test("strokes and clicks become lines on the skin; they are kept, undone, named,
     await page.locator("#drawing-file").setInputFiles(other);
     await expect(page.locator(".drawing [role=alert]").first()).toContainText("not valid JSON");
     await page.keyboard.press("z");
-    await expect(page.locator(".drawing .saved")).toHaveText("Saved");
+    await expect(page.locator(".drawing-saved")).toHaveText("Saved");
   });
 
   await test.step("after a reload the lines are there", async () => {
@@ -301,4 +301,30 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await expect(page.getByText("Reference: Reduction (Wise pattern), Tumour")).toBeVisible();
   expect((await hook.picture(page)).checksum).not.toBe(before.checksum);
   expect(troubles).toEqual([]);
+});
+
+test("one finger draws, two turn the body and draw nothing", async ({ browser, base }) => {
+  const context = await browser.newContext({ hasTouch: true, viewport: { width: 1024, height: 768 } });
+  const page = await context.newPage();
+  await open(page, base);
+  await page.getByRole("button", { name: "Pen", exact: true }).click();
+  await untilStill(page);
+  const truth = trueLandmarks();
+  const from = await at(page, truth.mid_sternum!);
+  const touch = await context.newCDPSession(page);
+  const send = (type: "touchStart" | "touchMove" | "touchEnd", ...points: [number, number][]) =>
+    touch.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  await send("touchStart", [from.x, from.y]);
+  for (let i = 1; i <= 12; i += 1) await send("touchMove", [from.x + 4 * i, from.y]);
+  await send("touchEnd");
+  await expect.poll(async () => (await lines(page)).length).toBe(1);
+  const pose = () => page.evaluate(() => window.__breastrig!.pose().eye);
+  const before = await pose();
+  await send("touchStart", [from.x, from.y]);
+  await send("touchStart", [from.x, from.y], [from.x + 80, from.y]);
+  for (let i = 1; i <= 8; i += 1) await send("touchMove", [from.x + 6 * i, from.y], [from.x + 80 + 6 * i, from.y]);
+  await send("touchEnd");
+  await expect.poll(async () => distance(await pose(), before)).toBeGreaterThan(0.05);
+  expect(await lines(page)).toHaveLength(1);
+  await context.close();
 });

@@ -117,7 +117,9 @@ test("the drawing of the standing patient is shown on the supine one, side by si
     const file = (await (await page.request.get(`${base}/api/fits/${standing}/measures.json?with=${supine}`)).json()) as MeasuresFile;
     await expect(dialog.locator("thead .group[colspan]")).toHaveText(["Standing", "Supine", "Change: supine − standing"]);
     const names = [...new Set(file.measures.map(({ measure, kind }) => `${measure} ${kind}`))];
-    expect(await dialog.locator("tbody tr").count()).toBe(names.length);
+    expect(await dialog.locator("tbody tr[data-measure]").count()).toBe(names.length);
+    await dialog.locator(".measure-name").first().click();
+    await expect(dialog.locator("tr.facts").first()).toContainText(file.measures[0]!.method);
     for (const row of file.measures.filter(({ left }) => left !== null).slice(0, 12)) {
       const isChange = row.stance.includes(" - ");
       const cells = await dialog.locator(`tbody tr[data-measure="${row.measure}"][data-kind="${row.kind}"] td`).allTextContents();
@@ -154,7 +156,7 @@ test("the drawing of the standing patient is shown on the supine one, side by si
     expect((await state(page)).drawn.lines.present).toHaveLength(2);
     await expect.poll(async () => (await state(page)).stances.other!.drawn.carried!.drawing.shapes.length).toBe(2);
     await page.keyboard.press("Escape");
-    await expect(page.locator(".drawing .saved")).toHaveText("Saved");
+    await expect(page.locator(".drawing-saved")).toHaveText("Saved");
   });
 
   await test.step("after a reload both are there, side by side", async () => {

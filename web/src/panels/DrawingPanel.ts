@@ -27,7 +27,7 @@ export function createDrawingPanel(actions: Actions, dismiss: () => void, dismis
   const finish = button(words.finish, () => drawing.finish(), "quiet outlined");
   const undo = iconButton("undo", words.undo, () => drawing.undo());
   const redo = iconButton("redo", words.redo, () => drawing.redo());
-  const saved = el("span", { class: "saved muted" });
+  const saved = el("span", { class: "drawing-saved muted small" });
   const again = button(words.again, () => void drawing.saveNow(), "link");
   const file = fileButton(words.importFile, ".json", "icon-only", (chosen) => void drawing.importFile(chosen));
   file.querySelector("input")!.id = "drawing-file";

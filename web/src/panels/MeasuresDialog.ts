@@ -75,7 +75,7 @@ export function createMeasuresDialog({ stances }: Pick<Actions, "stances">, dism
 function tableOf({ groups, lines }: MeasuresTable, labels: ReadonlyMap<string, string>): HTMLElement {
   const top = el("tr", {}, el("th", { rowspan: 2, scope: "col" }, words.measure), ...groups.map((name) => el("th", { colspan: COLUMNS.length, scope: "colgroup", class: "group" }, title(name))));
   const heads = el("tr", {}, ...groups.flatMap(() => COLUMNS.map((column, i) => el("th", { scope: "col", class: i === 0 ? "group" : "" }, HEADS[column]))));
-  return el("table", {}, el("thead", {}, top, heads), el("tbody", {}, ...lines.map((line) => row(line, groups.length, labels))));
+  return el("table", {}, el("thead", {}, top, heads), el("tbody", {}, ...lines.flatMap((line) => row(line, groups.length, labels))));
 }
 
 const title = (name: string): string => {
@@ -83,20 +83,28 @@ const title = (name: string): string => {
   return first ? words.change(second!, first) : name.charAt(0).toUpperCase() + name.slice(1);
 };
 
-function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, string>): HTMLElement {
+function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, string>): HTMLElement[] {
   const readable = (names: string): string => names.replace(/[a-z]+(_[a-zA-Z]+)*/g, (name) => labels.get(name) ?? name);
   const where = line.landmarks.map(({ stance, words: between }) => `${title(stance)}: ${readable(between)}`);
   const facts = [[words.kind, line.kind], [words.method, line.method], [words.landmarks, where.join("\n")]] as const;
   const unit = UNITS[line.unit];
-  const name = el(
-    "th",
-    { scope: "row", title: facts.map(([fact, value]) => `${fact}: ${value}`).join("\n") },
-    el(
-      "details",
-      {},
-      el("summary", {}, words.names[line.measure] ?? line.measure, el("span", { class: "unit" }, ` ${line.kind}${unit === "" ? "" : `, ${unit}`}`)),
-      el("dl", { class: "muted small" }, ...facts.flatMap(([fact, value]) => [el("dt", {}, fact), el("dd", {}, value)])),
-    ),
+  const list = el("dl", {}, ...facts.flatMap(([fact, value]) => [el("dt", {}, fact), el("dd", {}, value)]));
+  const more = el("tr", { class: "facts", hidden: true }, el("td", { colspan: 1 + groups * COLUMNS.length }, list));
+  const label = el("span", {}, words.names[line.measure] ?? line.measure, el("span", { class: "unit" }, ` ${line.kind}${unit === "" ? "" : `, ${unit}`}`));
+  const open = el(
+    "button",
+    {
+      type: "button",
+      class: "measure-name",
+      "aria-expanded": "false",
+      title: facts.map(([fact, value]) => `${fact}: ${value}`).join("\n"),
+      onclick: () => {
+        more.hidden = !more.hidden;
+        open.setAttribute("aria-expanded", String(!more.hidden));
+      },
+    },
+    icon("on"),
+    label,
   );
   const cells = line.groups.flatMap((group, g) => {
     const isChange = groups > 1 && g === groups - 1;
@@ -107,5 +115,5 @@ function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, stri
     if (group.whole.value !== null) return [write(group.whole, isChange, { class: "group whole", colspan: COLUMNS.length })]; // one value for both sides
     return COLUMNS.map((column, i) => write(group[column], isChange || column === "difference", { class: i === 0 ? "group" : "" }));
   });
-  return el("tr", { "data-measure": line.measure, "data-kind": line.kind }, name, ...cells);
+  return [el("tr", { "data-measure": line.measure, "data-kind": line.kind }, el("th", { scope: "row" }, open), ...cells), more];
 }

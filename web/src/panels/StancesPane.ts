@@ -5,7 +5,7 @@ import type { Session } from "../state/session";
 import type { OtherStage } from "../stances/OtherView";
 import { isComparing, stanceNames } from "../stances/state";
 import { text } from "../text";
-import { button } from "./controls";
+import { button, iconButton } from "./controls";
 import type { Panel } from "./Panel";
 
 const words = text.stances;
@@ -15,7 +15,8 @@ export function createOtherPane({ stances }: Pick<Actions, "stances">): Panel & 
   const overlay = el("div", { class: "overlay is-narrow", "aria-hidden": "true" });
   const name = el("strong", {});
   const work = button(words.workHere, () => void stances.swap(), "outlined");
-  const head = el("div", { class: "pane-caption" }, name, work);
+  const aside = iconButton("close", words.remove(""), () => stances.remove());
+  const head = el("div", { class: "pane-caption" }, name, work, el("span", { class: "spring" }), aside);
   const element = el("section", { class: "other-stage", hidden: true }, canvas, overlay, head);
   const mine = el("strong", {});
   const caption = el("div", { class: "pane-caption", hidden: true }, mine, el("span", { class: "muted" }, words.inWork));
@@ -34,6 +35,8 @@ export function createOtherPane({ stances }: Pick<Actions, "stances">): Panel & 
       if (element.getAttribute("aria-label") !== words.here(other)) {
         element.setAttribute("aria-label", words.here(other));
         canvas.setAttribute("aria-label", words.canvas(other));
+        aside.title = words.remove(other);
+        aside.setAttribute("aria-label", words.remove(other));
       }
     },
   };

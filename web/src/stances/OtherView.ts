@@ -93,14 +93,20 @@ export function openOtherView(store: Store<Session>, main: Viewer, stage: OtherS
 
   let wasComparing = false;
   let wasLinked = true;
-  let wasScan: unknown = null;
-  store.subscribe((state) => {
+  store.subscribe((state, before) => {
+    const isSwapped = state.scan !== null && state.scan === before.stances.other?.scan && before.scan === state.stances.other?.scan;
+    if (isSwapped && viewer && isComparing(state)) {
+      const [mine, its] = [main.pose, viewer.pose];
+      isFollowing = true; // each body stays as it is seen, only the panes change hands
+      [main.pose, viewer.pose] = [its, mine];
+      isFollowing = false;
+      main.keepsPose = viewer.keepsPose = true;
+    }
     update(state);
     const now = isComparing(state);
-    const isNew = now && (!wasComparing || (state.stances.isLinked && !wasLinked) || state.scan !== wasScan);
+    const isNew = now && (!wasComparing || (state.stances.isLinked && !wasLinked));
     wasComparing = now;
     wasLinked = state.stances.isLinked;
-    wasScan = state.scan;
     if (isNew && viewer) requestAnimationFrame(() => viewer && follow(main, viewer)); // after the layout has changed
   });
   return { isReady: () => scan?.mesh != null, viewer: () => viewer };

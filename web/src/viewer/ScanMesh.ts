@@ -72,7 +72,8 @@ export class ScanMesh implements Part {
       this.mesh.add(this.borders);
       this.viewer.body.add(this.mesh);
       this.paint(this.mesh, state);
-      this.viewer.lookFrom("front", false);
+      if (!this.viewer.keepsPose) this.viewer.lookFrom("front", false);
+      this.viewer.keepsPose = false;
       this.onReady(null);
     } catch (error) {
       this.onReady(error);

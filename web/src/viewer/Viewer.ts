@@ -44,6 +44,8 @@ export class Viewer {
   readonly half = new Vector3(0.25, 0.35, 0.15);
   /** Called when the camera has another pose. */
   readonly turned = new Set<() => void>();
+  /** The next body is seen from where this one is, not from the front. */
+  keepsPose = false;
   /** A hand is on this view. */
   isHeld = false;
   palette: Palette = readPalette();
