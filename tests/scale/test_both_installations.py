@@ -1,5 +1,6 @@
 """What the service promises, on one machine with SQLite and on many with PostgreSQL, S3 and Dask: the same tests."""
 
+import errno
 import fcntl
 import io
 import json
@@ -16,6 +17,7 @@ import pytest
 from helpers import fake_fit
 from helpers.installations import Large
 from helpers.installed_service import Running, serving
+from helpers.problems import problem
 from helpers.real_server import server
 from helpers.waiting import ended, story, until
 from sqlalchemy import select
@@ -173,6 +175,18 @@ def test_a_share_opens_until_it_is_revoked(running: Running, scan: dict[str, Any
 def test_what_cannot_be_an_id_is_not_found_or_refused(running: Running) -> None:
     for place in ("/api/scans/nobody", "/api/fits/nobody", "/api/scans/a%00b", "/api/fits/%F0%9F%A6%B4"):
         assert running.client.get(place).status_code in (404, 422)
+
+
+def test_files_that_cannot_be_reached_for_now_give_503(
+    running: Running, done: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def gone(*_asked: object) -> None:
+        raise OSError(errno.EIO, "the store of files does not answer")
+
+    monkeypatch.setattr(running.service.storage.files, "find", gone)
+    answer = running.client.get(done["links"]["result"])
+    assert (answer.status_code, answer.headers["Retry-After"]) == (503, "10")
+    assert problem(answer, 503) == "The service cannot reach its files at the moment; try again later."
 
 
 def test_deleting_leaves_nothing_of_a_finished_and_a_running_fit(running: Running, torso: bytes) -> None:

@@ -3,6 +3,7 @@
 The store is a folder that fsspec takes for one; what only S3 does is tried in tests/scale.
 """
 
+import errno
 from pathlib import Path
 
 import pytest
@@ -146,3 +147,24 @@ def test_without_fsspec_the_sentence_says_what_to_install(monkeypatch: pytest.Mo
     monkeypatch.setitem(__import__("sys").modules, "fsspec.core", None)
     with pytest.raises(BadSettings, match=r"pip install 'breastrig\[s3\]'"):
         StoreFiles("s3://bucket/prefix")
+
+
+def test_a_store_that_does_not_answer_is_an_error_of_the_system(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def silent(*_asked: object, **_more: object) -> None:
+        raise RuntimeError("some library's own error")
+
+    files = StoreFiles(f"file://{tmp_path}/store")
+    for verb in ("info", "pipe_file", "find", "rm", "ls"):
+        monkeypatch.setattr(files._fs, verb, silent)
+    for act in (
+        lambda: files.find(fit_place("a"), "b"),
+        lambda: files.write(fit_place("a"), "b", b""),
+        lambda: files.reading(fit_place("a")).__enter__(),
+        lambda: files.remove(fit_place("a")),
+        files.is_empty,
+    ):
+        with pytest.raises(OSError, match=r"does not answer \(RuntimeError\)") as error:
+            act()
+        assert error.value.errno == errno.EIO

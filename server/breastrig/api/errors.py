@@ -100,6 +100,10 @@ def _database_trouble(error: OperationalError) -> Response:
 
 
 def _disk_trouble(error: OSError) -> Response:
+    if error.errno == errno.EIO:
+        log.error("files cannot be reached: %s", error.strerror)
+        detail = "The service cannot reach its files at the moment; try again later."
+        return problem(503, detail, headers={"Retry-After": "10"})
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         raise error
     log.error("the disk is full")

@@ -27,7 +27,10 @@ def check_belonging(database: Database, files: Files, beside: bool) -> None:
     if mark is None:
         if not beside and not files.is_empty():
             raise _strangers()
-        files.write(ROOT, MARK, name.encode())
+        try:
+            files.write(ROOT, MARK, name.encode())
+        except OSError as error:
+            raise BadSettings(f"Nothing can be written to the place for files ({error.strerror}).") from error
         return
     with mark.open() as file:
         if file.read().decode("ascii", "replace") != name:
@@ -42,9 +45,12 @@ def _strangers() -> BadSettings:
 
 
 def _name_of(database: Database) -> str:
+    """Given to it now, if it has none."""
+    with database.reading() as connection:
+        known = connection.execute(select(schema.installation.c.id)).scalar_one_or_none()
+    if known is not None:
+        return str(known)
+    name = new_id()
     with database.writing() as connection:
-        name = connection.execute(select(schema.installation.c.id)).scalar_one_or_none()
-        if name is None:
-            name = new_id()
-            connection.execute(insert(schema.installation).values(id=name))
-    return str(name)
+        connection.execute(insert(schema.installation).values(id=name))
+    return name
