@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from helpers import fake_batch, in_worker
-from helpers.dask_cluster import Cluster, cluster, wait_until_ready
+from helpers.dask_cluster import ENVIRONMENT, Cluster, cluster, wait_until_ready
 from helpers.real_server import alive
 from helpers.waiting import until
 
@@ -121,6 +121,7 @@ def test_the_child_of_a_client_that_vanishes_is_killed(two_workers: Cluster, tmp
 
 
 def test_what_a_killed_worker_had_is_done_by_the_other_once(two_workers: Cluster, tmp_path: Path) -> None:
+    newcomer = two_workers.start_worker()
     pool = DaskPool(two_workers.address, memory_bytes=4 * GIB)
     ends: list[int] = []
     file = tmp_path / "signed"
@@ -133,9 +134,8 @@ def test_what_a_killed_worker_had_is_done_by_the_other_once(two_workers: Cluster
     until(lambda: sorted(ends) == list(range(5)), "each end to be told, once")
     assert len(signed(file)) > 5  # what was lost had been begun
     until(lambda: not alive(set(signed(file))), "the killed worker's child to notice")
-    until(lambda: pool.workers == 1, "the loss to be noticed")
-    wait_until_ready(two_workers.start_worker())
-    until(lambda: pool.workers == 2, "the new worker to be seen")
+    wait_until_ready(newcomer)
+    until(lambda: pool.workers == 2, "the loss and the new worker to be noticed")
     pool.stop()
 
 
@@ -216,8 +216,19 @@ def test_a_scheduler_that_vanishes_ends_a_batch_with_one_sentence(
 def test_an_address_without_a_scheduler_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("breastrig.jobs.dask_pool.CONNECT_S", 0.3)
     for address in ("tcp://127.0.0.1:9", "carrier-pigeon://here"):
-        with pytest.raises(BadSettings, match="No Dask scheduler answers at"):
+        with pytest.raises(BadSettings, match=r"No Dask scheduler answers at .*; check the address, or start"):
             DaskPool(address, memory_bytes=GIB)
+    with pytest.raises(BadSettings, match="check the address and the certificates"):
+        DaskPool("tls://127.0.0.1:9", memory_bytes=GIB)  # there are none
+
+
+def test_a_worker_without_a_scheduler_says_so_and_ends() -> None:
+    command = [sys.executable, "-m", "breastrig.cli.main", "worker", "carrier-pigeon://here", "--workers", "1"]
+    answer = subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True, check=False, timeout=60)
+    assert answer.returncode == 2
+    assert answer.stdout == ""
+    assert answer.stderr.startswith("breastrig: No Dask scheduler answers at carrier-pigeon://here")
+    assert answer.stderr.count("\n") == 1
 
 
 def test_without_distributed_one_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,6 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from multiprocessing.forkserver import ensure_running
 from pathlib import Path
 from threading import Event
 
@@ -26,6 +25,7 @@ from breastrig.jobs.batch_table import FILE, Outcome, write_table
 from breastrig.jobs.dask_pool import DaskPool
 from breastrig.jobs.dask_task import RESOURCE
 from breastrig.jobs.executor import Executor
+from breastrig.jobs.fork_server import start_fork_server
 from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.processes import Processes
 from breastrig.jobs.run_fit import run_fit
@@ -91,7 +91,7 @@ def _executor(options: argparse.Namespace) -> Executor:
     limits = FitLimits()
     if options.scheduler is None:
         processes = Processes(options.jobs or limits.workers, memory_bytes=limits.memory_bytes)
-        _keep_interrupts_from_the_fork_server()
+        start_fork_server()
         return processes
     pool = DaskPool(options.scheduler, memory_bytes=limits.memory_bytes)
     if not pool.found_workers:
@@ -101,18 +101,6 @@ def _executor(options: argparse.Namespace) -> Executor:
             file=sys.stderr,
         )
     return pool
-
-
-def _keep_interrupts_from_the_fork_server() -> None:
-    """Ctrl-C on a terminal goes to every process there; one that is just starting would die of it with a traceback.
-
-    Processes inherit what is blocked here, and the pool ends them anyway.
-    """
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        ensure_running()
-    finally:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
 @contextmanager

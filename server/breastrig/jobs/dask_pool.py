@@ -27,6 +27,12 @@ COUNT_S = 1.0  # between two counts of the workers
 GONE_S = 10.0  # a stopping pool waits so long for the children; a child is asked to end, and after 3 s made to
 CALLBACK_THREADS = 4  # they mostly wait for the database
 
+UNREACHABLE = (
+    OSError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+)  # as distributed says it, also of protocol and certificates
 MISSING = "A cluster needs the package distributed; install it with: pip install 'breastrig[dask]'."
 LOST = "The scheduler was lost."
 
@@ -44,7 +50,12 @@ def distributed() -> Any:
 
 def no_scheduler(address: str) -> str:
     """The sentence for an address where no scheduler answers."""
-    return f"No Dask scheduler answers at {address}; check the address, or start one with: dask scheduler."
+    certificates = (
+        " and the certificates in Dask's settings (distributed.comm.tls)" if address.startswith("tls") else ""
+    )
+    return (
+        f"No Dask scheduler answers at {address}; check the address{certificates}, or start one with: dask scheduler."
+    )
 
 
 class DaskPool:
@@ -65,10 +76,11 @@ class DaskPool:
         self._thread = threading.Thread(target=self._loop.run_forever, name="dask pool", daemon=True)
         self._thread.start()
         self._callbacks = ThreadPoolExecutor(CALLBACK_THREADS, thread_name_prefix="dask callback")
+        self._connect = partial(_connected, package.Client, address)
         try:
-            self._client = self._soon(self._connect(package.Client, address)).result()
+            self._client = self._soon(self._connect()).result()
             self._soon(self._count()).result()
-        except (OSError, ValueError, TimeoutError) as error:  # ValueError: no such protocol
+        except UNREACHABLE as error:
             self._end_threads()
             raise BadSettings(no_scheduler(address)) from error
         self._watch = self._soon(self._count_on())
@@ -139,14 +151,6 @@ class DaskPool:
         if remote is not None:
             remote.release()  # the only holder; so the scheduler takes the task from its worker
 
-    async def _connect(self, client_type: Any, address: str) -> Any:
-        client = client_type(address, asynchronous=True, set_as_default=False, timeout=CONNECT_S)
-        try:
-            return await client
-        except BaseException:
-            await client.close()
-            raise
-
     async def _count(self) -> None:
         scheduler = self._client.scheduler
         if scheduler is None:
@@ -156,8 +160,11 @@ class DaskPool:
         self._addresses = {name: offer for name, offer in offers.items() if offer}
 
     async def _count_on(self) -> None:
+        """Again and again; a client that has given up on its scheduler is replaced, for it may have been restarted."""
         while True:
             try:
+                if self._client.status == "closed":
+                    self._client = await self._connect()
                 await self._count()
             except OSError:
                 self._addresses = {}
@@ -173,8 +180,9 @@ class DaskPool:
             end = partial(unpacked, outcome)
         except (CancelledError, asyncio.CancelledError):  # without our doing: the connection broke
             end = partial(_raise, ConnectionError(LOST))
-        except Exception as error:  # too many workers died of it, or the child could not be started
-            end = partial(_raise, OSError(f"The task was lost on its workers ({type(error).__name__})."))
+        except Exception as error:  # too many workers died of it, or there is no scheduler now
+            lost = OSError(f"The task was lost on its workers ({type(error).__name__}).")
+            end = partial(_raise, lost if self._client.status == "running" else ConnectionError(LOST))
         self._release(task)
         with suppress(RuntimeError):  # the pool is stopped, and the task cancelled
             self._callbacks.submit(task.settle, end)
@@ -249,6 +257,15 @@ def _raise(error: Exception) -> None:
 
 def _nothing() -> None:
     pass
+
+
+async def _connected(client_type: Any, address: str) -> Any:
+    client = client_type(address, asynchronous=True, set_as_default=False, timeout=CONNECT_S)
+    try:
+        return await client
+    except BaseException:
+        await client.close()
+        raise
 
 
 async def _end_others() -> None:

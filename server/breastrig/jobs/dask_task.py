@@ -19,6 +19,7 @@ from concurrent.futures import CancelledError, wait
 from typing import Any
 
 from breastrig import __version__
+from breastrig.jobs.fork_server import start_fork_server
 from breastrig.jobs.processes import Processes
 
 # Only workers of this program and version offer it, so that no other worker of a shared cluster is given a task.
@@ -80,7 +81,9 @@ def carried_out(call: bytes, timeout: float, limits: Limits) -> bytes:
 
 def get_ready(workers: int, memory_bytes: int) -> None:
     """Before the first task: a process that has imported everything waits for it."""
-    _pool((memory_bytes, None), workers).warm_up()
+    pool = _pool((memory_bytes, None), workers)
+    start_fork_server()
+    pool.warm_up()
 
 
 def still_running(keys: list[str]) -> int:

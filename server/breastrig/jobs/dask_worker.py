@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from breastrig.core.errors import BadSettings
-from breastrig.jobs.dask_pool import CONNECT_S, distributed, no_scheduler
+from breastrig.jobs.dask_pool import CONNECT_S, UNREACHABLE, distributed, no_scheduler
 from breastrig.jobs.dask_task import RESOURCE, get_ready, stop_children
 from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.processes import preload_remote
@@ -50,7 +50,7 @@ async def _work(package: Any, address: str, workers: int, folder: str, tell_read
             dashboard_address="127.0.0.1:0",  # Dask's pages about this worker: for this machine only
             death_timeout=CONNECT_S,
         )
-    except (OSError, ValueError, TimeoutError) as error:
+    except UNREACHABLE as error:
         raise BadSettings(no_scheduler(address)) from error
     tell_ready()
     stopping = asyncio.create_task(stop.wait())
