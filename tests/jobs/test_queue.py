@@ -12,11 +12,12 @@ from sqlalchemy.exc import OperationalError
 
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.jobs import queue
-from breastrig.jobs.carry_out import TOO_OFTEN, fit_job
+from breastrig.jobs.carry_out import TOO_OFTEN, UNSEEN, fit_job
 from breastrig.jobs.run_fit import FitJob
 from breastrig.jobs.telling import OTHER_MODEL, event_json
 from breastrig.storage.events import append, events_after
 from breastrig.storage.fits import claim_fit, get_fit
+from breastrig.storage.location import Location
 from breastrig.storage.scans import get_scan
 from breastrig.storage.storage import Storage
 
@@ -162,6 +163,16 @@ def test_a_fit_that_is_begun_again_is_told_the_stance_that_was_asked_for(
     fit = get_fit(storage, "interrupted")
     assert (fit.stance, fit.asked_stance) == ("supine", "auto")
     assert fit_job(get_scan(storage, scan_id), fit, Path(), Path(), None).stance == "auto"
+
+
+def test_a_worker_that_does_not_see_the_data_says_so_and_makes_none_up(
+    serving, scan_id: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with serving(fake_fit.quick) as service:
+        monkeypatch.setattr(service.storage, "location", Location(tmp_path / "elsewhere"))
+        fit = ended(service, ask_for_fit(service, scan_id))
+        assert (fit.state, fit.reason) == ("failed", UNSEEN)
+    assert not (tmp_path / "elsewhere").exists()
 
 
 def test_stopping_the_server_keeps_what_runs_and_what_waits_for_the_next(

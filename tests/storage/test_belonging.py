@@ -64,3 +64,15 @@ def test_a_data_folder_of_an_older_version_is_marked_as_its_databases_own(tmp_pa
     (tmp_path / "scans" / "a").mkdir()
     prepared(Location(tmp_path))
     assert (tmp_path / "installation").is_file()
+
+
+def test_a_place_that_is_gone_is_noticed(tmp_path: Path, store: str) -> None:
+    for location in (Location(tmp_path / "one"), Location(tmp_path / "two", files=store)):
+        storage = Storage(location)
+        assert not storage.has_files()
+        storage.prepare()
+        assert storage.has_files()
+        for mark in (tmp_path / "one" / "installation", tmp_path / "store" / "installation"):
+            mark.unlink(missing_ok=True)
+        assert not storage.has_files()
+        storage.close()

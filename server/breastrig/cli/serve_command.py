@@ -1,6 +1,7 @@
 """`breastrig serve`: the service and its page, until Ctrl-C or SIGTERM."""
 
 import argparse
+import logging
 import signal
 import sys
 from contextlib import ExitStack
@@ -21,6 +22,8 @@ from breastrig.jobs.processes import preload_remote
 from breastrig.jobs.run_fit import run_fit
 from breastrig.jobs.service import Service
 from breastrig.storage.storage import Storage
+
+log = logging.getLogger(__name__)
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -52,6 +55,8 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
     location = location_of(found)
     if location.database is not None or location.files is not None:
         preload_remote()
+    if setting["scheduler"] is not None and (location.database is None or location.files is None):
+        log.warning("only workers on this machine see the data folder; others need --database and --files")
     storage = Storage(location)
     executor = None if setting["scheduler"] is None else _cluster(setting["scheduler"], limits)
     service = Service(

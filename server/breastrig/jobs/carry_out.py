@@ -16,7 +16,7 @@ from pathlib import Path
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from breastrig.core.errors import BreastRigError, NotFound
+from breastrig.core.errors import BadSettings, BreastRigError, NotFound
 from breastrig.jobs.events import Event, Failed
 from breastrig.jobs.fit_start import EarlierFit
 from breastrig.jobs.run_fit import FitJob
@@ -44,6 +44,10 @@ class Runners:
 
 UNWRITTEN = "What this fit found could not be stored, perhaps because the server's disk was full; start the fit again."
 
+UNSEEN = (
+    "The worker of this fit cannot reach the service's data; workers on other machines need a service with --database "
+    "and --files."
+)
 TOO_OFTEN = "This fit was begun {} times and came to no end, as its server or worker ended first; start the fit again."
 ATTEMPTS = 3  # one that takes its machine down with it must not do so for ever
 
@@ -57,6 +61,8 @@ def carry_out(location: Location, fit_id: str, runners: Runners, model: Path | N
     """
     storage = Storage(location)
     try:
+        if not storage.has_files():
+            raise BadSettings(UNSEEN)
         with ExitStack() as stack:
             for each in get_fit(storage, fit_id).both:
                 stack.enter_context(storage.held(each))

@@ -16,7 +16,7 @@ from typing import Any
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from breastrig.core.errors import Conflict, NotFound
+from breastrig.core.errors import BreastRigError, Conflict, NotFound
 from breastrig.jobs.carry_out import UNWRITTEN, Runners, carry_out
 from breastrig.jobs.events import Cancelled, Event, Failed
 from breastrig.jobs.executor import Executor
@@ -204,6 +204,8 @@ def _why(error: BaseException | None) -> str:
     """The sentence for a fit whose process came back without an end."""
     if error is None:
         return SILENT
+    if isinstance(error, BreastRigError):
+        return str(error)
     if isinstance(error, ConnectionError):
         return LOST
     return UNWRITTEN if isinstance(error, SQLAlchemyError) else DIED

@@ -35,6 +35,8 @@ class Readiness:
         found = []
         if not self._storage.database.can_write(WAIT_S):
             found.append("The database cannot be written.")
+        if not self._storage.has_files():
+            found.append("The files cannot be reached.")
         found += [
             f"The processes that {name} do not answer." for name, pool in self._pools.items() if not pool.answer(WAIT_S)
         ]

@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from breastrig.core.errors import BadSettings
-from breastrig.storage.belonging import check_belonging
+from breastrig.storage.belonging import MARK, ROOT, check_belonging
 from breastrig.storage.folders import Folders
 from breastrig.storage.location import Location
 from breastrig.storage.locks import FolderLocks, Locks
@@ -63,6 +63,13 @@ class Storage:
                 yield
         finally:
             os.close(handle)
+
+    def has_files(self) -> bool:
+        """Whether the place for files answers and is still the one that was prepared."""
+        try:
+            return self.files.find(ROOT, MARK) is not None
+        except OSError:
+            return False
 
     def make_fit(self, fit_id: str) -> None:
         """What a fit needs before its row is there: a folder here, to be locked by whoever carries it out."""
