@@ -3,7 +3,7 @@
 import io
 import os
 import sqlite3
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import pytest
@@ -12,6 +12,8 @@ from helpers import fake_fit
 from helpers.problems import problem
 from helpers.waiting import ended, until
 from prometheus_client.parser import text_string_to_metric_families
+from sqlalchemy.exc import TimeoutError as NoConnectionLeft
+from sqlalchemy.pool import QueuePool
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
@@ -119,3 +121,19 @@ def serving_readers(tmp_path: Path, model: Path):
     service = Service(Storage(tmp_path / "data"), model=model, fits=FitLimits(workers=1, grace_s=0.1))
     with service.started() as running:
         yield running
+
+
+def test_a_database_whose_connections_are_all_in_use_is_said_to_be_busy(
+    client: FlaskClient, service: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    engine = service.storage.database.engine
+    assert isinstance(engine.pool, QueuePool)
+    monkeypatch.setattr(engine.pool, "_timeout", 0.01)
+    with ExitStack() as held:
+        with suppress(NoConnectionLeft):
+            while True:
+                held.enter_context(engine.connect())
+        answer = client.get("/api/scans/nobody")
+        assert "Try again later" in problem(answer, 503)
+        assert answer.headers["Retry-After"] == "10"
+    problem(client.get("/api/scans/nobody"), 404)

@@ -10,6 +10,7 @@ from apiflask import APIFlask, HTTPError
 from flask import Response, request
 from pydantic import ValidationError
 from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import TimeoutError as NoConnectionLeft
 from werkzeug.exceptions import HTTPException
 
 from breastrig.core import errors
@@ -53,6 +54,7 @@ def register_errors(app: APIFlask) -> None:
     app.register_error_handler(HTTPException, _http_error)
     app.register_error_handler(RecursionError, _too_deep)
     app.register_error_handler(OperationalError, _database_trouble)
+    app.register_error_handler(NoConnectionLeft, _database_trouble)
     app.register_error_handler(OSError, _disk_trouble)
 
 
@@ -93,8 +95,10 @@ def _validation_error(error: HTTPError) -> Response:
     return problem(error.status_code, f"{where}{first['message'].rstrip('.')}{more}.", fields=fields[:50])
 
 
-def _database_trouble(error: OperationalError) -> Response:
-    log.error("the database cannot be used: %s", error.orig)
+def _database_trouble(error: OperationalError | NoConnectionLeft) -> Response:
+    """Not even read: while writers wait for whoever holds the database, they have taken all connections."""
+    reason = error.orig if isinstance(error, OperationalError) else "all its connections are in use"
+    log.error("the database cannot be used: %s", reason)
     detail = "The service cannot store anything at the moment; its disk may be full. Try again later."
     return problem(503, detail, headers={"Retry-After": "10"})
 
