@@ -57,7 +57,9 @@ async function begin(): Promise<void> {
   if (waiting && location.hash === "") history.replaceState(null, "", waiting.hash || location.pathname);
   await followAddress(store, actions);
   const { unsaved } = waiting ?? {};
-  if (unsaved && unsaved.scan === store.get().scan?.info.id) actions.landmarks.restore(unsaved.picks);
+  if (!unsaved || unsaved.scan !== store.get().scan?.info.id) return;
+  if (unsaved.picks) actions.landmarks.restore(unsaved.picks);
+  if (unsaved.lines) actions.drawing.restore(unsaved.lines);
 }
 
 async function loadModel(): Promise<void> {

@@ -1,4 +1,5 @@
 import { expect, test } from "vitest";
+import { startDrawn } from "../src/drawing/lines";
 import { startHistory } from "../src/state/history";
 import { initialSession, type Session } from "../src/state/session";
 import { keepForLater, takeUp } from "../src/state/signedOut";
@@ -19,6 +20,13 @@ test("after signing in again the page is where it was, with the landmarks that c
   keepForLater({ ...state, saving: "unsaved" }, "#scan=s1&fit=f1", here);
   expect(takeUp(here)).toEqual({ hash: "#scan=s1&fit=f1", unsaved: { scan: "s1", picks: { nipple_L: [1, 2, 3] } } });
   expect(takeUp(here)).toBeNull();
+});
+
+test("lines that could not be saved wait as well", () => {
+  const here = memory();
+  const line = { name: "Line 1", closed: false, color: "#101010", points: [[0, 0, 0], [2, 0, 0]] as [number, number, number][], corners: [0, 1] };
+  keepForLater({ ...state, drawn: { ...startDrawn([line]), saving: "unsaved" } }, "#scan=s1", here);
+  expect(takeUp(here)).toEqual({ hash: "#scan=s1", unsaved: { scan: "s1", lines: [line] } });
 });
 
 test("what the service has is not kept in the browser", () => {

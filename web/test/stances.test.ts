@@ -177,3 +177,24 @@ test("the drawing is carried when both fits are done, and follows what is drawn 
   await vi.advanceTimersByTimeAsync(5000);
   expect(transfer).toHaveBeenCalledTimes(2);
 });
+
+test("a fit that runs while its scan waits comes to its end there", async () => {
+  let state = "running";
+  const result = { landmarks: {}, scan: { unit: "m" } };
+  const { store, actions } = page({
+    importExample: async (name: string) => scanInfo(name) as never,
+    fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state }) as unknown as Fit,
+    story: async () => [{ id: 1, event: { kind: "iterated", iteration: 0 } }] as never,
+    result: async () => result as never,
+  });
+  await actions.scan.takeExample("standing");
+  store.set({ fit: { ...done("f1"), state: "running", surface: null } });
+  await actions.stances.takeExample("supine");
+  const fit = () => store.get().stances.other!.fit!;
+  await vi.advanceTimersByTimeAsync(2500);
+  expect(fit().state).toBe("running");
+  state = "done";
+  await vi.advanceTimersByTimeAsync(1500);
+  expect(fit()).toMatchObject({ state: "done", result, shown: 0 });
+  expect(fit().surface).not.toBeNull();
+});

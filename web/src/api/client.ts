@@ -76,6 +76,7 @@ export async function askJson<Body>(path: string, method = "GET", body?: unknown
 
 const bytes = async (path: string): Promise<ArrayBuffer> => (await ask(path)).arrayBuffer();
 const id = encodeURIComponent;
+const KEPT_ALIVE_BYTES = 60_000; // the standard allows 64 kB for all of a page together
 
 export const client = {
   meta: () => askJson<Meta>("/api/meta"),
@@ -114,7 +115,9 @@ export const client = {
       if (error instanceof ApiError && error.status === 404) return null;
       throw error;
     }),
-  saveDrawing: (scan: Scan, drawing: OwnDrawing) => askJson<OwnDrawing>(scan.links.drawing, "PUT", drawing),
+  /** Browsers keep a request alive beyond its page only when it is small. */
+  saveDrawing: (scan: Scan, drawing: OwnDrawing) =>
+    askJson<OwnDrawing>(scan.links.drawing, "PUT", drawing, JSON.stringify(drawing).length < KEPT_ALIVE_BYTES),
   transfer: (request: TransferRequest) => askJson<CarriedDrawing>("/api/transfers", "POST", request),
   measures: (link: string, other: string | null) => askJson<MeasuresFile>(other === null ? link : `${link}?with=${id(other)}`),
   shares: (link: string) => askJson<SharePage>(link),

@@ -153,6 +153,9 @@ export function drawingActions(store: Store<Session>, client: Client) {
       change(withoutLine(lines(), name), { chosen: forget(drawn().chosen), open: forget(drawn().open), corner: null }, words.announceErased(name));
     },
 
+    /** Lines that could not be saved before; what the service has is one undo away. */
+    restore: (kept: readonly OwnLine[]): void => change(kept, {}, ""),
+
     clear: (): void => change([], { start: null, open: null, chosen: null, corner: null }, words.announceCleared),
 
     choose: (name: string | null): void => put({ chosen: name, corner: null }),

@@ -18,7 +18,7 @@ export function createMeasuresDialog({ stances }: Pick<Actions, "stances">, dism
   let file: Session["stances"]["measures"]["file"] = null;
   const says = el("p", { class: "muted" });
   const holder = el("div", { class: "measures-scroll", tabindex: 0, role: "region", "aria-labelledby": "measures-title" });
-  const busy = el("p", { class: "muted", role: "status" }, words.busy);
+  const busy = el("div", { class: "muted", role: "status" }, words.busy);
   const signs = el("p", { class: "muted small" });
   const copied = el("span", { class: "muted small", role: "status" });
   const copy = button(words.copy, () => void copyTable(), "outlined");

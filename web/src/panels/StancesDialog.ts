@@ -16,7 +16,7 @@ export function createStancesDialog({ stances }: Pick<Actions, "stances">, dismi
   const examples = el("div", { class: "choices" });
   const known = el("ul", { class: "choices" });
   const none = el("p", { class: "muted small" }, words.knownNone);
-  const busy = el("p", { class: "muted", role: "status" }, words.busy);
+  const busy = el("div", { class: "muted", role: "status" }, words.busy);
   const wrong = problem(dismiss);
   const choices = el("div", { class: "panel" }, file, el("p", { class: "label" }, words.examples), examples, el("p", { class: "label" }, words.known), known, none);
   const element = el(

@@ -62,6 +62,8 @@ export function openOtherView(store: Store<Session>, main: Viewer, stage: OtherS
     parts = [scan, torso, fitted, new Drawings(made, scan, torso, fitted), new OwnLines(made, scan), new LandmarkPins(made, scan), new SideLetters(made)];
     main.turned.add(() => follow(main, made));
     made.turned.add(() => made.isHeld && follow(made, main));
+    stage.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault()); // asks the browser to bring it back
+    stage.canvas.addEventListener("webglcontextrestored", () => made.invalidate());
     stage.canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => made.repaint());
     return made;
@@ -69,7 +71,7 @@ export function openOtherView(store: Store<Session>, main: Viewer, stage: OtherS
 
   function update(state: Session): void {
     const session = otherSession(state);
-    if (!session || (!viewer && !isComparing(state))) return;
+    if (!session || !isComparing(state)) return; // what is not to be seen is not drawn either
     try {
       viewer ??= make();
     } catch (error) {
