@@ -79,7 +79,9 @@ def test_a_scan_of_many_megabytes_travels_without_a_warning(pool: DaskPool) -> N
     assert pool.schedule(in_worker.weigh, (bytes(30_000_000),), 30.0).result() == 30_000_000
 
 
-def test_cancelling_ends_the_future_at_once_and_kills_the_child(pool: DaskPool, tmp_path: Path) -> None:
+def test_cancelling_ends_the_future_at_once_and_kills_the_child(
+    pool: DaskPool, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     file = tmp_path / "signed"
     future = pool.schedule(in_worker.sign_in_and_rest, (str(file), 60.0, 1), 60.0)
     ended = threading.Event()
@@ -89,6 +91,8 @@ def test_cancelling_ends_the_future_at_once_and_kills_the_child(pool: DaskPool, 
     assert future.cancelled()
     assert ended.is_set()
     assert wait([future], timeout=0).done == {future}
+    assert future.cancel()  # again, to no effect
+    assert not caplog.records
     until(lambda: not alive(set(signed(file))), "the child to be killed")
     assert pool.schedule(in_worker.weigh, (b"1",), 30.0).result() == 1  # the worker is free again
 

@@ -8,8 +8,9 @@ import csv
 import io
 import re
 import unicodedata
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from breastrig.core.errors import BadInput, BadSettings, BreastRigError, unknown_name
@@ -59,9 +60,10 @@ def read_manifest(file: Path, rig: Rig, out: Path) -> tuple[BatchRow, ...]:
     """
     rows, faults = [], []
     lines: dict[str, int] = {}  # name -> line
+    check_preset = cache(load_recipe)  # the same few words in thousands of rows
     for number, (line, cells) in enumerate(_cells(file), start=1):
         try:
-            row = _row(cells, number, file.parent, rig)
+            row = _row(cells, number, file.parent, rig, check_preset)
             key = unicodedata.normalize("NFC", row.name).casefold()  # some file systems see no difference
             if key in lines:
                 raise BadInput(f'The name "{row.name}" is also that of line {lines[key]}; give each row its own.')
@@ -121,7 +123,9 @@ def _text(file: Path) -> str:
         raise BadManifest([f"{file.name} is no text in UTF-8; save the table as CSV (UTF-8)."]) from error
 
 
-def _row(cells: Mapping[str, str], number: int, base: Path, rig: Rig) -> BatchRow:
+def _row(
+    cells: Mapping[str, str], number: int, base: Path, rig: Rig, check_preset: Callable[[str], object]
+) -> BatchRow:
     """Raises a BreastRigError with what is wrong in it."""
     if not cells.get("scan"):
         raise BadInput("There is no scan in this row.")
@@ -134,7 +138,7 @@ def _row(cells: Mapping[str, str], number: int, base: Path, rig: Rig) -> BatchRo
     preset = cells.get("preset") or "default"
     if preset.endswith(".toml"):
         preset = str(_file(base, preset, "preset"))
-    load_recipe(preset)
+    check_preset(preset)
     drawing = _drawing(cells)
     if drawing is not None:
         asked_drawing(rig, drawing)

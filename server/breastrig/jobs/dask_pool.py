@@ -230,13 +230,16 @@ class _Task(Future[Any]):
         self.key = f"task-{secrets.token_hex(16)}"  # says nothing about its content and cannot be guessed
         self.remote: Any = None  # distributed's future, touched in the pool's loop only
         self._pool = pool
+        self._cancelling = threading.RLock()  # callbacks may cancel, too
 
     def cancel(self) -> bool:
         """Ends the future at once, and its process soon after."""
-        if not super().cancel():
-            return False
-        with suppress(RuntimeError, InvalidStateError):  # it was cancelled before
-            self.set_running_or_notify_cancel()  # so that concurrent.futures.wait sees the end
+        with self._cancelling:
+            before = self.cancelled()
+            if not super().cancel():
+                return False
+            if not before:
+                self.set_running_or_notify_cancel()  # so that concurrent.futures.wait sees the end
         self._pool.forget(self)
         return True
 

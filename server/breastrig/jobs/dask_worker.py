@@ -27,7 +27,6 @@ def run_worker(address: str, workers: int, tell_ready: Callable[[], None]) -> bo
     package = distributed()
     preload_remote()
     try:
-        get_ready(workers, FitLimits().memory_bytes)
         with tempfile.TemporaryDirectory(prefix="breastrig-worker-") as folder:
             return asyncio.run(_work(package, address, workers, folder, tell_ready))
     finally:
@@ -52,6 +51,7 @@ async def _work(package: Any, address: str, workers: int, folder: str, tell_read
         )
     except UNREACHABLE as error:
         raise BadSettings(no_scheduler(address)) from error
+    await asyncio.to_thread(get_ready, workers, FitLimits().memory_bytes)
     tell_ready()
     stopping = asyncio.create_task(stop.wait())
     ending = asyncio.create_task(worker.finished())
