@@ -4,12 +4,14 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
+from helpers.waiting import until
 
 from breastrig.core.errors import BadSettings
-from breastrig.storage.scratch import scratch_folder, sweep_scratch
+from breastrig.storage.scratch import scratch_folder, scratch_swept, sweep_scratch
 
 HOLD = """
 import os, sys, time
@@ -50,6 +52,18 @@ def test_the_folder_of_a_killed_process_is_removed_and_that_of_a_living_one_is_n
         assert (folder / "scan.ply").is_file()
         sweep_scratch()
     assert list(place.iterdir()) == []
+
+
+def test_whoever_kills_processes_sweeps_on(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("breastrig.storage.scratch.SWEEP_S", 0.01)
+    with scratch_swept():
+        for name in ("left", "left_again"):
+            (place / name).mkdir(parents=True, mode=0o700)
+            place.chmod(0o700)
+            until(lambda: not list(place.iterdir()), "the sweep")
+        with scratch_folder() as folder:
+            time.sleep(0.05)
+            assert folder.is_dir()
 
 
 def test_a_place_that_others_could_look_into_is_refused(place: Path) -> None:

@@ -16,7 +16,7 @@ from breastrig.jobs.dask_pool import CONNECT_S, UNREACHABLE, distributed, no_sch
 from breastrig.jobs.dask_task import RESOURCE, get_ready, stop_children
 from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.processes import preload_remote
-from breastrig.storage.scratch import sweep_scratch
+from breastrig.storage.scratch import scratch_swept, sweep_scratch
 
 
 def run_worker(address: str, workers: int, tell_ready: Callable[[], None]) -> bool:
@@ -27,7 +27,7 @@ def run_worker(address: str, workers: int, tell_ready: Callable[[], None]) -> bo
     package = distributed()
     preload_remote()
     try:
-        with tempfile.TemporaryDirectory(prefix="breastrig-worker-") as folder:
+        with scratch_swept(), tempfile.TemporaryDirectory(prefix="breastrig-worker-") as folder:
             return asyncio.run(_work(package, address, workers, folder, tell_ready))
     finally:
         stop_children()

@@ -11,7 +11,7 @@ import json
 import logging
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
@@ -40,6 +40,7 @@ from breastrig.storage.files import MESH, fit_place, scan_place, upload_name
 from breastrig.storage.fits import FitRow, FitWish, Once, add_fits, fit_ids, fits_of_scan, get_fit, made_before
 from breastrig.storage.folders import new_id
 from breastrig.storage.scans import Points, ScanRow
+from breastrig.storage.scratch import scratch_swept
 from breastrig.storage.storage import Storage, utc_now
 
 CHUNK = 2**20
@@ -96,7 +97,8 @@ class Service:
     def started(self) -> Iterator["Service"]:
         """Holds the data folder, starts the processes, takes up what an earlier server left; stops all at the end."""
         self.storage.root.mkdir(mode=0o700, parents=True, exist_ok=True)
-        with self.storage.exclusive():
+        swept = nullcontext() if self.storage.location.files is None else scratch_swept()
+        with self.storage.exclusive(), swept:
             self.storage.prepare()
             self._clean()
             try:

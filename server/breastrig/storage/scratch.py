@@ -5,14 +5,20 @@ whoever comes next on this machine removes those that nobody holds.
 """
 
 import fcntl
+import logging
 import os
 import shutil
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from breastrig.core.errors import BadSettings
+
+SWEEP_S = 5.0  # how long a killed process's folder stays at most, where nobody else makes one
+
+log = logging.getLogger(__name__)
 
 
 @contextmanager
@@ -37,6 +43,28 @@ def sweep_scratch() -> None:
                 shutil.rmtree(folder, ignore_errors=True)
             finally:
                 os.close(lock)
+
+
+@contextmanager
+def scratch_swept() -> Iterator[None]:
+    """For whoever starts and kills processes: sweeps every few seconds until the block ends, and then once more."""
+    over = threading.Event()
+
+    def sweep_on() -> None:
+        while not over.wait(SWEEP_S):
+            try:
+                sweep_scratch()
+            except Exception:
+                log.exception("scratch folders cannot be swept")
+
+    thread = threading.Thread(target=sweep_on, name="breastrig-scratch", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+        sweep_scratch()
 
 
 def _made() -> tuple[Path, int]:
