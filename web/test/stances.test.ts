@@ -6,7 +6,7 @@ import { INK } from "../src/drawing/lines";
 import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../src/stances/cameras";
 import { carriedNote } from "../src/stances/carry";
 import { formatCell, measuresCsv, measuresTable } from "../src/stances/measuresTable";
-import { sliceOf, stanceNames } from "../src/stances/state";
+import { knownScans, rememberScan, sliceOf, stanceNames } from "../src/stances/state";
 import type { FitState } from "../src/state/session";
 import { fitLinks, page, scanInfo } from "./fakes";
 
@@ -197,4 +197,14 @@ test("a fit that runs while its scan waits comes to its end there", async () => 
   await vi.advanceTimersByTimeAsync(1500);
   expect(fit()).toMatchObject({ state: "done", result, shown: 0 });
   expect(fit().surface).not.toBeNull();
+});
+
+test("scans of this tab are remembered, the newest first, each once; a damaged memory is none", () => {
+  const kept = new Map<string, string>();
+  const memory = { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => void kept.set(key, value) };
+  const scan = (id: string, stance = "standing") => ({ id, title: id, stance, at: "2026-01-01T00:00:00Z" });
+  for (const each of [scan("a"), scan("b"), scan("a", "supine")]) rememberScan(memory, each);
+  expect(knownScans(memory)).toEqual([scan("a", "supine"), scan("b")]);
+  for (const key of kept.keys()) kept.set(key, "{");
+  expect(knownScans(memory)).toEqual([]);
 });

@@ -13,25 +13,25 @@ import { BRIDGE_MM } from "./strokes";
 export class OwnLines implements Part {
   private readonly own = new FatLines();
   private readonly carried = new FatLines();
+  private readonly live = new FatLines(); // apart, so that a moving hand writes one line and not all
   private drawn: unknown[] = [];
   private state: DrawnState | null = null;
   private isShown = false;
-  private preview: { instead: string | null; points: readonly Vector[]; closed: boolean } | null = null;
+  private instead: string | null = null;
 
   constructor(
     private readonly viewer: Viewer,
     private readonly scan: ScanMesh,
   ) {
-    viewer.body.add(this.own.group, this.carried.group);
+    viewer.body.add(this.own.group, this.carried.group, this.live.group);
     viewer.beforeFrame.add(() => {
-      this.own.approach(viewer.depthUnits);
-      this.carried.approach(viewer.depthUnits);
+      for (const each of [this.own, this.carried, this.live]) each.approach(viewer.depthUnits);
     });
   }
 
   update(state: Session): void {
     const { palette } = this.viewer;
-    for (const each of [this.own, this.carried]) each.paint(palette.ink, palette["ink-outline"]);
+    for (const each of [this.own, this.carried, this.live]) each.paint(palette.ink, palette["ink-outline"]);
     this.state = state.drawn;
     this.isShown = this.scan.mesh !== null && state.overlay !== "model";
     const { lines, hidden, carried } = state.drawn;
@@ -43,17 +43,19 @@ export class OwnLines implements Part {
 
   /** While the hand moves: a line that the state does not know yet, instead of the one that it changes. */
   show(points: readonly Vector[] | null, closed = false, instead: string | null = null): void {
-    this.preview = points ? { points, closed, instead } : null;
-    this.write();
+    this.live.set(points && this.isShown ? [laid({ points, closed })] : []);
+    const isOther = (points ? instead : null) !== this.instead;
+    this.instead = points ? instead : null;
+    if (isOther) this.write();
+    this.viewer.invalidate();
   }
 
   private write(): void {
-    const { state, preview } = this;
+    const { state, instead } = this;
     if (!state) return;
     const isOn = (layer: Layer, name: string): boolean => !state.hidden.has(layerKey(layer, name));
-    const own = state.lines.present.filter(({ name }) => isOn("own", name) && name !== preview?.instead);
-    const all: Pick<OwnLine, "points" | "closed">[] = preview ? [...own, preview] : own;
-    this.own.set(this.isShown ? all.map(laid) : []);
+    const own = state.lines.present.filter(({ name }) => isOn("own", name) && name !== instead);
+    this.own.set(this.isShown ? own.map(laid) : []);
     const unit = state.carried?.drawing.unit;
     const carried = state.carried?.drawing.shapes.filter(({ name }) => isOn("carried", name)) ?? [];
     this.carried.set(

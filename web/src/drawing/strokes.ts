@@ -7,7 +7,7 @@ import type { Skin } from "./skin";
 export const STEP_MM = 2; // between points: finer than a pen's line is wide
 export const BRIDGE_MM = 6; // a longer step leads over a hole: three steps without skin
 const TENSION_ROUNDS = 8; // of pulling a way straight; the halving before has done most of it
-const CORNER_MM = 2.5; // a bend that sticks out so far is a corner of its own
+const CORNER_MM = 3.5; // a bend that sticks out so far is a corner of its own
 const CORNER_EVERY_MM = 40; // and a long smooth part gets one at least so often
 
 const plus = (a: Vector, b: Vector, share = 1): Vector => [a[0] + share * b[0], a[1] + share * b[1], a[2] + share * b[2]];
