@@ -93,7 +93,11 @@ test("a link is made in the dialog, opened, counted and revoked; the page signs 
   expect((await hook.picture(visitor)).colours, "a lit body has many shades").toBeGreaterThan(100);
   const both = await hook.picture(visitor);
   await visitor.getByRole("button", { name: "Model", exact: true }).click();
-  expect((await hook.picture(visitor)).checksum).not.toBe(both.checksum);
+  const model = await hook.picture(visitor);
+  expect(model.checksum).not.toBe(both.checksum);
+  await visitor.getByRole("button", { name: "Distances" }).click();
+  await expect(visitor.locator(".colour-bar")).toBeVisible();
+  expect((await hook.picture(visitor)).checksum).not.toBe(model.checksum);
   const mean = await page.locator(".hero-number").textContent();
   await expect(visitor.locator(".hero-number")).toHaveText(mean!);
   await expect(visitor.getByRole("button", { name: /Fit|Place|Share/ })).toHaveCount(0);

@@ -35,6 +35,18 @@ export function smallTargets(page: Page): Promise<string[]> {
   }, TARGET_PX);
 }
 
+/** At this size nobody has to scroll for the one thing that comes next, nor for a way to look and to replay. */
+export function scrolledAway(page: Page): Promise<string[]> {
+  return page.evaluate(() =>
+    ["#next", "#save", ".view-buttons", ".timeline", ".top-bar", ".footer"].filter((name) => {
+      const shown = document.querySelector(name);
+      if (!shown?.checkVisibility()) return false;
+      const { top, bottom, left, right } = shown.getBoundingClientRect();
+      return top < 0 || left < 0 || bottom > innerHeight || right > innerWidth;
+    }),
+  );
+}
+
 /** Controls that lie over one another or outside the screen, by pairs. */
 export function overlaps(page: Page): Promise<string[]> {
   return page.evaluate(() => {

@@ -43,7 +43,7 @@ async function tabOrder(page: Page): Promise<{ name: string; place: number; isSe
 
 test("from page load to the fitted result without a mouse, and the live region tells how it goes", async ({ page, base, troubles }) => {
   const truth = trueLandmarks();
-  const status = page.locator("p[role=status]");
+  const status = page.locator("p.visually-hidden[role=status]");
   await page.emulateMedia({ reducedMotion: "reduce" });
   await page.goto(base);
   await expect(page.getByRole("button", { name: /standing/i })).toBeVisible();

@@ -1,7 +1,7 @@
 // Every state of the page, light and dark: nothing that axe-core calls serious, nothing too small to press, no control
 // over another.
 import { expect } from "@playwright/test";
-import { overlaps, seriousFindings, smallTargets } from "./audit";
+import { overlaps, scrolledAway, seriousFindings, smallTargets } from "./audit";
 import { test } from "./page";
 import { holdFits, inTheme, STATES } from "./states";
 
@@ -14,6 +14,7 @@ test("each state can be read and pressed by everybody, in light and dark", async
       expect.soft(await seriousFindings(page), `${name}: axe-core`).toEqual([]);
       expect.soft(await smallTargets(page), `${name}: smaller than 24 pixels`).toEqual([]);
       expect.soft(await overlaps(page), `${name}: controls over one another`).toEqual([]);
+      expect.soft(await scrolledAway(page), `${name}: off the screen at 1280 x 720`).toEqual([]);
       await inTheme(page, "dark");
       expect.soft(await seriousFindings(page, { runOnly: ["color-contrast"] }), `${name}: contrast in the dark`).toEqual([]);
     });

@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
 import type { Frame, LandmarkDefinition } from "../src/api/types";
+import { toMeshlab } from "../src/state/foreignLandmarks";
 import { readLandmarks, toCsv, toJson } from "../src/state/landmarkFiles";
 import { leftOf } from "../src/state/frame";
 import { frameFromPicks, nextMissing, onWrongSide, type Picks, sideOf, withoutPick, withPick } from "../src/state/landmarks";
@@ -52,6 +53,23 @@ test("landmark files come back as they were written", () => {
   for (const [name, point] of Object.entries(picks)) point.forEach((mm, axis) => expect(again[name]![axis]).toBeCloseTo(mm, 4));
 });
 
+test("MeshLab's picked points come back, and a point that was not picked is none", () => {
+  const text = toMeshlab(picks, "m");
+  const again = readLandmarks(text, "m", list);
+  expect(Object.keys(again)).toEqual(Object.keys(picks));
+  for (const [name, point] of Object.entries(picks)) point.forEach((mm, axis) => expect(again[name]![axis]).toBeCloseTo(mm, 4));
+  const template = text.replace('active="1"', 'active="0"');
+  expect(Object.keys(readLandmarks(template, "m", list)).length).toBe(Object.keys(picks).length - 1);
+});
+
+test("3D Slicer's markups are read in the scan's unit, from either frame, without what was not placed", () => {
+  const point = (label: string, position: number[], positionStatus = "defined") => ({ label, position, positionStatus });
+  const file = (coordinateSystem: string) =>
+    JSON.stringify({ markups: [{ coordinateSystem, coordinateUnits: "mm", controlPoints: [point("nipple_L", [0.1, 0.2, 0.3]), point("nipple_R", [0, 0, 0], "undefined")] }] });
+  expect(readLandmarks(file("LPS"), "m", list)).toEqual({ nipple_L: [100, 200, 300] });
+  expect(readLandmarks(file("RAS"), "m", list)).toEqual({ nipple_L: [-100, -200, 300] });
+});
+
 test("a JSON file without unit is in the scan's unit", () => {
   const text = JSON.stringify({ landmarks: { nipple_L: [0.1, 0.2, 0.3] } });
   expect(readLandmarks(text, "m", list).nipple_L).toEqual([100, 200, 300]);
@@ -66,6 +84,9 @@ test.each([
   ['{"points": []}', "holds no “landmarks”"],
   ["name,x,y,z\nnipple_L,1,,3", "needs three numbers"],
   ["name,x,y,z\nnipple_L,1,2,3,4", "needs three numbers"],
+  ['{"markups": [{"coordinateSystem": "XYZ", "controlPoints": []}]}', "neither LPS nor RAS"],
+  ["<html></html>", "not a MeshLab file"],
+  ["<PickedPoints><point x='1'/></PickedPoints>", "is not a landmark"],
   ["", "holds no landmarks"],
 ])("a bad landmark file (%s) is refused with one sentence", (text, sentence) => {
   expect(() => readLandmarks(text, "mm", list)).toThrow(sentence);

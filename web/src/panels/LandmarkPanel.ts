@@ -4,6 +4,7 @@ import type { LandmarkDefinition } from "../api/types";
 import { el, fill, icon, saveFile, setText, show } from "../dom";
 import { toCsv, toJson } from "../state/landmarkFiles";
 import { expectedErrorMm, type Ghost, ghostsOf, isLikely } from "../state/proposals";
+import { toMeshlab } from "../state/foreignLandmarks";
 import { onWrongSide, plainLabel, sideOf } from "../state/landmarks";
 import type { Session } from "../state/session";
 import { text } from "../text";
@@ -20,7 +21,7 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
   const wrong = problem(dismiss);
   const example = button(text.landmarks.useExample, () => actions.landmarks.useExample(), "quiet outlined wide");
   let state: Session | null = null;
-  const file = fileButton(text.landmarks.importFile, ".json,.csv,.txt", "icon-only", (chosen) => void actions.landmarks.importFile(chosen));
+  const file = fileButton(text.landmarks.importFile, ".json,.csv,.txt,.pp", "icon-only", (chosen) => void actions.landmarks.importFile(chosen));
   file.querySelector("input")!.id = "landmark-file";
   file.querySelector("span")!.className = "visually-hidden";
   file.title = text.landmarks.importHint;
@@ -30,6 +31,12 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
     () => state?.scan && saveFile("landmarks.csv", toCsv(state.picks.present, state.scan.info.unit), "text/csv"),
     "quiet",
   );
+  const pp = button(
+    text.landmarks.exportPp,
+    () => state?.scan && saveFile("landmarks.pp", toMeshlab(state.picks.present, state.scan.info.unit), "application/xml"),
+    "quiet",
+  );
+  pp.title = text.landmarks.exportHint("MeshLab .pp");
   json.title = text.landmarks.exportHint("JSON");
   csv.title = text.landmarks.exportHint("CSV");
   const warning = el("p", { class: "look-here", hidden: true });
@@ -38,7 +45,7 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
     "div",
     { class: "panel" },
     wrong.element,
-    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, json, csv),
+    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, json, csv, pp),
     proposals.element,
     rows,
     warning,
@@ -65,7 +72,7 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
       undo.disabled = session.picks.past.length === 0;
       redo.disabled = session.picks.future.length === 0;
       const isEmpty = Object.keys(session.picks.present).length === 0;
-      json.disabled = csv.disabled = isEmpty;
+      json.disabled = csv.disabled = pp.disabled = isEmpty;
       setText(saved, isEmpty && session.saving === "saved" ? "" : text.landmarks[session.saving]);
       wrong.set(session.problems.landmarks);
       show(again, session.saving === "unsaved" && session.problems.landmarks !== undefined);

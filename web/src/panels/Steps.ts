@@ -28,13 +28,14 @@ function isDone(step: Step, state: Session): boolean {
 
 export function createSteps(actions: Actions, bodies: Record<Step, Panel>): Panel {
   const sections = ORDER.map((step, i) => {
-    const badge = el("span", { class: "badge" });
+    const badge = el("span", { class: "badge", "aria-hidden": "true" });
     const note = el("span", { class: "summary" });
     const head = el(
       "button",
       { type: "button", class: "step-head", "aria-controls": `step-${step}`, onclick: () => actions.page.goTo(step) },
       badge,
       el("span", { class: "step-name" }, text.steps[step]),
+      " ",
       note,
     );
     const before = el("p", { class: "muted before" }, text[step].before);

@@ -5,6 +5,7 @@ import { pageActions } from "../actions/page";
 import { ApiError } from "../api/client";
 import type { SharedResult } from "../api/types";
 import { el, fill, icon, setText, show } from "../dom";
+import { createColourBar } from "../panels/ColourBar";
 import { createNumbersPanel } from "../panels/NumbersPanel";
 import { createSwipe } from "../panels/Swipe";
 import { createViewBar } from "../panels/ViewBar";
@@ -23,6 +24,7 @@ const canvas = el("canvas", { class: "view", role: "img", "aria-label": text.vie
 const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
 const viewBar = createViewBar(actions);
 const swipe = createSwipe(actions);
+const colourBar = createColourBar();
 const note = el("p", {});
 const alert = el("div", { class: "problem", role: "alert", hidden: true }, icon("alert"), note);
 const waiting = el("p", { class: "muted" }, words.opening);
@@ -35,7 +37,7 @@ const form = el(
   el("button", { class: "button primary" }, el("span", {}, words.open)),
 );
 const card = el("div", { class: "empty" }, el("div", { class: "empty-card busy" }, waiting, alert, form));
-const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, viewBar.element, card);
+const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, card);
 const until = el("p", { class: "muted" });
 const shapes = el("ul", { class: "shapes" });
 const files = el("ul", { class: "files" });
@@ -49,7 +51,7 @@ document.title = `${words.title} · ${text.name}`;
 document.body.classList.add("is-empty", "is-shared");
 document.body.append(top, side, host, aside, footer);
 store.subscribe((state) => {
-  for (const panel of [viewBar, swipe, numbers]) panel.update(state);
+  for (const panel of [viewBar, swipe, colourBar, numbers]) panel.update(state);
 });
 void open("");
 
@@ -77,7 +79,7 @@ async function open(code: string): Promise<void> {
   document.body.classList.remove("is-empty");
   const failed = (): void => (show(card, true), show(form, false), say(text.errors.surface));
   try {
-    openSharedViewer(store, { host, canvas, overlay }, failed);
+    openSharedViewer(store, { host, canvas, overlay }, actions, failed);
   } catch {
     show(card, true);
     show(form, false);

@@ -1,17 +1,20 @@
 // The shared body: the same parts as the page's own view, without any that change something.
+import type { Actions } from "../actions";
 import type { Stage } from "../panels/Page";
 import type { Session } from "../state/session";
 import { isBeside } from "../state/session";
 import type { Store } from "../state/store";
 import { Drawings } from "../viewer/Drawings";
 import { FittedSurface } from "../viewer/FittedSurface";
+import { HoverValue } from "../viewer/HoverValue";
 import { offerHook } from "../viewer/hook";
+import { OrientationCube } from "../viewer/OrientationCube";
 import { ScanMesh } from "../viewer/ScanMesh";
 import { SideLetters } from "../viewer/SideLetters";
 import { TorsoModel } from "../viewer/TorsoModel";
 import { type Part, Viewer } from "../viewer/Viewer";
 
-export function openSharedViewer(store: Store<Session>, stage: Pick<Stage, "host" | "canvas" | "overlay">, failed: () => void): void {
+export function openSharedViewer(store: Store<Session>, stage: Pick<Stage, "host" | "canvas" | "overlay">, actions: Pick<Actions, "page">, failed: () => void): void {
   const prefersStill = (): boolean => matchMedia("(prefers-reduced-motion: reduce)").matches;
   const viewer = new Viewer(stage.host, stage.canvas, stage.overlay, prefersStill);
   const ready = (error: unknown): void => {
@@ -21,7 +24,7 @@ export function openSharedViewer(store: Store<Session>, stage: Pick<Stage, "host
   const scan = new ScanMesh(viewer, ready);
   const torso = new TorsoModel(viewer, ready); // stays empty: the rig is not part of a link
   const fitted = new FittedSurface(viewer, ready);
-  const parts: Part[] = [scan, fitted, new Drawings(viewer, scan, torso, fitted), new SideLetters(viewer)];
+  const parts: Part[] = [scan, fitted, new Drawings(viewer, scan, torso, fitted), new SideLetters(viewer), new HoverValue(viewer, fitted, stage.canvas), new OrientationCube(viewer, actions)];
   function update(state: Session): void {
     viewer.share(isBeside(state.overlay) ? (state.overlay as "beside" | "swipe") : "one", state.swipe);
     for (const part of parts) part.update(state);

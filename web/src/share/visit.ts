@@ -1,6 +1,7 @@
 // What a visitor's browser may ask: the secret behind # is posted once, then a cookie speaks for it.  Read only.
 import { ask, askJson } from "../api/client";
 import type { DrawingFile, Result, Scan, SharedResult } from "../api/types";
+import { readDistances } from "../state/distances";
 import { tidyFrame } from "../state/frame";
 import { frameFromPicks } from "../state/landmarks";
 import { initialSession, type Session } from "../state/session";
@@ -17,10 +18,11 @@ export function openLink(secret: string, passcode: string): Promise<SharedResult
 export async function readShared(shared: SharedResult): Promise<Session> {
   const { links } = shared;
   const bytes = async (path: string): Promise<ArrayBuffer> => (await ask(path)).arrayBuffer();
-  const [result, surface, mesh] = await Promise.all([
+  const [result, surface, mesh, distances] = await Promise.all([
     askJson<Result>(links.result),
     bytes(links.fitted_ply),
     links.mesh === null ? null : bytes(links.mesh),
+    bytes(links.distances),
   ]);
   // A fit without a drawing has none to show.
   const drawing = await askJson<DrawingFile>(links.drawing).catch(() => null);
@@ -44,7 +46,7 @@ export async function readShared(shared: SharedResult): Promise<Session> {
       drawing,
       drawingName: null,
       surface,
-      distances: null,
+      distances: readDistances(distances),
       reason: null,
       isConnected: true,
       picks: null,

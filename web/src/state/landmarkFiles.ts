@@ -1,6 +1,8 @@
-// Landmark files in and out: the program's JSON and plain CSV (name,x,y,z), read and written on this machine.
+// Landmark files in and out: the program's JSON, plain CSV (name,x,y,z) and what MeshLab and 3D Slicer write, read and
+// written on this machine.
 import type { LandmarkDefinition, LandmarkFile, Unit, Vector } from "../api/types";
 import { isUnit, mmFrom, toUnit } from "../units";
+import { fromMeshlab, fromSlicer, type NamedCells } from "./foreignLandmarks";
 import type { Picks } from "./landmarks";
 
 export class UnreadableLandmarks extends Error {}
@@ -29,12 +31,21 @@ function checked(name: string, coordinates: unknown[], unit: Unit, known: Readon
   return numbers.map((value) => mmFrom(value, unit)) as Vector;
 }
 
+function gathered(pairs: NamedCells, unit: Unit, known: ReadonlySet<string>): Picks {
+  return Object.fromEntries(pairs.map(([name, cells]) => [name, checked(name, cells, unit, known)]));
+}
+
 function fromJson(text: string, scanUnit: Unit, known: ReadonlySet<string>): Picks {
-  let file: Partial<LandmarkFile>;
+  let file: Partial<LandmarkFile> & { markups?: unknown };
   try {
-    file = JSON.parse(text) as Partial<LandmarkFile>;
+    file = JSON.parse(text) as typeof file;
   } catch {
     throw new UnreadableLandmarks("The file is not valid JSON: export the landmarks again.");
+  }
+  if ("markups" in file) {
+    const pairs = fromSlicer(file.markups);
+    if (!pairs) throw new UnreadableLandmarks("This 3D Slicer file is incomplete or in neither LPS nor RAS: save the point list again.");
+    return gathered(pairs, scanUnit, known);
   }
   const unit = file.unit ?? scanUnit;
   if (!isUnit(unit)) throw new UnreadableLandmarks(`The unit “${String(unit)}” is not known: use m, dm, cm, mm or in.`);
@@ -56,10 +67,18 @@ function fromCsv(text: string, scanUnit: Unit, known: ReadonlySet<string>): Pick
   );
 }
 
-/** Reads JSON or CSV; throws UnreadableLandmarks with one plain sentence. */
+function fromXml(text: string, scanUnit: Unit, known: ReadonlySet<string>): Picks {
+  const pairs = fromMeshlab(text);
+  if (!pairs) throw new UnreadableLandmarks("This XML is not a MeshLab file of picked points: choose a .pp file.");
+  return gathered(pairs, scanUnit, known);
+}
+
+/** Reads JSON, CSV, .pp or .mrk.json, by content and not by name; throws UnreadableLandmarks with one plain sentence. */
 export function readLandmarks(text: string, scanUnit: Unit, list: readonly LandmarkDefinition[]): Picks {
   const known = new Set(list.map((entry) => entry.name));
-  const picks = text.trimStart().startsWith("{") ? fromJson(text, scanUnit, known) : fromCsv(text, scanUnit, known);
+  const start = text.trimStart().charAt(0);
+  const read = start === "{" ? fromJson : start === "<" ? fromXml : fromCsv;
+  const picks = read(text, scanUnit, known);
   if (Object.keys(picks).length === 0) throw new UnreadableLandmarks("The file holds no landmarks.");
   return picks;
 }

@@ -49,6 +49,7 @@ export const shared = {
   passcode: "Passcode",
   open: "Open",
   files: [
+    { key: "report", name: "report.pdf", what: "pictures, measures" },
     { key: "fitted_glb", name: "fitted.glb", what: "posed rig with drawing" },
     { key: "fitted_ply", name: "fitted.ply", what: "posed model" },
     { key: "drawing", name: "drawing.json", what: "lines on the scan" },

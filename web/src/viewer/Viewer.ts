@@ -168,17 +168,10 @@ export class Viewer {
 
   /** `split`: share of the width that is the scan's, where a line cuts the picture. */
   share(layout: Layout, split: number): void {
-    const before = this.fitDistance(this.view);
     const isOther = layout !== this.layout;
     this.layout = layout;
     this.split = layout === "beside" ? 0.5 : split;
-    if (isOther) {
-      this.resize();
-      // Another width for the same body: closer or farther away, from where the person looks.
-      const { target } = this.controls;
-      this.camera.position.sub(target).multiplyScalar(this.fitDistance(this.view) / before).add(target);
-      this.controls.update();
-    }
+    if (isOther) this.resize();
     this.invalidate();
   }
 
@@ -284,8 +277,12 @@ export class Viewer {
   private resize(): void {
     const { clientWidth, clientHeight } = this.host;
     if (clientWidth === 0 || clientHeight === 0) return;
+    const before = this.fitDistance(this.view);
     this.camera.aspect = this.paneWidth / clientHeight;
     this.camera.updateProjectionMatrix();
+    // Another width for the same body: closer or farther away, from where the person looks.
+    const factor = this.fitDistance(this.view) / before;
+    if (Math.abs(factor - 1) > 0.001) this.zoomBy(factor);
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.draw(); // at once: a resized canvas is empty until it is drawn
   }

@@ -10,7 +10,8 @@ const HOLD_MS = 350; // longer than a tap, shorter than the browser's own menu
 const STILL = 8; // pixels
 const ABOVE = 56; // pixels from the finger's middle to the cross: clear of a fingertip
 
-export function listenToFingers(canvas: HTMLElement, viewer: Viewer, cross: Crosshair, store: Store<Session>, actions: Actions): void {
+export function listenToFingers(canvas: HTMLElement, viewer: Viewer, cross: Crosshair, store: Store<Session>, actions: Actions): { isAimed(event: PointerEvent): boolean } {
+  const aimed = new WeakSet<PointerEvent>(); // their lifting is no click
   let finger: { id: number; x: number; y: number; timer: ReturnType<typeof setTimeout>; isAiming: boolean } | null = null;
 
   const end = (): void => {
@@ -49,10 +50,11 @@ export function listenToFingers(canvas: HTMLElement, viewer: Viewer, cross: Cros
       const { hit } = cross;
       end();
       if (!isAiming) return;
-      event.stopImmediatePropagation();
+      aimed.add(event);
       if (hit) actions.landmarks.place(hit.point);
     },
     { capture: true },
   );
   canvas.addEventListener("pointercancel", end);
+  return { isAimed: (event) => aimed.has(event) };
 }

@@ -106,8 +106,9 @@ export function openViewer(store: Store<Session>, actions: Actions, stage: Stage
   listenToDrags(stage.canvas, viewer, scan, pins, store, actions);
   actions.picture.takenBy(() => exportPicture(viewer, store.get()));
   listenToCanvasKeys(stage.canvas, viewer, scan, cross, store, actions);
-  listenToFingers(stage.canvas, viewer, cross, store, actions);
+  const fingers = listenToFingers(stage.canvas, viewer, cross, store, actions);
   onClick(stage.canvas, (event) => {
+    if (fingers.isAimed(event)) return;
     const ghost = store.get().active === null ? proposed.at(event.clientX, event.clientY) : null;
     if (ghost !== null) return actions.landmarks.confirm([ghost]);
     const hit = store.get().active === null ? null : pickAt(viewer, scan, event.clientX, event.clientY);

@@ -1,0 +1,96 @@
+// A tablet: one finger turns, a tap places, a finger held still aims above its tip, two fingers zoom; nothing lies over
+// anything else, lying or upright.
+import { type CDPSession, expect, type Page } from "@playwright/test";
+import { overlaps, smallTargets } from "./audit";
+import { distance, hook, test, trueLandmarks, untilFitted, untilStill } from "./page";
+
+test.use({ hasTouch: true, viewport: { width: 1024, height: 768 } });
+
+type Fingers = readonly { x: number; y: number }[];
+
+async function touch(session: CDPSession, kind: "touchStart" | "touchMove" | "touchEnd", fingers: Fingers): Promise<void> {
+  await session.send("Input.dispatchTouchEvent", { type: kind, touchPoints: fingers.map(({ x, y }, id) => ({ x, y, id })) });
+}
+
+const ABOVE = 56; // pixels: as fingers.ts
+
+/** Controls that cover each other, and how much wider the page is than the screen. */
+async function mess(page: Page): Promise<string[]> {
+  const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  return [...(await overlaps(page)), ...(await smallTargets(page)), ...(wider > 0 ? [`the page is ${wider} pixels wider than the screen`] : [])];
+}
+
+test("fingers turn, place, aim and zoom; both ways of holding a tablet have room for all", async ({ page, base, troubles, context }) => {
+  const truth = trueLandmarks();
+  const session = await context.newCDPSession(page);
+  await page.emulateMedia({ reducedMotion: "reduce" });
+  await page.goto(base);
+  expect(await mess(page)).toEqual([]);
+  await page.getByRole("button", { name: /standing/i }).tap();
+  await hook.ready(page);
+  expect(await mess(page)).toEqual([]);
+  await page.getByRole("button", { name: "Landmarks", exact: false }).first().tap();
+  await expect(page.locator("[data-proposed]").first()).toBeAttached();
+
+  await test.step("a tap places", async () => {
+    await page.locator(".landmarks [data-landmark=umbilicus] .landmark-name").tap();
+    const { x, y } = await hook.project(page, truth.umbilicus!);
+    await page.touchscreen.tap(x, y);
+    expect(distance((await hook.pick(page, "umbilicus"))!, truth.umbilicus!)).toBeLessThan(4);
+  });
+
+  await test.step("a finger held still aims above its tip, with the loupe; lifting it places", async () => {
+    await page.locator(".landmarks [data-landmark=mid_sternum] .landmark-name").tap();
+    const goal = await hook.project(page, truth.mid_sternum!);
+    const finger = { x: goal.x - 20, y: goal.y + ABOVE + 12 };
+    await touch(session, "touchStart", [finger]);
+    await expect(page.locator(".crosshair")).toBeVisible();
+    await expect(page.locator(".loupe")).toBeVisible();
+    const before = await hook.picture(page);
+    await touch(session, "touchMove", [{ x: goal.x, y: goal.y + ABOVE }]);
+    expect((await hook.picture(page)).checksum, "aiming does not turn the body").toBe(before.checksum);
+    await touch(session, "touchEnd", []);
+    expect(distance((await hook.pick(page, "mid_sternum"))!, truth.mid_sternum!)).toBeLessThan(3);
+    await expect(page.locator(".crosshair")).toBeHidden();
+    expect(await hook.pickCount(page)).toBe(2);
+  });
+
+  await test.step("one finger turns while placing, two zoom, and neither places", async () => {
+    const [a, b] = [truth.nipple_L!, truth.nipple_R!];
+    const apart = async (): Promise<number> => Math.abs((await hook.project(page, a)).x - (await hook.project(page, b)).x);
+    const box = (await page.locator("main canvas.view").boundingBox())!;
+    const middle = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+    const front = await apart();
+    await touch(session, "touchStart", [middle]);
+    for (const step of [10, 40, 80, 120]) await touch(session, "touchMove", [{ x: middle.x + step, y: middle.y }]);
+    await touch(session, "touchEnd", []);
+    await untilStill(page);
+    expect(await apart(), "turned away").toBeLessThan(0.95 * front);
+    await page.keyboard.press("f");
+    await untilStill(page);
+    const pair = (half: number): Fingers => [{ x: middle.x - half, y: middle.y }, { x: middle.x + half, y: middle.y }];
+    await touch(session, "touchStart", pair(40));
+    for (const half of [50, 65, 80]) await touch(session, "touchMove", pair(half));
+    await touch(session, "touchEnd", []);
+    await untilStill(page);
+    expect(await apart(), "twice as far apart, about twice as near").toBeGreaterThan(1.3 * front);
+    expect(await hook.pickCount(page)).toBe(2);
+    await page.keyboard.press("f");
+  });
+
+  await test.step("lying and upright, from the landmarks to the result", async () => {
+    await page.getByRole("button", { name: /^Confirm all/ }).tap();
+    expect(await mess(page)).toEqual([]);
+    await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).tap();
+    await untilFitted(page);
+    await page.waitForFunction(() => window.__breastrig?.state().fit?.distances);
+    for (const viewport of [{ width: 1024, height: 768 }, { width: 820, height: 1180 }, { width: 1280, height: 720 }]) {
+      await page.setViewportSize(viewport);
+      for (const overlay of ["Both", "Beside", "Swipe"]) {
+        await page.getByRole("button", { name: overlay, exact: true }).tap();
+        expect(await mess(page), `${viewport.width} x ${viewport.height}, ${overlay}`).toEqual([]);
+      }
+    }
+  });
+  expect(troubles).toEqual([]);
+});
