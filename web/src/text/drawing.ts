@@ -39,7 +39,6 @@ export const drawing = {
   nameTaken: "Another line has this name.",
   show: (name: string) => `Show ${name}`,
   length: (cm: string) => `${cm} cm`,
-  choose: (name: string) => `Points of ${name}`,
   close: (name: string) => `Close ${name} to a ring`,
   open: (name: string) => `Open the ring ${name}`,
   closeShort: "Close",

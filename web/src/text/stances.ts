@@ -40,7 +40,7 @@ export const stances = {
     busy: "Carrying the drawing …",
     done: (name: string) => `Shown on the ${name} scan; it follows what you draw.`,
     note: (from: string, fromMean: string, fromP95: string, to: string, toMean: string, toP95: string) =>
-      `Where the lines are, the fits lie ${fromMean} mm off the ${from} scan (95 % within ${fromP95}) and ${toMean} mm off the ${to} scan (95 % within ${toP95}). The skin between two stances moves besides: check before you rely on a place.`,
+      `Where the lines are, the fits lie ${fromMean} mm off the ${from} scan (95 % within ${fromP95}) and ${toMean} mm off the ${to} scan (95 % within ${toP95}). How the skin itself slid between the stances is not in these numbers: check before you rely on a place.`,
     bridged: (bridged: number, points: number) => `${bridged} of ${points} points lie over holes of that scan and are dashed.`,
   },
 
