@@ -79,14 +79,15 @@ def test_a_point_cloud(kind: str) -> None:
     assert "triangle mesh" in refused(text)
 
 
-@pytest.mark.parametrize("value", ["nan", "inf", "-inf"])
+@pytest.mark.parametrize("value", ["nan", "inf", "-inf", "1e30", "-1e200"])
 def test_vertices_that_are_not_finite(value: str) -> None:
     vertices = toy_rig().template.copy()
     vertices[17, 1] = float(value)
     assert "One vertex of this scan is not finite" in refused(ply_text(vertices, FACES))
     stl = bytearray(as_bytes(tube(), "stl"))
-    stl[84 + 12 : 84 + 16] = struct.pack("<f", float(value))
-    assert "not finite" in refused(bytes(stl))
+    if abs(float(value)) != 1e200:  # which single precision does not have
+        stl[84 + 12 : 84 + 16] = struct.pack("<f", float(value))
+        assert "not finite" in refused(bytes(stl))
 
 
 @pytest.mark.parametrize("kind", ["ply", "stl", "glb"])
@@ -317,6 +318,14 @@ def test_an_ascii_stl_with_a_number_beyond_single_precision() -> None:
     text = as_bytes(tube(), "stl_ascii").replace(b"vertex 0", b"vertex 1e300", 1)
     assert b"1e300" in text
     refused(text)
+
+
+@pytest.mark.parametrize("unit", ["auto", "m"])
+def test_an_ascii_stl_with_many_numbers_whose_squares_are_too_large(unit: str) -> None:
+    """So many that they are no strays: the size of the scan is asked for."""
+    text = re.sub(rb"vertex 0\S*", b"vertex 1e160", as_bytes(tube(), "stl_ascii"))
+    assert text.count(b"1e160") > 100
+    assert "not finite" in refused(text, units=unit)
 
 
 def test_an_unknown_unit() -> None:

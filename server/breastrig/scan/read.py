@@ -29,6 +29,7 @@ from breastrig.scan.scan import Scan
 from breastrig.scan.texture import is_picture, written_anew
 from breastrig.scan.units import decide_unit, extent
 
+BEYOND = 1e30  # no unit has such numbers; their squares are beyond single precision
 PLY_HEADER_BYTES = 100_000  # a header that is longer than this is none
 
 
@@ -287,10 +288,11 @@ def _check(parts: _Parts) -> None:
     if not len(parts.faces):
         what = "only points" if parts.has_points else "no triangles"
         raise BadScan(f"This scan has {what}; export it as a triangle mesh.")
-    if not np.isfinite(parts.vertices).all():
-        bad = int((~np.isfinite(parts.vertices).all(axis=1)).sum())
+    sound = (np.abs(parts.vertices) < BEYOND).all(axis=1)  # false for what is no number, too
+    if not sound.all():
+        bad = int((~sound).sum())
         which = "One vertex of this scan is" if bad == 1 else f"{bad:,} vertices of this scan are"
-        raise BadScan(f"{which} not finite; repair the mesh or export it again.")
+        raise BadScan(f"{which} not finite or far beyond all reason; repair the mesh or export it again.")
     if len(parts.faces) > TRIANGLES:
         raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
     if len(parts.faces) < MIN_TRIANGLES:
