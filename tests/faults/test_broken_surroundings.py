@@ -86,6 +86,30 @@ def test_a_killed_worker_takes_one_fit_with_it(running: Running, torso: bytes, n
     note("a worker killed", found)
 
 
+def test_killed_processes_that_only_wait_for_work_are_not_missed(running: Running, torso: bytes, note) -> None:
+    process, client = running.process, running.client
+    fits = asked(client, torso, 3)
+    folders = [running.data / "fits" / fit_id for fit_id in ids(fits)]
+    until(lambda: bool(_holders(folders[0], children(process.pid))), "the process of the first fit")
+    pids = children(process.pid)
+    workers = {pid for pid in pids if not children(pid) and _is_fork(pid)}
+    for pid in workers - {holder for folder in folders for holder in _holders(folder, pids)}:
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+    fits += asked(client, torso, 2)
+    ends(client, fits)
+    found = outcome(client, running.data, ids(fits))
+    assert found.done >= 4  # one may have begun in a process that was thought to wait
+    note("processes killed that waited for work", found)
+
+
+def _is_fork(pid: int) -> bool:
+    """Whether the process came from the fork server, and is not the one that tracks resources."""
+    with suppress(OSError):
+        return b"forkserver" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    return False
+
+
 def _holders(folder: Path, pids: set[int]) -> set[int]:
     """The processes that have the folder open."""
     found = set()

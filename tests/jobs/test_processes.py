@@ -1,10 +1,14 @@
+import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 from helpers import in_worker
+from helpers.real_server import children
 from helpers.waiting import until
 
 from breastrig.jobs.processes import Processes
@@ -37,6 +41,21 @@ def test_a_task_that_burns_the_processor_is_stopped_and_the_next_one_runs(proces
 def test_a_task_that_takes_too_long_is_stopped(processes: Processes) -> None:
     with pytest.raises(TimeoutError):
         processes.schedule(in_worker.rest, (60.0,), 0.2).result()
+
+
+def test_a_process_that_is_killed_while_it_waits_for_work_is_not_missed(processes: Processes) -> None:
+    for _ in range(5):
+        waiting = {pid for pid in children(os.getpid()) if not children(pid) and b"forkserver" in command(pid)}
+        for pid in waiting:
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        assert processes.result(in_worker.describe, (), 30.0)["pid"] not in waiting
+
+
+def command(pid: int) -> bytes:
+    with suppress(OSError):
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    return b""
 
 
 def test_stopping_kills_what_runs_and_takes_nothing_more() -> None:

@@ -15,6 +15,7 @@ import resource
 import sys
 import threading
 from collections.abc import Callable
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from typing import Any
 
@@ -76,6 +77,17 @@ class Processes:
             self._unfinished += 1
         future.add_done_callback(self._one_less)
         return future
+
+    def result(self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float) -> Any:
+        """What `schedule` brings, for a function that may be begun twice.
+
+        Processes that only wait for work may be killed from outside, when memory is short; the task that one of them
+        would have had never began, and is tried once more.
+        """
+        try:
+            return self.schedule(function, args, timeout).result()
+        except BrokenProcessPool:
+            return self.schedule(function, args, timeout).result()
 
     def answer(self, wait_s: float) -> bool:
         """Whether a process carries out a task; taken for granted while all are at work."""

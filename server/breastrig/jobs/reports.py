@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
-from breastrig.jobs.executor import Executor
+from breastrig.jobs.processes import Processes
 from breastrig.jobs.report import ReportJob, measures_json_of, report_pdf_of
 from breastrig.storage.files import fit_place
 from breastrig.storage.fits import get_fit
@@ -24,7 +24,7 @@ log = logging.getLogger(__name__)
 class Reports:
     """The reports of all fits.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: Executor, model: Path | None) -> None:
+    def __init__(self, storage: Storage, processes: Processes, model: Path | None) -> None:
         self._storage = storage
         self._processes = processes
         self._model = model
@@ -69,7 +69,7 @@ class Reports:
                 places = [fit_place(one) for one in (fit_id, other_id) if one is not None]
                 folders = [stack.enter_context(self._storage.files.reading(place)) for place in places]
                 job = ReportJob(folders[0], None if other_id is None else folders[1], self._model)
-                content: bytes = self._processes.schedule(MAKERS[name], (job,), WALL_S).result()
+                content: bytes = self._processes.result(MAKERS[name], (job,), WALL_S)
         except BreastRigError:
             for known in (fit_id, other_id):
                 if known is not None:

@@ -236,7 +236,7 @@ class Service:
         try:
             with files.reading(fit_place(from_fit)) as source, files.reading(fit_place(to_fit)) as goal:
                 job = TransferJob(source, goal, drawing, other_patient, self._model)
-                carried: dict[str, Any] = self._readers.schedule(transfer, (job,), TRANSFER_WALL_S).result()
+                carried: dict[str, Any] = self._readers.result(transfer, (job,), TRANSFER_WALL_S)
         except BreastRigError:
             for fit_id in (from_fit, to_fit):
                 get_fit(self.storage, fit_id)
@@ -252,7 +252,7 @@ class Service:
 
     def _read(self, job: UploadJob) -> dict[str, object]:
         try:
-            facts: dict[str, object] = self._readers.schedule(read_upload, (job,), self._uploads.wall_s).result()
+            facts: dict[str, object] = self._readers.result(read_upload, (job,), self._uploads.wall_s)
         except TimeoutError as error:
             raise BadScan(
                 f"Reading this scan took longer than {self._uploads.wall_s:g} s; simplify it first."
