@@ -36,6 +36,8 @@ UNREACHABLE = (
 MISSING = "A cluster needs the package distributed; install it with: pip install 'breastrig[dask]'."
 LOST = "The scheduler was lost."
 
+log = logging.getLogger(__name__)
+
 
 def distributed() -> Any:
     """The package, quiet: what it would print is said by our own sentences.  BadSettings when it is not installed."""
@@ -73,6 +75,7 @@ class DaskPool:
         self._tasks: set[_Task] = set()
         self._addresses: dict[str, int] = {}  # worker -> tasks that it takes at once
         self._loop = asyncio.new_event_loop()
+        self._loop.set_exception_handler(_note_unheard)
         self._thread = threading.Thread(target=self._loop.run_forever, name="dask pool", daemon=True)
         self._thread.start()
         self._callbacks = ThreadPoolExecutor(CALLBACK_THREADS, thread_name_prefix="dask callback")
@@ -252,6 +255,11 @@ class _Task(Future[Any]):
                 self.set_exception(error)
             else:
                 self.set_result(value)
+
+
+def _note_unheard(_loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    """Of a connection that closes, timers are left whose end nobody awaits; asyncio would print them."""
+    log.debug("%s", context.get("message"))
 
 
 def _raise(error: Exception) -> None:
