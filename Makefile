@@ -13,6 +13,7 @@ help:
 	@echo "make check   lint and types only"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
 	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: times as many as in make test)"
+	@echo "make scale   the service on PostgreSQL, S3 and a Dask cluster as well, a killed server and worker among it"
 	@echo "make faults  kill, fill, lock and leave: a table of what became of every fit   (KILLS=20)"
 	@echo "make load    clients that work and viewers on one server: a table of times, memory, errors   (LOAD=\"--seconds 60\")"
 	@echo "make routes  every route with every credential: a table of status codes"
@@ -36,7 +37,8 @@ vitest: web-packages
 pytest: page $(VENV)/.stamp-test
 	BREASTRIG_POSTGRES="$$(sh .ci/postgres.sh)" && export BREASTRIG_POSTGRES && \
 	    OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n auto --maxprocesses=4 --dist loadfile \
-	    --ignore=tests/faults/test_broken_surroundings.py # that is in `make faults`
+	    --ignore=tests/faults/test_broken_surroundings.py \
+	    --ignore=tests/scale/test_served_with_options.py # they are in `make faults` and `make scale`
 
 browser: page web-packages $(VENV)/.stamp-test
 	BREASTRIG_CHROMIUM="$$(sh .ci/chromium.sh)" && export BREASTRIG_CHROMIUM && \
@@ -49,6 +51,10 @@ fuzz: $(VENV)/.stamp-test
 
 faults: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 BREASTRIG_KILLS="$${KILLS:-20}" BREASTRIG_FAULT_TABLE=1 "$(VENV)/bin/python" -m pytest -q tests/faults
+
+scale: $(VENV)/.stamp-test
+	BREASTRIG_POSTGRES="$$(sh .ci/postgres.sh)" && export BREASTRIG_POSTGRES && \
+	    OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest -q tests/scale
 
 load: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 PYTHONPATH=tests "$(VENV)/bin/python" -m load $${LOAD}
@@ -87,4 +93,4 @@ $(VENV)/.stamp-test: $(VENV)/.stamp-venv pyproject.toml
 
 # Two recipes must not install into the same folder at once, whatever -j says.
 .NOTPARALLEL:
-.PHONY: help serve test check vitest pytest browser fuzz faults load routes bench clean page packages web-packages
+.PHONY: help serve test check vitest pytest browser fuzz faults scale load routes bench clean page packages web-packages

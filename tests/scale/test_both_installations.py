@@ -12,17 +12,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import httpx
 import pytest
 from helpers import fake_fit
 from helpers.installations import Large
 from helpers.installed_service import Running, serving
 from helpers.problems import problem
-from helpers.real_server import server
 from helpers.waiting import ended, story, until
 from sqlalchemy import select
 
-from breastrig.cli.main import main
 from breastrig.core.errors import BadSettings
 from breastrig.gltf.read_rig import default_rig_path
 from breastrig.jobs.run_fit import run_fit
@@ -244,40 +241,6 @@ def test_a_real_fit_and_all_that_is_made_of_it(large: Large, tmp_path: Path) -> 
         assert running.client.get(fit["links"]["report"]).data == report
         wish = {"from_fit": fit["id"], "to_fit": fit["id"]}
         assert running.client.post("/api/transfers", json=wish).status_code == 201
-
-
-def test_a_killed_server_is_started_again_and_purged(large: Large, model: Path, torso: bytes, tmp_path: Path) -> None:
-    """As a program, with its options: `breastrig serve --database --files --scheduler`."""
-    location = large.location(tmp_path)
-    places = ["--database", str(location.database), "--files", str(location.files)]
-    options = [*places, "--scheduler", large.cluster.address]
-    log = tmp_path / "log"
-    with (
-        server(location.root, model, log, *options, FAKE_FIT="unhurried") as (process, address),
-        httpx.Client(base_url=address, timeout=30) as client,
-    ):
-        scan = client.post("/api/scans", files={"file": ("torso.ply", torso)}).json()
-        wish = {"scan": scan["id"], "drawing": None}
-        fits = [client.post("/api/fits", json=wish).json()["links"] for _ in range(3)]
-        until(lambda: client.get(fits[1]["self"]).json()["iterations"] > 0, "a running fit")
-        process.kill()
-    with (
-        server(location.root, model, log, *options, FAKE_FIT="unhurried") as (process, address),
-        httpx.Client(base_url=address, timeout=30) as client,
-    ):
-        until(lambda: all(client.get(fit["self"]).json()["state"] == "done" for fit in fits), "the ends")
-        for fit in fits:
-            records = client.get(fit["events"] + ".json").json()["events"]
-            assert [(one["id"], one["event"]["kind"]) for one in records] == list(enumerate(KINDS, start=1))
-            assert client.get(fit["result"]).status_code == 200
-        assert main(["purge", "--all", "--data", str(location.root), *places]) == 2  # while a server runs
-        process.terminate()
-        process.wait(timeout=20)
-    assert scan["id"].encode() in large.kept(location)
-    assert main(["purge", "--all", "--data", str(location.root), *places]) == 0
-    kept = large.kept(location)
-    assert not any(name.encode() in kept for name in (scan["id"], *(fit["self"].rsplit("/", 1)[1] for fit in fits)))
-    assert "Traceback" not in log.read_text()
 
 
 def test_when_a_worker_of_the_cluster_is_killed_every_fit_is_carried_out_once(
