@@ -127,6 +127,6 @@ def test_ctrl_c_is_one_line_and_leaves_nothing_half_written(program: "subprocess
     os.killpg(program.pid, signal.SIGINT)
     _, said = program.communicate(timeout=30)
     assert (program.returncode, said) == (130, "breastrig: stopped.\n")
-    assert not alive(below)
+    until(lambda: not alive(below), "the server of its processes to notice")
     out = tmp_path / "out"
     assert {entry.name for entry in out.iterdir()} == fake_batch.whole_results(out)

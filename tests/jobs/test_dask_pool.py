@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from helpers import fake_batch, in_worker
-from helpers.dask_cluster import ENVIRONMENT, Cluster, cluster, wait_until_ready
+from helpers.dask_cluster import Cluster, cluster, wait_until_ready
 from helpers.real_server import alive
 from helpers.waiting import until
 
@@ -20,6 +20,7 @@ from breastrig.cli.main import main
 from breastrig.core.errors import BadScan, BadSettings, TooMany
 from breastrig.jobs.batch_table import TIMES
 from breastrig.jobs.dask_pool import DaskPool
+from breastrig.jobs.dask_worker import run_worker
 
 GIB = 2**30
 
@@ -226,13 +227,11 @@ def test_an_address_without_a_scheduler_is_one_sentence(monkeypatch: pytest.Monk
         DaskPool("tls://127.0.0.1:9", memory_bytes=GIB)  # there are none
 
 
-def test_a_worker_without_a_scheduler_says_so_and_ends() -> None:
-    command = [sys.executable, "-m", "breastrig.cli.main", "worker", "carrier-pigeon://here", "--workers", "1"]
-    answer = subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True, check=False, timeout=60)
-    assert answer.returncode == 2
-    assert answer.stdout == ""
-    assert answer.stderr.startswith("breastrig: No Dask scheduler answers at carrier-pigeon://here")
-    assert answer.stderr.count("\n") == 1
+def test_a_worker_without_a_scheduler_says_so_and_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("breastrig.jobs.dask_worker.CONNECT_S", 0.3)
+    for address in ("tcp://127.0.0.1:9", "carrier-pigeon://here"):
+        with pytest.raises(BadSettings, match=f"^No Dask scheduler answers at {address}; check the address"):
+            run_worker(address, 1, pytest.fail)
 
 
 def test_without_distributed_one_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
