@@ -14,7 +14,7 @@ from typing import Any
 
 import httpx
 import pytest
-from helpers.fault_table import outcome
+from helpers.fault_table import outcome, wait_for_ends
 from helpers.real_server import alive, children, server
 from helpers.waiting import until
 
@@ -29,9 +29,9 @@ def asked(client: httpx.Client, torso: bytes, count: int, **more: object) -> lis
     ]
 
 
-def ends(client: httpx.Client, fits: list[dict[str, str]]) -> list[dict[str, Any]]:
+def ends(client: httpx.Client, fits: list[dict[str, str]], log: Path) -> list[dict[str, Any]]:
     """The fits once all have ended; each story is whole and agrees with the state."""
-    until(lambda: all(client.get(f["self"]).json()["state"] in ("done", "failed") for f in fits), "the ends")
+    wait_for_ends(client, ids(fits), log)
     found = [client.get(links["self"]).json() for links in fits]
     for fit, links in zip(found, fits, strict=True):
         records = client.get(links["events"] + ".json?limit=1000").json()["events"]
@@ -50,6 +50,7 @@ class Running:
     process: subprocess.Popen[str]
     client: httpx.Client
     data: Path
+    log: Path
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +61,7 @@ def running(tmp_path_factory: pytest.TempPathFactory, model: Path) -> Iterator[R
         server(folder / "data", model, folder / "log", FAKE_FIT="unhurried") as (process, address),
         httpx.Client(base_url=address, timeout=40) as client,
     ):
-        yield Running(process, client, folder / "data")
+        yield Running(process, client, folder / "data", folder / "log")
 
 
 def test_a_killed_worker_takes_one_fit_with_it(running: Running, torso: bytes, note) -> None:
@@ -77,7 +78,7 @@ def test_a_killed_worker_takes_one_fit_with_it(running: Running, torso: bytes, n
     for pid in holder:
         with suppress(ProcessLookupError):
             os.kill(pid, signal.SIGKILL)
-    last = ends(client, fits)
+    last = ends(client, fits, running.log)
     assert last[0]["state"] == "done" or last[0]["reason"].startswith(DIED)
     assert [fit["state"] for fit in last[1:]] == ["done"] * 4
     assert alive({process.pid})
@@ -97,7 +98,7 @@ def test_killed_processes_that_only_wait_for_work_are_not_missed(running: Runnin
         with suppress(ProcessLookupError):
             os.kill(pid, signal.SIGKILL)
     fits += asked(client, torso, 2)
-    ends(client, fits)
+    ends(client, fits, running.log)
     found = outcome(client, running.data, ids(fits))
     assert found.done >= 4  # one may have begun in a process that was thought to wait
     note("processes killed that waited for work", found)
@@ -130,7 +131,7 @@ def test_a_locked_database_makes_fits_wait_and_loses_none(running: Running, tors
     assert [client.get(links["self"]).json()["last_event"] for links in fits] == before
     other.execute("COMMIT")
     other.close()
-    last = ends(client, fits)
+    last = ends(client, fits, running.log)
     assert [fit["state"] for fit in last] == ["done"] * 4
     note("database locked for 1.5 s", outcome(client, running.data, ids(fits)))
 
@@ -148,7 +149,7 @@ def test_a_client_gone_in_the_middle_of_an_upload_leaves_nothing(running: Runnin
         with socket.create_connection(address, timeout=10) as connection:
             connection.sendall(head.encode() + torso[: len(torso) // 2])
     fits = asked(client, torso, 2)
-    assert [fit["state"] for fit in ends(client, fits)] == ["done"] * 2
+    assert [fit["state"] for fit in ends(client, fits, running.log)] == ["done"] * 2
     assert len(list((running.data / "scans").iterdir())) == kept + 1
     note("5 clients gone in the middle of an upload", outcome(client, running.data, ids(fits)))
 
@@ -159,7 +160,7 @@ def test_clients_gone_in_the_middle_of_a_stream_stop_no_fit(running: Running, to
     for links in fits * 4:
         with client.stream("GET", links["events"]) as stream:
             next(stream.iter_text())
-    last = ends(client, fits)
+    last = ends(client, fits, running.log)
     assert [fit["state"] for fit in last] == ["done"] * 3
     note("12 clients gone in the middle of a stream", outcome(client, running.data, ids(fits)))
 
@@ -168,7 +169,7 @@ def test_clients_gone_in_the_middle_of_a_stream_stop_no_fit(running: Running, to
 def test_a_full_disk_fails_fits_with_a_sentence_and_loses_none(
     tmp_path: Path, model: Path, torso: bytes, note: Callable[[str, str], None]
 ) -> None:
-    disk = tmp_path / "disk"
+    disk, log = tmp_path / "disk", tmp_path / "log"
     disk.mkdir()
     mounted = subprocess.run(
         ["mount", "-t", "tmpfs", "-o", "size=24m", "tmpfs", str(disk)], capture_output=True, check=False
@@ -177,11 +178,13 @@ def test_a_full_disk_fails_fits_with_a_sentence_and_loses_none(
         pytest.skip("this machine lets nobody mount a small disk")
     try:
         with (
-            server(disk / "data", model, tmp_path / "log", FAKE_FIT="mostly_patient") as (process, address),
+            server(disk / "data", model, log, FAKE_FIT="mostly_patient") as (process, address),
             httpx.Client(base_url=address, timeout=40) as client,
         ):
             kept = asked(client, torso, 2)
-            before = [client.get(links["result"]).content for links, _ in zip(kept, ends(client, kept), strict=True)]
+            before = [
+                client.get(links["result"]).content for links, _ in zip(kept, ends(client, kept, log), strict=True)
+            ]
             running = asked(client, torso, 2, preset="paper")  # write events for ten seconds
             waiting = asked(client, torso, 2)
             until(lambda: all(client.get(f["self"]).json()["iterations"] for f in running), "two running fits")
@@ -197,10 +200,10 @@ def test_a_full_disk_fails_fits_with_a_sentence_and_loses_none(
             time.sleep(2.0)  # until the log of the database has used up what it had
             ballast.truncate(0)
             ballast.close()
-            last = ends(client, running + waiting)
+            last = ends(client, running + waiting, log)
             assert [fit["state"] for fit in last[:2]] == ["failed"] * 2
             assert all("stored" in fit["reason"] or "written" in fit["reason"] for fit in last if fit["reason"])
-            again = ends(client, asked(client, torso, 2))
+            again = ends(client, asked(client, torso, 2), log)
             assert [fit["state"] for fit in again] == ["done"] * 2
             full, after = (ids(running + waiting), ids(kept) + [fit["id"] for fit in again])
             note("disk full while fits run", outcome(client, disk / "data", full))

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import httpx
 import pytest
-from helpers.fault_table import FILES, outcome
+from helpers.fault_table import FILES, outcome, wait_for_ends
 from helpers.real_server import server, starting
-from helpers.waiting import PATIENCE_S, until
+from helpers.waiting import PATIENCE_S
 
 from breastrig.jobs.carry_out import ATTEMPTS, TOO_OFTEN
 
@@ -51,27 +51,6 @@ def ask_until_dead(
         return
 
 
-def wait_for_ends(client: httpx.Client, fits: dict[str, Links], log: Path) -> None:
-    """Returns when every fit has ended; as long as one goes on in time, the others may take longer."""
-    left = set(fits)
-    states: dict[str, tuple[str, int]] = {}
-
-    def something_happened() -> bool:
-        before = dict(states)
-        for fit_id in left:
-            fit = client.get(fits[fit_id]["self"]).json()
-            states[fit_id] = (fit["state"], fit["last_event"])
-        left.difference_update([fit_id for fit_id in left if states[fit_id][0] in ("done", "failed")])
-        return states != before
-
-    while left:
-        try:
-            until(something_happened, "an event")
-        except AssertionError as error:
-            told = {fit_id: states[fit_id] for fit_id in left}
-            pytest.fail(f"nothing happened for {PATIENCE_S} s: {told}\n{log.read_text()[-3000:]}\n{error}")
-
-
 @contextmanager
 def killed_after(process: subprocess.Popen[str], seconds: float) -> Iterator[None]:
     timer = threading.Timer(seconds, process.kill)
@@ -105,7 +84,7 @@ def test_no_fit_is_lost_or_left_open_whenever_the_server_is_killed(
             httpx.Client(base_url=address, timeout=2 * PATIENCE_S) as client,
         ):
             if kill % 2 == 0 or kill == KILLS:
-                wait_for_ends(client, {fit_id: fits[fit_id] for fit_id in since}, log)
+                wait_for_ends(client, since, log)
                 for fit_id, before in seen.items():
                     assert kept(client, fits[fit_id]) == before
                 if what:

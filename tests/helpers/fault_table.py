@@ -8,6 +8,8 @@ from pathlib import Path
 
 import httpx
 
+from helpers.waiting import PATIENCE_S, until
+
 FILES = ("result", "fitted_glb", "fitted_ply", "drawing", "distances")
 
 
@@ -26,6 +28,27 @@ class Outcome:
     @property
     def nothing_is_wrong(self) -> bool:
         return (self.lost, self.doubled, self.left_over) == (0, 0, 0)
+
+
+def wait_for_ends(client: httpx.Client, fits: Iterable[str], log: Path) -> None:
+    """Returns when every fit has ended; as long as one goes on in time, the others may take longer."""
+    left = set(fits)
+    states: dict[str, tuple[str, int]] = {}
+
+    def something_happened() -> bool:
+        before = dict(states)
+        for fit_id in left:
+            fit = client.get(f"/api/fits/{fit_id}").json()
+            states[fit_id] = (fit["state"], fit["last_event"])
+        left.difference_update([fit_id for fit_id in left if states[fit_id][0] in ("done", "failed")])
+        return states != before
+
+    while left:
+        try:
+            until(something_happened, "an event")
+        except AssertionError as error:
+            told = {fit_id: states[fit_id] for fit_id in left}
+            raise AssertionError(f"nothing happened for {PATIENCE_S} s: {told}\n{log.read_text()[-3000:]}") from error
 
 
 def outcome(client: httpx.Client, data: Path, fits: Iterable[str]) -> Outcome:
