@@ -35,21 +35,22 @@ for (const triangles of SIZES) {
     for (let i = 0; i < 150; i += 1) await page.mouse.move(x + 100 * Math.sin(i / 12), y + 30 * Math.sin(i / 20));
     await page.mouse.up();
     const times = (await page.evaluate(() => (window as unknown as { frameTimes: number[] }).frameTimes)).sort((a, b) => a - b);
+    // The clock of a page counts tenths of a millisecond: many picks are timed together.
     const picks = await page.evaluate(
       ([left, top, width, height, count]) => {
-        const took: number[] = [];
+        let hits = 0;
+        const begun = performance.now();
         for (let i = 0; i < count!; i += 1) {
-          const begun = performance.now();
-          window.__breastrig!.pickAt(left! + width! * (0.35 + 0.3 * ((i * 0.618) % 1)), top! + height! * (0.25 + 0.5 * ((i * 0.414) % 1)));
-          took.push(performance.now() - begun);
+          const at = [left! + width! * (0.35 + 0.3 * ((i * 0.618) % 1)), top! + height! * (0.25 + 0.5 * ((i * 0.414) % 1))] as const;
+          if (window.__breastrig!.pickAt(...at)) hits += 1;
         }
-        return took.sort((a, b) => a - b);
+        return { ms: (performance.now() - begun) / count!, hits };
       },
-      [box.x, box.y, box.width, box.height, PICKS],
+      [box.x, box.y, box.width, box.height, PICKS] as const,
     );
     console.log(
       `${drawn} triangles: a picture ${at(times, 0.5).toFixed(1)} ms (median), ${at(times, 0.95).toFixed(1)} ms (95 %) of ${times.length} while turning; ` +
-        `a pick ${at(picks, 0.5).toFixed(2)} ms (median), ${at(picks, 0.95).toFixed(2)} ms (95 %) of ${PICKS}`,
+        `a pick ${picks.ms.toFixed(3)} ms (mean of ${PICKS}, ${picks.hits} on the body)`,
     );
   });
 }

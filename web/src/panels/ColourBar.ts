@@ -1,7 +1,7 @@
 // What the colours of the distance map mean, drawn by the same function that colours the map.
 import { el, show } from "../dom";
 import { SCALE_MM, SCANNER_MM, screenColourOf } from "../state/distances";
-import { type Session, showsFittedSurface } from "../state/session";
+import { isBeside, type Session, showsFittedSurface } from "../state/session";
 import { text } from "../text";
 import type { Panel } from "./Panel";
 
@@ -36,7 +36,7 @@ export function createColourBar(): Panel {
   return {
     element,
     update(state: Session): void {
-      element.classList.toggle("is-small", state.overlay === "beside"); // two bodies leave less room beside them
+      element.classList.toggle("is-small", isBeside(state.overlay)); // there the body stands where the large one would be
       show(element, state.showDistances && showsFittedSurface(state) && state.overlay !== "scan");
     },
   };

@@ -36,7 +36,7 @@ export function createScanPanel(actions: Actions, dismiss: () => void): Panel {
     wrong.element,
     check,
     facts,
-    reasons,
+    el("details", { class: "why" }, el("summary", {}, text.scan.why), reasons),
     again.element,
     unitNote,
     coloursRow,

@@ -38,6 +38,7 @@ export const scan = {
   stance: "Stance",
   stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine" },
   facingFrom: { landmarks: "Upright by its landmarks.", person: "Turned by you." },
+  why: "How this was found out",
   check: "Is it right? The ruler beside the body is 30 cm long; the body should stand upright and face you, with L on your right.",
   confirm: "Size and direction are right",
   wrongWay: "Not upright and facing you? Turn it by 90°:",

@@ -21,7 +21,8 @@ export type Layout = "one" | "beside" | "swipe";
 export type Half = "scan" | "model";
 
 const FIELD_OF_VIEW = 26; // degrees; long enough a lens that a torso is not distorted
-const MARGIN = 1.24;
+const MARGIN = 1.24; // above and below
+const BESIDE = 0.09; // metres on each side: for the ruler and the letters
 
 /** Unit vectors from the body to the eye. */
 const DIRECTIONS: Record<ViewName, Vector3> = {
@@ -216,7 +217,7 @@ export class Viewer {
     const tangent = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
     const { x, y, z } = this.half;
     const [across, up, deep] = name === "top" ? [x, z, y] : name === "left" || name === "right" ? [z, y, x] : [x, y, z];
-    return (MARGIN * Math.max(up, across / this.camera.aspect)) / tangent + deep;
+    return Math.max(MARGIN * up, (across + BESIDE) / this.camera.aspect) / tangent + deep;
   }
 
   repaint(): void {
