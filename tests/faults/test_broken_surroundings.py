@@ -67,20 +67,21 @@ def running(tmp_path_factory: pytest.TempPathFactory, model: Path) -> Iterator[R
 def test_a_killed_worker_takes_one_fit_with_it(running: Running, torso: bytes, note) -> None:
     process, client = running.process, running.client
     fits = asked(client, torso, 5)
-    holder: set[int] = set()
-    folder = running.data / "fits" / fits[0]["self"].rsplit("/", 1)[1]
+    held: dict[str, set[int]] = {}  # whichever fit runs now: on a busy machine the first may be over already
 
     def found() -> bool:
-        holder.update(_holders(folder, children(process.pid)))
-        return bool(holder)
+        pids = children(process.pid)
+        held.update({fit_id: _holders(running.data / "fits" / fit_id, pids) for fit_id in ids(fits)})
+        return any(held.values())
 
-    until(found, "the process of the first fit")
-    for pid in holder:
+    until(found, "the process of a fit")
+    hit = next(fit_id for fit_id in ids(fits) if held[fit_id])
+    for pid in held[hit]:
         with suppress(ProcessLookupError):
             os.kill(pid, signal.SIGKILL)
-    last = ends(client, fits, running.log)
-    assert last[0]["state"] == "done" or last[0]["reason"].startswith(DIED)
-    assert [fit["state"] for fit in last[1:]] == ["done"] * 4
+    last = {fit["id"]: fit for fit in ends(client, fits, running.log)}
+    assert last[hit]["state"] == "done" or last[hit]["reason"].startswith(DIED)
+    assert [fit["state"] for fit_id, fit in last.items() if fit_id != hit] == ["done"] * 4
     assert alive({process.pid})
     found = outcome(client, running.data, ids(fits))
     assert (found.done, found.failed) in ((5, 0), (4, 1))
@@ -91,7 +92,6 @@ def test_killed_processes_that_only_wait_for_work_are_not_missed(running: Runnin
     process, client = running.process, running.client
     fits = asked(client, torso, 3)
     folders = [running.data / "fits" / fit_id for fit_id in ids(fits)]
-    until(lambda: bool(_holders(folders[0], children(process.pid))), "the process of the first fit")
     pids = children(process.pid)
     workers = {pid for pid in pids if not children(pid) and _is_fork(pid)}
     for pid in workers - {holder for folder in folders for holder in _holders(folder, pids)}:
@@ -100,7 +100,7 @@ def test_killed_processes_that_only_wait_for_work_are_not_missed(running: Runnin
     fits += asked(client, torso, 2)
     ends(client, fits, running.log)
     found = outcome(client, running.data, ids(fits))
-    assert found.done >= 4  # one may have begun in a process that was thought to wait
+    assert found.done >= 3  # two may have begun in processes that were thought to wait
     note("processes killed that waited for work", found)
 
 
