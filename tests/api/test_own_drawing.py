@@ -37,7 +37,7 @@ def place(scan_id: str) -> str:
 
 def test_a_drawing_is_kept_with_its_scan(client: FlaskClient, scan_id: str) -> None:
     assert client.get(f"/api/scans/{scan_id}").json["links"]["drawing"] == place(scan_id)
-    assert "Nothing has been drawn" in problem(client.get(place(scan_id)), 404)
+    assert client.get(place(scan_id)).json == DRAWING | {"shapes": []}
     answer = client.put(place(scan_id), json=DRAWING)
     assert (answer.status_code, answer.json) == (200, DRAWING)
     assert client.get(place(scan_id)).json == DRAWING
@@ -85,7 +85,7 @@ def line(**changes: object) -> dict[str, object]:
 )
 def test_what_cannot_be_a_drawing_is_refused(client: FlaskClient, shared_scan: str, body, word: str) -> None:
     assert word in problem(client.put(place(shared_scan), json=body), 422)
-    problem(client.get(place(shared_scan)), 404)
+    assert client.get(place(shared_scan)).json == DRAWING | {"shapes": []}
 
 
 def test_points_that_are_not_finite_are_refused(client: FlaskClient, shared_scan: str) -> None:

@@ -6,7 +6,7 @@ from flask import request
 from breastrig.api import wire_drawings
 from breastrig.api.current import behind
 from breastrig.api.scans import TAG
-from breastrig.core.errors import BadDrawing, NotFound, TooLarge
+from breastrig.core.errors import BadDrawing, TooLarge
 from breastrig.storage.drawings import get_drawing, put_drawing
 from breastrig.storage.scans import ScanRow, get_scan
 
@@ -24,15 +24,15 @@ def limit_body() -> None:
 
 @drawings.get("/<scan_id>/drawing")
 @drawings.output(wire_drawings.OwnDrawing)
-@drawings.doc(operation_id="getOwnDrawing", responses={404: "No such scan, or nothing was drawn on it"})
+@drawings.doc(operation_id="getOwnDrawing")
 def show_drawing(scan_id: str) -> wire_drawings.OwnDrawing:
-    """What was drawn on the scan, mm"""
+    """What was drawn on the scan, mm
+
+    No shapes when nothing was drawn yet.
+    """
     storage = behind().service.storage
     get_scan(storage, scan_id)
-    document = get_drawing(storage, scan_id)
-    if document is None:
-        raise NotFound("Nothing has been drawn on this scan yet.")
-    return wire_drawings.OwnDrawing.model_validate(document)
+    return wire_drawings.OwnDrawing.model_validate(get_drawing(storage, scan_id) or {"shapes": []})
 
 
 @drawings.put("/<scan_id>/drawing")

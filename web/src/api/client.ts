@@ -109,12 +109,8 @@ export const client = {
   },
   result: (link: string) => askJson<Result>(link),
   drawing: (link: string) => askJson<DrawingFile>(link),
-  /** Nothing has been drawn yet: null. */
-  ownDrawing: (scan: Scan) =>
-    askJson<OwnDrawing>(scan.links.drawing).catch((error: unknown) => {
-      if (error instanceof ApiError && error.status === 404) return null;
-      throw error;
-    }),
+  /** No shapes when nothing was drawn yet. */
+  ownDrawing: (scan: Scan) => askJson<OwnDrawing>(scan.links.drawing),
   /** Browsers keep a request alive beyond its page only when it is small. */
   saveDrawing: (scan: Scan, drawing: OwnDrawing) =>
     askJson<OwnDrawing>(scan.links.drawing, "PUT", drawing, JSON.stringify(drawing).length < KEPT_ALIVE_BYTES),
