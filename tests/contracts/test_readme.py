@@ -1,6 +1,5 @@
 """What the README shows works as printed."""
 
-import os
 import re
 import shutil
 import subprocess
@@ -23,7 +22,6 @@ def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) ->
     for name in ("scan.ply", "landmarks.json"):
         shutil.copy(repository / "model_assets" / "example" / "standing" / name, tmp_path)
     serve = [sys.executable, "-m", "breastrig.cli.main", "serve", "--port", "0", "--data", str(tmp_path / "data")]
-    quiet = os.environ | {"PYTHONWARNINGS": "ignore"}  # the printed client leaves its files to be closed at its end
     with subprocess.Popen(serve, stdout=subprocess.PIPE, text=True) as server:
         try:
             assert server.stdout is not None
@@ -33,12 +31,16 @@ def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) ->
                 "http://127.0.0.1:8321", address[0]
             )
             run = subprocess.run(
-                [sys.executable, "-c", client], cwd=tmp_path, capture_output=True, text=True, timeout=120, env=quiet
+                [sys.executable, "-W", "error", "-c", client], cwd=tmp_path, capture_output=True, text=True, timeout=120
             )
+            scans = list((tmp_path / "data" / "scans").iterdir())
         finally:
             server.terminate()
     assert run.returncode == 0, run.stderr
-    assert "event: done" in run.stdout
+    assert "iterated" in run.stdout
+    for name in ("result.json", "fitted.glb", "drawing.json", "report.pdf"):
+        assert (tmp_path / name).stat().st_size > 1000, name
+    assert scans == []  # it deletes what it has uploaded
     assert "'mean'" in run.stdout.splitlines()[-1]
 
 

@@ -1,59 +1,59 @@
-"""`breastrig` and its commands.  Exit codes: 0 done, 1 the fit failed, 2 bad input or usage."""
+"""`breastrig` and its commands.  Exit codes: 0 done, 1 the fit failed, 2 bad input or usage.
+
+Only the module of the command that is called is imported: all of them together take seconds.
+"""
 
 import argparse
+import importlib
 import sys
 from collections.abc import Sequence
 
 from breastrig import __version__
-from breastrig.cli import (
-    batch_command,
-    compare_command,
-    config_command,
-    evaluate_command,
-    export_command,
-    fit_command,
-    landmarks_command,
-    model_command,
-    purge_command,
-    report_command,
-    serve_command,
-    transfer_command,
-    worker_command,
-)
 from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.notice import LIMITS_OF_USE, RESEARCH_USE_ONLY
 
+COMMANDS = (
+    "fit",
+    "transfer",
+    "compare",
+    "report",
+    "export",
+    "landmarks",
+    "batch",
+    "evaluate",
+    "model",
+    "serve",
+    "worker",
+    "config",
+    "purge",
+)
 
-def parser() -> argparse.ArgumentParser:
+
+def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
+    """Of these commands."""
     root = argparse.ArgumentParser(
         prog="breastrig",
         description="Fits a rigged torso model to a 3D scan and lays surgical drawings on it.",
         epilog=LIMITS_OF_USE,
     )
     root.add_argument("--version", action="version", version=f"BreastRig {__version__}. {RESEARCH_USE_ONLY}")
-    commands = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for module in (
-        fit_command,
-        transfer_command,
-        compare_command,
-        report_command,
-        export_command,
-        landmarks_command,
-        batch_command,
-        evaluate_command,
-        model_command,
-        serve_command,
-        worker_command,
-        config_command,
-        purge_command,
-    ):
-        module.add_parser(commands)
+    parsers = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for command in commands:
+        importlib.import_module(f"breastrig.cli.{command}_command").add_parser(parsers)
     return root
+
+
+def _needed(words: Sequence[str]) -> Sequence[str]:
+    """The commands that these words are about."""
+    if words and words[0] in COMMANDS:
+        return words[:1]
+    return () if list(words) == ["--version"] else COMMANDS
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs one command; every expected error is one line on stderr."""
-    options = parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else arguments
+    options = parser(_needed(words)).parse_args(words)
     try:
         return int(options.run(options))
     except BreastRigError as error:

@@ -17,6 +17,7 @@ from breastrig.core.log_lines import set_up_logs
 from breastrig.core.notice import RESEARCH_USE_ONLY
 from breastrig.jobs.carry_out import Runner
 from breastrig.jobs.executor import Executor
+from breastrig.jobs.fork_server import start_fork_server
 from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.processes import preload_remote
 from breastrig.jobs.run_fit import run_fit
@@ -69,6 +70,7 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
         streams=config.streams,
         keep_days=config.keep_days,
     )
+    start_fork_server()
     with ExitStack() as stack:
         if executor is not None:
             stack.callback(executor.stop)

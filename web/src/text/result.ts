@@ -7,7 +7,6 @@ export const result = {
   doubts: "Check these landmarks",
   drawing: "Drawing on the scan",
   noDrawing: "No drawing was asked for.",
-  shapeNote: "Dashed where the scan has a hole.",
   downloads: [
     { key: "report", name: "report.pdf", what: "pictures, measures" },
     { key: "fitted_glb", name: "fitted.glb", what: "posed rig, drawing, replay" },

@@ -1,0 +1,40 @@
+"""Only what a command needs is imported, and every command is known by its name."""
+
+import subprocess
+import sys
+
+import pytest
+
+from breastrig.cli.main import COMMANDS, main
+
+HEAVY = {"numpy", "scipy", "flask", "sqlalchemy"}
+
+
+def imported_by(*words: str) -> set[str]:
+    code = f"import sys\nfrom breastrig.cli.main import main\ntry:\n    main({list(words)!r})\nexcept SystemExit:\n    pass\n"
+    code += "print(*sys.modules, file=sys.stderr)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(run.stderr.split())
+
+
+def test_the_version_is_said_without_anything_heavy() -> None:
+    assert not HEAVY & imported_by("--version")
+
+
+def test_the_settings_are_shown_without_the_service_and_without_scipy() -> None:
+    assert not {"breastrig.jobs.service", "breastrig.fitting.fit"} & imported_by("config")
+
+
+def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(["--help"])
+    assert left.value.code == 0
+    said = capsys.readouterr().out
+    assert all(f"\n    {command} " in said for command in COMMANDS)
+
+
+def test_what_is_no_command_is_refused_with_those_that_are(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(["fits"])
+    assert left.value.code == 2
+    assert "purge" in capsys.readouterr().err
