@@ -4,8 +4,9 @@ from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api import wire
-from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, GLB, JSON, bytes_answer, file_of
+from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, GLB, JSON, file_of
 from breastrig.api.current import behind
+from breastrig.api.public_answers import public_answer
 from breastrig.core.errors import NotFound, unknown_name
 
 models = APIBlueprint(
@@ -17,7 +18,7 @@ models = APIBlueprint(
 @models.doc(operation_id="getModel", responses={200: file_of(GLB, "The skinned model")})
 def show_model() -> Response:
     """The rigged model: skin, bones, 55 named blendshapes"""
-    return bytes_answer(behind().model.glb, GLB, CHECK_AGAIN)
+    return public_answer(behind().model.glb, GLB, CHECK_AGAIN)
 
 
 @models.get("/torso.json")
@@ -25,7 +26,7 @@ def show_model() -> Response:
 @models.doc(operation_id="getModelSide")
 def show_side() -> Response:
     """What is known of the model: limits, landmarks, drawings"""
-    return bytes_answer(behind().model.side_json, JSON, CHECK_AGAIN)
+    return public_answer(behind().model.side_json, JSON, CHECK_AGAIN)
 
 
 @models.get("/<sha256>/torso.bin")
@@ -34,7 +35,7 @@ def show_buffer(sha256: str) -> Response:
     """The buffer that every iteration's glTF points at"""
     model = behind().model
     _check_hash(sha256, model.rig.sha256)
-    return bytes_answer(model.buffer, BINARY, FOR_EVER)
+    return public_answer(model.buffer, BINARY, FOR_EVER)
 
 
 @models.get("/<sha256>/drawings/<name>.bin")
@@ -45,7 +46,7 @@ def show_drawing_buffer(sha256: str, name: str) -> Response:
     _check_hash(sha256, model.rig.sha256)
     if name not in model.drawing_buffers:
         raise NotFound(unknown_name("drawing", name, model.rig.drawing_names))
-    return bytes_answer(model.drawing_buffers[name], BINARY, FOR_EVER)
+    return public_answer(model.drawing_buffers[name], BINARY, FOR_EVER)
 
 
 def _check_hash(asked: str, ours: str) -> None:

@@ -1,12 +1,15 @@
 """The built page, and the page that says how to build it."""
 
+import mimetypes
 from pathlib import Path
 
-from flask import Blueprint, Response, send_from_directory
+from flask import Blueprint, Response, abort
 from werkzeug.routing import BaseConverter
+from werkzeug.utils import safe_join
 
-from breastrig.api.answers import CHECK_AGAIN, FOR_EVER
+from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER
 from breastrig.api.current import behind
+from breastrig.api.public_answers import public_answer
 from breastrig.api.session import in_session
 from breastrig.core.assets import asset_folder
 
@@ -56,6 +59,8 @@ def _folder() -> Path:
 
 
 def _file(folder: Path, name: str, caching: str) -> Response:
-    response = send_from_directory(folder, name)
-    response.headers["Cache-Control"] = caching
-    return response
+    path = safe_join(str(folder), name)
+    if path is None or not Path(path).is_file():
+        abort(404)
+    media_type = mimetypes.guess_type(name)[0] or BINARY
+    return public_answer(Path(path).read_bytes(), media_type, caching)
