@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 from helpers import fake_batch
@@ -77,33 +78,39 @@ def test_a_wrong_option_is_one_line(option: list[str], tmp_path: Path, capsys: p
 
 
 @pytest.fixture
-def program(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
+def temporary() -> Iterator[Path]:
+    """A folder for temporary files; its name is short, because processes have sockets there."""
+    with TemporaryDirectory(prefix="b", dir="/tmp") as folder:
+        yield Path(folder)
+
+
+@pytest.fixture
+def program(tmp_path: Path, temporary: Path) -> Iterator["subprocess.Popen[str]"]:
     """A batch of six rows in a process group of its own, once its first result is there."""
     manifest = fake_batch.write_manifest(tmp_path, {f"row{n}": f"slow 0.{n}" for n in range(3, 9)})
     command = [sys.executable, fake_batch.__file__, str(manifest), "-o", str(tmp_path / "out"), "--jobs", "2"]
-    temporary = tmp_path / "tmp"
-    temporary.mkdir()
-    process = subprocess.Popen(
+    with subprocess.Popen(
         command,
         env=ENVIRONMENT | {"TMPDIR": str(temporary)},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-    )
-    until(lambda: any((tmp_path / "out").glob("row*")), "the first result")
-    yield process
-    process.kill()
-    process.communicate()
+    ) as process:
+        try:
+            until(lambda: any((tmp_path / "out").glob("row*")) or process.poll() is not None, "the first result")
+            yield process
+        finally:
+            process.kill()
 
 
 def test_a_killed_batch_goes_on_where_it_was(
-    program: "subprocess.Popen[str]", fake: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    program: "subprocess.Popen[str]", temporary: Path, fake: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     below = children(program.pid)
     program.kill()
     program.wait()
-    out, temporary = tmp_path / "out", tmp_path / "tmp"
+    out = tmp_path / "out"
     done = {name: (out / name).stat().st_ino for name in fake_batch.whole_results(out)}
     assert 0 < len(done) < 6
     assert not (out / "batch.csv").exists()
