@@ -9,11 +9,14 @@ from pathlib import Path
 
 import pytest
 
+from breastrig.scan.landmark_files import SLICER_SCHEMA
+
 ADDRESS = re.compile(
     r"""(?:(?:https?|wss?):|(?<=["'`(=]))//(?P<host>[a-z0-9-]+(?:\.[a-z0-9-]+)*\.[a-z]{2,})[^\s"'`<>)\\]*""",
     re.IGNORECASE,
 )
 NAMES_OF_LANGUAGES = {"www.w3.org"}  # xmlns: a name, never fetched
+NAME_OF_FORMAT = SLICER_SCHEMA.split(":", 1)[1]  # a name as well, in the landmark files that the page saves
 LOADS = re.compile(
     r"""(?:\bsrc|\bhref|\baction|\bposter)\s*=\s*["']?\s*(?:https?:)?//"""
     r"""|url\(\s*["']?(?:https?:)?//"""
@@ -33,7 +36,8 @@ def texts(folder: Path) -> dict[str, str]:
 
 
 def outside_addresses(text: str) -> list[str]:
-    return [match[0] for match in ADDRESS.finditer(text) if match["host"].lower() not in NAMES_OF_LANGUAGES]
+    found = [match for match in ADDRESS.finditer(text) if match["host"].lower() not in NAMES_OF_LANGUAGES]
+    return [match[0] for match in found if not match[0].endswith(NAME_OF_FORMAT)]
 
 
 @pytest.fixture(scope="module")

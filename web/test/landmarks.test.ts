@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Frame, LandmarkDefinition } from "../src/api/types";
-import { toMeshlab } from "../src/state/foreignLandmarks";
+import { toMeshlab, toSlicer } from "../src/state/foreignLandmarks";
 import { readLandmarks, toCsv, toJson } from "../src/state/landmarkFiles";
 import { leftOf } from "../src/state/frame";
 import { frameFromPicks, nextMissing, onWrongSide, type Picks, sideOf, withoutPick, withPick } from "../src/state/landmarks";
@@ -60,6 +60,14 @@ test("MeshLab's picked points come back, and a point that was not picked is none
   for (const [name, point] of Object.entries(picks)) point.forEach((mm, axis) => expect(again[name]![axis]).toBeCloseTo(mm, 4));
   const template = text.replace('active="1"', 'active="0"');
   expect(Object.keys(readLandmarks(template, "m", list)).length).toBe(Object.keys(picks).length - 1);
+});
+
+test("3D Slicer's markups come back, in a file that names its format", () => {
+  const text = toSlicer(picks, "m");
+  expect((JSON.parse(text) as Record<string, string>)["@schema"]).toMatch(/markups-schema-v1\.0\.3\.json#$/);
+  const again = readLandmarks(text, "m", list);
+  expect(Object.keys(again)).toEqual(Object.keys(picks));
+  for (const [name, point] of Object.entries(picks)) point.forEach((mm, axis) => expect(again[name]![axis]).toBeCloseTo(mm, 4));
 });
 
 test("3D Slicer's markups are read in the scan's unit, from either frame, without what was not placed", () => {

@@ -4,7 +4,7 @@ import type { LandmarkDefinition } from "../api/types";
 import { el, fill, icon, saveFile, setText, show } from "../dom";
 import { toCsv, toJson } from "../state/landmarkFiles";
 import { expectedErrorMm, type Ghost, ghostsOf, isLikely } from "../state/proposals";
-import { toMeshlab } from "../state/foreignLandmarks";
+import { toMeshlab, toSlicer } from "../state/foreignLandmarks";
 import { onWrongSide, plainLabel, sideOf } from "../state/landmarks";
 import type { Session } from "../state/session";
 import { text } from "../text";
@@ -36,6 +36,12 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
     () => state?.scan && saveFile("landmarks.pp", toMeshlab(state.picks.present, state.scan.info.unit), "application/xml"),
     "quiet",
   );
+  const slicer = button(
+    text.landmarks.exportSlicer,
+    () => state?.scan && saveFile("landmarks.mrk.json", toSlicer(state.picks.present, state.scan.info.unit), "application/json"),
+    "quiet",
+  );
+  slicer.title = text.landmarks.exportHint("3D Slicer .mrk.json");
   pp.title = text.landmarks.exportHint("MeshLab .pp");
   json.title = text.landmarks.exportHint("JSON");
   csv.title = text.landmarks.exportHint("CSV");
@@ -45,7 +51,7 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
     "div",
     { class: "panel" },
     wrong.element,
-    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, json, csv, pp),
+    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, json, csv, pp, slicer),
     proposals.element,
     rows,
     warning,

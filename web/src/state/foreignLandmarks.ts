@@ -28,6 +28,20 @@ export function toMeshlab(picks: Picks, scanUnit: Unit): string {
 /** Points stored as LPS, Slicer's default, are the mesh file's own numbers; as RAS, x and y have the other sign. */
 const SIGNS: Record<string, Vector> = { LPS: [1, 1, 1], "1": [1, 1, 1], RAS: [-1, -1, 1], "0": [-1, -1, 1] };
 
+/** The name of the format's version, by which Slicer knows it; nothing is fetched from there. */
+const SLICER_SCHEMA = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
+
+export function toSlicer(picks: Picks, scanUnit: Unit): string {
+  const controlPoints = Object.entries(picks).map(([label, place], index) => ({
+    id: String(index + 1),
+    label,
+    position: place.map((mm) => Number(toUnit(mm, scanUnit).toPrecision(8))),
+    positionStatus: "defined",
+  }));
+  const markups = [{ type: "Fiducial", coordinateSystem: "LPS", coordinateUnits: "mm", controlPoints }];
+  return `${JSON.stringify({ "@schema": SLICER_SCHEMA, markups }, null, 1)}\n`;
+}
+
 interface Markup {
   coordinateSystem?: string | number;
   controlPoints?: { label?: string; position?: unknown; positionStatus?: string }[];

@@ -29,6 +29,7 @@ export const landmarks = {
   exportJson: "JSON",
   exportCsv: "CSV",
   exportPp: "PP",
+  exportSlicer: "MRK",
   exportHint: (kind: string) => `Save the placed landmarks as ${kind}`,
   useExample: "Use the example's landmarks",
   clear: "Clear all",
