@@ -50,3 +50,26 @@ test("the page says so when the browser has no WebGL", async ({ page, base }) =>
   await page.goto(base);
   await expect(page.getByRole("alert").filter({ hasText: "WebGL" })).toBeVisible();
 });
+
+test("the landmarks are saved in the four kinds that the page and other programs read", async ({ page, base, troubles }, info) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("2");
+  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
+  for (const name of ["landmarks.json", "landmarks.csv", "landmarks.pp", "landmarks.mrk.json"]) {
+    await page.getByRole("button", { name: "Save the placed landmarks" }).click();
+    const menu = page.getByRole("group", { name: "Save the placed landmarks" });
+    await expect(menu).toBeInViewport({ ratio: 1 });
+    if (name === "landmarks.json") await page.screenshot({ path: info.outputPath("menu.png") });
+    const [download] = await Promise.all([page.waitForEvent("download"), menu.getByRole("button", { name }).click()]);
+    expect(download.suggestedFilename()).toBe(name);
+    await expect(menu).toBeHidden();
+    const file = await download.path();
+    const copy = info.outputPath(name);
+    await download.saveAs(copy);
+    await page.locator("#landmark-file").setInputFiles(copy);
+    expect(await hook.pickCount(page), file).toBe(12);
+  }
+  expect(troubles).toEqual([]);
+});

@@ -1,15 +1,14 @@
 // Step 2: the ordered list.  A row shows what it is, on which side, whether it is placed; pressing it (re-)places it.
 import type { Actions } from "../actions";
 import type { LandmarkDefinition } from "../api/types";
-import { el, fill, icon, saveFile, setText, show } from "../dom";
-import { toCsv, toJson } from "../state/landmarkFiles";
+import { el, fill, icon, setText, show } from "../dom";
 import { expectedErrorMm, type Ghost, ghostsOf, isLikely } from "../state/proposals";
-import { toMeshlab, toSlicer } from "../state/foreignLandmarks";
 import { onWrongSide, plainLabel, sideOf } from "../state/landmarks";
 import type { Session } from "../state/session";
 import { text } from "../text";
 import { formatMmWhole } from "../units";
 import { button, fileButton, iconButton, problem } from "./controls";
+import { landmarkExport } from "./LandmarkExport";
 import type { Panel } from "./Panel";
 
 export function createLandmarkPanel(actions: Actions, dismiss: () => void): Panel {
@@ -25,33 +24,15 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
   file.querySelector("input")!.id = "landmark-file";
   file.querySelector("span")!.className = "visually-hidden";
   file.title = text.landmarks.importHint;
-  const json = button(text.landmarks.exportJson, () => state && saveFile("landmarks.json", toJson(state.picks.present), "application/json"), "quiet");
-  const csv = button(
-    text.landmarks.exportCsv,
-    () => state?.scan && saveFile("landmarks.csv", toCsv(state.picks.present, state.scan.info.unit), "text/csv"),
-    "quiet",
-  );
-  const pp = button(
-    text.landmarks.exportPp,
-    () => state?.scan && saveFile("landmarks.pp", toMeshlab(state.picks.present, state.scan.info.unit), "application/xml"),
-    "quiet",
-  );
-  const slicer = button(
-    text.landmarks.exportSlicer,
-    () => state?.scan && saveFile("landmarks.mrk.json", toSlicer(state.picks.present, state.scan.info.unit), "application/json"),
-    "quiet",
-  );
-  slicer.title = text.landmarks.exportHint("3D Slicer .mrk.json");
-  pp.title = text.landmarks.exportHint("MeshLab .pp");
-  json.title = text.landmarks.exportHint("JSON");
-  csv.title = text.landmarks.exportHint("CSV");
+  const save = landmarkExport(() => state);
   const warning = el("p", { class: "look-here", hidden: true });
   const proposals = makeProposals(actions);
   const element = el(
     "div",
     { class: "panel" },
     wrong.element,
-    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, json, csv, pp, slicer),
+    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, save.button),
+    save.menu,
     proposals.element,
     rows,
     warning,
@@ -78,7 +59,7 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
       undo.disabled = session.picks.past.length === 0;
       redo.disabled = session.picks.future.length === 0;
       const isEmpty = Object.keys(session.picks.present).length === 0;
-      json.disabled = csv.disabled = pp.disabled = isEmpty;
+      save.button.disabled = isEmpty;
       setText(saved, isEmpty && session.saving === "saved" ? "" : text.landmarks[session.saving]);
       wrong.set(session.problems.landmarks);
       show(again, session.saving === "unsaved" && session.problems.landmarks !== undefined);
