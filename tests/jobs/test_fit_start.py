@@ -9,6 +9,7 @@ import trimesh
 from helpers.example_patient import EXAMPLE
 from helpers.random_pose import random_parameters
 
+from breastrig.core.errors import BadSettings
 from breastrig.gltf.pose_nodes import node_poses, posed_by_nodes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.jobs.events import Event
@@ -47,7 +48,7 @@ def test_nodes_and_parameters_are_two_words_for_one_pose(rig: Rig, rng: np.rando
 
 def test_after_one_pick_was_moved(rig: Rig, tmp_path: Path) -> None:
     first = events_of(tmp_path / "first", PICKS, stance="standing")
-    earlier = EarlierFit("standing", nodes(first[-2]))
+    earlier = EarlierFit("standing", nodes(first[-2]), rig.sha256)
     skin_mm = 1e3 * trimesh.load(EXAMPLE / "scan.ply", process=False).vertices
     wanted = np.add(PICKS["nipple_L"], [0.0, 10.0, 0.0])
     moved = skin_mm[np.linalg.norm(skin_mm - wanted, axis=1).argmin()]
@@ -66,3 +67,8 @@ def test_after_one_pick_was_moved(rig: Rig, tmp_path: Path) -> None:
     assert again[-1].result["surface_distance_mm"]["mean"] == pytest.approx(
         fresh[-1].result["surface_distance_mm"]["mean"], abs=0.05
     )
+
+
+def test_the_pose_of_another_model_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BadSettings, match="another model"):
+        events_of(tmp_path, PICKS, earlier=EarlierFit("standing", [], "0" * 64))

@@ -163,8 +163,9 @@ def _earlier(storage: Storage, fit: FitRow) -> EarlierFit | None:
     if fit.start_from is None:
         return None
     earlier = get_fit(storage, fit.start_from)
+    first = events_of_kind(storage, earlier.id, "started")
     last = events_of_kind(storage, earlier.id, "iterated", offset=earlier.iterations - 1)
-    return EarlierFit(earlier.stance, json.loads(last[0].json)["nodes"])
+    return EarlierFit(earlier.stance, json.loads(last[0].json)["nodes"], json.loads(first[0].json)["model_sha256"])
 
 
 def fit_job(scan: ScanRow, fit: FitRow, folder: Path, out: Path, model: Path | None) -> FitJob:

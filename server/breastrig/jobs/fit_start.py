@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.errors import BadSettings
 from breastrig.fitting.orientation import best_start
 from breastrig.fitting.stance import found_stance
 from breastrig.fitting.task import FitTask
@@ -26,6 +27,7 @@ class EarlierFit:
 
     stance: str
     nodes: list[dict[str, Any]]
+    model_sha256: str  # of the rig whose nodes they are
 
 
 def with_start(task: FitTask, stance: str) -> tuple[FitTask, str]:
@@ -37,7 +39,12 @@ def with_start(task: FitTask, stance: str) -> tuple[FitTask, str]:
 
 
 def with_earlier_start(task: FitTask, stance: str, earlier: EarlierFit, centre: Array) -> tuple[FitTask, str]:
-    """The same from an earlier fit; `centre` (3,) m is where the task's frame has its origin in the scan's."""
+    """The same from an earlier fit; `centre` (3,) m is where the task's frame has its origin in the scan's.
+
+    Raises BadSettings when another rig made that fit.
+    """
+    if earlier.model_sha256 != task.rig.sha256:
+        raise BadSettings("The fit to go on from was made with another model; fit the scan anew.")
     start = posed_by_nodes(task.rig, earlier.nodes).moved(np.eye(3), -centre)
     asked = stance != AUTO
     task = replace(task, start=start, recipe=task.recipe.continued, stance=stance if asked else earlier.stance)
