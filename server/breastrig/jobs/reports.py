@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
-from breastrig.jobs.processes import Processes
+from breastrig.jobs.fair_processes import FairProcesses
 from breastrig.jobs.report import ReportJob, measures_json_of, report_pdf_of
 from breastrig.storage.files import fit_place
 from breastrig.storage.fits import get_fit
@@ -24,7 +24,7 @@ log = logging.getLogger(__name__)
 class Reports:
     """The reports of all fits.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: Processes, model: Path | None) -> None:
+    def __init__(self, storage: Storage, processes: FairProcesses, model: Path | None) -> None:
         self._storage = storage
         self._processes = processes
         self._model = model
