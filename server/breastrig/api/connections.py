@@ -1,7 +1,7 @@
 """How long a connection may keep the server waiting, and how many there may be.
 
-uvicorn has no time limit for a request's head, for a reader that takes nothing, and for a body that nobody wants; and
-one for the number of requests, but none for connections.  `Connection` adds them to its HTTP/1.1 protocol.
+uvicorn has no time limit for a request's head and for a reader that takes nothing, and limits requests, but not
+connections.  `Connection` adds that to its HTTP/1.1 protocol.
 
 A connection that waits for its client costs a file and about 20 kB, no thread.  When there are too many, of one
 address or in all, the one that has waited longest is closed for the new one, first of the address that has most: HTTP
@@ -31,7 +31,6 @@ class ConnectionLimits:
     head_s: float = 20.0  # from the first byte to the end of the headers; a bad mobile line needs two
     idle_s: int = 75  # between two requests; reverse proxies keep theirs for 60
     unread_s: float = 60.0  # a reader that takes less than 48 kB in this time has gone, or holds memory on purpose
-    unwanted_body_s: float = 30.0  # a body that was refused is still taken, and dropped, so that the answer is read
     head_bytes: int = 32_768  # twice what browsers send with all their cookies
 
 
@@ -93,10 +92,9 @@ class Connection(H11Protocol):
         super().__init__(*args, **kwargs)
         self.address = ""
         self._all = connections
-        self._limit: asyncio.TimerHandle | None = None  # of the head, or of the body that nobody wants
+        self._head: asyncio.TimerHandle | None = None
         self._unread: asyncio.TimerHandle | None = None
         self._heard = False
-        self._drops_body = False
 
     @property
     def waits(self) -> bool:
@@ -107,13 +105,13 @@ class Connection(H11Protocol):
         super().connection_made(transport)
         self.address = self.client[0] if self.client else ""
         if self._all.add(self):
-            self._watch(self._all.limits.head_s, self._head_too_slow)
+            self._await_head()
         else:
             self._answer(503, "The service has as many connections as it can; try again in a few seconds.")
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._all.remove(self)
-        self._unwatch()
+        self._head_is_here()
         self._read_again()
         self._unset_keepalive_if_required()
         super().connection_lost(exc)
@@ -124,21 +122,18 @@ class Connection(H11Protocol):
         self._heard = True
         super().data_received(data)
         if not self.waits:
-            self._unwatch()
-        elif self._drops_body and self.conn.their_state is h11.SEND_BODY:
-            pass
-        elif self._drops_body or self._limit is None:
-            self._drops_body = False
-            self._watch(self._all.limits.head_s, self._head_too_slow)
+            self._head_is_here()
+        elif self._head is None:
+            self._await_head()
 
     def on_response_complete(self) -> None:
         self._all.used(self)
         super().on_response_complete()
         if self.transport.is_closing():
             self._abort_if_unread()
-        elif self.waits and self.conn.their_state is h11.SEND_BODY:
-            self._drops_body = True
-            self._watch(self._all.limits.unwanted_body_s, self.transport.abort)
+        elif self.waits and self.conn.their_state is h11.SEND_BODY:  # a body that nobody wants, for long enough
+            self.transport.close()
+            self._abort_if_unread()
 
     def send_400_response(self, msg: str) -> None:
         """uvicorn calls it for what is no HTTP."""
@@ -185,14 +180,13 @@ class Connection(H11Protocol):
         else:
             self.transport.abort()
 
-    def _watch(self, seconds: float, then: Callable[[], None]) -> None:
-        self._unwatch()
-        self._limit = self.loop.call_later(seconds, then)
+    def _await_head(self) -> None:
+        self._head = self.loop.call_later(self._all.limits.head_s, self._head_too_slow)
 
-    def _unwatch(self) -> None:
-        if self._limit is not None:
-            self._limit.cancel()
-            self._limit = None
+    def _head_is_here(self) -> None:
+        if self._head is not None:
+            self._head.cancel()
+            self._head = None
 
     def _read_again(self) -> None:
         if self._unread is not None:

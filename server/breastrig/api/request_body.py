@@ -25,6 +25,8 @@ class BodyLimits:
     pause_s: float = 30.0  # nothing at all for so long: the sender has gone
     grace_s: float = 30.0  # for any body, and beyond that:
     slowest_bytes_s: int = 10_000  # a bad mobile line has five times that
+    unwanted_s: float = 30.0  # a body that was refused is still taken, and dropped: a reset could overtake the answer
+    unwanted_pause_s: float = 5.0  # and when nothing comes for so long, the answer has been read
 
 
 class BodyRefused(Exception):
@@ -140,6 +142,15 @@ class SpoolPlace:
         except BaseException:
             spool.close()
             raise
+
+    async def drop(self, receive: Receive) -> None:
+        """Takes what is still being sent of a body that was refused, for a while."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(self.limits.unwanted_s):
+                while True:
+                    message = await asyncio.wait_for(receive(), self.limits.unwanted_pause_s)
+                    if not message.get("more_body", False):  # nor is there any more when the sender has gone
+                        return
 
 
 def too_large(most: int) -> str:

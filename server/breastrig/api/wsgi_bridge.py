@@ -104,7 +104,11 @@ class WsgiBridge:
             if _has_body(environ):
                 spool, refusal = await self._body(environ, client, receive)
                 if refusal is not None:
-                    await self._send(refusal, client, gone, answers)
+                    await answers.begin(refusal.status, refusal.headers)
+                    await answers.piece(refusal.first)
+                    if "HTTP_EXPECT" not in environ:
+                        await self._spools.drop(receive)
+                    await answers.piece(b"", last=True)
                     return
             watch = asyncio.create_task(_watch(receive, gone))
             if spool is not None:

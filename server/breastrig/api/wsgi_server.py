@@ -24,13 +24,13 @@ import functools
 import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import uvicorn
 from apiflask import APIFlask
 
 from breastrig.api.admission import Admission
-from breastrig.api.config import STREAMS, Config
+from breastrig.api.config import Config
 from breastrig.api.connections import Connection, ConnectionLimits, Connections
 from breastrig.api.request_body import BodyLimits, SpoolPlace
 from breastrig.api.trusted_proxy import BehindProxy
@@ -44,6 +44,13 @@ STOP_S = 5  # a stopping server lets answers that are under way end for so long
 OTHER_FILES = 512  # that the process opens besides connections: database, scans, temporary files, pipes
 
 
+@dataclass(frozen=True)
+class ServerLimits:
+    connections: ConnectionLimits = field(default_factory=ConnectionLimits)
+    bodies: BodyLimits = field(default_factory=BodyLimits)
+    threads: ThreadLimits = field(default_factory=ThreadLimits)
+
+
 class WsgiServer:
     """A server that is bound; `run()` accepts and serves until `stop()` is called."""
 
@@ -53,19 +60,20 @@ class WsgiServer:
         config: Config,
         listener: socket.socket,
         on_stop: Callable[[], None],
-        connections: ConnectionLimits,
+        limits: ServerLimits,
     ) -> None:
         proxy = config.trusted_proxy
         assert isinstance(app.wsgi_app, BehindProxy)
         self._listener = listener
+        self.spools = SpoolPlace(limits.bodies, config.uploads.file_bytes)
         self._bridge = WsgiBridge(
             app.wsgi_app,
             Admission(app),
             app.wsgi_app,
-            SpoolPlace(BodyLimits(total_bytes=config.spool_bytes), config.uploads.file_bytes),
-            ThreadLimits(streams=STREAMS),
+            self.spools,
+            limits.threads,
         )
-        self.connections = Connections(connections, lambda address: proxy is not None and proxy.is_at(address))
+        self.connections = Connections(limits.connections, lambda address: proxy is not None and proxy.is_at(address))
         self._server = _Uvicorn(
             uvicorn.Config(
                 self._bridge,  # type: ignore[arg-type]
@@ -81,9 +89,9 @@ class WsgiServer:
                 proxy_headers=False,
                 server_header=False,
                 backlog=BACKLOG,
-                timeout_keep_alive=connections.idle_s,
+                timeout_keep_alive=limits.connections.idle_s,
                 timeout_graceful_shutdown=STOP_S,
-                h11_max_incomplete_event_size=connections.head_bytes,
+                h11_max_incomplete_event_size=limits.connections.head_bytes,
             ),
             on_stop,
         )
@@ -125,7 +133,7 @@ def listen(
     config: Config,
     port: int,
     on_stop: Callable[[], None],
-    connections: ConnectionLimits | None = None,
+    limits: ServerLimits | None = None,
 ) -> WsgiServer:
     """A server at the configuration's host.  Port 0 takes a free one.
 
@@ -133,10 +141,13 @@ def listen(
     Raises BadSettings when the address cannot be had.
     """
     _share_arenas()
-    limits = connections or ConnectionLimits()
-    files = _as_many_files_as_allowed(limits.total + OTHER_FILES)
-    limits = replace(limits, total=max(64, min(limits.total, files - OTHER_FILES)))
-    return WsgiServer(app, config, _bound_socket(config.host, port), on_stop, limits)
+    asked = limits or ServerLimits(
+        bodies=BodyLimits(total_bytes=config.spool_bytes), threads=ThreadLimits(streams=config.streams)
+    )
+    files = _as_many_files_as_allowed(asked.connections.total + OTHER_FILES)
+    total = min(asked.connections.total, max(64, files - OTHER_FILES))
+    used = replace(asked, connections=replace(asked.connections, total=total))
+    return WsgiServer(app, config, _bound_socket(config.host, port), on_stop, used)
 
 
 def _as_many_files_as_allowed(wanted: int) -> int:
@@ -172,6 +183,7 @@ def _bound_socket(host: str, port: int) -> socket.socket:
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(address)
+        listener.listen(BACKLOG)  # whoever asks before the service is ready waits
     except (OSError, OverflowError) as error:
         listener.close()
         reason = getattr(error, "strerror", None) or str(error)
