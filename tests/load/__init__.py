@@ -1,1 +1,4 @@
-"""Load: many viewers and some working clients on one server, measured from outside; `make load` prints the table."""
+"""Load: viewers, working clients, and thousands of idle and slow ones on one server, measured from outside.
+
+`make load` prints the table.
+"""

@@ -1,24 +1,31 @@
-"""`make load`, or `python -m load --seconds 60 --clients 4 --viewers 50` with tests/ on the path."""
+"""`make load`, or `python -m load --seconds 60 --clients 4 --viewers 50 --idle 2000` with tests/ on the path."""
 
 import argparse
 import os
 import platform
 import sys
 
-from load.measured import table
+from load.measured import slow_table, table
 from load.run import run
+from load.slow import SlowClients
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(prog="load", description=__doc__)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--clients", type=int, default=4)
     parser.add_argument("--viewers", type=int, default=50)
+    parser.add_argument("--idle", type=int, default=2000, help="connections on which nothing happens")
+    parser.add_argument("--slow-headers", type=int, default=200)
+    parser.add_argument("--slow-bodies", type=int, default=200)
+    parser.add_argument("--slow-readers", type=int, default=200)
     options = parser.parse_args()
-    found = run(options.seconds, options.clients, options.viewers)
+    slow = SlowClients(options.idle, options.slow_headers, options.slow_bodies, options.slow_readers)
+    found = run(options.seconds, options.clients, options.viewers, slow)
     out = sys.stdout.write
     out(f"{options.clients} clients, {options.viewers} viewers; Python {platform.python_version()}, ")
     out(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}\n\n")
     out("\n".join(table(found.measured, found.seconds)) + "\n\n")
+    out("\n".join(slow_table(found.slow)) + "\n\n")
     out(f"{'server after':<16}{'its memory MB':>14}{'all MB':>10}{'threads':>10}{'processes':>11}\n")
     last = len(found.memory) - 1
     for index in sorted({0, last // 4, last // 2, 3 * last // 4, last}):

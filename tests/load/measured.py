@@ -6,6 +6,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import perf_counter
 
+from load.slow import Kept
+
 
 @dataclass
 class Measured:
@@ -46,4 +48,12 @@ def table(measured: Measured, seconds: float) -> list[str]:
         f"errors      {len(measured.errors)}",
         *(f"            {error}" for error in measured.errors[:10]),
     ]
+    return lines
+
+
+def slow_table(kinds: dict[str, Kept]) -> list[str]:
+    """What became of those who were idle or slow."""
+    lines = [f"{'beside them':<28}{'wanted':>8}{'held':>12}{'sent away':>12}{'not let in':>12}"]
+    for kind, kept in kinds.items():
+        lines.append(f"{kind:<28}{kept.wanted:>8}{kept.held:>12}{kept.sent_away:>12}{kept.not_let_in:>12}")
     return lines

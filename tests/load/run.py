@@ -6,13 +6,14 @@ import re
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
 from breastrig.core.assets import asset_folder
 from load.clients import work
 from load.measured import Measured
+from load.slow import Kept, SlowClients, allow_files, start
 from load.viewers import Stage, view
 from load.watched import Footprint, StoredEvents, footprint
 
@@ -26,10 +27,13 @@ class Result:
     memory: list[tuple[float, Footprint]]  # (s since the start, what the server used)
     exit_status: int
     log: str
+    slow: dict[str, Kept]  # at the end of the run, by kind
 
 
-def run(seconds: float, clients: int, viewers: int) -> Result:
+def run(seconds: float, clients: int, viewers: int, slow: SlowClients | None = None) -> Result:
     """`breastrig serve` with the packaged model and the example patient, on a port and a data folder of its own."""
+    slow = slow or SlowClients()
+    allow_files(slow.total + 1000)
     with tempfile.TemporaryDirectory() as folder:
         data, log = Path(folder, "data"), Path(folder, "log")
         with log.open("w") as errors:
@@ -45,27 +49,33 @@ def run(seconds: float, clients: int, viewers: int) -> Result:
             assert found, log.read_text()
             stored = StoredEvents(data / "breastrig.sqlite3")
             stored.start()
-            measured, took, memory = asyncio.run(_all(int(found[1]), server.pid, seconds, clients, viewers, stored))
-            stored.stop()
+            try:
+                measured, took, memory, kept = asyncio.run(
+                    _all(int(found[1]), server.pid, seconds, clients, viewers, slow, stored)
+                )
+            finally:
+                stored.stop()
             server.terminate()
             status = server.wait(timeout=60)
         finally:
             server.kill()
             server.wait()
             server.stdout.close()
-        return Result(measured, took, memory, status, log.read_text())
+        return Result(measured, took, memory, status, log.read_text(), kept)
 
 
 async def _all(
-    port: int, pid: int, seconds: float, clients: int, viewers: int, stored: StoredEvents
-) -> tuple[Measured, float, list[tuple[float, Footprint]]]:
+    port: int, pid: int, seconds: float, clients: int, viewers: int, slow: SlowClients, stored: StoredEvents
+) -> tuple[Measured, float, list[tuple[float, Footprint]], dict[str, Kept]]:
     folder = asset_folder("example") / "standing"
     scan = (folder / "scan.ply").read_bytes()
     landmarks = json.loads((folder / "landmarks.json").read_text(encoding="utf-8"))["landmarks"]
     stage = Stage(port, Measured(), asyncio.Event())
-    memory = [(0.0, footprint(pid))]
-    began = perf_counter()
     async with asyncio.TaskGroup() as tasks:
+        slowly, slow_tasks = start(tasks, port, slow)
+        await slowly.settled()
+        memory = [(0.0, footprint(pid))]
+        began = perf_counter()
         for _ in range(clients):
             tasks.create_task(work(stage, scan, landmarks))
         for seed in range(viewers):
@@ -74,7 +84,10 @@ async def _all(
             await asyncio.sleep(min(1.0, seconds - now))
             stage.measured.open_streams.append(stage.streams)
             memory.append((perf_counter() - began, footprint(pid)))
+        kept = {kind: replace(one) for kind, one in slowly.kinds.items()}
         stage.over.set()
+        for task in slow_tasks:
+            task.cancel()
         await asyncio.sleep(0)
     took = perf_counter() - began
     stage.measured.late_s += [
@@ -83,4 +96,4 @@ async def _all(
         if stored.moments.get((fit, number), 0.0) > opened  # the others had been stored before anyone asked
     ]
     memory.append((took, footprint(pid)))
-    return stage.measured, took, memory
+    return stage.measured, took, memory, kept

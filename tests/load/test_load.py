@@ -3,14 +3,18 @@
 import sqlite3
 from pathlib import Path
 
-from load.measured import Measured, percentile, table
+from load.measured import Measured, percentile, slow_table, table
 from load.run import run
+from load.slow import Kept, SlowClients
 from load.watched import StoredEvents
 
 
-def test_clients_work_while_viewers_watch_without_any_error() -> None:
-    found = run(seconds=3.0, clients=2, viewers=8)
+def test_clients_work_while_viewers_watch_and_hundreds_are_slow_without_any_error() -> None:
+    slow = SlowClients(idle=300, headers=20, bodies=20, readers=20)
+    found = run(seconds=3.0, clients=2, viewers=8, slow=slow)
     assert found.measured.errors == []
+    assert [kept.held for kept in found.slow.values()] == [300, 20, 20, 20]
+    assert found.slow["idle"].sent_away == sum(kept.not_let_in for kept in found.slow.values()) == 0
     assert found.exit_status == 0
     assert "error" not in found.log
     assert found.measured.fits >= 2
@@ -30,6 +34,11 @@ def test_the_table_counts_and_ranks() -> None:
     assert "fits        6 in 3 s: 2.00 fits/s" in lines
     assert "viewers     9 whole stories, on average 5 streams open" in lines
     assert "            client: so it is" in lines
+
+
+def test_the_table_of_slow_clients_counts_each_kind() -> None:
+    lines = slow_table({"idle": Kept(2000, 1999, 1, 0), "slow readers": Kept(5, 0, 2, 3)})
+    assert [line.split()[-4:] for line in lines[1:]] == [["2000", "1999", "1", "0"], ["5", "0", "2", "3"]]
 
 
 def test_the_moment_of_a_stored_event_is_noted(tmp_path: Path) -> None:
