@@ -6,6 +6,8 @@ In this process, with limits of a few connections and fractions of a second.
 import io
 import json
 import socket
+import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -16,6 +18,7 @@ from typing import Any
 
 import pytest
 from flask import Response
+from helpers import in_worker
 from helpers.raw_http import answer, connected, is_closed, is_open, request
 from helpers.waiting import until
 
@@ -25,6 +28,7 @@ from breastrig.api.connections import ConnectionLimits
 from breastrig.api.request_body import BodyLimits
 from breastrig.api.wsgi_bridge import ThreadLimits
 from breastrig.api.wsgi_server import ServerLimits, WsgiServer, listen
+from breastrig.jobs.asking_client import asking_client
 from breastrig.jobs.service import Service
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
@@ -121,16 +125,28 @@ def test_idle_connections_hold_no_thread_and_stay_open(serve: Serve) -> None:
     with serve() as served, ExitStack() as stack:
         assert served.ask() == 200
         threads = threading.active_count()
-        idle = [stack.enter_context(connected(served.port)) for _ in range(300)]
+        idle = [stack.enter_context(connected(served.port)) for _ in range(1100)]  # select() ends at 1,024 files
         for connection in idle:
             connection.sendall(request("/healthz"))
             assert answer(connection).status == 200
         assert threading.active_count() <= threads + 1
-        assert len(served.server.connections) == 300
+        assert len(served.server.connections) == 1100
         assert served.ask("/api/meta") == 200
         assert all(map(is_open, idle))
         idle[0].sendall(request("/healthz"))
         assert answer(idle[0]).status == 200
+
+
+def test_a_low_limit_of_open_files_is_raised_and_what_the_system_refuses_is_left() -> None:
+    program = """
+import resource, sys
+from breastrig.api.wsgi_server import _as_many_files_as_allowed
+resource.setrlimit(resource.RLIMIT_NOFILE, (256, 2000))
+print(_as_many_files_as_allowed(1500), resource.getrlimit(resource.RLIMIT_NOFILE)[0])
+print(_as_many_files_as_allowed(9000), resource.getrlimit(resource.RLIMIT_NOFILE)[0])
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "1500 1500\n2000 2000\n"
 
 
 def test_whoever_is_slow_with_the_headers_is_told_and_whoever_says_nothing_is_left(serve: Serve) -> None:
@@ -342,6 +358,27 @@ def test_a_patient_reader_gets_all_of_a_large_answer(serve: Serve) -> None:
             connection.sendall(request("/test/big"))
             assert answer(connection).body == BIG
         assert served.closed.is_set()
+
+
+def test_one_client_cannot_take_all_readers(
+    serve: Serve, service: Service, torso: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    readers = service._readers
+    monkeypatch.setattr(readers, "_most", 1)
+    file = UPLOAD.replace(b"no scan", torso)
+    with serve() as served, ExitStack() as stack:
+        before = asking_client.set("127.0.0.2")
+        slow = readers.schedule(in_worker.rest, (60.0,), 90.0)
+        asking_client.reset(before)
+        greedy, other = (stack.enter_context(connected(served.port, f"127.0.0.{last}")) for last in (2, 3))
+        for connection in (greedy, other):
+            connection.sendall(upload_head(len(file)) + file)
+        assert "as many as one client may have" in problem_of(greedy, 429)
+        kept = answer(other)
+        assert kept.status == 201
+        slow.cancel()
+        other.sendall(request(kept.headers["location"], "DELETE"))
+        assert answer(other).status == 204
 
 
 def test_one_client_cannot_take_all_threads(serve: Serve) -> None:
