@@ -7,8 +7,8 @@ from helpers.rows import add_waiting_fit
 from helpers.waiting import ask_for_fit, story, until
 
 from breastrig.jobs.follow import Bell, Heartbeat, Listener, Queued, follow
+from breastrig.storage.deletion import delete_scan
 from breastrig.storage.events import StoredEvent, append
-from breastrig.storage.scans import delete_scan
 from breastrig.storage.storage import Storage
 
 

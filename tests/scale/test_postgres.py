@@ -15,10 +15,11 @@ from breastrig.cli.main import main
 from breastrig.core.errors import BadInput, BadSettings, Conflict
 from breastrig.storage import postgres as database
 from breastrig.storage import schema
+from breastrig.storage.deletion import delete_rows, remove_files
 from breastrig.storage.events import append, events_after
 from breastrig.storage.fits import claim_fit, fits_page, get_fit, next_queued, queue_position
 from breastrig.storage.location import Location
-from breastrig.storage.scans import ScanRow, add_scan, delete_scan, get_landmarks, get_scan, put_landmarks
+from breastrig.storage.scans import ScanRow, add_scan, get_landmarks, get_scan, put_landmarks
 from breastrig.storage.shares import ShareRow, add_share, get_share, note_opening
 from breastrig.storage.storage import Storage
 
@@ -177,7 +178,8 @@ def test_deleting_a_scan_leaves_no_row(storage: Storage) -> None:
     assert get_share(storage, "fit-1", "share-1").openings == 2
     put_landmarks(storage, "scan-1", {"nipple_L": [1.0, 2.0, 3.0]})
     append(storage, "fit-1", iterated(0))
-    assert delete_scan(storage, "scan-1") == ["fit-1"]
+    assert delete_rows(storage, "scan-1") == ["fit-1"]
+    assert remove_files(storage, "scan-1") == []
     with storage.database.reading() as connection:
         for table in set(schema.metadata.tables.values()) - {schema.installation}:
             assert connection.execute(select(func.count()).select_from(table)).scalar_one() == 0, table.name

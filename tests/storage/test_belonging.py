@@ -42,8 +42,9 @@ def test_files_of_another_database_are_refused_and_stay(
 def test_files_that_are_there_already_are_no_new_databases(tmp_path: Path, store: str) -> None:
     strangers = Storage(Location(tmp_path / "one", files=store))
     strangers.files.write(scan_place("a"), "scan.ply", b"skin")
-    with pytest.raises(BadSettings, match="belong to another database"):
+    with pytest.raises(BadSettings, match="holds files but no mark of BreastRig, so it is left as it is"):
         strangers.prepare()
+    assert [path.name for path in (tmp_path / "store").rglob("*") if path.is_file()] == ["scan.ply"]
     assert strangers.files.find(scan_place("a"), "scan.ply") is not None
     strangers.close()
 

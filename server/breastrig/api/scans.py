@@ -53,11 +53,11 @@ def show_scan(scan_id: str) -> wire.Scan:
 
 @scans.delete("/<scan_id>")
 @scans.output({}, status_code=204)
-@scans.doc(operation_id="deleteScan")
+@scans.doc(operation_id="deleteScan", responses={500: "Deleted, but files are left; they are tried again"})
 def remove_scan(scan_id: str) -> tuple[str, int]:
     """Delete a scan with its landmarks, fits and files
 
-    Running fits are stopped.  Deleting what is not there is no error.
+    Running fits are stopped.  Deleting what is not there is no error.  204 says that all files are gone.
     """
     behind().service.delete_scan(scan_id)
     return "", 204

@@ -2,20 +2,26 @@
 
 It is good until it is too old, the token is another, or its browser has signed out.  The last is noted in the
 database, so that a copy of the cookie is worth nothing after it, nor after a restart.
+
+A clock that is set back makes cookies seem to come from the future.  Those that do so by hours stay good, because
+nobody but the server can sign them; by more they are too old, so that none outlives a day.
 """
 
 import hashlib
 import secrets
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 
 from flask import Response, request
 from itsdangerous import BadData, URLSafeTimedSerializer
 
+from breastrig.core import wall_clock
 from breastrig.storage.ended_sessions import add_ended_session, has_ended
 from breastrig.storage.storage import Storage, iso_utc
 
 COOKIE = "breastrig_session"
 LASTS_S = 12 * 3600  # a working day; then the token is asked for again
+AHEAD_S = 12 * 3600  # a clock that took local time for UTC is wrong by no more
+FORGET_S = 400 * 86400  # far above both, as the clock that says when to forget may be wrong too
 
 
 def start_session(response: Response, token: str) -> None:
@@ -30,8 +36,8 @@ def end_session(response: Response, token: str | None, storage: Storage) -> None
     """Takes the cookie back, and ends what copies of it open."""
     session = None if token is None else _session(token)
     if session is not None:
-        now = datetime.now(UTC)
-        add_ended_session(storage, session, iso_utc(now), iso_utc(now - timedelta(seconds=LASTS_S)))
+        now = wall_clock.now()
+        add_ended_session(storage, session, iso_utc(now), iso_utc(now - timedelta(seconds=FORGET_S)))
     response.delete_cookie(COOKIE, path="/", secure=request.is_secure, httponly=True, samesite="Strict")
 
 
@@ -47,8 +53,10 @@ def _session(token: str) -> str | None:
     if value is None:
         return None
     try:
-        number = _signer(token).loads(value, max_age=LASTS_S)
+        number, signed_at = _signer(token).loads(value, return_timestamp=True)
     except BadData:
+        return None
+    if not -AHEAD_S <= (wall_clock.now() - signed_at).total_seconds() <= LASTS_S:
         return None
     return hashlib.sha256(str(number).encode()).hexdigest()
 

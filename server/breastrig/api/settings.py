@@ -87,7 +87,7 @@ def read_log_requests(text: str) -> str:
 
 
 def read_folder(text: str) -> Path:
-    if not text:
+    if not text.strip() or "\0" in text:
         raise ValueError("is no place; give a path")
     return Path(text).expanduser().absolute()
 
@@ -181,7 +181,7 @@ def effective_settings(
         try:
             value = setting.read(str(text))
         except ValueError as error:
-            raise BadSettings(f"{name} ({source}): {setting.quote(str(text))} {error}.") from error
+            raise BadSettings(f"{name} ({source}): {setting.quote(str(text)) or 'nothing'} {error}.") from error
         found[name] = Found(value, source, setting.show(value))
     return found
 

@@ -59,7 +59,7 @@ class FitQueue:
 
     def recover(self) -> tuple[int, int]:
         """After a start: takes up the fits that ran, and those that waited.  (how many ran, how many wait now)."""
-        interrupted = put_back(self._storage)
+        interrupted = self._storage.with_room(lambda: put_back(self._storage))
         waiting = len(fits_in_state(self._storage, "queued"))
         self.wake()
         self._look.start()
@@ -95,7 +95,7 @@ class FitQueue:
         for fit_id in fit_ids:
             for each in self._both(fit_id):
                 why = "The scan was deleted." if each in fit_ids else "The other stance's scan was deleted."
-                self._end(each, Cancelled(reason=why))
+                self._end_surely(each, Cancelled(reason=why))
                 self._kill(each)
         for fit_id in fit_ids:
             if not self._storage.wait_until_free(fit_id, KILL_S):
@@ -190,6 +190,17 @@ class FitQueue:
     def _end(self, fit_id: str, event: Event) -> None:
         with suppress(NotFound, Conflict):  # it may have ended otherwise in the meantime
             append(self._storage, fit_id, event_json(event))
+
+    def _end_surely(self, fit_id: str, event: Event) -> None:
+        """The same for a deletion, which a full disk must not hinder."""
+        try:
+            self._storage.with_room(lambda: self._end(fit_id, event))
+        except SQLAlchemyError as unwritten:
+            log.error("the end of fit %s cannot be stored yet: %s", fit_id, type(unwritten).__name__)
+            if not self._stopping:
+                again = threading.Timer(SETTLE_AGAIN_S, self._end_surely, (fit_id, event))
+                again.daemon = True
+                again.start()
 
     def _kill(self, fit_id: str) -> None:
         with self._lock:

@@ -11,6 +11,7 @@ from pathlib import Path
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
 from breastrig.jobs.processes import Processes
 from breastrig.jobs.report import ReportJob, measures_json_of, report_pdf_of
+from breastrig.storage.deletion import discard
 from breastrig.storage.files import fit_place
 from breastrig.storage.fits import get_fit
 from breastrig.storage.storage import Storage
@@ -60,7 +61,7 @@ class Reports:
         try:
             get_fit(self._storage, fit_id)
         except NotFound:
-            self._storage.remove(fit_place(fit_id))
+            discard(self._storage, fit_id, fit_place(fit_id))
             raise
 
     def _made(self, name: str, fit_id: str, other_id: str | None) -> bytes:

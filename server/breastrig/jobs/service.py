@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from breastrig.core.assets import asset_folder
-from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound, unknown_name
+from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound, NotRemoved, unknown_name
 from breastrig.jobs.carry_out import PairRunner, Runner, Runners
 from breastrig.jobs.executor import Executor
 from breastrig.jobs.follow import Bell, Heartbeat, Queued, follow
@@ -35,9 +35,11 @@ from breastrig.jobs.sweep import KEEP_DAYS, Sweep
 from breastrig.jobs.transfer import TransferJob, transfer
 from breastrig.jobs.waiting_cap import WaitingCap
 from breastrig.storage import scans as scan_rows
+from breastrig.storage.deletion import delete_rows, discard, finish_deletions, remove_files
 from breastrig.storage.events import StoredEvent
+from breastrig.storage.file_journal import note_making
 from breastrig.storage.files import MESH, fit_place, scan_place, upload_name
-from breastrig.storage.fits import FitRow, FitWish, Once, add_fits, fit_ids, fits_of_scan, get_fit, made_before
+from breastrig.storage.fits import FitRow, FitWish, Once, add_fits, fits_of_scan, get_fit, made_before
 from breastrig.storage.folders import new_id
 from breastrig.storage.scans import Points, ScanRow
 from breastrig.storage.scratch import scratch_swept
@@ -90,17 +92,17 @@ class Service:
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self.reports = Reports(storage, self._readers, model)
         self._bell = Bell(storage)
-        self._sweep = None if keep_days is None else Sweep(storage, self.delete_scan, keep_days)
+        self._sweep = Sweep(storage, self.delete_scan, keep_days)
         self._examples = examples
 
     @contextmanager
     def started(self) -> Iterator["Service"]:
         """Holds the data folder, starts the processes, takes up what an earlier server left; stops all at the end."""
-        self.storage.root.mkdir(mode=0o700, parents=True, exist_ok=True)
         swept = nullcontext() if self.storage.location.files is None else scratch_swept()
         with self.storage.exclusive(), swept:
             self.storage.prepare()
             self._clean()
+            self.storage.refill_reserve()
             try:
                 self._readers.warm_up()
                 self._workers.warm_up()
@@ -108,12 +110,10 @@ class Service:
                 interrupted, waiting = self._queue.recover()
                 if waiting:
                     log.warning("after the restart: %d fits wait, %d of them had begun", waiting, interrupted)
-                if self._sweep is not None:
-                    self._sweep.start()
+                self._sweep.start()
                 yield self
             finally:
-                if self._sweep is not None:
-                    self._sweep.stop()
+                self._sweep.stop()
                 self._bell.stop()
                 self._queue.stop()
                 self._readers.stop()
@@ -136,8 +136,9 @@ class Service:
         """Keeps and reads an upload.  Raises BadScan or TooLarge with a sentence, and then keeps nothing."""
         scan_id = new_id()
         place = scan_place(scan_id)
-        self.storage.files.make(place)
+        note_making(self.storage, scan_id, [place])
         try:
+            self.storage.files.make(place)
             with self.storage.files.writing(place) as draft:
                 upload = draft.folder / upload_name(file_type)
                 sha256 = _keep(source, upload)
@@ -146,18 +147,23 @@ class Service:
             row = ScanRow(scan_id, utc_now(), file_type, sha256, facts)
             scan_rows.add_scan(self.storage, row)
         except BaseException:
-            self.storage.remove(place)
+            discard(self.storage, scan_id, place)
             raise
         return row
 
     def delete_scan(self, scan_id: str) -> None:
-        """Removes the scan, its landmarks and its fits: rows and files.  No such scan is no error."""
+        """Removes the scan, its landmarks and its fits: rows and files.  No such scan is no error.
+
+        Raises NotRemoved when files are left; they are tried again from time to time.
+        """
         self._proposals.drop(scan_id)
         self._queue.drop(fits_of_scan(self.storage, scan_id))
-        gone = scan_rows.delete_scan(self.storage, scan_id)
+        gone = delete_rows(self.storage, scan_id)
         self._queue.drop(gone)  # a fit may have been asked for in between
-        self.storage.remove(scan_place(scan_id), *map(fit_place, gone))
+        left = remove_files(self.storage, scan_id)
         self._bell.ring()
+        if left:
+            raise NotRemoved(len(left))
 
     def proposed_landmarks(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
         """The landmarks that the model proposes on the scan; None when they are still being looked for."""
@@ -204,15 +210,17 @@ class Service:
 
     def _add_fit(self, wish: FitWish, other: FitWish | None, once: Once | None) -> str:
         wishes = {new_id(): one for one in (wish, other) if one is not None}
-        for fit_id in wishes:
-            self.storage.make_fit(fit_id)
+        places = [fit_place(fit_id) for fit_id in wishes]
+        note_making(self.storage, wish.scan, places)
         try:
+            for fit_id in wishes:
+                self.storage.make_fit(fit_id)
             made = add_fits(self.storage, utc_now(), wishes, once)
         except BaseException:
-            self.storage.remove(*map(fit_place, wishes))
+            discard(self.storage, wish.scan, *places)
             raise
         if made not in wishes:
-            self.storage.remove(*map(fit_place, wishes))
+            discard(self.storage, wish.scan, *places)
         return made
 
     def cancel_fit(self, fit_id: str) -> FitRow:
@@ -263,8 +271,8 @@ class Service:
         return facts
 
     def _clean(self) -> None:
-        known = {*map(scan_place, scan_rows.scan_ids(self.storage)), *map(fit_place, fit_ids(self.storage))}
-        self.storage.remove_strangers(known)
+        for left in finish_deletions(self.storage):
+            log.error("files of a deleted scan cannot be removed (%s); `breastrig purge` lists them", left.reason)
 
 
 def _keep(source: IO[bytes], path: Path) -> str:

@@ -1,56 +1,60 @@
-"""Files and rows that belong together: checked at each start, because files without a row are removed then.
+"""Files and rows that belong together: checked at each start.
 
-A server that is started with the files of one installation and the database of another, by a forgotten option,
-would otherwise remove everything.  So the database has a name of its own, and the files carry it.
+A server that is started with the files of one installation and the database of another, by a forgotten option, would
+show scans without files and keep files that nobody can delete.  So the database has an id of its own, and the data
+folder and the files carry it.
 """
+
+from pathlib import Path
 
 from sqlalchemy import insert, select
 
 from breastrig.core.errors import BadSettings
 from breastrig.storage import schema
+from breastrig.storage.data_folder import installation_id, write_marker
 from breastrig.storage.database import Database
-from breastrig.storage.files import Files
+from breastrig.storage.files import MARK, ROOT, Files
 from breastrig.storage.folders import new_id
 
-ROOT = ""  # the place of the mark
-MARK = "installation"  # its name
 
+def check_belonging(database: Database, root: Path, files: Files, older: bool) -> None:
+    """Raises BadSettings when data folder or files carry another database's id.
 
-def check_belonging(database: Database, files: Files, beside: bool) -> None:
-    """Raises BadSettings when the files carry another database's name.
-
-    Files that carry none get this one's, but only if there are none yet, or the database is `beside` them in one data
-    folder and so can be no other's.
+    A database without an id takes that of the data folder, unless files are kept there of which it knows nothing: then
+    it is not theirs.  A data folder or store without an id gets the database's; `older`: the database lies in a data
+    folder of a version that wrote none, and so can be no other's.
     """
-    name = _name_of(database)
-    mark = files.find(ROOT, MARK)
-    if mark is None:
-        if not beside and not files.is_empty():
-            raise _strangers()
-        try:
-            files.write(ROOT, MARK, name.encode())
-        except OSError as error:
-            raise BadSettings(f"Nothing can be written to the place for files ({error.strerror}).") from error
-        return
+    marker = installation_id(root)
+    known = database.installation_id()
+    if known is None:
+        if not (older or files.is_empty() or _has_scans(database)):
+            raise _of_another()
+        known = marker or new_id()
+        with database.writing() as connection:
+            connection.execute(insert(schema.installation).values(id=known))
+    try:
+        if marker is None:
+            write_marker(root, known)
+        elif marker != known:
+            raise _of_another()
+        mark = files.find(ROOT, MARK)
+        if mark is None:
+            files.write(ROOT, MARK, known.encode())
+            return
+    except OSError as error:
+        raise BadSettings(f"Nothing can be written to the place for files ({error.strerror}).") from error
     with mark.open() as file:
-        if file.read().decode("ascii", "replace") != name:
-            raise _strangers()
+        if file.read().decode("ascii", "replace") != known:
+            raise _of_another()
 
 
-def _strangers() -> BadSettings:
+def _of_another() -> BadSettings:
     return BadSettings(
         "The files belong to another database than this one; name both as they were, or choose an empty place for new "
         "files."
     )
 
 
-def _name_of(database: Database) -> str:
-    """Given to it now, if it has none."""
+def _has_scans(database: Database) -> bool:
     with database.reading() as connection:
-        known = connection.execute(select(schema.installation.c.id)).scalar_one_or_none()
-    if known is not None:
-        return str(known)
-    name = new_id()
-    with database.writing() as connection:
-        connection.execute(insert(schema.installation).values(id=name))
-    return name
+        return connection.execute(select(schema.scans.c.id).limit(1)).first() is not None

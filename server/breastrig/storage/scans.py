@@ -4,10 +4,12 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import delete, insert, select, update
+from sqlalchemy import delete, insert, select
 
 from breastrig.core.errors import NotFound
 from breastrig.storage import schema
+from breastrig.storage.file_journal import strike_out
+from breastrig.storage.files import scan_place
 from breastrig.storage.storage import Storage
 
 Points = dict[str, list[float]]  # landmark name -> x, y, z in mm, scan frame
@@ -23,6 +25,7 @@ class ScanRow:
 
 
 def add_scan(storage: Storage, row: ScanRow) -> None:
+    """Its files have been kept."""
     with storage.database.writing() as connection:
         values = {
             "id": row.id,
@@ -32,6 +35,7 @@ def add_scan(storage: Storage, row: ScanRow) -> None:
             "facts": json.dumps(row.facts),
         }
         connection.execute(insert(schema.scans).values(values))
+        strike_out(connection, [scan_place(row.id)])
 
 
 def get_scan(storage: Storage, scan_id: str) -> ScanRow:
@@ -54,16 +58,6 @@ def scans_before(storage: Storage, moment: str) -> list[str]:
     with storage.database.reading() as connection:
         query = select(table.c.id).where(table.c.created_at < moment).order_by(table.c.created_at)
         return list(connection.execute(query).scalars())
-
-
-def delete_scan(storage: Storage, scan_id: str) -> list[str]:
-    """Deletes the scan's row and all rows that hang on it; the ids of its fits.  No such scan is no error."""
-    with storage.database.writing() as connection:
-        fit_ids = list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.scan == scan_id)).scalars())
-        connection.execute(update(schema.fits).where(schema.fits.c.partner.in_(fit_ids)).values(partner=None))
-        connection.execute(delete(schema.scans).where(schema.scans.c.id == scan_id))
-    storage.database.forget_deleted()
-    return fit_ids
 
 
 def get_landmarks(storage: Storage, scan_id: str) -> Points:

@@ -136,3 +136,18 @@ installation = Table(  # one row: the name that the files carry too
     metadata,
     Column("id", String(32), primary_key=True),
 )
+
+file_journal = Table(  # places that may hold files and have no row: being made, or to be removed
+    "file_journal",
+    metadata,
+    Column("place", String(64), primary_key=True),  # scans/ID or fits/ID
+    Column("scan", String(32), nullable=False, index=True),  # no foreign key: its row may be gone, or not yet be there
+    Column("removing", Boolean, nullable=False),
+)
+
+expiring_scans = Table(  # scans whose deletion by age has been announced
+    "expiring_scans",
+    metadata,
+    Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
+    Column("announced_at", String(32), nullable=False),
+)
