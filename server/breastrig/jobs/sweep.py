@@ -23,6 +23,7 @@ KEEP_DAYS = 30
 LOOK_EVERY_S = 3600.0  # a scan is deleted at most an hour late
 RETRY_EVERY_S = 60.0  # files that could not be removed
 GRACE = timedelta(days=1)  # time enough to see that the clock is wrong
+AHEAD = timedelta(seconds=2 * LOOK_EVERY_S)  # so that a deletion which is announced in time is not late
 
 log = logging.getLogger(__name__)
 
@@ -38,14 +39,15 @@ class Retention:
     def __init__(self, storage: Storage, keep_days: float) -> None:
         self._storage = storage
         self._keep = timedelta(days=keep_days)
-        self._grace = min(GRACE, self._keep)
+        self._grace = min(GRACE, self._keep / 2)
+        self._announce_at = self._keep - min(self._grace + AHEAD, self._keep)  # a scan's age then
         self._announced_here: dict[str, float] = {}  # scan -> uptime when this server announced its deletion
         self._said: datetime | None = None
 
     def due(self) -> list[str]:
         """The scans to be deleted now.  Announces the deletion of others."""
         now = wall_clock.now()
-        found = aged_scans(self._storage, iso_utc(now - self._keep + self._grace))
+        found = aged_scans(self._storage, iso_utc(now - self._announce_at))
         new = [scan.id for scan in found if self._is_new(scan, now)]
         wrong = [scan.id for scan in found if self._is_wrong(scan, now)]
         if new:
@@ -61,8 +63,8 @@ class Retention:
         return due
 
     def _is_old(self, scan: AgedScan, now: datetime) -> bool:
-        """Whether its deletion is at most the time of grace away."""
-        return _moment(scan.created_at) + self._keep - self._grace <= now
+        """Whether its deletion has to have been announced."""
+        return _moment(scan.created_at) + self._announce_at <= now
 
     def _is_new(self, scan: AgedScan, now: datetime) -> bool:
         """Whether it has to be announced: for the first time, or after an announcement by a clock that was ahead."""

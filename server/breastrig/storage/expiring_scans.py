@@ -20,13 +20,13 @@ class AgedScan:
     announced_at: str | None
 
 
-def aged_scans(storage: Storage, created_before: str) -> list[AgedScan]:
-    """Scans of before that time, and all whose deletion has been announced; the oldest first."""
+def aged_scans(storage: Storage, created_until: str) -> list[AgedScan]:
+    """Scans of up to that time, and all whose deletion has been announced; the oldest first."""
     scans = schema.scans.c
     query = (
         select(scans.id, scans.created_at, TABLE.c.announced_at)
         .outerjoin(TABLE, TABLE.c.scan == scans.id)
-        .where(or_(scans.created_at < created_before, TABLE.c.announced_at.is_not(None)))
+        .where(or_(scans.created_at <= created_until, TABLE.c.announced_at.is_not(None)))
         .order_by(scans.created_at)
     )
     with storage.database.reading() as connection:
