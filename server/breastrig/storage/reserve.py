@@ -12,8 +12,8 @@ from pathlib import Path
 
 BYTES = 8 * 2**20  # the log holds 4 MB before it is emptied, and emptying it may make the database larger by as much
 SHARE = 8  # of a small disk at most one part in so many
-STEP = 2 * 2**20  # given up at once; others fill what is given up, so not all of it
-BLOCK = 2**18
+STEP = 2**19  # given up at once; others may fill what is given up, so not all of it
+BLOCK = 2**16
 
 log = logging.getLogger(__name__)
 
@@ -24,6 +24,7 @@ class Reserve:
     def __init__(self, file: Path) -> None:
         self._file = file
         self._lock = threading.Lock()
+        self._given_up = 0  # bytes
 
     def release(self) -> bool:
         """Gives up a part; False when nothing was left."""
@@ -31,18 +32,22 @@ class Reserve:
             size = self._size()
             if size == 0:
                 return False
-            os.truncate(self._file, max(0, size - STEP))
+            part = min(STEP, size)
+            os.truncate(self._file, size - part)
+            self._given_up += part
             return True
 
     def refill(self) -> None:
-        """Takes what is lacking, but never more than half of what is free."""
+        """Takes back what was given up, and of what is lacking besides no more than half of what is free."""
         with self._lock:
             try:
                 size = self._size()
                 disk = shutil.disk_usage(self._file.parent)
-                target = min(BYTES, disk.total // SHARE, size + disk.free // 2)
+                back = min(self._given_up, disk.free)
+                target = min(BYTES, disk.total // SHARE, size + back + (disk.free - back) // 2)
                 if target - size >= BLOCK:
                     self._grow(size, target)
+                self._given_up = 0
             except OSError as error:
                 log.warning("no space can be set aside for deleting (%s)", error.strerror)
 
