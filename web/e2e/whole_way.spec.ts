@@ -2,7 +2,7 @@
 import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
 import type { Result, Vector } from "../src/api/types";
-import { formatMm, formatPercent, formatSeconds } from "../src/units";
+import { formatMm, formatPercent, formatSeconds } from "../src/ui/units";
 import { distance, hook, SCAN_FILE, test, trueLandmarks, untilFitted } from "./page";
 
 const CLICKED = ["suprasternal_notch", "mid_sternum", "nipple_L", "nipple_R", "umbilicus"];

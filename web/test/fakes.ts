@@ -1,10 +1,10 @@
 // A page without a browser: the real store and actions, a client that answers what the test says.
 import { vi } from "vitest";
-import { createActions } from "../src/actions";
+import { createActions } from "../src/app/actions";
 import type { Client } from "../src/api/client";
 import type { LandmarkDefinition, Scan, Vector } from "../src/api/types";
-import { initialSession, type Session } from "../src/state/session";
-import { createStore } from "../src/state/store";
+import { initialSession, type Session } from "../src/app/session";
+import { createStore } from "../src/store/store";
 
 export const NAMES = ["suprasternal_notch", "nipple_L", "nipple_R", "umbilicus"];
 

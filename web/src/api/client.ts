@@ -1,5 +1,5 @@
 // One function per route.  Whatever goes wrong becomes an ApiError whose message a person can act on.
-import { text } from "../text";
+import { text } from "../ui/text";
 import type {
   CarriedDrawing,
   DrawingFile,

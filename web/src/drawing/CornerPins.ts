@@ -1,11 +1,11 @@
 // The corners of the chosen line as marks over the picture, and the first click of a line that has no second one yet.
 import { Vector3 } from "three";
 import type { Vector } from "../api/types";
-import { el } from "../dom";
-import type { Session } from "../state/session";
-import { metresFromMm } from "../units";
+import { el } from "../ui/dom";
+import type { Session } from "../app/session";
+import { metresFromMm } from "../ui/units";
 import { isHidden } from "../viewer/picking";
-import type { ScanMesh } from "../viewer/ScanMesh";
+import type { ScanMesh } from "../scan/ScanMesh";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { cornerAt } from "./edits";
 import { lineNamed } from "./lines";

@@ -1,10 +1,10 @@
 // The surgeon's lines on the scan: black with a white outline; dashed over holes.  What was carried here from the other
 // stance is drawn the same way, since it is the same hand's.
 import type { Vector } from "../api/types";
-import type { Session } from "../state/session";
-import { isUnit, metresFromMm, mmFrom } from "../units";
+import type { Session } from "../app/session";
+import { isUnit, metresFromMm, mmFrom } from "../ui/units";
 import { FatLines, type Polyline } from "../viewer/FatLines";
-import type { ScanMesh } from "../viewer/ScanMesh";
+import type { ScanMesh } from "../scan/ScanMesh";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { bridgedAt } from "./edits";
 import { type DrawnState, type Layer, layerKey, type OwnLine } from "./lines";

@@ -1,11 +1,11 @@
 // The hand on the canvas while a tool is taken: a drag draws, a short click sets a corner, a corner is dragged over the skin.
 // The first button, a pen or one finger draw; the second button and two fingers turn the body.
-import type { Actions } from "../actions";
+import type { Actions } from "../app/actions";
 import type { Vector } from "../api/types";
-import type { Session } from "../state/session";
-import type { Store } from "../state/store";
+import type { Session } from "../app/session";
+import type { Store } from "../store/store";
 import { pickAt } from "../viewer/picking";
-import type { ScanMesh } from "../viewer/ScanMesh";
+import type { ScanMesh } from "../scan/ScanMesh";
 import type { Viewer } from "../viewer/Viewer";
 import type { CornerPins } from "./CornerPins";
 import { cornerMoved } from "./edits";

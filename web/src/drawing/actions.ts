@@ -1,12 +1,12 @@
 // Drawing on the scan: each change is one step of the undo history and is saved with the scan soon after.
 import type { Client } from "../api/client";
 import type { Scan, Vector } from "../api/types";
-import { messageOf, withProblem } from "../actions/problems";
-import { record, redo, undo } from "../state/history";
-import type { Session } from "../state/session";
-import type { Store } from "../state/store";
-import { text } from "../text";
-import { formatMmWhole } from "../units";
+import { messageOf, withProblem } from "../store/problems";
+import { record, redo, undo } from "../store/history";
+import type { Session } from "../app/session";
+import type { Store } from "../store/store";
+import { text } from "../ui/text";
+import { formatMmWhole } from "../ui/units";
 import { closedUp, cornerAdded, cornerMoved, cornerRemoved, extended, lineAlong, lineThrough, openedUp } from "./edits";
 import { readDrawing, toDrawing, UnreadableDrawing } from "./files";
 import { type DrawnState, freeName, gap, INK, layerKey, type Layer, lineNamed, nextName, type OwnLine, type Tool, TUMOUR_INK, withLine, withoutLine } from "./lines";

@@ -1,6 +1,6 @@
 // The own drawing as breastrig/drawing@1: what the service keeps, and what is read and written as a file here.
 import type { OwnDrawing, Unit, Vector } from "../api/types";
-import { isUnit, mmFrom } from "../units";
+import { isUnit, mmFrom } from "../ui/units";
 import { lineAlong } from "./edits";
 import { freeName, INK, type OwnLine } from "./lines";
 

@@ -1,6 +1,6 @@
 // Keys of the step "drawing"; they go before the page's own.
-import type { Actions } from "../actions";
-import type { Session } from "../state/session";
+import type { Actions } from "../app/actions";
+import type { Session } from "../app/session";
 
 /** Does what the key stands for; false leaves it to the page. */
 export function drawingKey(state: Session, event: KeyboardEvent, { drawing }: Pick<Actions, "drawing">): boolean {

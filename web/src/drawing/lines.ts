@@ -1,7 +1,7 @@
 // The surgeon's own lines as plain values.  Each point lies on the scan's skin, about two millimetres from the next;
 // some of them are corners, which a person may move.  Points are millimetres in the scan's own axes.
 import type { CarriedDrawing, Vector } from "../api/types";
-import { type History, startHistory } from "../state/history";
+import { type History, startHistory } from "../store/history";
 
 export interface OwnLine {
   /** unique in the drawing: it is what the line is known by */

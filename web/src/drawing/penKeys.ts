@@ -1,12 +1,12 @@
 // Drawing without a pointer, while the view has the focus: arrows move a cross on the body and Enter is the click there;
 // with a point chosen they move the point along the skin.
-import type { Actions } from "../actions";
-import type { Session } from "../state/session";
-import type { Store } from "../state/store";
-import { text } from "../text";
+import type { Actions } from "../app/actions";
+import type { Session } from "../app/session";
+import type { Store } from "../store/store";
+import { text } from "../ui/text";
 import type { Crosshair } from "../viewer/Crosshair";
 import { pickAt } from "../viewer/picking";
-import type { ScanMesh } from "../viewer/ScanMesh";
+import type { ScanMesh } from "../scan/ScanMesh";
 import type { Viewer } from "../viewer/Viewer";
 import { cornerAt } from "./edits";
 import { gap, lineNamed } from "./lines";

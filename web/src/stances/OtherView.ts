@@ -1,14 +1,14 @@
 // The pane of the stance that waits: a view of its own, made when it is first wanted, whose camera goes with the other's.
 import { Matrix4 } from "three";
 import { OwnLines } from "../drawing/OwnLines";
-import type { Session } from "../state/session";
-import type { Store } from "../state/store";
-import { Drawings } from "../viewer/Drawings";
-import { FittedSurface } from "../viewer/FittedSurface";
-import { LandmarkPins } from "../viewer/LandmarkPins";
-import { ScanMesh } from "../viewer/ScanMesh";
+import type { Session } from "../app/session";
+import type { Store } from "../store/store";
+import { Drawings } from "../drawing/ReferenceLines";
+import { FittedSurface } from "../fit/FittedSurface";
+import { LandmarkPins } from "../landmarks/LandmarkPins";
+import { ScanMesh } from "../scan/ScanMesh";
 import { SideLetters } from "../viewer/SideLetters";
-import { TorsoModel } from "../viewer/TorsoModel";
+import { TorsoModel } from "../fit/TorsoModel";
 import { type Part, Viewer } from "../viewer/Viewer";
 import { linkedPose, torsoOf } from "./cameras";
 import { isComparing, otherSession } from "./state";

@@ -1,15 +1,15 @@
 // The second stance: bring it, change over, compare, carry drawings across, measure both.
-import type { fitActions } from "../actions/fit";
-import { messageOf, withProblem } from "../actions/problems";
-import type { scanActions } from "../actions/scan";
+import type { fitActions } from "../fit/actions";
+import { messageOf, withProblem } from "../store/problems";
+import type { scanActions } from "../scan/actions";
 import type { Client } from "../api/client";
 import type { Frame } from "../api/types";
 import { toDrawing } from "../drawing/files";
 import type { Carried } from "../drawing/lines";
-import type { Place } from "../state/address";
-import type { Session } from "../state/session";
-import type { Store } from "../state/store";
-import { text } from "../text";
+import type { Place } from "../app/address";
+import type { Session } from "../app/session";
+import type { Store } from "../store/store";
+import { text } from "../ui/text";
 import { loadFit, loadSlice } from "./load";
 import { initialStances, isUnfinished, knownScans, measuredFits, rememberScan, type Slice, sliceOf, stanceNames, stanceOf, type StancesState } from "./state";
 

@@ -1,11 +1,11 @@
 // Two cameras that look at two bodies from the same side: the pose of one, told in its torso's frame, is the other's.
 // All matrices are rigid and in metres; a torso's frame has the patient's left, up and front as axes.
 import { Matrix4, Vector3 } from "three";
-import { picksOf } from "../actions/scan";
+import { picksOf } from "../scan/actions";
 import type { Frame, Vector } from "../api/types";
-import { leftOf } from "../state/frame";
-import { frameFromPicks, type Picks } from "../state/landmarks";
-import { metresFromMm } from "../units";
+import { leftOf } from "../viewer/frame";
+import { frameFromPicks, type Picks } from "../landmarks/picks";
+import { metresFromMm } from "../ui/units";
 import type { Slice } from "./state";
 
 export interface Pose {

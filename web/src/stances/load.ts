@@ -1,15 +1,15 @@
 // A scan with all that the service keeps of it, read at once: for the stance that waits beside the one in work.
-import { picksOf } from "../actions/scan";
+import { picksOf } from "../scan/actions";
 import type { Client } from "../api/client";
 import type { ExampleScan, Frame, Iterated, Started } from "../api/types";
 import { fromDrawing } from "../drawing/files";
 import { startDrawn } from "../drawing/lines";
-import { readDistances } from "../state/distances";
-import { tidyFrame } from "../state/frame";
-import { startHistory } from "../state/history";
-import { frameFromPicks, type Picks } from "../state/landmarks";
-import type { FitState, Session } from "../state/session";
-import { text } from "../text";
+import { readDistances } from "../fit/distances";
+import { tidyFrame } from "../viewer/frame";
+import { startHistory } from "../store/history";
+import { frameFromPicks, type Picks } from "../landmarks/picks";
+import type { FitState, Session } from "../app/session";
+import { text } from "../ui/text";
 import type { Slice } from "./state";
 
 /** A fit as its story stands now; its files too when it is done. */

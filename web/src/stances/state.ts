@@ -1,6 +1,6 @@
 // Two stances of one patient: the page works on one, the other one waits with all that belongs to it.
 import type { MeasuresFile } from "../api/types";
-import type { FitState, Session } from "../state/session";
+import type { FitState, Session } from "../app/session";
 
 /** What belongs to one scan, and goes away and comes back with it. */
 export type Slice = Pick<Session, "scan" | "picks" | "drawn" | "proposals" | "skipped" | "saving" | "stance" | "fit">;

@@ -1,9 +1,9 @@
 // A cross on the picture that stands for the pointer where there is none: moved by arrow keys, or held above a finger.
-import { el } from "../dom";
-import type { Session } from "../state/session";
+import { el } from "../ui/dom";
+import type { Session } from "../app/session";
 import type { Loupe } from "./Loupe";
 import { type Hit, pickAt } from "./picking";
-import type { ScanMesh } from "./ScanMesh";
+import type { ScanMesh } from "../scan/ScanMesh";
 import type { Part, Viewer } from "./Viewer";
 
 interface Place {

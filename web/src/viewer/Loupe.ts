@@ -1,9 +1,9 @@
 // A magnifier beside the pointer while a landmark is being placed, with a reticle where the click would land.
 import { PerspectiveCamera } from "three";
-import { el } from "../dom";
-import type { Session } from "../state/session";
+import { el } from "../ui/dom";
+import type { Session } from "../app/session";
 import { pickAt } from "./picking";
-import type { ScanMesh } from "./ScanMesh";
+import type { ScanMesh } from "../scan/ScanMesh";
 import { Snapshot } from "./Snapshot";
 import type { Part, Viewer } from "./Viewer";
 

@@ -2,10 +2,10 @@
 // DOM and CSS instead of 3D: its letters stay sharp, and it needs no second picture.  The buttons below the body do the
 // same for keys and screen readers, hence the cube is hidden from them.
 import { Matrix4 } from "three";
-import type { Actions } from "../actions";
-import { el } from "../dom";
-import type { Session, ViewName } from "../state/session";
-import { text } from "../text";
+import type { Actions } from "../app/actions";
+import { el } from "../ui/dom";
+import type { Session, ViewName } from "../app/session";
+import { text } from "../ui/text";
 import type { Part, Viewer } from "./Viewer";
 
 const SIDES: readonly ViewName[] = ["front", "back", "left", "right", "top"];

@@ -1,8 +1,8 @@
 // L and R beside the body, on the patient's own sides, turning with it: nobody has to think whose left is meant.
 import { Vector3 } from "three";
-import { el } from "../dom";
-import type { Session } from "../state/session";
-import { text } from "../text";
+import { el } from "../ui/dom";
+import type { Session } from "../app/session";
+import { text } from "../ui/text";
 import type { Part, Viewer } from "./Viewer";
 
 const AWAY = 46; // pixels beside the body: room for the words

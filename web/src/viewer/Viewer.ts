@@ -4,9 +4,9 @@
 import { Box3, Group, Matrix4, MOUSE, TOUCH, type Object3D, PerspectiveCamera, Scene, Spherical, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Frame, Vector } from "../api/types";
-import { leftOf } from "../state/frame";
-import type { Session, ViewName } from "../state/session";
-import { metresFromMm } from "../units";
+import { leftOf } from "./frame";
+import type { Session, ViewName } from "../app/session";
+import { metresFromMm } from "../ui/units";
 import { CameraMove } from "./CameraMove";
 import { addLights } from "./lights";
 import { type Palette, readPalette } from "./palette";

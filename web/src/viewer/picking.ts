@@ -1,8 +1,8 @@
 // From a place on the screen to a point on the scan: pointer → ray → BVH → triangle.
 import { type BufferGeometry, type Mesh, Raycaster, Triangle, Vector3 } from "three";
 import type { Vector } from "../api/types";
-import { mmFromMetres } from "../units";
-import type { ScanMesh } from "./ScanMesh";
+import { mmFromMetres } from "../ui/units";
+import type { ScanMesh } from "../scan/ScanMesh";
 import type { Viewer } from "./Viewer";
 
 export interface Hit {

@@ -1,0 +1,51 @@
+// All that a person or the address can ask of the page; panels get this and nothing else to act with.
+import type { Client } from "../api/client";
+import { drawingActions } from "../drawing/actions";
+import { stancesActions } from "../stances/actions";
+import type { Session } from "./session";
+import type { Store } from "../store/store";
+import { fitActions } from "../fit/actions";
+import { landmarkActions } from "../landmarks/actions";
+import { lookActions } from "../fit/handPoseActions";
+import { pageActions } from "./pageActions";
+import { pictureActions } from "./exportActions";
+import { createPlayer } from "../fit/playback";
+import { messageOf, withProblem } from "../store/problems";
+import { createProposalSearch } from "../landmarks/proposalSearch";
+import { scanActions } from "../scan/actions";
+import { shareActions } from "../share/actions";
+
+export function createActions(store: Store<Session>, client: Client, prefersStill: () => boolean) {
+  const player = createPlayer(store, prefersStill);
+  const fit = fitActions(store, client, player);
+  const proposals = createProposalSearch(store, client);
+  const landmarks = landmarkActions(store, client, proposals.lookOnce, fit.refit);
+  const scan = scanActions(store, client, fit.stop, proposals.lookOnce);
+  const drawing = drawingActions(store, client);
+  const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
+  return {
+    page: pageActions(store, proposals.lookOnce),
+    scan,
+    landmarks,
+    drawing,
+    stances: stancesActions(store, client, { scan, fit, landmarks, drawing }, memory),
+    share: shareActions(store, client),
+    proposals,
+    /** What still waits is saved first; the page that follows asks for the token. */
+    async signOut(): Promise<void> {
+      await landmarks.flush();
+      try {
+        await client.signOut();
+        location.assign("/sign-in");
+      } catch (error) {
+        store.set((state) => withProblem(state, "page", messageOf(error)));
+      }
+    },
+    fit,
+    look: lookActions(store),
+    picture: pictureActions(store),
+    player,
+  };
+}
+
+export type Actions = ReturnType<typeof createActions>;

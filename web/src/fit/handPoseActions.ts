@@ -1,0 +1,22 @@
+// Moves the shown model by hand and puts it back; the fit itself stays what it is.
+import type { NodePose } from "../api/types";
+import { type Axis, withScale, withWeight } from "./handPose";
+import { isAtRest, type Session, shownPoses } from "../app/session";
+import type { Store } from "../store/store";
+
+export function lookActions(store: Store<Session>) {
+  function change(move: (nodes: readonly NodePose[]) => NodePose[]): void {
+    const state = store.get();
+    const nodes = shownPoses(state);
+    if (!state.fit || !nodes || !isAtRest(state.fit)) return;
+    // Over the scan as it was; a scan alone would show nothing of it, distances belong to the fitted surface.
+    const overlay = state.overlay === "scan" ? "both" : state.overlay;
+    store.set({ look: { fit: state.fit.id, nodes: move(nodes) }, overlay, showDistances: false });
+  }
+
+  return {
+    scale: (bone: string, axis: Axis, value: number): void => change((nodes) => withScale(nodes, bone, axis, value)),
+    weigh: (shape: number, value: number): void => change((nodes) => withWeight(nodes, shape, value)),
+    reset: (): void => store.set({ look: null }),
+  };
+}

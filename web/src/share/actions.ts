@@ -1,0 +1,47 @@
+// Links that show one result to somebody: made, listed and revoked in the share dialog.
+import type { Client } from "../api/client";
+import type { ShareRequest } from "../api/types";
+import type { Session } from "../app/session";
+import type { Store } from "../store/store";
+import { text } from "../ui/text";
+import { messageOf, withProblem } from "../store/problems";
+
+export function shareActions(store: Store<Session>, client: Client) {
+  /** Runs for the fit that the dialog was opened for; an answer for another one is dropped. */
+  async function forFit(work: (link: string) => Promise<Partial<Session>>): Promise<void> {
+    const fit = store.get().fit;
+    if (!fit || store.get().share.isBusy) return;
+    const tell = (part: (state: Session) => Partial<Session>): void =>
+      store.set((state) => (state.fit?.id === fit.id ? part(state) : {}));
+    tell((state) => ({ share: { ...state.share, isBusy: true }, ...withProblem(state, "share", null) }));
+    try {
+      const done = await work(fit.links.shares);
+      const { shares } = await client.shares(fit.links.shares);
+      tell((state) => ({ ...done, share: { ...state.share, ...done.share, isBusy: false, list: shares } }));
+    } catch (error) {
+      tell((state) => ({ share: { ...state.share, isBusy: false }, ...withProblem(state, "share", messageOf(error)) }));
+    }
+  }
+
+  return {
+    async open(): Promise<void> {
+      if (store.get().fit?.state !== "done") return;
+      store.set((state) => ({ share: { isOpen: true, isBusy: false, list: null, made: null }, ...withProblem(state, "share", null) }));
+      await forFit(async () => ({}));
+    },
+
+    close: (): void => store.set((state) => ({ share: { ...state.share, isOpen: false, made: null } })),
+
+    make: (request: ShareRequest): Promise<void> =>
+      forFit(async (link) => {
+        const { url } = await client.makeShare(link, request);
+        return { share: { ...store.get().share, made: url }, announcement: text.share.announceMade };
+      }),
+
+    revoke: (link: string): Promise<void> =>
+      forFit(async () => {
+        await client.revokeShare(link);
+        return { announcement: text.share.announceRevoked };
+      }),
+  };
+}

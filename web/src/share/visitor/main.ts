@@ -1,0 +1,100 @@
+// The read-only page behind a share link: the body with its drawing, the numbers, the files; a passcode first where there is one.
+import "../../app/style.css";
+import type { Actions } from "../../app/actions";
+import { pageActions } from "../../app/pageActions";
+import { ApiError } from "../../api/client";
+import type { SharedResult } from "../../api/types";
+import { el, fill, icon, setText, show } from "../../ui/dom";
+import { createColourBar } from "../../fit/ColourBar";
+import { createNumbersPanel } from "../../fit/NumbersPanel";
+import { createSwipe } from "../../viewer/Swipe";
+import { createViewBar } from "../../viewer/ViewBar";
+import { initialSession, type Session } from "../../app/session";
+import { createStore } from "../../store/store";
+import { text } from "../../ui/text";
+import { openSharedViewer } from "./openViewer";
+import { openLink, readShared } from "./openLink";
+
+const store = createStore<Session>(initialSession);
+const actions = { page: pageActions(store, () => undefined) } as Pick<Actions, "page">;
+const words = text.shared;
+const moment = new Intl.DateTimeFormat("en-GB", { dateStyle: "long", timeStyle: "short" });
+
+const canvas = el("canvas", { class: "view", role: "img", "aria-label": text.view.shared, tabindex: 0 });
+const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
+const viewBar = createViewBar(actions);
+const swipe = createSwipe(actions);
+const colourBar = createColourBar();
+const note = el("p", {});
+const alert = el("div", { class: "problem", role: "alert", hidden: true }, icon("alert"), note);
+const waiting = el("p", { class: "muted" }, words.opening);
+const passcode = el("input", { type: "password", id: "passcode", autocomplete: "off", required: true });
+const form = el(
+  "form",
+  { class: "passcode", hidden: true, onsubmit: (event) => (event.preventDefault(), void open(passcode.value)) },
+  el("p", {}, words.needsPasscode),
+  el("label", { class: "field" }, el("span", {}, words.passcode), passcode),
+  el("button", { class: "button primary" }, el("span", {}, words.open)),
+);
+const card = el("div", { class: "empty" }, el("div", { class: "empty-card busy" }, waiting, alert, form));
+const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, card);
+const until = el("p", { class: "muted" });
+const shapes = el("ul", { class: "shapes" });
+const files = el("ul", { class: "files" });
+const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, el("h2", {}, text.result.drawing), shapes, el("h2", {}, text.result.files), files);
+const numbers = createNumbersPanel();
+const aside = el("aside", { class: "aside" }, numbers.element);
+const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, text.name), el("span", { class: "scan-title" }, words.title));
+const footer = el("footer", { class: "footer" }, el("strong", {}, text.noticeLong));
+
+document.title = `${words.title} · ${text.name}`;
+document.body.classList.add("is-empty", "is-shared");
+document.body.append(top, side, host, aside, footer);
+store.subscribe((state) => {
+  for (const panel of [viewBar, swipe, colourBar, numbers]) panel.update(state);
+});
+void open("");
+
+function say(sentence: string): void {
+  setText(note, sentence);
+  show(alert, sentence !== "");
+  show(waiting, false);
+}
+
+async function open(code: string): Promise<void> {
+  try {
+    const shared = await openLink(location.hash.slice(1), code);
+    const session = await readShared(shared);
+    fillSide(shared, session);
+    store.set(session);
+  } catch (error) {
+    const isLocked = error instanceof ApiError && error.status === 403;
+    show(form, isLocked);
+    say(isLocked && code === "" ? "" : error instanceof Error ? error.message : String(error));
+    if (isLocked) passcode.focus();
+    return;
+  }
+  show(card, false);
+  show(side, true);
+  document.body.classList.remove("is-empty");
+  const failed = (): void => (show(card, true), show(form, false), say(text.errors.surface));
+  try {
+    openSharedViewer(store, { host, canvas, overlay }, actions, failed);
+  } catch {
+    show(card, true);
+    show(form, false);
+    say(text.errors.noGraphics);
+  }
+}
+
+function fillSide({ expires_at, links }: SharedResult, { fit }: Session): void {
+  setText(until, words.until(moment.format(new Date(expires_at))));
+  const names = fit?.drawing?.shapes.map(({ name }) => text.shared.shape(name)) ?? [];
+  fill(shapes, names, () =>
+    names.length > 0 ? names.map((name) => el("li", {}, el("span", { class: "stroke", "aria-hidden": "true" }), name)) : [el("li", {}, text.result.noDrawing)],
+  );
+  const offered = words.files.flatMap(({ key, name, what }) => (links[key] === null ? [] : [{ href: links[key], name, what }]));
+  fill(files, offered, () =>
+    offered.map(({ href, name, what }) => el("li", {}, el("a", { href, download: name }, icon("download"), el("span", {}, name)), el("span", { class: "muted" }, what))),
+  );
+}
