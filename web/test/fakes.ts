@@ -1,8 +1,8 @@
 // A page without a browser: the real store and actions, a client that answers what the test says.
 import { vi } from "vitest";
-import { createActions } from "../src/app/actions";
 import type { Client } from "../src/api/client";
 import type { LandmarkDefinition, Scan, Vector } from "../src/api/types";
+import { createActions } from "../src/app/actions";
 import { initialSession, type Session } from "../src/app/session";
 import { createStore } from "../src/store/store";
 

@@ -1,24 +1,30 @@
 // Everything to take away, one click below the top bar.  A popover: the browser closes it and keeps it above all else.
-import type { Actions } from "./actions";
+import type { FitSlice } from "../fit/state";
+import { result as resultText } from "../fit/text";
+import type { ScanSlice } from "../scan/state";
+import { only } from "../store/store";
 import { el, icon, show } from "../ui/dom";
-import type { Session } from "./session";
-import { text } from "../ui/text";
 import type { Panel } from "../ui/Panel";
+import type { ExportActions } from "./exportActions";
+import * as text from "./text";
 
-const words = text.picture;
+const words = text.files;
 
-export function createExportMenu(actions: Actions): Panel {
+type Shown = Pick<ScanSlice & FitSlice, "scan" | "fit">;
+
+export function createExportMenu(files: ExportActions): Panel<Shown> {
   const open = el("button", { type: "button", class: "button quiet outlined", popovertarget: "export-menu", "aria-haspopup": "true" }, icon("download"), el("span", {}, words.menu));
   const close = (): void => menu.hidePopover();
   const item = (name: string, hint: string): HTMLElement[] => [el("span", {}, name), el("span", { class: "muted small" }, hint)];
-  const picture = el("button", { type: "button", class: "menu-item", onclick: () => (close(), void actions.picture.save()) }, ...item(words.save, words.saveHint));
-  const table = el("button", { type: "button", class: "menu-item", onclick: () => (close(), actions.picture.saveDistances()) }, ...item(words.distances, words.distancesHint));
-  const links = text.result.downloads.map(({ key, name, what }) => ({ key, element: el("a", { class: "menu-item", download: name, onclick: close }, ...item(name, what)) }));
+  const picture = el("button", { type: "button", class: "menu-item", onclick: () => (close(), void files.save()) }, ...item(words.save, words.saveHint));
+  const table = el("button", { type: "button", class: "menu-item", onclick: () => (close(), files.saveDistances()) }, ...item(words.distances, words.distancesHint));
+  const links = resultText.downloads.map(({ key, name, what }) => ({ key, element: el("a", { class: "menu-item", download: name, onclick: close }, ...item(name, what)) }));
   const menu = el("div", { class: "menu", id: "export-menu", popover: "auto", "aria-label": words.menu, role: "group" }, picture, ...links.map(({ element }) => element), table);
   const element = el("div", { class: "export" }, open, menu);
   return {
     element,
-    update({ scan, fit }: Session): void {
+    select: only("scan", "fit"),
+    update({ scan, fit }: Shown): void {
       show(element, scan !== null);
       const isDone = fit?.state === "done";
       for (const { key, element: link } of links) {

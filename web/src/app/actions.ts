@@ -1,30 +1,33 @@
-// All that a person or the address can ask of the page; panels get this and nothing else to act with.
+// All that a person or the address can ask of the page: the actions of its features put together.
 import type { Client } from "../api/client";
 import { drawingActions } from "../drawing/actions";
-import { stancesActions } from "../stances/actions";
-import type { Session } from "./session";
-import type { Store } from "../store/store";
 import { fitActions } from "../fit/actions";
-import { landmarkActions } from "../landmarks/actions";
-import { lookActions } from "../fit/handPoseActions";
-import { pageActions } from "./pageActions";
-import { pictureActions } from "./exportActions";
+import { handPoseActions } from "../fit/handPoseActions";
 import { createPlayer } from "../fit/playback";
-import { messageOf, withProblem } from "../store/problems";
+import { landmarkActions } from "../landmarks/actions";
 import { createProposalSearch } from "../landmarks/proposalSearch";
 import { scanActions } from "../scan/actions";
 import { shareActions } from "../share/actions";
+import { stancesActions } from "../stances/actions";
+import { messageOf, withProblem } from "../store/problems";
+import type { Store } from "../store/store";
+import { viewActions } from "../viewer/actions";
+import { exportActions } from "./exportActions";
+import { pageActions } from "./pageActions";
+import { scanContents } from "./scanContents";
+import type { Session } from "./session";
 
 export function createActions(store: Store<Session>, client: Client, prefersStill: () => boolean) {
   const player = createPlayer(store, prefersStill);
   const fit = fitActions(store, client, player);
   const proposals = createProposalSearch(store, client);
   const landmarks = landmarkActions(store, client, proposals.lookOnce, fit.refit);
-  const scan = scanActions(store, client, fit.stop, proposals.lookOnce);
+  const scan = scanActions(store, client, scanContents(client, fit.stop), proposals.lookOnce);
   const drawing = drawingActions(store, client);
   const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
   return {
     page: pageActions(store, proposals.lookOnce),
+    view: viewActions(store),
     scan,
     landmarks,
     drawing,
@@ -42,8 +45,8 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
       }
     },
     fit,
-    look: lookActions(store),
-    picture: pictureActions(store),
+    handPose: handPoseActions(store),
+    files: exportActions(store),
     player,
   };
 }

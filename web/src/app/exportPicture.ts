@@ -1,12 +1,15 @@
 // The picture as it stands, for a slide or a paper: twice the size, with the letters, a 10 cm scale, the colours' scale
 // where distances are shown, and what it must not be used for.  No date and no name: nothing in it tells whose it is.
-import { metresFromMm } from "../ui/units";
 import { paintColourScale, signedMm } from "../fit/ColourBar";
 import { SCALE_MM, SCANNER_MM } from "../fit/distances";
-import type { Session } from "./session";
-import { showsFittedSurface } from "./session";
-import { text } from "../ui/text";
+import { showsFittedSurface } from "../fit/state";
+import { distances as distancesText } from "../fit/text";
+import { name, notice } from "../ui/text";
+import { metresFromMm } from "../ui/units";
+import { view as viewText } from "../viewer/text";
 import type { Viewer } from "../viewer/Viewer";
+import type { Session } from "./session";
+import * as text from "./text";
 
 const TIMES = 2;
 const SCALE_BAR_MM = 100;
@@ -31,7 +34,7 @@ export function exportPicture(viewer: Viewer, state: Session): Promise<Blob> {
   pen.fillStyle = colour("--text");
   pen.font = font(12, 600);
   pen.textAlign = "right";
-  pen.fillText(`${text.name} · ${text.notice}`, width - 16, height + FOOT / 2);
+  pen.fillText(`${name} · ${notice}`, width - 16, height + FOOT / 2);
   return new Promise((done, failed) => canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error("no picture"))), "image/png"));
 }
 
@@ -68,7 +71,7 @@ function drawLetters(pen: CanvasRenderingContext2D, overlay: HTMLElement, colour
     pen.font = font(17, 700);
     pen.fillText(isLeft ? "L" : "R", x, y + 1);
     pen.font = font(11);
-    pen.fillText(isLeft ? text.view.left : text.view.right, x, y + radius + 11);
+    pen.fillText(isLeft ? viewText.left : viewText.right, x, y + radius + 11);
   }
 }
 
@@ -86,7 +89,7 @@ function drawScaleBar(pen: CanvasRenderingContext2D, left: number, y: number, le
   pen.stroke();
   pen.font = font(12);
   pen.textAlign = "left";
-  pen.fillText(text.picture.scale, left + length + 8, y);
+  pen.fillText(text.files.scale, left + length + 8, y);
 }
 
 function drawColours(pen: CanvasRenderingContext2D, height: number, colour: Colour): void {
@@ -97,9 +100,9 @@ function drawColours(pen: CanvasRenderingContext2D, height: number, colour: Colo
   pen.fillStyle = colour("--muted");
   pen.font = font(11);
   pen.textAlign = "left";
-  pen.fillText(text.distances.title, left, top - 14);
+  pen.fillText(distancesText.title, left, top - 14);
   pen.drawImage(bar, left, top, wide, high);
-  const notes: Record<number, string> = { [SCALE_MM]: text.distances.outside, 0: text.distances.scanner, [-SCALE_MM]: text.distances.inside };
+  const notes: Record<number, string> = { [SCALE_MM]: distancesText.outside, 0: distancesText.scanner, [-SCALE_MM]: distancesText.inside };
   for (const mm of [SCALE_MM, SCANNER_MM, 0, -SCANNER_MM, -SCALE_MM]) {
     const y = top + (high * (SCALE_MM - mm)) / (2 * SCALE_MM);
     pen.fillStyle = colour("--text");
@@ -110,5 +113,5 @@ function drawColours(pen: CanvasRenderingContext2D, height: number, colour: Colo
   pen.fillStyle = colour("--view-unknown");
   pen.fillRect(left, top + high + 12, wide, wide);
   pen.fillStyle = colour("--muted");
-  pen.fillText(text.distances.noScan, left + wide + 8, top + high + 12 + wide / 2);
+  pen.fillText(distancesText.noScan, left + wide + 8, top + high + 12 + wide / 2);
 }

@@ -1,6 +1,6 @@
 // What is written into an exported picture, and the menu that offers all files.
 
-export const picture = {
+export const files = {
   scale: "10 cm at the middle of the body",
   menu: "Export",
   save: "Picture of this view",

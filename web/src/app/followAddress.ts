@@ -1,10 +1,10 @@
 // Keeps the address and the state in step: reads it once when the page opens and whenever a person changes it,
 // writes it when another scan or fit is shown.
-import type { Actions } from "./actions";
 import type { Frame } from "../api/types";
+import type { Store } from "../store/store";
+import type { Actions } from "./actions";
 import { fromHash, toHash } from "./address";
 import type { Session } from "./session";
-import type { Store } from "../store/store";
 
 function hashOf(state: Session): string {
   const { other, isSecond, isComparing, wantsCarried } = state.stances;

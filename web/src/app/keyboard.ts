@@ -1,8 +1,9 @@
 // Single keys for what is done most often; they stay out of the way of typing and of the browser's own shortcuts.
-import type { Actions } from "./actions";
 import { drawingKey } from "../drawing/keys";
-import type { Session, Step } from "./session";
+import type { Step } from "../store/page";
 import type { Store } from "../store/store";
+import type { Actions } from "./actions";
+import type { Session } from "./session";
 
 const STEPS: Record<string, Step> = { "1": "scan", "2": "landmarks", "3": "fit", "4": "drawing", "5": "result" };
 
@@ -11,14 +12,14 @@ function isTyping(target: EventTarget | null): boolean {
 }
 
 export function listenToKeys(store: Store<Session>, actions: Actions): void {
-  const { landmarks, page, player } = actions;
+  const { drawing, fit, landmarks, page, player, view } = actions;
   const keys: Record<string, (event: KeyboardEvent) => void> = {
     n: () => landmarks.wantNext(),
     z: (event) => (event.shiftKey ? landmarks.redo() : landmarks.undo()),
     y: () => landmarks.redo(),
     c: () => landmarks.confirmWanted(),
-    f: () => page.view("front"),
-    d: () => page.showDistances(!store.get().showDistances),
+    f: () => view.from("front"),
+    d: () => fit.showDistances(!store.get().showDistances),
     o: () => page.nextOverlay(),
     "?": () => page.help(true),
     escape: () => landmarks.want(null),
@@ -32,7 +33,7 @@ export function listenToKeys(store: Store<Session>, actions: Actions): void {
     if (key === " " && event.target instanceof HTMLElement && event.target.closest("button, a, label, input, summary")) return;
     const state = store.get();
     if (state.isHelpOpen || state.share.isOpen) return;
-    if (drawingKey(state, event, actions)) return event.preventDefault();
+    if (drawingKey(state, event, drawing)) return event.preventDefault();
     const step = STEPS[key];
     if (step && state.scan) page.goTo(step);
     else if (keys[key] && (state.scan || key === "?")) keys[key](event);

@@ -1,15 +1,16 @@
-// The wiring plan: makes store, actions, panels and viewer, and tells each of them when the state changed.
-import "./style.css";
-import { createActions } from "./actions";
-import { messageOf, withProblem } from "../store/problems";
+// The wiring plan: makes store, actions, page and view, and lets them follow the state.
+import "../style.css";
 import { client, onSignedOut } from "../api/client";
-import { followAddress } from "./followAddress";
-import { createPage } from "./Page";
-import { listenToKeys } from "./keyboard";
-import { initialSession, type Place, type Session } from "./session";
-import { keepForLater, takeUp } from "./unsavedWork";
+import type { Place } from "../store/page";
+import { messageOf, withProblem } from "../store/problems";
 import { createStore } from "../store/store";
+import { createActions } from "./actions";
+import { followAddress } from "./followAddress";
+import { listenToKeys } from "./keyboard";
 import { openViewer } from "./openViewer";
+import { createPage } from "./Page";
+import { initialSession, type Session } from "./session";
+import { keepForLater, takeUp } from "./unsavedWork";
 
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 const prefersStill = (): boolean => still.matches;
@@ -20,8 +21,8 @@ const dismiss = (place: Place): void => store.set((state) => withProblem(state, 
 
 const page = createPage(actions, dismiss);
 document.body.append(...page.elements);
-store.subscribe(page.update);
-openViewer(store, actions, page.stage, prefersStill);
+page.follow(store);
+openViewer(store, actions, page.stages, prefersStill);
 listenToKeys(store, actions);
 addEventListener("pagehide", () => void actions.landmarks.flush());
 addEventListener("pagehide", () => void actions.drawing.flush());
@@ -29,11 +30,11 @@ onSignedOut(() => {
   keepForLater(store.get(), location.hash, sessionStorage);
   location.assign("/sign-in");
 });
-reportAccidents();
+reportUnforeseen();
 void begin();
 
-/** What nobody foresaw is said too: a page that stands still without a word is the worst of errors. */
-function reportAccidents(): void {
+/** Unforeseen errors are shown too: a page that stands still without a word is the worst of errors. */
+function reportUnforeseen(): void {
   const report = (error: unknown): void => store.set((state) => withProblem(state, "page", messageOf(error)));
   addEventListener("error", (event) => {
     if (!event.message.startsWith("ResizeObserver")) report(event.error ?? event.message); // that one is only a late layout

@@ -1,8 +1,16 @@
 // The one primary button: what the person would do next, from the state alone.
-import { canCarryTo } from "../stances/state";
+import { isFitting } from "../fit/state";
 import { ENOUGH, nextMissing } from "../landmarks/picks";
 import { ghostsOf, isLikely } from "../landmarks/proposals";
-import { isFitting, needsConfirming, pickCount, type Session } from "./session";
+import { needsConfirming, pickCount } from "../landmarks/state";
+import { canCarryTo } from "../stances/state";
+import type { Session } from "./session";
+
+/** What of the state decides. */
+export type NextShown = Pick<
+  Session,
+  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "drawn" | "stances"
+>;
 
 export type NextStep =
   | { kind: "none" }
@@ -13,10 +21,10 @@ export type NextStep =
   | { kind: "carry"; to: string }
   | { kind: "save" };
 
-const picksChanged = (state: Session): boolean =>
+const picksChanged = (state: NextShown): boolean =>
   state.fit?.picks !== null && state.fit?.picks !== undefined && state.fit.picks !== state.picks.present;
 
-export function nextStep(state: Session): NextStep {
+export function nextStep(state: NextShown): NextStep {
   if (!state.scan || state.loading || isFitting(state)) return { kind: "none" };
   if (state.step === "scan" && needsConfirming(state)) return { kind: "confirm scan" };
   const landmarks = pickCount(state);

@@ -1,17 +1,13 @@
 // The frame of the page: title, steps, top bar, the one button that says what comes next.
-import type { Step, Theme } from "./session";
+import type { Step, Theme } from "../store/page";
+
+export * from "./exportText";
+export * from "./helpText";
 
 export const page = {
-  name: "BreastRig",
-  notice: "Research use only. Not a medical device.",
-  noticeLong:
-    "Research use only. Not a medical device; not for diagnosis, treatment or surgical decisions. " +
-    "Measurements carry scanner and fitting error.",
   version: (version: string) => `version ${version}`,
   steps: { scan: "Scan", landmarks: "Landmarks", fit: "Fit", drawing: "Drawing", result: "Result" } satisfies Record<Step, string>,
   stepsLabel: "Steps",
-  dismiss: "Dismiss",
-  close: "Close",
 };
 
 export const top = {
@@ -20,7 +16,6 @@ export const top = {
   share: "Share",
   signOut: "Sign out",
   help: "Keyboard and mouse",
-  uploaded: "Uploaded scan",
 };
 
 export const next = {

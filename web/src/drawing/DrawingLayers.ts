@@ -1,18 +1,23 @@
 // The legend: every line on the body with its stroke, switched on and off; the own ones can be named, closed and erased.
-import type { Actions } from "../app/actions";
-import { type Layer, layerKey, lengthOf, type OwnLine } from "./lines";
 import { wishLabel, wishLabels } from "../fit/requestedDrawing";
-import { el, fill, setText, show } from "../ui/dom";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
+import type { FitSlice } from "../fit/state";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { button, iconButton } from "../ui/controls";
+import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import type { DrawingActions } from "./actions";
+import { lengthOf, type OwnLine } from "./lines";
+import { type DrawingSlice, type Layer, layerKey } from "./state";
+import * as text from "./text";
 
 const words = text.drawing;
 const plainStart = (label: string): string => label.charAt(0).toUpperCase() + label.slice(1);
 const cm = (mm: number): string => (mm / 10).toFixed(1);
 
-export function createDrawingLayers({ drawing }: Pick<Actions, "drawing">): Panel {
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "fit" | "drawn">;
+
+export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
   const own = el("ul", { class: "layers", "data-layer": "own" });
   const none = el("p", { class: "muted small" }, words.none);
   const reference = group("reference");
@@ -76,7 +81,8 @@ export function createDrawingLayers({ drawing }: Pick<Actions, "drawing">): Pane
 
   return {
     element,
-    update(state: Session): void {
+    select: only("meta", "model", "fit", "drawn"),
+    update(state: Shown): void {
       const { lines, hidden, chosen } = state.drawn;
       show(none, lines.present.length === 0);
       fill(own, lines.present.map((line) => [line.name, line.closed, Math.round(lengthOf(line))]), () => lines.present.map(ownRow));
@@ -85,7 +91,7 @@ export function createDrawingLayers({ drawing }: Pick<Actions, "drawing">): Pane
       const { fit, model } = state;
       const known = model?.side.drawings.find((each) => each.name === fit?.drawingName);
       const shapes = fit?.drawing?.shapes ?? known?.shapes ?? [];
-      const named = shapes.map(({ name }) => ({ name, label: plainStart(known?.shapes.find((each) => each.name === name)?.label ?? text.shared.shape(name)) }));
+      const named = shapes.map(({ name }) => ({ name, label: plainStart(known?.shapes.find((each) => each.name === name)?.label ?? words.shapeName(name)) }));
       const label = wishLabel(fit?.drawingName ?? "", wishLabels(state));
       reference.set(fit && label !== "" ? words.reference(label) : "", named, hidden, "");
       const from = state.drawn.carried;

@@ -1,21 +1,25 @@
 // Step 4: the tools, and what lies on the body, line by line.
-import type { Actions } from "../app/actions";
-import { toText } from "./files";
-import { lineNamed, type Tool, TOOLS } from "./lines";
-import { el, saveFile, setText, show } from "../ui/dom";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
+import type { FitActions } from "../fit/actions";
+import type { FitSlice } from "../fit/state";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { button, fileButton, iconButton, problem, segmented } from "../ui/controls";
-import { createDrawingCarry } from "../stances/DrawingCarry";
-import { createDrawingPattern } from "./DrawingPattern";
-import { createDrawingLayers } from "./DrawingLayers";
+import { el, saveFile, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import type { DrawingActions } from "./actions";
+import { createDrawingLayers } from "./DrawingLayers";
+import { createDrawingPattern } from "./DrawingPattern";
+import { toText } from "./files";
+import { type DrawingSlice, lineNamed, type Tool, TOOLS } from "./state";
+import * as text from "./text";
 
 const words = text.drawing;
 
-export function createDrawingPanel(actions: Actions, dismiss: () => void, dismissFit: () => void): Panel {
-  const { drawing } = actions;
-  let state: Session | null = null;
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "problems" | "drawing" | "fit" | "isStarting" | "drawn">;
+
+/** `more`: what other features have to say about the drawing, below the rest. */
+export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, dismiss: () => void, dismissFit: () => void, more: HTMLElement): Panel<Shown> {
+  let state: Shown | null = null;
   const tools = segmented<Tool>(
     words.tools,
     TOOLS.map((value) => ({ value, label: words.toolNames[value], hint: words.toolHints[value] })),
@@ -36,10 +40,9 @@ export function createDrawingPanel(actions: Actions, dismiss: () => void, dismis
   const save = button(words.exportFile, () => state && saveFile("drawing.json", toText(state.drawn.lines.present), "application/json"), "quiet");
   save.title = words.exportHint;
   const wrong = problem(dismiss);
-  const corners = createCorners(actions);
-  const layers = createDrawingLayers(actions);
-  const pattern = createDrawingPattern(actions, dismissFit);
-  const carry = createDrawingCarry(actions, () => actions.stances.dialog(true));
+  const corners = createCorners(drawing);
+  const layers = createDrawingLayers(drawing);
+  const pattern = createDrawingPattern(fit, dismissFit);
   const element = el(
     "div",
     { class: "panel drawing" },
@@ -52,11 +55,12 @@ export function createDrawingPanel(actions: Actions, dismiss: () => void, dismis
     el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, save),
     layers.element,
     pattern.element,
-    carry.element,
+    more,
   );
   return {
     element,
-    update(session: Session): void {
+    select: only("meta", "model", "problems", "drawing", "fit", "isStarting", "drawn"),
+    update(session: Shown): void {
       state = session;
       const { drawn } = session;
       tools.set(drawn.tool);
@@ -73,14 +77,13 @@ export function createDrawingPanel(actions: Actions, dismiss: () => void, dismis
       corners.update(session);
       layers.update(session);
       pattern.update(session);
-      carry.update(session);
     },
   };
 }
 
 /** The points of the chosen line without a pointer: one after the other, moved by arrow keys, deleted. */
-function createCorners({ drawing }: Pick<Actions, "drawing">): Panel {
-  let state: Session | null = null;
+function createCorners(drawing: DrawingActions): Panel<DrawingSlice> {
+  let state: DrawingSlice | null = null;
   const words = text.drawing;
   const where = el("span", { class: "small" });
   function step(by: number): void {
@@ -103,7 +106,8 @@ function createCorners({ drawing }: Pick<Actions, "drawing">): Panel {
   const element = el("div", { class: "corners", hidden: true }, el("div", { class: "corner-row" }, back, where, on, el("span", { class: "spring" }), remove), nudge);
   return {
     element,
-    update(session: Session): void {
+    select: only("drawn"),
+    update(session: DrawingSlice): void {
       state = session;
       const { drawn } = session;
       const line = drawn.tool === "points" ? lineNamed(drawn, drawn.chosen) : null;

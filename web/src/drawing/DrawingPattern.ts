@@ -1,18 +1,23 @@
 // The model's drawing: which one, with which numbers, and a tumour by the clock.  It is made on the fitted body, so a change
 // asks for a fit, which goes on from the one that is there.
-import type { Actions } from "../app/actions";
 import type { PatternInfo, PatternParameter } from "../api/types";
+import type { FitActions } from "../fit/actions";
 import { checked, readWish, startValue, startValues, TUMOUR, type Values, type Wish, wishText } from "../fit/requestedDrawing";
-import { el, fill, show } from "../ui/dom";
-import { isFitting, type Session } from "../app/session";
-import { text } from "../ui/text";
+import { type FitSlice, isFitting } from "../fit/state";
+import { fit as fitText } from "../fit/text";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { button, problem, select } from "../ui/controls";
+import { el, fill, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import * as text from "./text";
 
 const words = text.drawing.pattern;
 
-export function createDrawingPattern({ fit }: Pick<Actions, "fit">, dismiss: () => void): Panel {
-  let state: Session | null = null;
+type Shown = Pick<PageSlice & FitSlice, "meta" | "problems" | "drawing" | "fit" | "isStarting">;
+
+export function createDrawingPattern(fit: FitActions, dismiss: () => void): Panel<Shown> {
+  let state: Shown | null = null;
   const choose = (change: Partial<Wish>): void => {
     if (state) fit.chooseDrawing(wishText({ ...readWish(state.drawing), ...change }));
   };
@@ -56,12 +61,13 @@ export function createDrawingPattern({ fit }: Pick<Actions, "fit">, dismiss: () 
 
   return {
     element,
-    update(session: Session): void {
+    select: only("meta", "problems", "drawing", "fit", "isStarting"),
+    update(session: Shown): void {
       state = session;
       const { meta, drawing } = session;
       if (!meta) return;
       const wish = readWish(drawing);
-      base.set([{ value: "", label: words.none }, ...meta.drawings.map(({ name, label }) => ({ value: name, label }))], wish.base);
+      base.set([{ value: "", label: fitText.noDrawing }, ...meta.drawings.map(({ name, label }) => ({ value: name, label }))], wish.base);
       const pattern = meta.patterns?.find(({ name }) => name === wish.base && name !== TUMOUR);
       fill(parameters, [wish.base, Boolean(pattern)], () => (pattern ? fields(pattern, wish.values, (name, value) => state && choose({ values: { ...readWish(state.drawing).values, [name]: value } })) : []));
       show(parameters, pattern !== undefined);
@@ -79,4 +85,4 @@ export function createDrawingPattern({ fit }: Pick<Actions, "fit">, dismiss: () 
   };
 }
 
-const tumourOf = (state: Session | null): PatternInfo | null => state?.meta?.patterns?.find(({ name }) => name === TUMOUR) ?? null;
+const tumourOf = (state: Pick<PageSlice, "meta"> | null): PatternInfo | null => state?.meta?.patterns?.find(({ name }) => name === TUMOUR) ?? null;

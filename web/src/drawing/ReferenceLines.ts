@@ -1,20 +1,23 @@
 // The drawing where it belongs: on the model at every iteration, on the scan's own surface when the fit has ended.
 import { Vector3 } from "three";
 import type { DrawingFile, ModelShape } from "../api/types";
-import { hasPattern, shapesOnModel } from "../fit/modelLines";
-import { hasLook, isAtRest, type Session, shownPoses } from "../app/session";
-import { isUnit, metresFromMm, mmFrom } from "../ui/units";
-import { layerKey } from "./lines";
 import type { FittedSurface } from "../fit/FittedSurface";
-import { FatLines, type Polyline } from "../viewer/FatLines";
-import type { ScanMesh } from "../scan/ScanMesh";
-import { surfacePosition, type VertexAt } from "../viewer/surfacePoints";
+import { hasPattern, shapesOnModel } from "../fit/modelLines";
+import { isAtRest, isPosedByHand, type Shown, shownPoses } from "../fit/state";
 import type { TorsoModel } from "../fit/TorsoModel";
+import type { ScanMesh } from "../scan/ScanMesh";
+import { isUnit, metresFromMm, mmFrom } from "../ui/units";
+import { FatLines, type Polyline } from "../viewer/FatLines";
+import type { ViewSlice } from "../viewer/state";
+import { surfacePosition, type VertexAt } from "../viewer/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
+import { type DrawingSlice, layerKey } from "./state";
 
 const LIFT = 0.001; // metres off the skin
 
-export class Drawings implements Part {
+type State = Shown & Pick<ViewSlice & DrawingSlice, "overlay" | "drawn">;
+
+export class ReferenceLines implements Part<State> {
   private readonly lines = new FatLines();
   private drawn: unknown[] = [];
 
@@ -28,12 +31,12 @@ export class Drawings implements Part {
     viewer.beforeFrame.add(() => this.lines.approach(viewer.depthUnits));
   }
 
-  update(state: Session): void {
+  update(state: State): void {
     const { palette } = this.viewer;
     this.lines.paint(palette.line, palette["line-outline"]);
     const fit = state.fit;
     const side = state.model?.side ?? null;
-    const isOnScan = fit?.drawing != null && !hasLook(state) && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh !== null && (this.fitted.mesh.visible || hasPattern(side, fit.drawingName)) : this.scan.bvh !== null);
+    const isOnScan = fit?.drawing != null && !isPosedByHand(state) && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh !== null && (this.fitted.mesh.visible || hasPattern(side, fit.drawingName)) : this.scan.bvh !== null);
     const skin = this.scan.bvh ? this.scan : this.fitted; // a link may show the model alone
     const shapes = shapesOnModel(side, fit?.drawingName ?? null);
     const vertexAt = this.torso.vertexAt;

@@ -1,4 +1,5 @@
 // Drawing on the scan: tools, lines, layers, the model's own drawings.
+import { sideOf } from "../landmarks/picks";
 import { plural } from "../ui/plural";
 
 export const drawing = {
@@ -59,7 +60,6 @@ export const drawing = {
   pattern: {
     title: "Reference drawing of the model",
     base: "Drawing",
-    none: "None",
     tumour: "Tumour by the clock",
     go: "Fit with this drawing",
     byItself: "auto",
@@ -67,6 +67,12 @@ export const drawing = {
     choices: { L: "Patient's left", R: "Patient's right", both: "Both" } as Record<string, string>,
     range: (min: number, max: number, unit: string) => `${min} to ${max} ${unit}`.trim(),
     outside: (label: string, min: number | null, max: number | null, unit: string) => `${label} must lie between ${min} and ${max} ${unit}`.trim() + ".",
+  },
+  /** "breast_L" → "Breast, patient's left": for shapes whose label is not at hand */
+  shapeName(name: string): string {
+    const plain = name.replace(/_[LR]$/, "").replaceAll("_", " ");
+    const side = { left: ", patient's left", right: ", patient's right", middle: "" }[sideOf(name)];
+    return plain.charAt(0).toUpperCase() + plain.slice(1) + side;
   },
   announceCorner: (number: number) => `Corner ${number}.`,
   announceDrawn: (name: string) => `${name} is drawn.`,

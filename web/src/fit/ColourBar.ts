@@ -1,9 +1,12 @@
 // What the colours of the distance map mean, drawn by the same function that colours the map.
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { el, show } from "../ui/dom";
-import { SCALE_MM, SCANNER_MM, screenColourOf } from "./distances";
-import { isBeside, type Session, showsFittedSurface } from "../app/session";
-import { text } from "../ui/text";
 import type { Panel } from "../ui/Panel";
+import { isBeside, type ViewSlice } from "../viewer/state";
+import { SCALE_MM, SCANNER_MM, screenColourOf } from "./distances";
+import { type FitSlice, showsFittedSurface } from "./state";
+import * as text from "./text";
 
 // Twice the size on the screen: sharp on dense displays too.
 const WIDTH = 28;
@@ -13,7 +16,9 @@ const words = text.distances;
 
 export const signedMm = (mm: number): string => (mm > 0 ? `+${mm}` : mm < 0 ? `\u2212${-mm}` : "0");
 
-export function createColourBar(): Panel {
+type Shown = Pick<PageSlice & ViewSlice & FitSlice, "overlay" | "model" | "fit" | "handPose" | "showDistances">;
+
+export function createColourBar(): Panel<Shown> {
   const canvas = el("canvas", { width: WIDTH, height: HEIGHT, role: "img", "aria-label": words.bar(SCALE_MM, SCANNER_MM) });
   const tick = (mm: number, note: string): HTMLElement => el("li", {}, el("span", {}, signedMm(mm)), note === "" ? null : el("small", {}, note));
   const ticks = el(
@@ -35,7 +40,8 @@ export function createColourBar(): Panel {
   paintColourScale(canvas);
   return {
     element,
-    update(state: Session): void {
+    select: only("overlay", "model", "fit", "handPose", "showDistances"),
+    update(state: Shown): void {
       element.classList.toggle("is-small", isBeside(state.overlay)); // there the body stands where the large one would be
       show(element, state.showDistances && showsFittedSurface(state) && state.overlay !== "scan");
     },

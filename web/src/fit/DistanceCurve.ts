@@ -1,9 +1,10 @@
 // Mean distance over the iterations, small: it shows whether the fit still moves and where the slider stands.
+import { only } from "../store/store";
 import { el, setText, show, svg } from "../ui/dom";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
-import { formatMm } from "../ui/units";
 import type { Panel } from "../ui/Panel";
+import { formatMm } from "../ui/units";
+import type { FitSlice } from "./state";
+import * as text from "./text";
 
 const WIDTH = 232;
 const HEIGHT = 68;
@@ -19,7 +20,9 @@ export function curvePoints(values: readonly number[], slots: number): [number, 
   ]);
 }
 
-export function createDistanceCurve(): Panel {
+type Shown = Pick<FitSlice, "fit">;
+
+export function createDistanceCurve(): Panel<Shown> {
   const line = svg("polyline", { class: "curve-line", fill: "none" });
   const rest = svg("polyline", { class: "curve-rest", fill: "none" });
   const dot = svg("circle", { class: "curve-dot", r: 3.5 });
@@ -30,7 +33,8 @@ export function createDistanceCurve(): Panel {
   element.prepend(picture);
   return {
     element,
-    update(state: Session): void {
+    select: only("fit"),
+    update(state: Shown): void {
       const fit = state.fit;
       const values = fit?.iterations.map((each) => each.mean_distance_mm) ?? [];
       show(element, values.length > 1);

@@ -1,28 +1,34 @@
 // Step 3: the few choices before a fit, and what goes on during one.
-import type { Actions } from "../app/actions";
 import type { StanceChoice } from "../api/types";
-import { wishLabel, wishLabels } from "./requestedDrawing";
-import { el, setText, show } from "../ui/dom";
-import { hasPattern } from "./modelLines";
-import { doubtSentences, labelsOf } from "./landmarkWarnings";
 import { ENOUGH } from "../landmarks/picks";
-import { isFitting, pickCount, type Session, shownIteration } from "../app/session";
-import { text } from "../ui/text";
+import { type LandmarksSlice, pickCount } from "../landmarks/state";
+import * as scanText from "../scan/text";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { button, problem, select } from "../ui/controls";
+import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import type { FitActions } from "./actions";
+import { doubtSentences, labelsOf } from "./landmarkWarnings";
+import { hasPattern } from "./modelLines";
+import { wishLabel, wishLabels } from "./requestedDrawing";
+import { type FitSlice, isFitting, shownIteration } from "./state";
+import * as text from "./text";
 
-export function createFitPanel(actions: Actions, dismiss: () => void): Panel {
-  const stance = select<StanceChoice>(text.fit.stance, actions.fit.chooseStance);
-  const drawing = select<string>(text.fit.drawing, actions.fit.chooseDrawing);
-  const preset = select<string>(text.fit.preset, actions.fit.choosePreset);
-  const refine = el("input", { type: "checkbox", "aria-describedby": "refine-hint", onchange: () => actions.fit.chooseRefine(refine.checked) });
+type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "model" | "problems" | "picks" | "stance" | "preset" | "drawing" | "refine" | "fit" | "isStarting">;
+
+export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<Shown> {
+  const stance = select<StanceChoice>(text.fit.stance, actions.chooseStance);
+  const drawing = select<string>(text.fit.drawing, actions.chooseDrawing);
+  const preset = select<string>(text.fit.preset, actions.choosePreset);
+  const refine = el("input", { type: "checkbox", "aria-describedby": "refine-hint", onchange: () => actions.chooseRefine(refine.checked) });
   const refining = el("div", { class: "toggle" }, el("label", { class: "check" }, refine, el("span", {}, text.fit.refine)), el("p", { id: "refine-hint" }, text.fit.refineHint));
   const hint = el("p", { class: "look-here", hidden: true });
   const progress = el("progress", { max: 1, "aria-label": text.fit.running });
   const phase = el("p", { class: "phase" });
   const retrying = el("p", { class: "look-here", hidden: true }, text.fit.retrying);
   const pattern = el("p", { class: "muted small", hidden: true }, text.fit.patternLater);
-  const cancel = button(text.fit.cancel, () => void actions.fit.cancel(), "quiet outlined wide");
+  const cancel = button(text.fit.cancel, () => void actions.cancel(), "quiet outlined wide");
   const running = el("div", { class: "running", hidden: true }, phase, progress, pattern, retrying, cancel);
   const cancelled = el("p", { class: "muted", hidden: true }, text.fit.cancelled);
   const doubts = el("p", { class: "look-here", hidden: true });
@@ -31,14 +37,15 @@ export function createFitPanel(actions: Actions, dismiss: () => void): Panel {
   const element = el("div", { class: "panel" }, wrong.element, drawing.element, stance.element, preset.element, refining, hint, running, cancelled, doubts, notes);
   return {
     element,
-    update(state: Session): void {
+    select: only("meta", "model", "problems", "picks", "stance", "preset", "drawing", "refine", "fit", "isStarting"),
+    update(state: Shown): void {
       const { fit, meta } = state;
       const busy = isFitting(state);
-      const stances = (["auto", "standing", "supine"] as const).map((value) => ({ value, label: text.scan.stances[value] }));
+      const stances = (["auto", "standing", "supine"] as const).map((value) => ({ value, label: scanText.scan.stances[value] }));
       stance.set(stances, state.stance);
       const offered = (meta?.drawings ?? []).map(({ name, label }) => ({ value: name, label }));
       const isOffered = offered.some(({ value }) => value === state.drawing);
-      drawing.set(isOffered ? offered : [...offered, { value: state.drawing, label: wishLabel(state.drawing, wishLabels(state)) || text.drawing.pattern.none }], state.drawing);
+      drawing.set(isOffered ? offered : [...offered, { value: state.drawing, label: wishLabel(state.drawing, wishLabels(state)) || text.fit.noDrawing }], state.drawing);
       preset.set((meta?.presets ?? []).map((name) => ({ value: name, label: text.fit.presets[name] ?? name })), state.preset);
       for (const each of [stance, drawing, preset]) each.enable(!busy);
       refine.checked = state.refine;

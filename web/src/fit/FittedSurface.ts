@@ -1,20 +1,25 @@
 // The fitted surface as the service wrote it (fitted.ply): what the distances belong to, vertex by vertex, and the
 // only form in which a refined fit exists.  It takes the posed rig's place when the fit is at rest.
 import { BufferAttribute, type BufferGeometry, DataTexture, DoubleSide, FloatType, FrontSide, LinearFilter, Mesh, MeshLambertMaterial, RGBAFormat, type Vector3 } from "three";
-import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
 import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
+import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
 import type { Frame } from "../api/types";
-import { colourOf, SCALE_MM } from "./distances";
-import { isBeside, type Session, showsFittedSurface } from "../app/session";
+import type { ScanSlice } from "../scan/state";
 import { isUnit, metresFromMm, mmFrom } from "../ui/units";
 import { extent } from "../viewer/extent";
-import { nearestNormal } from "../scan/ScanMesh";
+import type { Surface } from "../viewer/picking";
+import { isBeside, type ViewSlice } from "../viewer/state";
+import { nearestNormal } from "../viewer/surfacePoints";
 import { type Part, type Viewer, viewFromScan } from "../viewer/Viewer";
+import { colourOf, SCALE_MM } from "./distances";
+import { type Shown, showsFittedSurface } from "./state";
+
+type State = Shown & Pick<ViewSlice & ScanSlice, "overlay" | "scan">;
 
 const STEPS = 501; // of the lookup; 0.02 mm each
 const OVER_SCAN = 0.8; // opacity of plain clay, as the posed rig has it
 
-export class FittedSurface implements Part {
+export class FittedSurface implements Part<State>, Surface {
   mesh: Mesh<BufferGeometry, MeshLambertMaterial> | null = null;
   private read: ArrayBuffer | null = null;
   private coloured: Float32Array | null = null;
@@ -35,7 +40,7 @@ export class FittedSurface implements Part {
     return this.mesh ? nearestNormal(this.mesh.geometry, point) : null;
   }
 
-  update(state: Session): void {
+  update(state: State): void {
     const bytes = state.fit?.surface ?? null;
     if (bytes !== this.read) {
       this.load(bytes, state.fit?.result?.scan.unit);

@@ -1,16 +1,18 @@
 // The distance under the pointer, beside it, while the model is coloured by its distances.
 import { el, setText } from "../ui/dom";
-import { distanceWithin, SCANNER_MM } from "./distances";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
 import { formatSignedMm } from "../ui/units";
-import type { FittedSurface } from "./FittedSurface";
 import { surfaceAt } from "../viewer/picking";
 import type { Part, Viewer } from "../viewer/Viewer";
+import { distanceWithin, SCANNER_MM } from "./distances";
+import type { FittedSurface } from "./FittedSurface";
+import type { FitSlice } from "./state";
+import * as text from "./text";
+
+type Shown = Pick<FitSlice, "fit" | "showDistances">;
 
 const AWAY = 16; // pixels from the pointer
 
-export class HoverValue implements Part {
+export class HoverValue implements Part<Shown> {
   private readonly value = el("strong", {});
   private readonly note = el("span", {});
   private readonly element = el("div", { class: "hover-value", hidden: true }, this.value, this.note);
@@ -29,7 +31,7 @@ export class HoverValue implements Part {
     canvas.addEventListener("pointerleave", () => this.ask(null));
   }
 
-  update(state: Session): void {
+  update(state: Shown): void {
     this.distances = state.showDistances ? (state.fit?.distances ?? null) : null;
     this.ask(this.pointer);
   }

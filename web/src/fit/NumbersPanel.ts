@@ -1,15 +1,19 @@
 // The right side: numbers with their units.  During a fit and in the replay those of the iteration on the screen,
 // afterwards those of the result, exactly as the service reports them.
 import type { Iterated, Result } from "../api/types";
-import { el, fill, setText, show } from "../ui/dom";
-import { SCALE_MM, SCANNER_MM, summarise } from "./distances";
 import { plainLabel, sideOf } from "../landmarks/picks";
-import { isAtRest, type Session, shownIteration } from "../app/session";
-import { text } from "../ui/text";
-import { formatMm, formatPercent, formatSeconds, formatSignedMm } from "../ui/units";
+import { landmarks as landmarkText } from "../landmarks/text";
+import { scan as scanText } from "../scan/text";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { row } from "../ui/controls";
-import { createDistanceCurve } from "./DistanceCurve";
+import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import { formatMm, formatPercent, formatSeconds, formatSignedMm } from "../ui/units";
+import { createDistanceCurve } from "./DistanceCurve";
+import { SCALE_MM, SCANNER_MM, summarise } from "./distances";
+import { type FitSlice, isAtRest, shownIteration } from "./state";
+import * as text from "./text";
 
 const words = text.numbers;
 type Numbers = readonly (readonly [name: string, value: string, unit?: string, hint?: string])[];
@@ -37,14 +41,14 @@ function ofIteration(shown: Iterated): HTMLElement[] {
   ];
 }
 
-function ofResult(result: Result, state: Session): HTMLElement[] {
+function ofResult(result: Result, state: Shown): HTMLElement[] {
   const surface = result.surface_distance_mm;
   const back = result.scan_to_model_mm;
   const points = result.landmark_distance_mm;
   const labels = new Map(state.meta?.landmarks.map((entry) => [entry.name, entry.label]));
   const each = Object.entries(points?.each ?? {}).map(([name, mm]) => {
-    const side = text.landmarks.sideShort[sideOf(name)];
-    const chip = side === "" ? null : el("span", { class: `mini side-${sideOf(name)}`, title: text.landmarks.sides[sideOf(name)] }, side);
+    const side = landmarkText.sideShort[sideOf(name)];
+    const chip = side === "" ? null : el("span", { class: `mini side-${sideOf(name)}`, title: landmarkText.sides[sideOf(name)] }, side);
     const label = el("dt", {}, plainLabel(labels.get(name) ?? name), chip);
     return el("div", { class: "row", "data-landmark": name }, label, el("dd", {}, formatMm(mm), el("span", { class: "unit" }, " mm")));
   });
@@ -73,13 +77,15 @@ function ofResult(result: Result, state: Session): HTMLElement[] {
       [words.solve, formatSeconds(result.timing_s.solve), "s"],
       [words.total, formatSeconds(result.timing_s.total), "s"],
       [words.iterations, String(result.iterations)],
-      [words.stance, text.scan.stances[result.stance].toLowerCase()],
+      [words.stance, scanText.stances[result.stance].toLowerCase()],
     ]),
     el("p", { class: "muted small stop" }, `${words.stop}: ${result.stop_reason}`),
   ];
 }
 
-export function createNumbersPanel(): Panel {
+type Shown = Pick<PageSlice & FitSlice, "meta" | "fit">;
+
+export function createNumbersPanel(): Panel<Shown> {
   const mean = el("span", { class: "hero-number" });
   const hero = el("p", { class: "hero" }, mean, el("span", { class: "unit" }, " mm "), el("span", { class: "muted" }, words.meanDistance));
   const curve = createDistanceCurve();
@@ -88,7 +94,8 @@ export function createNumbersPanel(): Panel {
   const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, hero, curve.element, body);
   return {
     element,
-    update(state: Session): void {
+    select: only("meta", "fit"),
+    update(state: Shown): void {
       const { fit } = state;
       const shown = shownIteration(fit);
       const result = fit && isAtRest(fit) ? fit.result : null;

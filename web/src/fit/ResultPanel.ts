@@ -1,14 +1,18 @@
 // The last step: what the fit doubts, the model's shape, and the files to take away.
-import type { Actions } from "../app/actions";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { el, fill, icon, show } from "../ui/dom";
-import { doubtSentences, labelsOf } from "./landmarkWarnings";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
 import type { Panel } from "../ui/Panel";
+import type { HandPoseActions } from "./handPoseActions";
+import { doubtSentences, labelsOf } from "./landmarkWarnings";
 import { createShapeSliders } from "./ShapeSliders";
+import type { FitSlice } from "./state";
+import * as text from "./text";
 
-export function createResultPanel(actions: Actions): Panel {
-  const sliders = createShapeSliders(actions);
+type Shown = Pick<PageSlice & FitSlice, "meta" | "model" | "fit" | "handPose">;
+
+export function createResultPanel(handPose: HandPoseActions): Panel<Shown> {
+  const sliders = createShapeSliders(handPose);
   const files = el("ul", { class: "files" });
   const downloads = el("div", {}, el("p", { class: "label" }, text.result.files), files);
   const doubted = el("ul", { class: "reasons" });
@@ -16,7 +20,8 @@ export function createResultPanel(actions: Actions): Panel {
   const element = el("div", { class: "panel" }, doubts, sliders.element, downloads);
   return {
     element,
-    update(state: Session): void {
+    select: only("meta", "model", "fit", "handPose"),
+    update(state: Shown): void {
       const fit = state.fit;
       const isDone = fit?.state === "done";
       show(downloads, isDone);

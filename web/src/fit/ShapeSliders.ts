@@ -1,14 +1,16 @@
 // The fitted model in words: size of each part and weight of each shape as sliders, grouped.  They pose the picture only.
-import type { Actions } from "../app/actions";
 import type { ModelSide, NodePose } from "../api/types";
-import { el, fill, setText, show } from "../ui/dom";
-import { type Axis, scaleOf, weightOf } from "./handPose";
-import { hasLook, isAtRest, type Session, shownPoses } from "../app/session";
-import { text } from "../ui/text";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { button } from "../ui/controls";
+import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import { type Axis, scaleOf, weightOf } from "./handPose";
+import type { HandPoseActions } from "./handPoseActions";
+import { type FitSlice, isAtRest, isPosedByHand, shownPoses } from "./state";
+import * as text from "./text";
 
-const words = text.look;
+const words = text.handPose;
 const STEP = 0.01;
 
 interface Row {
@@ -16,24 +18,26 @@ interface Row {
   update(nodes: readonly NodePose[]): void;
 }
 
-export function createShapeSliders(actions: Actions): Panel {
+type Shown = Pick<PageSlice & FitSlice, "model" | "fit" | "handPose">;
+
+export function createShapeSliders(actions: HandPoseActions): Panel<Shown> {
   let rows: Row[] = [];
   const groups = el("div", { class: "slider-groups" });
   const note = el("p", { class: "look-here", hidden: true }, words.changed);
-  const reset = button(words.reset, () => actions.look.reset(), "quiet outlined wide");
+  const reset = button(words.reset, () => actions.reset(), "quiet outlined wide");
   const element = el("details", { class: "shape-sliders" }, el("summary", {}, words.title), el("p", { class: "muted small" }, words.what), note, reset, groups);
-  let last: Session | null = null;
+  let last: Shown | null = null;
   element.addEventListener("toggle", () => last && update(last));
 
-  function update(state: Session): void {
+  function update(state: Shown): void {
     last = state;
     const side = state.model?.side;
     const nodes = shownPoses(state);
     const isThere = Boolean(side && nodes && state.fit?.state === "done" && isAtRest(state.fit));
     show(element, isThere);
     if (!isThere || !element.open) return;
-    show(note, hasLook(state));
-    reset.disabled = !hasLook(state);
+    show(note, isPosedByHand(state));
+    reset.disabled = !isPosedByHand(state);
     fill(groups, side!.name, () => {
       const made = groupsOf(side!, actions);
       rows = made.flatMap((group) => group.rows);
@@ -42,10 +46,10 @@ export function createShapeSliders(actions: Actions): Panel {
     for (const row of rows) row.update(nodes!);
   }
 
-  return { element, update };
+  return { element, select: only("model", "fit", "handPose"), update };
 }
 
-function groupsOf(side: ModelSide, actions: Actions): { title: string; rows: Row[] }[] {
+function groupsOf(side: ModelSide, actions: HandPoseActions): { title: string; rows: Row[] }[] {
   const sizes = side.bones.flatMap((bone) =>
     ([0, 1, 2] as Axis[]).map((axis) =>
       slider(
@@ -53,7 +57,7 @@ function groupsOf(side: ModelSide, actions: Actions): { title: string; rows: Row
         [bone.scale_min[axis], bone.scale_max[axis]],
         words.scale,
         (nodes) => scaleOf(nodes, bone.name, axis),
-        (value) => actions.look.scale(bone.name, axis, value),
+        (value) => actions.scale(bone.name, axis, value),
       ),
     ),
   );
@@ -62,7 +66,7 @@ function groupsOf(side: ModelSide, actions: Actions): { title: string; rows: Row
       const index = side.shape_names.indexOf(shape.name);
       if (index < 0 || !isOne(shape.name)) return [];
       const label = shape.label.replace(/^(left|right) /, "");
-      const weigh = (value: number): void => actions.look.weigh(index, value);
+      const weigh = (value: number): void => actions.weigh(index, value);
       return [slider(label.charAt(0).toUpperCase() + label.slice(1), [shape.min, shape.max], words.weight, (nodes) => weightOf(nodes, index), weigh)];
     });
   return [

@@ -1,29 +1,33 @@
 // The bottom: every iteration again, by slider or as a replay.
-import type { Actions } from "../app/actions";
+import { only } from "../store/store";
 import { el, icon, setText, show } from "../ui/dom";
-import { isAtRest, type Session, shownIteration } from "../app/session";
-import { text } from "../ui/text";
-import { formatMm } from "../ui/units";
 import type { Panel } from "../ui/Panel";
+import { formatMm } from "../ui/units";
+import type { Player } from "./playback";
+import { type FitSlice, isAtRest, shownIteration } from "./state";
+import * as text from "./text";
 
-export function createTimeline(actions: Actions): Panel {
+type Shown = Pick<FitSlice, "fit">;
+
+export function createTimeline(player: Player): Panel<Shown> {
   const slider = el("input", {
     type: "range",
     class: "slider",
     min: 0,
     step: 1,
     id: "iteration",
-    oninput: () => actions.player.seek(Number(slider.value)),
+    oninput: () => player.seek(Number(slider.value)),
   });
   const position = el("output", { class: "position", for: "iteration", "aria-live": "off" });
   const mean = el("span", { class: "mean muted" });
   const words = el("span", {});
-  const play = el("button", { type: "button", class: "button quiet outlined", id: "replay", onclick: () => actions.player.toggle() });
+  const play = el("button", { type: "button", class: "button quiet outlined", id: "replay", onclick: () => player.toggle() });
   const element = el("section", { class: "timeline", "aria-label": text.timeline.label, hidden: true }, el("label", { for: "iteration" }, text.timeline.label), slider, position, mean, play);
   let drawn = "";
   return {
     element,
-    update(state: Session): void {
+    select: only("fit"),
+    update(state: Shown): void {
       const { fit } = state;
       const last = (fit?.iterations.length ?? 0) - 1;
       show(element, last >= 0);

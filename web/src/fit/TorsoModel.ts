@@ -2,14 +2,15 @@
 // Over the scan it is translucent clay.  A first pass fills the depth only, so that it never shows its own inside.
 import { DoubleSide, FrontSide, MeshBasicMaterial, MeshStandardMaterial, type Object3D, SkinnedMesh, Vector3 } from "three";
 import type { NodePose } from "../api/types";
-import { isBeside, type Session, shownPoses, showsFittedSurface } from "../app/session";
 import { disposeTree, readGltf } from "../viewer/gltf";
+import { isBeside, type ViewSlice } from "../viewer/state";
 import type { VertexAt } from "../viewer/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
+import { type Shown, shownPoses, showsFittedSurface } from "./state";
 
 const OVER_SCAN = 0.8; // opacity
 
-export class TorsoModel implements Part {
+export class TorsoModel implements Part<Shown & ViewSlice> {
   mesh: SkinnedMesh | null = null;
   private root: Object3D | null = null;
   private readonly nodes = new Map<string, Object3D>();
@@ -23,7 +24,7 @@ export class TorsoModel implements Part {
     private readonly onReady: (error: unknown) => void,
   ) {}
 
-  update(state: Session): void {
+  update(state: Shown & ViewSlice): void {
     const bytes = state.model?.glb ?? null;
     if (bytes !== this.wanted) {
       this.wanted = bytes;

@@ -2,15 +2,21 @@
 import type { Client } from "../api/client";
 import { followFit, type Handlers } from "../api/events";
 import type { FitLinks, StanceChoice } from "../api/types";
-import { readDistances } from "./distances";
-import { type FitState, pickCount, type Session } from "../app/session";
-import type { Store } from "../store/store";
-import { text } from "../ui/text";
-import { formatMm } from "../ui/units";
-import type { Player } from "./playback";
-import { messageOf, withProblem } from "../store/problems";
-import { picksOf } from "../scan/actions";
+import { picksOf } from "../landmarks/picks";
+import { type LandmarksSlice, pickCount } from "../landmarks/state";
 import { straightened } from "../landmarks/straighten";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
+import { messageOf, withProblem } from "../store/problems";
+import type { Store } from "../store/store";
+import { formatMm } from "../ui/units";
+import type { ViewSlice } from "../viewer/state";
+import { readDistances } from "./distances";
+import type { Player } from "./playback";
+import { type FitSlice, type FitState, withDistances } from "./state";
+import * as text from "./text";
+
+type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice;
 
 const PAUSE_MS = 150; // a run of key presses that nudge a landmark is one fit
 
@@ -33,7 +39,7 @@ const freshFit = (id: string, links: FitLinks, drawingName: string | null, picks
   picks,
 });
 
-export function fitActions(store: Store<Session>, client: Client, player: Player) {
+export function fitActions(store: Store<State>, client: Client, player: Player) {
   let stopFollowing: () => void = () => undefined;
   let run = 0; // the fit asked for last wins over slower, earlier ones
   let finished: { scan: string; fit: string } | null = null; // from where the next one may go on
@@ -49,7 +55,7 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
     player.pause();
   }
 
-  const change = (part: Partial<FitState>, more: Partial<Session> = {}): void =>
+  const change = (part: Partial<FitState>, more: Partial<State> = {}): void =>
     store.set((state) => (state.fit ? { ...more, fit: { ...state.fit, ...part } } : more));
 
   function follow(fit: FitState): void {
@@ -91,7 +97,7 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
   }
 
   /** Nothing runs any more; a fit that was given up for a newer one ends where it was. */
-  function standStill(state: Session): Partial<Session> {
+  function standStill(state: State): Partial<State> {
     unseen = null;
     return { isStarting: false, fit: state.fit?.state === "running" ? { ...state.fit, state: "cancelled" } : state.fit };
   }
@@ -232,5 +238,9 @@ export function fitActions(store: Store<Session>, client: Client, player: Player
     choosePreset: (preset: string): void => store.set({ preset }),
     chooseRefine: (refine: boolean): void => store.set({ refine }),
     chooseDrawing: (drawing: string): void => store.set({ drawing }),
+
+    showDistances: (isOn: boolean): void => store.set((state) => withDistances(state, isOn)),
   };
 }
+
+export type FitActions = ReturnType<typeof fitActions>;

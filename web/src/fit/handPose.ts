@@ -2,8 +2,8 @@
 // the next fit know nothing of it.
 import type { NodePose } from "../api/types";
 
-export interface Look {
-  readonly fit: string; // whose pose it is a copy of
+export interface HandPose {
+  readonly fit: string; // the fit whose pose it is a copy of
   readonly nodes: readonly NodePose[];
 }
 

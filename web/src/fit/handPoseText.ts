@@ -1,6 +1,6 @@
 // The model's own shape: sliders that pose what is shown.
 
-export const look = {
+export const handPose = {
   title: "Shape of the model",
   what: "How large each part is and which shapes are mixed in. Moving a slider poses the picture only: numbers and files stay those of the fit.",
   groups: { size: "Size of the parts", left: "Left breast", right: "Right breast", trunk: "Trunk" },

@@ -1,5 +1,5 @@
 // Picks that the fit did not follow, as sentences with the landmarks' labels in place of their names.
-import type { FitState } from "../app/session";
+import type { FitState } from "./state";
 
 /** What is known so far: the result tells all, before it the start what was plain from the picks alone. */
 export function doubtSentences(fit: FitState, labels: ReadonlyMap<string, string>): string[] {

@@ -1,7 +1,7 @@
 // Plays the iterations at the pace they arrive, but never faster than the eye follows.
 // "At the end" is no state of its own: while playing, the player rests there until more arrives or the fit is over.
-import { type FitState, isAtRest, type Session } from "../app/session";
 import type { Store } from "../store/store";
+import { type FitSlice, type FitState, isAtRest } from "./state";
 
 const LIVE_MS = 60; // at least this long for each iteration
 const REPLAY_MS = 110;
@@ -17,7 +17,7 @@ export interface Player {
 type Later = (action: () => void, milliseconds: number) => void;
 
 export function createPlayer(
-  store: Store<Session>,
+  store: Store<FitSlice>,
   prefersStill: () => boolean,
   later: Later = (action, ms) => void setTimeout(action, ms),
 ): Player {

@@ -17,8 +17,6 @@ export const result = {
 };
 
 export const distances = {
-  toggle: "Distances",
-  hint: "Colour the model by its distance to the scan, in millimetres (D)",
   bar: (scale: number, scanner: number) =>
     `Colour scale from minus ${scale} to plus ${scale} millimetres. Blue: the model lies inside the skin. Orange: outside. Pale: within the scanner's error of ${scanner} millimetres.`,
   title: "Model to skin, mm",

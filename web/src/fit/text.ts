@@ -1,10 +1,14 @@
 // The running fit and its iterations.
 import { plural } from "../ui/plural";
 
+export * from "./handPoseText";
+export * from "./resultText";
+
 export const fit = {
   before: "The model settles on the scan within seconds, drawing included.",
   stance: "Stance",
   drawing: "Drawing",
+  noDrawing: "None",
   preset: "Settings",
   presets: { default: "Best known (default)", paper: "As in the paper" } as Record<string, string>,
   refine: "Follow the skin exactly",
@@ -34,4 +38,9 @@ export const timeline = {
   replay: "Replay",
   play: "Play",
   pause: "Pause",
+};
+
+export const errors = {
+  model: "The model cannot be drawn: the service sent a file that is not the expected rig.",
+  surface: "The fitted surface cannot be drawn: the service sent a file that does not belong to this fit.",
 };

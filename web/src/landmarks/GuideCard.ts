@@ -1,29 +1,33 @@
 // The instruction beside the body while a landmark is being placed: what, on which side, how to find it, a picture.
-import type { Actions } from "../app/actions";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
+import { button } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import { formatMmWhole } from "../ui/units";
+import type { LandmarkActions } from "./actions";
 import { plainLabel, sideOf } from "./picks";
 import { expectedErrorMm, ghostsOf } from "./proposals";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
-import { formatMmWhole } from "../ui/units";
-import { button } from "../ui/controls";
-import type { Panel } from "../ui/Panel";
+import type { LandmarksSlice } from "./state";
+import * as text from "./text";
 
-export interface GuideCard extends Panel {
+type Shown = Pick<PageSlice & LandmarksSlice, "meta" | "active" | "picks" | "proposals">;
+
+export interface GuideCard extends Panel<Shown> {
   readonly canvas: HTMLCanvasElement;
   readonly light: HTMLElement;
 }
 
-export function createGuideCard(actions: Actions): GuideCard {
+export function createGuideCard(actions: LandmarkActions): GuideCard {
   const canvas = el("canvas", { class: "model-picture", role: "img", "aria-label": text.landmarks.guideCaption });
   const light = el("span", { class: "lit-point", hidden: true });
   const name = el("h3", {});
   const side = el("span", { class: "chip" });
   const latin = el("p", { class: "latin muted" });
   const definition = el("p", {});
-  const skip = button(text.landmarks.skip, () => actions.landmarks.skip(), "quiet outlined");
-  const take = button(text.proposals.take, () => actions.landmarks.confirmWanted(), "outlined take", "check");
-  const stop = button(text.landmarks.stop, () => actions.landmarks.want(null));
+  const skip = button(text.landmarks.skip, () => actions.skip(), "quiet outlined");
+  const take = button(text.proposals.take, () => actions.confirmWanted(), "outlined take", "check");
+  const stop = button(text.landmarks.stop, () => actions.want(null));
   const element = el(
     "section",
     { class: "guide", hidden: true, "aria-live": "polite" },
@@ -38,7 +42,8 @@ export function createGuideCard(actions: Actions): GuideCard {
     element,
     canvas,
     light,
-    update(state: Session): void {
+    select: only("meta", "active", "picks", "proposals"),
+    update(state: Shown): void {
       const wanted = state.meta?.landmarks.find((entry) => entry.name === state.active);
       show(element, wanted !== undefined);
       if (!wanted) return;

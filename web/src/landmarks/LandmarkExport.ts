@@ -1,9 +1,10 @@
 // The placed landmarks as a file, in four kinds.  A popover below its button, or above it where there is no room.
+import type { ScanSlice } from "../scan/state";
 import { el, icon, saveFile } from "../ui/dom";
-import { toMeshlab, toSlicer } from "./otherFormats";
 import { toCsv, toJson } from "./files";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
+import { toMeshlab, toSlicer } from "./otherFormats";
+import type { LandmarksSlice } from "./state";
+import * as text from "./text";
 
 const words = text.landmarks;
 const GAP = 4; // pixels between button and menu
@@ -15,7 +16,7 @@ const KINDS = [
   { ending: "mrk.json", hint: words.exportSlicer, type: "application/json", made: toSlicer },
 ] as const;
 
-export function landmarkExport(session: () => Session | null): { button: HTMLButtonElement; menu: HTMLElement } {
+export function landmarkExport(current: () => Pick<ScanSlice & LandmarksSlice, "scan" | "picks"> | null): { button: HTMLButtonElement; menu: HTMLElement } {
   const button = el(
     "button",
     { type: "button", class: "button icon-only", popovertarget: "landmark-export", "aria-haspopup": "true", "aria-label": words.exportHint, title: words.exportHint },
@@ -23,7 +24,7 @@ export function landmarkExport(session: () => Session | null): { button: HTMLBut
   );
   const save = ({ ending, type, made }: (typeof KINDS)[number]): void => {
     menu.hidePopover();
-    const state = session();
+    const state = current();
     if (state?.scan) saveFile(`landmarks.${ending}`, made(state.picks.present, state.scan.info.unit), type);
   };
   const items = KINDS.map((kind) => el("button", { type: "button", class: "menu-item", onclick: () => save(kind) }, el("span", {}, `landmarks.${kind.ending}`), el("span", { class: "muted small" }, kind.hint)));

@@ -1,32 +1,38 @@
 // Step 2: the ordered list.  A row shows what it is, on which side, whether it is placed; pressing it (re-)places it.
-import type { Actions } from "../app/actions";
 import type { LandmarkDefinition } from "../api/types";
-import { el, fill, icon, setText, show } from "../ui/dom";
-import { expectedErrorMm, type Ghost, ghostsOf, isLikely } from "./proposals";
-import { onWrongSide, plainLabel, sideOf } from "./picks";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
-import { formatMmWhole } from "../ui/units";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { button, fileButton, iconButton, problem } from "../ui/controls";
-import { landmarkExport } from "./LandmarkExport";
+import { el, fill, icon, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import { formatMmWhole } from "../ui/units";
+import type { LandmarkActions } from "./actions";
+import { landmarkExport } from "./LandmarkExport";
+import { onWrongSide, plainLabel, sideOf } from "./picks";
+import { expectedErrorMm, type Ghost, ghostsOf, isLikely } from "./proposals";
+import type { ProposalSearch } from "./proposalSearch";
+import type { LandmarksSlice } from "./state";
+import * as text from "./text";
 
-export function createLandmarkPanel(actions: Actions, dismiss: () => void): Panel {
+type Shown = Pick<PageSlice & ScanSlice & LandmarksSlice, "meta" | "problems" | "scan" | "picks" | "proposals" | "skipped" | "active" | "saving">;
+
+export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSearch, dismiss: () => void): Panel<Shown> {
   const rows = el("ol", { class: "landmarks" });
-  const undo = iconButton("undo", text.landmarks.undo, () => actions.landmarks.undo());
-  const redo = iconButton("redo", text.landmarks.redo, () => actions.landmarks.redo());
+  const undo = iconButton("undo", text.landmarks.undo, () => actions.undo());
+  const redo = iconButton("redo", text.landmarks.redo, () => actions.redo());
   const saved = el("span", { class: "saved muted" });
-  const again = button(text.landmarks.again, () => void actions.landmarks.saveNow(), "link");
+  const again = button(text.landmarks.again, () => void actions.saveNow(), "link");
   const wrong = problem(dismiss);
-  const example = button(text.landmarks.useExample, () => actions.landmarks.useExample(), "quiet outlined wide");
-  let state: Session | null = null;
-  const file = fileButton(text.landmarks.importFile, ".json,.csv,.txt,.pp", "icon-only", (chosen) => void actions.landmarks.importFile(chosen));
+  const example = button(text.landmarks.useExample, () => actions.useExample(), "quiet outlined wide");
+  let state: Shown | null = null;
+  const file = fileButton(text.landmarks.importFile, ".json,.csv,.txt,.pp", "icon-only", (chosen) => void actions.importFile(chosen));
   file.querySelector("input")!.id = "landmark-file";
   file.querySelector("span")!.className = "visually-hidden";
   file.title = text.landmarks.importHint;
   const save = landmarkExport(() => state);
   const warning = el("p", { class: "look-here", hidden: true });
-  const proposals = makeProposals(actions);
+  const proposals = makeProposals(actions, search);
   const element = el(
     "div",
     { class: "panel" },
@@ -41,7 +47,8 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
   const made = new Map<string, ReturnType<typeof makeRow>>();
   return {
     element,
-    update(session: Session): void {
+    select: only("meta", "problems", "scan", "picks", "proposals", "skipped", "active", "saving"),
+    update(session: Shown): void {
       state = session;
       const list = session.meta?.landmarks ?? [];
       fill(rows, list.map((entry) => entry.name), () => {
@@ -68,7 +75,7 @@ export function createLandmarkPanel(actions: Actions, dismiss: () => void): Pane
   };
 }
 
-function makeRow(entry: LandmarkDefinition, number: number, actions: Actions) {
+function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkActions) {
   const side = sideOf(entry.name);
   const status = el("span", { class: "visually-hidden" });
   const chip = side === "middle" ? null : el("span", { class: `chip side-${side}`, title: text.landmarks.sides[side], "data-short": text.landmarks.sideShort[side] }, text.landmarks.sideWords[side]);
@@ -78,22 +85,22 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: Actions) {
       type: "button",
       class: "landmark-name",
       title: `${entry.latin}\n${entry.definition}`,
-      onclick: () => actions.landmarks.want(entry.name),
+      onclick: () => actions.want(entry.name),
     },
     el("span", { class: `mark side-${side}` }, el("span", {}, String(number))),
     el("span", { class: "label-text" }, plainLabel(entry.label)),
     chip,
     status,
   );
-  const remove = iconButton("close", text.landmarks.remove(text.landmarks.spoken(entry)), () => actions.landmarks.remove(entry.name));
+  const remove = iconButton("close", text.landmarks.remove(text.landmarks.spoken(entry)), () => actions.remove(entry.name));
   remove.classList.add("remove");
   const tick = icon("check");
-  const confirm = el("button", { type: "button", class: "button confirm", onclick: () => actions.landmarks.confirm([entry.name]) }, icon("check"), el("span", {}));
+  const confirm = el("button", { type: "button", class: "button confirm", onclick: () => actions.confirm([entry.name]) }, icon("check"), el("span", {}));
   const words = confirm.querySelector("span")!;
   const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, tick, confirm, remove);
   return {
     element,
-    update(state: Session, isWrong: boolean, ghost: Ghost | null): void {
+    update(state: Shown, isWrong: boolean, ghost: Ghost | null): void {
       const isPlaced = entry.name in state.picks.present;
       const isSkipped = state.skipped.has(entry.name) && !isPlaced;
       const isActive = state.active === entry.name;
@@ -118,15 +125,15 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: Actions) {
 }
 
 /** Above the list: what the service proposes, and the one press that takes all of it. */
-function makeProposals(actions: Actions) {
+function makeProposals(actions: LandmarkActions, search: ProposalSearch) {
   const words = el("p", {});
   let all: readonly string[] = [];
-  const take = button("", () => actions.landmarks.confirm(all), "quiet outlined");
-  const again = button(text.proposals.again, () => void actions.proposals.look(), "quiet outlined");
+  const take = button("", () => actions.confirm(all), "quiet outlined");
+  const again = button(text.proposals.again, () => void search.look(), "quiet outlined");
   const element = el("div", { class: "proposals", hidden: true }, words, take, again);
   return {
     element,
-    update({ proposals }: Session, ghosts: readonly Ghost[]): void {
+    update({ proposals }: Shown, ghosts: readonly Ghost[]): void {
       const isNone = proposals?.state === "none";
       all = ghosts.map(({ name }) => name);
       const rough = ghosts.filter((ghost) => !isLikely(ghost)).length;

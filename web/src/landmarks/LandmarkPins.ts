@@ -2,13 +2,17 @@
 // DOM and not 3D: always sharp, never half sunk into the skin; a pin behind the body fades.
 import { Vector3 } from "three";
 import type { Vector } from "../api/types";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
 import { el } from "../ui/dom";
-import { sideOf } from "./picks";
-import type { Session } from "../app/session";
 import { metresFromMm } from "../ui/units";
-import { isHidden } from "../viewer/picking";
-import type { ScanMesh } from "../scan/ScanMesh";
-import type { Part, Viewer } from "../viewer/Viewer";
+import { isHidden, type Surface } from "../viewer/picking";
+import type { ViewSlice } from "../viewer/state";
+import type { Viewer } from "../viewer/Viewer";
+import { sideOf } from "./picks";
+import type { LandmarksSlice } from "./state";
+
+type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice, "meta" | "overlay" | "scan" | "picks" | "active">;
 
 const REACH = 12; // pixels from a mark's middle that still hold it: a target of 24
 
@@ -19,7 +23,7 @@ interface Pin {
   at: { x: number; y: number } | null; // in the host's box; null while it is not to be seen
 }
 
-export class LandmarkPins implements Part {
+export class LandmarkPins {
   private readonly pins = new Map<string, Pin>();
   private drawn: unknown = null;
   private isShown = false;
@@ -27,14 +31,15 @@ export class LandmarkPins implements Part {
 
   constructor(
     private readonly viewer: Viewer,
-    private readonly scan: ScanMesh,
+    private readonly scan: Surface,
   ) {
     viewer.beforeFrame.add(() => this.place());
   }
 
-  update(state: Session): void {
+  /** `isFree`: no tool that draws is in the hand; then the marks would be in its way. */
+  update(state: Shown, isFree: boolean): void {
     const picks = state.picks.present;
-    const isShown = (this.isShown = state.scan !== null && state.overlay !== "model" && state.drawn.tool === "none");
+    const isShown = (this.isShown = state.scan !== null && state.overlay !== "model" && isFree);
     for (const pin of this.pins.values()) pin.element.hidden = !isShown;
     for (const [name, pin] of this.pins) pin.element.classList.toggle("is-active", name === state.active);
     if (picks === this.drawn) return;

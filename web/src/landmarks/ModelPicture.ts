@@ -1,15 +1,24 @@
 // The little picture beside the instruction: the model at rest, seen from the front, with the wanted point lit.
 import { Box3, Mesh, MeshStandardMaterial, OrthographicCamera, Scene, Vector3 } from "three";
-import type { Session } from "../app/session";
+import type { PageSlice } from "../store/page";
 import { addLights } from "../viewer/lights";
 import { Snapshot } from "../viewer/Snapshot";
 import { surfacePosition } from "../viewer/surfacePoints";
-import type { TorsoModel } from "../fit/TorsoModel";
 import type { Part, Viewer } from "../viewer/Viewer";
+import type { LandmarksSlice } from "./state";
+
+/** The model's mesh; null until it is there. */
+export interface RestingModel {
+  readonly mesh: Mesh | null;
+  /** Rest positions as they are in the file: body frame, metres. */
+  restVertex(vertex: number): Vector3;
+}
+
+type Shown = Pick<PageSlice & LandmarksSlice, "model" | "active">;
 
 const MARGIN = 1.08;
 
-export class ModelPicture implements Part {
+export class ModelPicture implements Part<Shown> {
   private readonly snapshot: Snapshot;
   private readonly camera = new OrthographicCamera();
   private readonly clay = new MeshStandardMaterial({ roughness: 0.8, metalness: 0 });
@@ -18,14 +27,14 @@ export class ModelPicture implements Part {
 
   constructor(
     private readonly viewer: Viewer,
-    private readonly torso: TorsoModel,
+    private readonly torso: RestingModel,
     private readonly canvas: HTMLCanvasElement,
     private readonly light: HTMLElement,
   ) {
     this.snapshot = new Snapshot(viewer.renderer, 360);
   }
 
-  update(state: Session): void {
+  update(state: Shown): void {
     const wanted = state.model?.side.landmarks.find((entry) => entry.name === state.active);
     this.light.hidden = !wanted;
     if (!wanted || !this.torso.mesh) return;

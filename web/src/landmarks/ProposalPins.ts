@@ -1,15 +1,19 @@
 // Proposed landmarks as dashed, hollow marks over the picture, with the error that the service expects beside them.
 // Nobody may take them for placed ones; a click on one confirms it.
 import { Vector3 } from "three";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
 import { el } from "../ui/dom";
+import { formatMmWhole, metresFromMm } from "../ui/units";
+import { isHidden, type Surface } from "../viewer/picking";
+import type { ViewSlice } from "../viewer/state";
+import type { Part, Viewer } from "../viewer/Viewer";
 import { sideOf } from "./picks";
 import { expectedErrorMm, type Ghost, ghostsOf, isLikely, type Proposals } from "./proposals";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
-import { formatMmWhole, metresFromMm } from "../ui/units";
-import { isHidden } from "../viewer/picking";
-import type { ScanMesh } from "../scan/ScanMesh";
-import type { Part, Viewer } from "../viewer/Viewer";
+import type { LandmarksSlice } from "./state";
+import * as text from "./text";
+
+type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice, "meta" | "step" | "overlay" | "scan" | "picks" | "proposals" | "active">;
 
 const REACH = 14; // pixels from a ghost's middle that still hit it: a target of 28
 
@@ -20,14 +24,14 @@ interface Pin {
   at: { x: number; y: number } | null; // in the host's box; null while it is not to be seen
 }
 
-export class ProposalPins implements Part {
+export class ProposalPins implements Part<Shown> {
   private pins: Pin[] = [];
   private isShown = false;
   private drawn: { proposals: Proposals | null; picks: unknown } = { proposals: null, picks: null };
 
   constructor(
     private readonly viewer: Viewer,
-    private readonly scan: ScanMesh,
+    private readonly scan: Surface,
   ) {
     viewer.beforeFrame.add(() => this.place());
   }
@@ -42,7 +46,7 @@ export class ProposalPins implements Part {
     return near && near.away <= REACH ? near.name : null;
   }
 
-  update(state: Session): void {
+  update(state: Shown): void {
     this.isShown = state.scan !== null && state.step === "landmarks" && state.overlay !== "model";
     const { proposals } = state;
     const picks = state.picks.present;

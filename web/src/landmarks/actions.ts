@@ -1,20 +1,24 @@
 // Placing landmarks: each change is one step of the undo history and is saved with the scan soon after.
 import type { Client } from "../api/client";
 import type { Scan, Vector } from "../api/types";
+import type { ScanSlice } from "../scan/state";
 import { record, redo, undo } from "../store/history";
-import { readLandmarks, UnreadableLandmarks } from "./files";
-import { nextMissing, type Picks, withoutPick, withPick } from "./picks";
-import { ghostsOf } from "./proposals";
-import type { Session } from "../app/session";
-import type { Store } from "../store/store";
-import { text } from "../ui/text";
+import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
-import { picksOf } from "../scan/actions";
+import type { Store } from "../store/store";
+import type { ViewSlice } from "../viewer/state";
+import { readLandmarks, UnreadableLandmarks } from "./files";
+import { nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
+import { ghostsOf } from "./proposals";
+import type { LandmarksSlice } from "./state";
 import { straightened } from "./straighten";
+import * as text from "./text";
+
+type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice;
 
 const PAUSE_MS = 400; // a run of quick clicks is one save
 
-export function landmarkActions(store: Store<Session>, client: Client, onBegun: () => void, onMoved: () => void) {
+export function landmarkActions(store: Store<State>, client: Client, onBegun: () => void, onMoved: () => void) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let waiting: { scan: Scan; picks: Picks } | null = null;
 
@@ -26,14 +30,14 @@ export function landmarkActions(store: Store<Session>, client: Client, onBegun: 
 
   /** What is shown about saving concerns the scan on the screen; another one is saved all the same. */
   async function save(scan: Scan, picks: Picks): Promise<void> {
-    const tell = (part: (state: Session) => Partial<Session>): void =>
+    const show = (part: (state: State) => Partial<State>): void =>
       store.set((state) => (state.scan?.info.id === scan.id ? part(state) : {}));
-    tell(() => ({ saving: "saving" }));
+    show(() => ({ saving: "saving" }));
     try {
       await client.saveLandmarks(scan, { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks } });
-      tell((state) => (state.picks.present === picks ? { saving: "saved", ...withProblem(state, "landmarks", null) } : {}));
+      show((state) => (state.picks.present === picks ? { saving: "saved", ...withProblem(state, "landmarks", null) } : {}));
     } catch (error) {
-      tell((state) => ({ saving: "unsaved", ...withProblem(state, "landmarks", messageOf(error)) }));
+      show((state) => ({ saving: "unsaved", ...withProblem(state, "landmarks", messageOf(error)) }));
     }
   }
 
@@ -61,17 +65,17 @@ export function landmarkActions(store: Store<Session>, client: Client, onBegun: 
   }
 
   /** The same landmarks elsewhere, and nothing else: what a fit can go on from. */
-  function tellOfMoves(before: Picks): void {
+  function noticeMoves(before: Picks): void {
     const after = store.get().picks.present;
     const names = Object.keys(after);
     if (names.length === Object.keys(before).length && names.every((name) => name in before) && names.some((name) => after[name] !== before[name])) onMoved();
   }
 
-  function change(picks: Picks, more: Partial<Session> = {}): void {
+  function change(picks: Picks, more: Partial<State> = {}): void {
     const before = store.get().picks.present;
     store.set((state) => ({ ...more, picks: record(state.picks, picks) }));
     saveSoon();
-    tellOfMoves(before);
+    noticeMoves(before);
   }
 
   return {
@@ -143,7 +147,7 @@ export function landmarkActions(store: Store<Session>, client: Client, onBegun: 
       const before = store.get().picks.present;
       store.set((state) => ({ picks: undo(state.picks), announcement: text.landmarks.announceUndone }));
       saveSoon();
-      tellOfMoves(before);
+      noticeMoves(before);
     },
 
     redo(): void {
@@ -151,7 +155,7 @@ export function landmarkActions(store: Store<Session>, client: Client, onBegun: 
       const before = store.get().picks.present;
       store.set((state) => ({ picks: redo(state.picks), announcement: text.landmarks.announceRedone }));
       saveSoon();
-      tellOfMoves(before);
+      noticeMoves(before);
     },
 
     useExample(): void {
@@ -181,3 +185,5 @@ export function landmarkActions(store: Store<Session>, client: Client, onBegun: 
     flush,
   };
 }
+
+export type LandmarkActions = ReturnType<typeof landmarkActions>;

@@ -1,24 +1,22 @@
-// Everything that the mouse does on the body, by keys while the view has the focus: arrows move the cross of a wanted
-// landmark and Enter places it; they nudge one that is placed along the skin; otherwise they turn the body.
-import type { Actions } from "../app/actions";
+// Placing a landmark by keys while the view has the focus: arrows move the cross of a wanted landmark and Enter places it;
+// they nudge one that is placed along the skin.
 import type { Vector } from "../api/types";
-import { ghostsOf } from "./proposals";
-import type { Session } from "../app/session";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
 import type { Store } from "../store/store";
-import { text } from "../ui/text";
 import type { Crosshair } from "../viewer/Crosshair";
-import { pickAt } from "../viewer/picking";
-import type { ScanMesh } from "../scan/ScanMesh";
+import { ARROWS, onCanvasKey } from "../viewer/keys";
+import { pickAt, type Surface } from "../viewer/picking";
 import type { Viewer } from "../viewer/Viewer";
+import type { LandmarkActions } from "./actions";
+import { ghostsOf } from "./proposals";
+import type { LandmarksSlice } from "./state";
+import * as text from "./text";
 
-const ARROWS: Record<string, readonly [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-const FAST = 5; // times as far with Shift
 const CROSS_PX = 6; // a hand's breadth in ten presses, finer than the marks are large
 const NUDGE_PX = 1;
-const TURN_DEGREES = 5;
-const ZOOM = 1.15;
 
-export function listenToCanvasKeys(canvas: HTMLElement, viewer: Viewer, scan: ScanMesh, cross: Crosshair, store: Store<Session>, actions: Actions): void {
+export function listenToLandmarkKeys(canvas: HTMLElement, viewer: Viewer, scan: Surface, cross: Crosshair, store: Store<PageSlice & ScanSlice & LandmarksSlice>, landmarks: LandmarkActions): void {
   /** Where the wanted landmark is proposed, else in the middle: there the first arrow finds the cross. */
   function begin(active: string): void {
     const { proposals, picks } = store.get();
@@ -31,13 +29,13 @@ export function listenToCanvasKeys(canvas: HTMLElement, viewer: Viewer, scan: Sc
   function nudge(active: string, point: Vector, across: number, down: number): void {
     const at = viewer.toPage(point);
     const hit = pickAt(viewer, scan, at.x + across, at.y + down);
-    if (hit) actions.landmarks.move(active, hit.point);
+    if (hit) landmarks.move(active, hit.point);
   }
 
   function placeHere(): void {
     const { hit } = cross;
-    if (!hit) return actions.page.announce(text.landmarks.noSkin);
-    actions.landmarks.place(hit.point);
+    if (!hit) return store.set({ announcement: text.landmarks.noSkin });
+    landmarks.place(hit.point);
   }
 
   /** To whom had the focus, or to what comes next when that has gone. */
@@ -51,13 +49,11 @@ export function listenToCanvasKeys(canvas: HTMLElement, viewer: Viewer, scan: Sc
   /** True when the key meant something here. */
   function press(key: string, far: number): boolean {
     const { active, picks, scan: there } = store.get();
-    if (!there) return false;
+    if (!there || active === null) return false;
     const arrow = ARROWS[key];
-    if (key === "+" || key === "=" || key === "-") viewer.zoomBy(key === "-" ? ZOOM : 1 / ZOOM);
-    else if (key === "Enter" && active !== null && cross.isShown) placeHere();
-    else if (key === "Enter" && active !== null && !(active in picks.present)) begin(active);
+    if (key === "Enter" && cross.isShown) placeHere();
+    else if (key === "Enter" && !(active in picks.present)) begin(active);
     else if (!arrow) return false;
-    else if (active === null) viewer.turnBy(far * TURN_DEGREES * arrow[0], far * TURN_DEGREES * arrow[1]);
     else if (active in picks.present) nudge(active, picks.present[active]!, far * NUDGE_PX * arrow[0], far * NUDGE_PX * arrow[1]);
     else {
       if (!cross.isShown) begin(active);
@@ -83,11 +79,7 @@ export function listenToCanvasKeys(canvas: HTMLElement, viewer: Viewer, scan: Sc
     }
   });
 
-  canvas.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || !press(event.key, event.shiftKey ? FAST : 1)) return;
-    event.preventDefault();
-    event.stopPropagation();
-  });
+  onCanvasKey(canvas, press);
   canvas.addEventListener("blur", () => cross.hide());
   canvas.addEventListener("pointermove", (event) => event.pointerType === "mouse" && cross.hide());
 }

@@ -1,17 +1,15 @@
 // A placed landmark is moved by dragging its mark over the skin.
 // The mark follows the pointer at once; the state learns of it when the mark is let go.
-import type { Actions } from "../app/actions";
 import type { Vector } from "../api/types";
-import type { Session } from "../app/session";
-import type { Store } from "../store/store";
-import type { LandmarkPins } from "./LandmarkPins";
-import { pickAt } from "../viewer/picking";
-import type { ScanMesh } from "../scan/ScanMesh";
+import { pickAt, type Surface } from "../viewer/picking";
 import type { Viewer } from "../viewer/Viewer";
+import type { LandmarkActions } from "./actions";
+import type { LandmarkPins } from "./LandmarkPins";
 
 const MOVED = 3; // pixels; less is a click
 
-export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: ScanMesh, pins: LandmarkPins, store: Store<Session>, actions: Actions): void {
+/** `isFree`: no tool and no wanted landmark claims the pointer. */
+export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: Surface, pins: LandmarkPins, isFree: () => boolean, landmarks: LandmarkActions): void {
   let held: { name: string; id: number; x: number; y: number; point: Vector | null } | null = null;
 
   const letGo = (): void => {
@@ -24,8 +22,8 @@ export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: ScanMes
   canvas.addEventListener(
     "pointerdown",
     (event) => {
-      const isFree = held === null && event.button === 0 && event.isPrimary && store.get().active === null && store.get().drawn.tool === "none";
-      const name = isFree ? pins.at(event.clientX, event.clientY) : null;
+      const isStart = held === null && event.button === 0 && event.isPrimary && isFree();
+      const name = isStart ? pins.at(event.clientX, event.clientY) : null;
       if (name === null) return;
       held = { name, id: event.pointerId, x: event.clientX, y: event.clientY, point: null };
       viewer.mayTurn = false;
@@ -35,7 +33,7 @@ export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: ScanMes
   );
   canvas.addEventListener("pointermove", (event) => {
     if (!held) {
-      if (event.buttons === 0) canvas.classList.toggle("is-over-pin", store.get().active === null && pins.at(event.clientX, event.clientY) !== null);
+      if (event.buttons === 0) canvas.classList.toggle("is-over-pin", isFree() && pins.at(event.clientX, event.clientY) !== null);
       return;
     }
     if (event.pointerId !== held.id || (!held.point && Math.hypot(event.clientX - held.x, event.clientY - held.y) < MOVED)) return;
@@ -46,7 +44,7 @@ export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: ScanMes
     if (event.pointerId !== held?.id) return;
     const { name, point } = held;
     letGo();
-    if (point) actions.landmarks.move(name, point);
+    if (point) landmarks.move(name, point);
   });
   canvas.addEventListener("pointercancel", letGo);
 }

@@ -1,16 +1,16 @@
 // A finger hides what it points at.  Held still on the body while a landmark is wanted, it gets a cross above its tip
 // and the loupe; it then moves the cross, and lifting it places the landmark.  A tap places at once, a drag turns.
-import type { Actions } from "../app/actions";
-import type { Session } from "../app/session";
 import type { Store } from "../store/store";
 import type { Crosshair } from "../viewer/Crosshair";
 import type { Viewer } from "../viewer/Viewer";
+import type { LandmarkActions } from "./actions";
+import type { LandmarksSlice } from "./state";
 
 const HOLD_MS = 350; // longer than a tap, shorter than the browser's own menu
 const STILL = 8; // pixels
 const ABOVE = 56; // pixels from the finger's middle to the cross: clear of a fingertip
 
-export function listenToFingers(canvas: HTMLElement, viewer: Viewer, cross: Crosshair, store: Store<Session>, actions: Actions): { isAimed(event: PointerEvent): boolean } {
+export function listenToFingers(canvas: HTMLElement, viewer: Viewer, cross: Crosshair, store: Store<LandmarksSlice>, landmarks: LandmarkActions): { isAimed(event: PointerEvent): boolean } {
   const aimed = new WeakSet<PointerEvent>(); // their lifting is no click
   let finger: { id: number; x: number; y: number; timer: ReturnType<typeof setTimeout>; isAiming: boolean } | null = null;
 
@@ -51,7 +51,7 @@ export function listenToFingers(canvas: HTMLElement, viewer: Viewer, cross: Cros
       end();
       if (!isAiming) return;
       aimed.add(event);
-      if (hit) actions.landmarks.place(hit.point);
+      if (hit) landmarks.place(hit.point);
     },
     { capture: true },
   );

@@ -1,5 +1,6 @@
 // Picked landmarks: which one is next, and which look wrong.  Points are millimetres in the scan's own axes.
-import type { Frame, LandmarkDefinition, Vector } from "../api/types";
+import type { Frame, LandmarkDefinition, LandmarkFile, Vector } from "../api/types";
+import { isUnit, mmFrom } from "../ui/units";
 import { cross, dot, leftOf, tidyFrame } from "../viewer/frame";
 
 export type Picks = Readonly<Record<string, Vector>>;
@@ -16,6 +17,13 @@ export function sideOf(name: string): Side {
 export function plainLabel(label: string): string {
   const plain = label.replace(/[\s,(]*\b(the\s+)?(patient['’]s\s+)?(left|right)\b(\s+side)?\)?/i, "").trim();
   return plain === "" ? label : plain.charAt(0).toUpperCase() + plain.slice(1);
+}
+
+/** A landmark file's points in millimetres. */
+export function picksOf(file: { landmarks: LandmarkFile["landmarks"]; unit?: string }): Picks {
+  const unit = isUnit(file.unit) ? file.unit : "mm";
+  const entries = Object.entries(file.landmarks);
+  return Object.fromEntries(entries.map(([name, point]) => [name, point.map((value) => mmFrom(value, unit)) as Vector]));
 }
 
 export const withPick = (picks: Picks, name: string, point: Vector): Picks => ({ ...picks, [name]: point });

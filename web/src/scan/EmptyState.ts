@@ -1,18 +1,22 @@
 // The first thing that anybody sees: where to drop a scan, the example one click away, and what this is.
-import type { Actions } from "../app/actions";
 import type { UnitChoice } from "../api/types";
-import { el, fill, icon, setText, show } from "../ui/dom";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
-import { formatMegabytes } from "../ui/units";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { button, fileButton, problem, select } from "../ui/controls";
+import { el, fill, icon, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import { formatMegabytes } from "../ui/units";
+import type { ScanActions } from "./actions";
 import { SCAN_FILES, unitOptions } from "./ScanPanel";
+import type { ScanSlice } from "./state";
+import * as text from "./text";
 
-export function createEmptyState(actions: Actions, dismiss: (place: "scan" | "service") => void): Panel {
-  const choose = fileButton(text.empty.choose, SCAN_FILES, "primary", (file) => void actions.scan.upload(file));
+type Shown = Pick<ScanSlice & PageSlice, "scan" | "loading" | "units" | "meta" | "examples" | "problems">;
+
+export function createEmptyState(actions: ScanActions, dismiss: (place: "scan" | "service") => void): Panel<Shown> {
+  const choose = fileButton(text.empty.choose, SCAN_FILES, "primary", (file) => void actions.upload(file));
   choose.querySelector("input")!.id = "scan-file";
-  const units = select<UnitChoice>(text.empty.units, actions.scan.chooseUnits, "field inline");
+  const units = select<UnitChoice>(text.empty.units, actions.chooseUnits, "field inline");
   const limit = el("p", { class: "muted" });
   const examples = el("div", { class: "examples" });
   const wrong = problem(() => dismiss("scan"));
@@ -33,7 +37,8 @@ export function createEmptyState(actions: Actions, dismiss: (place: "scan" | "se
   const element = el("div", { class: "empty" }, card, busy);
   return {
     element,
-    update(state: Session): void {
+    select: only("scan", "loading", "units", "meta", "examples", "problems"),
+    update(state: Shown): void {
       show(element, state.scan === null || state.loading !== null);
       show(card, state.loading === null);
       show(busy, state.loading !== null);
@@ -47,7 +52,7 @@ export function createEmptyState(actions: Actions, dismiss: (place: "scan" | "se
       const megabytes = state.meta ? ` ${text.empty.limit(formatMegabytes(state.meta.limits.upload_bytes))}` : "";
       setText(limit, text.empty.formats + megabytes);
       fill(examples, state.examples, () =>
-        state.examples.map((example) => button(example.label, () => void actions.scan.takeExample(example.name), "quiet outlined")),
+        state.examples.map((example) => button(example.label, () => void actions.takeExample(example.name), "quiet outlined")),
       );
       wrong.set(state.scan ? undefined : state.problems.scan);
       service.set(state.problems.service);

@@ -1,14 +1,17 @@
 // 30 centimetres beside the body, a tick each, so that a wrong unit is seen at once.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Vector3 } from "three";
+import type { PageSlice } from "../store/page";
 import { el } from "../ui/dom";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
 import type { Part, Viewer } from "../viewer/Viewer";
+import type { ScanSlice } from "./state";
+import * as text from "./text";
+
+type Shown = Pick<ScanSlice & PageSlice, "scan" | "step">;
 
 const LENGTH_CM = 30;
 const AWAY = 0.07; // metres beside the body
 
-export class Ruler implements Part {
+export class Ruler implements Part<Shown> {
   private readonly lines: LineSegments<BufferGeometry, LineBasicMaterial>;
   private readonly label = el("div", { class: "ruler-label", hidden: true }, text.scan.ruler);
 
@@ -25,7 +28,7 @@ export class Ruler implements Part {
     viewer.beforeFrame.add(() => this.place());
   }
 
-  update(state: Session): void {
+  update(state: Shown): void {
     const isShown = state.scan !== null && state.step === "scan";
     this.lines.visible = isShown;
     this.label.hidden = !isShown;

@@ -1,16 +1,21 @@
 // The scan: matte grey or its own colours, the inside and the rims of holes darker, ready for picking by BVH.
 import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, Vector3 } from "three";
 import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
-import { hasModelShown, isBeside, type Session } from "../app/session";
-import { borderEdges } from "./borders";
 import { extent } from "../viewer/extent";
 import { disposeTree, firstMesh, readGltf } from "../viewer/gltf";
-import { type Part, type Viewer, viewFromScan } from "../viewer/Viewer";
+import type { Surface } from "../viewer/picking";
+import { isBeside, type ViewSlice } from "../viewer/state";
+import { nearestNormal } from "../viewer/surfacePoints";
+import { type Viewer, viewFromScan } from "../viewer/Viewer";
+import { borderEdges } from "./borders";
+import type { ScanSlice } from "./state";
 
 const BEHIND = 0.0025; // metres that the scan steps back for the model: as much as both are sure of
 const INSIDE = 0.5; // brightness of a triangle that is seen from behind
 
-export class ScanMesh implements Part {
+type Shown = Pick<ScanSlice & ViewSlice, "scan" | "showColours" | "overlay">;
+
+export class ScanMesh implements Surface {
   mesh: Mesh<BufferGeometry, MeshLambertMaterial> | null = null;
   private wanted: ArrayBuffer | null = null;
   private stands: object | null = null;
@@ -35,14 +40,15 @@ export class ScanMesh implements Part {
     return this.mesh ? nearestNormal(this.mesh.geometry, point) : null;
   }
 
-  update(state: Session): void {
+  /** `hasModel`: something of the model is on the stage as well. */
+  update(state: Shown, hasModel: boolean): void {
     const bytes = state.scan?.mesh ?? null;
     if (bytes !== this.wanted) {
       this.wanted = bytes;
       this.clear();
-      if (bytes) void this.load(bytes, state);
+      if (bytes) void this.load(bytes, state, hasModel);
     }
-    if (this.mesh) this.paint(this.mesh, state);
+    if (this.mesh) this.paint(this.mesh, state, hasModel);
   }
 
   private clear(): void {
@@ -56,7 +62,7 @@ export class ScanMesh implements Part {
     this.viewer.invalidate();
   }
 
-  private async load(bytes: ArrayBuffer, state: Session): Promise<void> {
+  private async load(bytes: ArrayBuffer, state: Shown, hasModel: boolean): Promise<void> {
     try {
       const { scene } = await readGltf(bytes);
       if (bytes !== this.wanted) return; // another scan was asked for meanwhile
@@ -71,7 +77,7 @@ export class ScanMesh implements Part {
       this.borders.raycast = () => undefined;
       this.mesh.add(this.borders);
       this.viewer.body.add(this.mesh);
-      this.paint(this.mesh, state);
+      this.paint(this.mesh, state, hasModel);
       if (!this.viewer.keepsPose) this.viewer.lookFrom("front", false);
       this.viewer.keepsPose = false;
       this.onReady(null);
@@ -80,14 +86,13 @@ export class ScanMesh implements Part {
     }
   }
 
-  private paint(mesh: Mesh<BufferGeometry, MeshLambertMaterial>, state: Session): void {
+  private paint(mesh: Mesh<BufferGeometry, MeshLambertMaterial>, state: Shown, hasModel: boolean): void {
     const { palette } = this.viewer;
     const frame = state.scan?.frame;
     if (frame && frame !== this.stands) {
       this.stands = frame;
       this.viewer.stand(frame, extent(mesh.geometry.attributes.position!.array, viewFromScan(frame)));
     }
-    const hasModel = hasModelShown(state);
     // Beside the clay the scan is grey: skin on skin would not tell which is which.
     const hasColours = Boolean(mesh.userData.map) || mesh.geometry.hasAttribute("color");
     const own = hasColours && state.showColours && state.scan?.info.colours !== "none" && !(hasModel && state.overlay === "both");
@@ -106,15 +111,6 @@ export class ScanMesh implements Part {
     mesh.visible = !(hasModel && state.overlay === "model");
     this.viewer.invalidate();
   }
-}
-
-/** Unit normal of the triangle nearest to a point, of a geometry that has its BVH. */
-export function nearestNormal(geometry: BufferGeometry, point: Vector3): Vector3 | null {
-  const face = (geometry.boundsTree as MeshBVH | undefined)?.closestPointToPoint(point)?.faceIndex;
-  if (face === undefined) return null;
-  const { index, attributes } = geometry;
-  const [a, b, c] = [0, 1, 2].map((corner) => new Vector3().fromBufferAttribute(attributes.position!, index!.getX(3 * face + corner)));
-  return b!.sub(a!).cross(c!.sub(a!)).normalize();
 }
 
 /** The mesh as we want it, whatever material it came with. */

@@ -1,53 +1,53 @@
 // Bringing a scan in: from a file, from the example, from the address; and turning it upright.
 import { ApiError, type Client } from "../api/client";
-import type { ExampleScan, Frame, LandmarkFile, UnitChoice, Vector } from "../api/types";
-import { fromDrawing } from "../drawing/files";
-import { startDrawn } from "../drawing/lines";
-import { tidyFrame, turned, type Turn } from "../viewer/frame";
-import { startHistory } from "../store/history";
-import { frameFromPicks, type Picks } from "../landmarks/picks";
-import { initialStances } from "../stances/state";
-import type { Session } from "../app/session";
-import type { Store } from "../store/store";
-import { text } from "../ui/text";
-import { isUnit, mmFrom } from "../ui/units";
+import type { ExampleScan, Frame, UnitChoice } from "../api/types";
+import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
+import type { Store } from "../store/store";
+import { tidyFrame, type Turn, turned } from "../viewer/frame";
+import { fromFront, type ViewSlice } from "../viewer/state";
+import type { ScanSlice } from "./state";
+import * as text from "./text";
 
 export const READABLE = /\.(ply|obj|stl|glb|zip)$/i;
 
-export function scanActions(store: Store<Session>, client: Client, stopFit: () => void, onLandmarks: () => void) {
+type State = PageSlice & ViewSlice & ScanSlice;
+
+/** What the other features keep with a scan, and do when another one is opened. */
+export interface ScanContents {
+  /** Reads what the service keeps of it: the state that the page starts with, and how the body stands by its landmarks. */
+  read(info: ExampleScan, isNew: boolean): Promise<{ readonly state: object; readonly frame: Frame | null }>;
+  /** The state of a page without a scan. */
+  none(): object;
+  /** What is given up when a scan could not be brought and the page goes back to this step. */
+  interrupted(): object;
+  /** Nothing goes on with the scan that was open. */
+  stop(): void;
+}
+
+export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void) {
   let generation = 0; // the scan asked for last wins over slower, earlier ones
 
   /** Shows `info` as the page's scan; everything that belonged to the one before is dropped. */
   async function adopt(info: ExampleScan, title: string, file: File | null, own: Frame | null, isNew: boolean, mine: number): Promise<void> {
-    const [mesh, saved, drawing] = await Promise.all([client.mesh(info), client.landmarks(info).catch(() => null), isNew ? null : client.ownDrawing(info)]);
+    const [mesh, kept] = await Promise.all([client.mesh(info), contents.read(info, isNew)]);
     if (mine !== generation) return;
-    stopFit();
-    const picks = saved ? picksOf(saved) : {};
-    const straight = own ? null : frameFromPicks(picks);
+    contents.stop();
     store.set((state) => ({
+      ...kept.state,
       loading: null,
       scan: {
         info,
         title,
         mesh,
         file,
-        frame: straight ?? tidyFrame(own ?? info.frame),
-        frameFrom: own ? "person" : straight ? "landmarks" : "service",
+        frame: own ? tidyFrame(own) : (kept.frame ?? tidyFrame(info.frame)),
+        frameFrom: own ? "person" : kept.frame ? "landmarks" : "service",
         example: info.example_landmarks ?? null,
       },
-      picks: startHistory<Picks>(picks),
-      drawn: startDrawn(drawing ? fromDrawing(drawing) : []),
-      proposals: null,
-      skipped: new Set<string>(),
-      active: null,
-      saving: "saved",
-      fit: null,
-      isStarting: false,
       step: "scan",
       overlay: "both",
-      stance: "auto",
-      view: { name: "front", asked: state.view.asked + 1 },
+      ...fromFront(state),
       problems: {},
     }));
   }
@@ -63,7 +63,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
       if (mine === generation) {
         const gone = error instanceof ApiError && error.status === 404;
         const message = gone ? text.errors.noScan : messageOf(error);
-        store.set((state) => ({ loading: null, step: "scan", active: null, ...withProblem(state, "scan", message) }));
+        store.set((state) => ({ ...contents.interrupted(), loading: null, step: "scan", ...withProblem(state, "scan", message) }));
       }
       return false;
     }
@@ -72,10 +72,10 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
   return {
     upload(file: File, units: UnitChoice = store.get().units): Promise<boolean> {
       if (!READABLE.test(file.name)) {
-        store.set((state) => ({ step: "scan", active: null, ...withProblem(state, "scan", text.errors.notAScan(file.name)) }));
+        store.set((state) => ({ ...contents.interrupted(), step: "scan", ...withProblem(state, "scan", text.errors.notAScan(file.name)) }));
         return Promise.resolve(false);
       }
-      const title = text.top.uploaded;
+      const title = text.uploaded;
       store.set({ units });
       return bring(title, async () => {
         const mine = generation;
@@ -95,7 +95,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
 
     /** The scan that the address names. */
     open(scan: string, own: Frame | null): Promise<boolean> {
-      return bring(text.top.uploaded, async () => ({ info: await client.scan(scan), file: null, own }));
+      return bring(text.uploaded, async () => ({ info: await client.scan(scan), file: null, own }));
     },
 
     /** Size and direction are right: on to the landmarks. */
@@ -109,7 +109,7 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
         state.scan
           ? {
               scan: { ...state.scan, frame: turned(state.scan.frame, turn), frameFrom: "person" },
-              view: { name: "front", asked: state.view.asked + 1 },
+              ...fromFront(state),
             }
           : {},
       );
@@ -118,8 +118,8 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
     /** Back to the empty page; the scan itself stays with the service. */
     leave(): void {
       generation += 1;
-      stopFit();
-      store.set({ scan: null, fit: null, isStarting: false, stances: initialStances, loading: null, picks: startHistory<Picks>({}), drawn: startDrawn(), proposals: null, active: null, step: "scan", problems: {} });
+      contents.stop();
+      store.set({ ...contents.none(), scan: null, loading: null, step: "scan", problems: {} });
     },
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),
@@ -127,9 +127,4 @@ export function scanActions(store: Store<Session>, client: Client, stopFit: () =
   };
 }
 
-/** A landmark file's points in millimetres. */
-export function picksOf(file: { landmarks: LandmarkFile["landmarks"]; unit?: string }): Picks {
-  const unit = isUnit(file.unit) ? file.unit : "mm";
-  const entries = Object.entries(file.landmarks);
-  return Object.fromEntries(entries.map(([name, point]) => [name, point.map((value) => mmFrom(value, unit)) as Vector]));
-}
+export type ScanActions = ReturnType<typeof scanActions>;

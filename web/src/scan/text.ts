@@ -15,6 +15,9 @@ export const empty = {
   drop: "Let go to load this scan",
 };
 
+/** What a scan that came as a file is called: its own name may hold a patient's. */
+export const uploaded = "Uploaded scan";
+
 export const units = {
   auto: "Find out from the size",
   mm: "Millimetres",
@@ -55,4 +58,10 @@ export const scan = {
   other: "Load another scan",
   ruler: "30 cm",
   summary: (triangles: string) => `${triangles} triangles`,
+};
+
+export const errors = {
+  notAScan: (name: string) => `“${name}” is not a 3D scan that can be read here: choose a PLY, OBJ, STL or GLB file, or a zip.`,
+  noScan: "This scan is no longer kept by the service. Load it again.",
+  mesh: "The scan cannot be drawn: the service sent a mesh that is not valid glTF.",
 };

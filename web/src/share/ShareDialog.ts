@@ -1,11 +1,14 @@
 // Show this result to somebody: what the link shows, how long, behind which passcode; and the links made so far.
-import type { Actions } from "../app/actions";
 import type { Share, ShareRequest } from "../api/types";
-import { el, fill, icon, setText, show } from "../ui/dom";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { button, iconButton, problem, select } from "../ui/controls";
+import { el, fill, icon, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import { close as closeText } from "../ui/text";
+import type { ShareActions } from "./actions";
+import type { ShareSlice } from "./state";
+import * as text from "./text";
 
 const DAYS = ["1", "7", "30", "90"] as const;
 type Days = (typeof DAYS)[number];
@@ -14,7 +17,9 @@ const words = text.share;
 const moment = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
 const at = (iso: string): string => moment.format(new Date(iso));
 
-export function createShareDialog(actions: Actions, dismiss: () => void): Panel {
+type Shown = Pick<PageSlice & ShareSlice, "problems" | "share">;
+
+export function createShareDialog(actions: ShareActions, dismiss: () => void): Panel<Shown> {
   let days: Days = "7";
   let scan: NonNullable<ShareRequest["scan"]> = "none";
   const expiry = select<Days>(words.expiry, (value) => (days = value));
@@ -27,7 +32,7 @@ export function createShareDialog(actions: Actions, dismiss: () => void): Panel 
       class: "share-form",
       onsubmit: (event) => {
         event.preventDefault();
-        void actions.share.make({ expires_in_days: Number(days), scan, passcode: passcode.value || null });
+        void actions.make({ expires_in_days: Number(days), scan, passcode: passcode.value || null });
       },
     },
     el("div", { class: "share-choices" }, shown.element, expiry.element),
@@ -41,11 +46,11 @@ export function createShareDialog(actions: Actions, dismiss: () => void): Panel 
   const wrong = problem(dismiss);
   const list = el("ul", { class: "share-list" });
   const none = el("p", { class: "muted" }, words.none);
-  const close = (): void => actions.share.close();
+  const close = (): void => actions.close();
   const element = el(
     "dialog",
     { class: "help share", "aria-labelledby": "share-title", onclose: close },
-    el("div", { class: "dialog-head" }, el("h2", { id: "share-title" }, words.title), iconButton("close", text.close, close)),
+    el("div", { class: "dialog-head" }, el("h2", { id: "share-title" }, words.title), iconButton("close", closeText, close)),
     el("p", { class: "muted" }, words.what),
     wrong.element,
     form,
@@ -54,7 +59,7 @@ export function createShareDialog(actions: Actions, dismiss: () => void): Panel 
     none,
     list,
   );
-  // Escape goes through the state like any other way out; the browser's own closing would tell of it only later.
+  // Escape goes through the state like any other way out; the browser's own closing is known only later.
   element.addEventListener("cancel", (event) => (event.preventDefault(), close()));
   element.addEventListener("click", (event) => {
     if (event.target === element) close();
@@ -72,7 +77,8 @@ export function createShareDialog(actions: Actions, dismiss: () => void): Panel 
 
   return {
     element,
-    update(state: Session): void {
+    select: only("problems", "share"),
+    update(state: Shown): void {
       const { share } = state;
       if (share.isOpen && !element.open) {
         passcode.value = "";
@@ -96,7 +102,7 @@ export function createShareDialog(actions: Actions, dismiss: () => void): Panel 
   };
 }
 
-function row(share: Share, actions: Actions): HTMLElement {
+function row(share: Share, actions: ShareActions): HTMLElement {
   const state = share.revoked_at ? words.revoked(at(share.revoked_at)) : share.is_open ? words.until(at(share.expires_at)) : words.expired(at(share.expires_at));
   const opened = share.last_opened_at ? words.opened(share.openings, at(share.last_opened_at)) : words.neverOpened;
   const facts = [words.shows[share.scan], ...(share.has_passcode ? [words.hasPasscode] : [])].join(" · ");
@@ -105,6 +111,6 @@ function row(share: Share, actions: Actions): HTMLElement {
     { class: share.is_open ? "" : "is-over" },
     icon(share.is_open ? "link" : "close"),
     el("div", {}, el("p", {}, state), el("p", { class: "muted small" }, facts), el("p", { class: "muted small" }, opened)),
-    share.is_open ? button(words.revoke, () => void actions.share.revoke(share.links.self), "quiet outlined") : null,
+    share.is_open ? button(words.revoke, () => void actions.revoke(share.links.self), "quiet outlined") : null,
   );
 }

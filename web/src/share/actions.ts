@@ -1,25 +1,29 @@
 // Links that show one result to somebody: made, listed and revoked in the share dialog.
 import type { Client } from "../api/client";
 import type { ShareRequest } from "../api/types";
-import type { Session } from "../app/session";
-import type { Store } from "../store/store";
-import { text } from "../ui/text";
+import type { FitSlice } from "../fit/state";
+import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
+import type { Store } from "../store/store";
+import type { ShareSlice } from "./state";
+import * as text from "./text";
 
-export function shareActions(store: Store<Session>, client: Client) {
+type State = PageSlice & FitSlice & ShareSlice;
+
+export function shareActions(store: Store<State>, client: Client) {
   /** Runs for the fit that the dialog was opened for; an answer for another one is dropped. */
-  async function forFit(work: (link: string) => Promise<Partial<Session>>): Promise<void> {
+  async function forFit(work: (link: string) => Promise<Partial<State>>): Promise<void> {
     const fit = store.get().fit;
     if (!fit || store.get().share.isBusy) return;
-    const tell = (part: (state: Session) => Partial<Session>): void =>
+    const show = (part: (state: State) => Partial<State>): void =>
       store.set((state) => (state.fit?.id === fit.id ? part(state) : {}));
-    tell((state) => ({ share: { ...state.share, isBusy: true }, ...withProblem(state, "share", null) }));
+    show((state) => ({ share: { ...state.share, isBusy: true }, ...withProblem(state, "share", null) }));
     try {
       const done = await work(fit.links.shares);
       const { shares } = await client.shares(fit.links.shares);
-      tell((state) => ({ ...done, share: { ...state.share, ...done.share, isBusy: false, list: shares } }));
+      show((state) => ({ ...done, share: { ...state.share, ...done.share, isBusy: false, list: shares } }));
     } catch (error) {
-      tell((state) => ({ share: { ...state.share, isBusy: false }, ...withProblem(state, "share", messageOf(error)) }));
+      show((state) => ({ share: { ...state.share, isBusy: false }, ...withProblem(state, "share", messageOf(error)) }));
     }
   }
 
@@ -45,3 +49,5 @@ export function shareActions(store: Store<Session>, client: Client) {
       }),
   };
 }
+
+export type ShareActions = ReturnType<typeof shareActions>;

@@ -1,6 +1,5 @@
 // The share dialog, and the page behind a link.
 import { plural } from "../ui/plural";
-import { sideOf } from "../landmarks/picks";
 
 export const share = {
   title: "Share this result",
@@ -39,12 +38,6 @@ export const shared = {
   what: "This result was shared with you. It can be looked at from all sides and taken away, but not changed.",
   until: (when: string) => `The link works until ${when}.`,
   opening: "Opening the link …",
-  /** "breast_L" → "Breast, patient's left": behind a link the model's own labels are not at hand */
-  shape(name: string): string {
-    const plain = name.replace(/_[LR]$/, "").replaceAll("_", " ");
-    const side = { left: ", patient's left", right: ", patient's right", middle: "" }[sideOf(name)];
-    return plain.charAt(0).toUpperCase() + plain.slice(1) + side;
-  },
   needsPasscode: "This link asks for a passcode. The person who sent it knows it.",
   passcode: "Passcode",
   open: "Open",

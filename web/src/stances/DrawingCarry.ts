@@ -1,24 +1,30 @@
 // The drawing on the other stance: what is missing for it, and how sure its place is.
-import type { Actions } from "../app/actions";
-import { el, setText, show } from "../ui/dom";
-import type { Session } from "../app/session";
-import { carriedNote } from "./carry";
-import { stanceNames } from "./state";
-import { text } from "../ui/text";
-import { formatMm } from "../ui/units";
+import type { DrawingSlice } from "../drawing/state";
+import type { FitSlice } from "../fit/state";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { button, problem } from "../ui/controls";
+import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import { formatMm } from "../ui/units";
+import type { StancesActions } from "./actions";
+import { carriedNote } from "./carry";
+import { stanceNames, type StancesSlice } from "./state";
+import * as text from "./text";
 
 const words = text.stances.carry;
 
-export function createDrawingCarry({ stances }: Pick<Actions, "stances">, addOther: () => void): Panel {
+type Shown = Pick<PageSlice & ScanSlice & FitSlice & DrawingSlice & StancesSlice, "problems" | "scan" | "stance" | "fit" | "drawn" | "stances">;
+
+export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
   const says = el("p", { class: "muted small" });
   const note = el("p", { class: "look-here small" });
-  const add = button(text.stances.add, addOther, "quiet outlined wide");
+  const add = button(text.stances.add, () => stances.dialog(true), "quiet outlined wide");
   const wrong = problem(() => stances.dismiss());
   const element = el("div", { class: "panel carry" }, el("p", { class: "label" }, words.title), wrong.element, says, add, note);
 
-  function sentence(state: Session): { says: string; note: string } {
+  function sentence(state: Shown): { says: string; note: string } {
     const { other, isCarrying } = state.stances;
     const quiet = { note: "" };
     if (!other) return { says: words.needsOther, ...quiet };
@@ -38,13 +44,14 @@ export function createDrawingCarry({ stances }: Pick<Actions, "stances">, addOth
 
   return {
     element,
-    update(state: Session): void {
-      const told = sentence(state);
+    select: only("problems", "scan", "stance", "fit", "drawn", "stances"),
+    update(state: Shown): void {
+      const now = sentence(state);
       const { other } = state.stances;
-      setText(says, told.says);
-      show(says, told.says !== "");
-      setText(note, told.note);
-      show(note, told.note !== "");
+      setText(says, now.says);
+      show(says, now.says !== "");
+      setText(note, now.note);
+      show(note, now.note !== "");
       show(add, other === null);
       wrong.set(other ? state.problems.stances : undefined);
     },

@@ -1,21 +1,26 @@
 // The table of measures: left, right and difference, of one stance or of both and the change between them.
-import type { Actions } from "../app/actions";
-import { el, fill, icon, saveFile, setText, show } from "../ui/dom";
-import { type Cell, formatCell, measuresCsv, type MeasureLine, measuresTable, type MeasuresTable } from "./measuresTable";
-import type { Session } from "../app/session";
-import { measuredFits } from "./state";
-import { text } from "../ui/text";
+import type { FitSlice } from "../fit/state";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { button, iconButton, problem } from "../ui/controls";
+import { el, fill, icon, saveFile, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import { close as closeText } from "../ui/text";
+import type { StancesActions } from "./actions";
+import { type Cell, formatCell, type MeasureLine, measuresCsv, measuresTable, type MeasuresTable } from "./measuresTable";
+import { measuredFits, type StancesSlice } from "./state";
+import * as text from "./text";
 
 const words = text.stances.table;
 const COLUMNS = ["left", "right", "difference"] as const;
 const HEADS = { left: words.left, right: words.right, difference: words.difference };
 const UNITS = { mm: "mm", ml: "ml", "1": "" };
 
-export function createMeasuresDialog({ stances }: Pick<Actions, "stances">, dismiss: () => void): Panel {
+type Shown = Pick<PageSlice & FitSlice & StancesSlice, "meta" | "problems" | "fit" | "stances">;
+
+export function createMeasuresDialog(stances: StancesActions, dismiss: () => void): Panel<Shown> {
   const close = (): void => void stances.measures(false);
-  let file: Session["stances"]["measures"]["file"] = null;
+  let file: StancesSlice["stances"]["measures"]["file"] = null;
   const says = el("p", { class: "muted" });
   const holder = el("div", { class: "measures-scroll", tabindex: 0, role: "region", "aria-labelledby": "measures-title" });
   const busy = el("div", { class: "muted", role: "status" }, words.busy);
@@ -28,7 +33,7 @@ export function createMeasuresDialog({ stances }: Pick<Actions, "stances">, dism
   const element = el(
     "dialog",
     { class: "help measures", "aria-labelledby": "measures-title", onclose: close },
-    el("div", { class: "dialog-head" }, el("h2", { id: "measures-title" }, words.title), iconButton("close", text.close, close)),
+    el("div", { class: "dialog-head" }, el("h2", { id: "measures-title" }, words.title), iconButton("close", closeText, close)),
     says,
     wrong.element,
     busy,
@@ -49,7 +54,8 @@ export function createMeasuresDialog({ stances }: Pick<Actions, "stances">, dism
 
   return {
     element,
-    update(state: Session): void {
+    select: only("meta", "problems", "fit", "stances"),
+    update(state: Shown): void {
       const { measures } = state.stances;
       if (measures.isOpen && !element.open) {
         setText(copied, "");

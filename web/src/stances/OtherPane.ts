@@ -1,16 +1,21 @@
 // The pane of the stance that waits, and what each pane is called.
-import type { Actions } from "../app/actions";
-import { el, setText, show } from "../ui/dom";
-import type { Session } from "../app/session";
-import type { OtherStage } from "./OtherView";
-import { isComparing, stanceNames } from "./state";
-import { text } from "../ui/text";
+import type { FitSlice } from "../fit/state";
+import type { LandmarksSlice } from "../landmarks/state";
+import type { ScanSlice } from "../scan/state";
+import { only } from "../store/store";
 import { button, iconButton } from "../ui/controls";
+import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import type { Stage } from "../viewer/Viewer";
+import type { StancesActions } from "./actions";
+import { isComparing, stanceNames, type StancesSlice } from "./state";
+import * as text from "./text";
 
 const words = text.stances;
 
-export function createOtherPane({ stances }: Pick<Actions, "stances">): Panel & { caption: HTMLElement; stage: OtherStage } {
+type Shown = Pick<ScanSlice & LandmarksSlice & FitSlice & StancesSlice, "scan" | "active" | "stance" | "fit" | "stances">;
+
+export function createOtherPane(stances: StancesActions): Panel<Shown> & { caption: HTMLElement; stage: Stage } {
   const canvas = el("canvas", { class: "other-view", tabindex: 0, role: "application" });
   const overlay = el("div", { class: "overlay is-narrow", "aria-hidden": "true" });
   const name = el("strong", {});
@@ -24,7 +29,8 @@ export function createOtherPane({ stances }: Pick<Actions, "stances">): Panel & 
     element,
     caption,
     stage: { host: element, canvas, overlay },
-    update(state: Session): void {
+    select: only("scan", "active", "stance", "fit", "stances"),
+    update(state: Shown): void {
       const isShown = isComparing(state);
       show(element, isShown);
       show(caption, isShown);

@@ -1,14 +1,19 @@
 // In the top bar: which stance the page works on, the second one, both beside each other, their measures.
-import type { Actions } from "../app/actions";
+import type { FitSlice } from "../fit/state";
+import type { LandmarksSlice } from "../landmarks/state";
+import type { ScanSlice } from "../scan/state";
+import { only } from "../store/store";
 import { el, setText, show } from "../ui/dom";
-import type { Session } from "../app/session";
-import { isComparing, stanceNames } from "./state";
-import { text } from "../ui/text";
 import type { Panel } from "../ui/Panel";
+import type { StancesActions } from "./actions";
+import { isComparing, stanceNames, type StancesSlice } from "./state";
+import * as text from "./text";
 
 const words = text.stances;
 
-export function createStancesBar({ stances }: Pick<Actions, "stances">): Panel {
+type Shown = Pick<ScanSlice & LandmarksSlice & FitSlice & StancesSlice, "scan" | "active" | "stance" | "fit" | "isStarting" | "stances">;
+
+export function createStancesBar(stances: StancesActions): Panel<Shown> {
   let isSecond = false;
   const tab = (second: boolean): HTMLButtonElement => el("button", { type: "button", onclick: () => isSecond !== second && void stances.swap() });
   const tabs = [tab(false), tab(true)];
@@ -22,7 +27,8 @@ export function createStancesBar({ stances }: Pick<Actions, "stances">): Panel {
   const element = el("div", { class: "stances-bar", hidden: true }, both, add, compare, link, measures);
   return {
     element,
-    update(state: Session): void {
+    select: only("scan", "active", "stance", "fit", "isStarting", "stances"),
+    update(state: Shown): void {
       const { other, isLinked } = state.stances;
       show(element, state.scan !== null);
       show(both, other !== null);

@@ -1,15 +1,21 @@
 // Where the second scan comes from: a file, the example patient, or a scan that was open in this tab.
-import type { Actions } from "../app/actions";
-import { el, fill, show } from "../ui/dom";
-import type { Session } from "../app/session";
-import { text } from "../ui/text";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
 import { button, fileButton, iconButton, problem } from "../ui/controls";
+import { el, fill, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import { close as closeText } from "../ui/text";
+import type { StancesActions } from "./actions";
+import type { StancesSlice } from "./state";
+import * as text from "./text";
 
 const words = text.stances.dialog;
 const moment = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
 
-export function createStancesDialog({ stances }: Pick<Actions, "stances">, dismiss: () => void): Panel {
+type Shown = Pick<PageSlice & ScanSlice & StancesSlice, "examples" | "problems" | "scan" | "stances">;
+
+export function createStancesDialog(stances: StancesActions, dismiss: () => void): Panel<Shown> {
   const close = (): void => stances.dialog(false);
   const file = fileButton(words.upload, ".ply,.obj,.stl,.glb,.zip", "outlined wide", (chosen) => void stances.upload(chosen));
   file.querySelector("input")!.id = "second-scan-file";
@@ -22,7 +28,7 @@ export function createStancesDialog({ stances }: Pick<Actions, "stances">, dismi
   const element = el(
     "dialog",
     { class: "help stances-dialog", "aria-labelledby": "stances-title", onclose: close },
-    el("div", { class: "dialog-head" }, el("h2", { id: "stances-title" }, words.title), iconButton("close", text.close, close)),
+    el("div", { class: "dialog-head" }, el("h2", { id: "stances-title" }, words.title), iconButton("close", closeText, close)),
     el("p", { class: "muted" }, words.what),
     wrong.element,
     busy,
@@ -30,7 +36,8 @@ export function createStancesDialog({ stances }: Pick<Actions, "stances">, dismi
   );
   return {
     element,
-    update(state: Session): void {
+    select: only("examples", "problems", "scan", "stances"),
+    update(state: Shown): void {
       const { isAdding, isBringing } = state.stances;
       if (isAdding && !element.open) element.showModal();
       if (!isAdding && element.open) element.close();

@@ -1,6 +1,6 @@
 // The few controls that the panels share.
-import { el, icon, setText, show, type IconName } from "./dom";
-import { text } from "./text";
+import { el, icon, type IconName, setText, show } from "./dom";
+import { dismiss } from "./text";
 
 export interface Option<Value extends string> {
   value: Value;
@@ -65,7 +65,7 @@ export function fileButton(label: string, accept: string, look: string, chosen: 
 /** What went wrong here, and a way to put it aside. */
 export function problem(dismissed: () => void) {
   const words = el("p", {});
-  const element = el("div", { class: "problem", role: "alert", hidden: true }, icon("alert"), words, iconButton("close", text.dismiss, dismissed));
+  const element = el("div", { class: "problem", role: "alert", hidden: true }, icon("alert"), words, iconButton("close", dismiss, dismissed));
   return {
     element,
     set(message: string | undefined): void {

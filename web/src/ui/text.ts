@@ -1,41 +1,11 @@
-// Every English sentence of the page, in one folder, ready for translation: another language is another folder like this.
-// Names and definitions of landmarks, shapes and drawings come from the model, notes and reasons from the service.
-import { drawing } from "../drawing/text";
-import { errors } from "../api/text";
-import { fit, timeline } from "../fit/text";
-import { help } from "../app/helpText";
-import { landmarks, proposals } from "../landmarks/text";
-import { look } from "../fit/handPoseText";
-import { page, top, next } from "../app/text";
-import { picture } from "../app/exportText";
-import { result, distances, numbers } from "../fit/resultText";
-import { empty, units, loading, scan } from "../scan/text";
-import { share, shared } from "../share/text";
-import { stances } from "../stances/text";
-import { view } from "../viewer/text";
+// Words that every room uses.  Each room has a text.ts of its own with all of its sentences, ready for translation: another
+// language is another set of these files.  Names and definitions of landmarks, shapes and drawings come from the model,
+// notes and reasons from the service.
 
-export const text = {
-  ...page,
-  top,
-  next,
-  empty,
-  units,
-  loading,
-  scan,
-  landmarks,
-  proposals,
-  fit,
-  timeline,
-  drawing,
-  result,
-  distances,
-  look,
-  picture,
-  numbers,
-  share,
-  shared,
-  stances,
-  view,
-  help,
-  errors,
-};
+export const name = "BreastRig";
+export const notice = "Research use only. Not a medical device.";
+export const noticeLong =
+  "Research use only. Not a medical device; not for diagnosis, treatment or surgical decisions. " +
+  "Measurements carry scanner and fitting error.";
+export const dismiss = "Dismiss";
+export const close = "Close";

@@ -1,11 +1,13 @@
 // The line between scan and model, and the names of the two halves.  A range input: keys and touch come with it.
-import type { Actions } from "../app/actions";
 import { el, show } from "../ui/dom";
-import { isBeside, type Session } from "../app/session";
-import { text } from "../ui/text";
 import type { Panel } from "../ui/Panel";
+import { isBeside, type ViewSlice } from "./state";
+import * as text from "./text";
 
-export function createSwipe(actions: Pick<Actions, "page">): Panel {
+type Shown = Pick<ViewSlice, "overlay" | "swipe"> & { readonly hasBoth: boolean };
+
+/** `hasBoth`: scan and model are there. */
+export function createSwipe<More extends object>(moved: (share: number) => void, hasBoth: (state: More) => boolean): Panel<Shown, ViewSlice & More> {
   const slider = el("input", {
     type: "range",
     class: "swipe",
@@ -13,7 +15,7 @@ export function createSwipe(actions: Pick<Actions, "page">): Panel {
     max: 1,
     step: 0.01,
     "aria-label": text.view.swipe,
-    oninput: () => actions.page.swipe(Number(slider.value)),
+    oninput: () => moved(Number(slider.value)),
   });
   const line = el("div", { class: "swipe-line" });
   const scan = el("span", { class: "pane-name" }, text.view.panes.scan);
@@ -21,12 +23,12 @@ export function createSwipe(actions: Pick<Actions, "page">): Panel {
   const element = el("div", { class: "halves", hidden: true }, line, scan, model, slider);
   return {
     element,
-    update(state: Session): void {
-      const { overlay } = state;
-      show(element, state.scan !== null && state.fit !== null && isBeside(overlay));
-      const share = overlay === "swipe" ? state.swipe : 0.5;
+    select: (state) => ({ overlay: state.overlay, swipe: state.swipe, hasBoth: hasBoth(state) }),
+    update({ overlay, swipe, hasBoth }: Shown): void {
+      show(element, hasBoth && isBeside(overlay));
+      const share = overlay === "swipe" ? swipe : 0.5;
       show(slider, overlay === "swipe");
-      slider.value = String(state.swipe);
+      slider.value = String(swipe);
       element.style.setProperty("--split", `${100 * share}%`);
     },
   };

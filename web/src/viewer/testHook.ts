@@ -9,13 +9,8 @@
 //   window.__breastrig.picture()        what is really on the canvas: number of colours, a checksum, context lost or not
 import { Vector3 } from "three";
 import type { Vector } from "../api/types";
-import type { Session } from "../app/session";
-import type { Store } from "../store/store";
-import type { OtherHook } from "../stances/OtherView";
 import { metresFromMm } from "../ui/units";
-import type { FittedSurface } from "../fit/FittedSurface";
-import { type Hit, isHidden, pickAt, surfaceAt, type SurfaceHit } from "./picking";
-import type { ScanMesh } from "../scan/ScanMesh";
+import { type Hit, isHidden, pickAt, type Surface, surfaceAt, type SurfaceHit } from "./picking";
 import type { Viewer } from "./Viewer";
 
 interface Picture {
@@ -24,8 +19,14 @@ interface Picture {
   isLost: boolean;
 }
 
-interface Hook {
-  state(): Session;
+/** A second pane, once its body is drawn. */
+export interface OtherPane {
+  isReady(): boolean;
+  viewer(): Viewer | null;
+}
+
+export interface TestHook<State> {
+  state(): State;
   isReady(): boolean;
   frames(): number;
   project(point: Vector): { x: number; y: number; hidden: boolean };
@@ -38,15 +39,9 @@ interface Hook {
   pose(): Record<"eye" | "target", Vector>;
 }
 
-declare global {
-  interface Window {
-    readonly __breastrig?: Hook;
-  }
-}
-
-export function offerHook(store: Store<Session>, viewer: Viewer, scan: ScanMesh, fitted: FittedSurface, other?: OtherHook): void {
-  const hook: Hook = {
-    state: () => ({ ...store.get(), model: null }),
+export function offerTestHook<State>(state: () => State, viewer: Viewer, scan: Surface, fitted: Pick<Surface, "mesh">, other?: OtherPane): void {
+  const hook: TestHook<State> = {
+    state,
     isReady: () => scan.mesh !== null,
     frames: () => viewer.frames,
     project(point) {

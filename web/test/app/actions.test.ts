@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { FakeEventSource, fitLinks, page, scanInfo } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { Scan, Vector } from "../../src/api/types";
-import { FakeEventSource, fitLinks, page, scanInfo } from "../fakes";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {
@@ -221,7 +221,7 @@ test("a landmark that is dragged after a fit is fitted again from there; the pic
   FakeEventSource.last!.say("iterated", iterated(0));
   FakeEventSource.last!.say("done", { result });
   await settle();
-  actions.page.overlay("swipe");
+  actions.view.overlay("swipe");
   actions.page.goTo("landmarks");
 
   actions.landmarks.move("nipple_L", [7, 8, 9]);

@@ -1,9 +1,9 @@
 import { expect, test } from "vitest";
 import type { LandmarkDefinition } from "../../src/api/types";
-import { record, startHistory } from "../../src/store/history";
-import type { Picks } from "../../src/landmarks/picks";
 import { nextStep } from "../../src/app/nextStep";
 import { initialSession, type Session } from "../../src/app/session";
+import type { Picks } from "../../src/landmarks/picks";
+import { record, startHistory } from "../../src/store/history";
 
 const landmarks = ["notch", "nipple_L", "nipple_R", "umbilicus"].map((name) => ({ name }) as LandmarkDefinition);
 const some: Picks = { notch: [0, 0, 0], nipple_L: [1, 0, 0], nipple_R: [-1, 0, 0] };

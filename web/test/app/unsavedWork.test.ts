@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
-import { startDrawn } from "../../src/drawing/lines";
-import { startHistory } from "../../src/store/history";
 import { initialSession, type Session } from "../../src/app/session";
 import { keepForLater, takeUp } from "../../src/app/unsavedWork";
+import { startDrawn } from "../../src/drawing/state";
+import { startHistory } from "../../src/store/history";
 
 function memory() {
   const kept = new Map<string, string>();

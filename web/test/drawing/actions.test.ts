@@ -2,13 +2,14 @@
 import { PlaneGeometry } from "three";
 import { MeshBVH } from "three-mesh-bvh";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { page } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { OwnDrawing, Vector } from "../../src/api/types";
 import { fromDrawing, readDrawing, toDrawing, toText, UnreadableDrawing } from "../../src/drawing/files";
 import { drawingKey } from "../../src/drawing/keys";
-import { lengthOf, layerKey } from "../../src/drawing/lines";
+import { lengthOf } from "../../src/drawing/lines";
 import { skinOf } from "../../src/drawing/skin";
-import { page } from "../fakes";
+import { layerKey } from "../../src/drawing/state";
 
 const skin = (() => {
   const geometry = new PlaneGeometry(0.4, 0.4, 20, 20); // 400 mm square in z = 0
@@ -143,7 +144,7 @@ test("leaving the step puts the pen down and keeps the line", async () => {
 
 test("keys work in the step alone, and leave the browser's own alone", async () => {
   const { actions, store } = await drawing();
-  const key = (name: string, more: object = {}): boolean => drawingKey(store.get(), { key: name, target: null, ...more } as unknown as KeyboardEvent, actions);
+  const key = (name: string, more: object = {}): boolean => drawingKey(store.get(), { key: name, target: null, ...more } as unknown as KeyboardEvent, actions.drawing);
   expect(key("t")).toBe(true);
   expect(store.get().drawn.tool).toBe("tumour");
   expect(key("Escape")).toBe(true);

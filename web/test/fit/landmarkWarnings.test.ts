@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { doubtSentences, labelsOf } from "../../src/fit/landmarkWarnings";
-import type { FitState } from "../../src/app/session";
+import type { FitState } from "../../src/fit/state";
 
 const labels = labelsOf([
   { name: "nipple_L", label: "Left nipple" },

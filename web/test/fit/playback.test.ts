@@ -1,7 +1,8 @@
 import { expect, test } from "vitest";
-import { createPlayer } from "../../src/fit/playback";
 import type { Iterated } from "../../src/api/types";
-import { type FitState, initialSession, type Session } from "../../src/app/session";
+import { initialSession, type Session } from "../../src/app/session";
+import { createPlayer } from "../../src/fit/playback";
+import type { FitState } from "../../src/fit/state";
 import { createStore } from "../../src/store/store";
 
 function setUp(isStill = false) {

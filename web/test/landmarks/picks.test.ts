@@ -1,9 +1,9 @@
 import { expect, test } from "vitest";
 import type { Frame, LandmarkDefinition } from "../../src/api/types";
-import { toMeshlab, toSlicer } from "../../src/landmarks/otherFormats";
 import { readLandmarks, toCsv, toJson } from "../../src/landmarks/files";
-import { leftOf } from "../../src/viewer/frame";
+import { toMeshlab, toSlicer } from "../../src/landmarks/otherFormats";
 import { frameFromPicks, nextMissing, onWrongSide, type Picks, sideOf, withoutPick, withPick } from "../../src/landmarks/picks";
+import { leftOf } from "../../src/viewer/frame";
 
 const names = ["suprasternal_notch", "nipple_L", "nipple_R", "umbilicus"];
 const list = names.map((name) => ({ name, label: name, latin: "", definition: "", easy: true, mirror: name })) as LandmarkDefinition[];

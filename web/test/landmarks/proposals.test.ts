@@ -1,9 +1,9 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { page } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { ProposedLandmark, Vector } from "../../src/api/types";
 import { nextStep } from "../../src/app/nextStep";
 import { expectedErrorMm, ghostsOf } from "../../src/landmarks/proposals";
-import { page } from "../fakes";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {

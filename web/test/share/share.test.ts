@@ -1,6 +1,6 @@
 import { afterEach, expect, test, vi } from "vitest";
-import { ApiError } from "../../src/api/client";
 import { FakeEventSource, page } from "../fakes";
+import { ApiError } from "../../src/api/client";
 
 afterEach(() => void vi.unstubAllGlobals());
 

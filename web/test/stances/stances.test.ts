@@ -1,14 +1,14 @@
 // Two stances: the linked camera's pose, the page that changes over, the drawing that is carried, the table of measures.
 import { Euler, Matrix4, Quaternion, Vector3 } from "three";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { fitLinks, page, scanInfo } from "../fakes";
 import type { CarriedDrawing, Fit, Measure, Vector } from "../../src/api/types";
 import { INK } from "../../src/drawing/lines";
+import type { FitState } from "../../src/fit/state";
 import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../../src/stances/cameras";
 import { carriedNote } from "../../src/stances/carry";
 import { formatCell, measuresCsv, measuresTable } from "../../src/stances/measuresTable";
-import { knownScans, rememberScan, sliceOf, stanceNames } from "../../src/stances/state";
-import type { FitState } from "../../src/app/session";
-import { fitLinks, page, scanInfo } from "../fakes";
+import { knownScans, rememberScan, stanceNames, workspaceOf } from "../../src/stances/state";
 
 const rigid = (x: number, y: number, z: number, at: readonly [number, number, number]): Matrix4 =>
   new Matrix4().compose(new Vector3(...at), new Quaternion().setFromEuler(new Euler(x, y, z)), new Vector3(1, 1, 1));
@@ -140,13 +140,13 @@ test("the second scan gets the page, the first waits with all that is its own", 
 
 test("changing over and back is where one was", async () => {
   const { store, actions } = await two();
-  const before = sliceOf(store.get());
+  const before = workspaceOf(store.get());
   await actions.stances.swap();
   expect(store.get().scan!.info.id).toBe("standing");
   expect(store.get().drawn.lines.present).toEqual([LINE]);
   expect(store.get().stances.isSecond).toBe(false);
   await actions.stances.swap();
-  expect(sliceOf(store.get())).toEqual(before);
+  expect(workspaceOf(store.get())).toEqual(before);
 });
 
 test("a scan that cannot be had leaves the page as it was and says why", async () => {
@@ -184,7 +184,7 @@ test("a fit that runs while its scan waits comes to its end there", async () => 
   const { store, actions } = page({
     importExample: async (name: string) => scanInfo(name) as never,
     fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state }) as unknown as Fit,
-    story: async () => [{ id: 1, event: { kind: "iterated", iteration: 0 } }] as never,
+    allEvents: async () => [{ id: 1, event: { kind: "iterated", iteration: 0 } }] as never,
     result: async () => result as never,
   });
   await actions.scan.takeExample("standing");

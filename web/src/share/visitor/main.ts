@@ -1,29 +1,34 @@
 // The read-only page behind a share link: the body with its drawing, the numbers, the files; a passcode first where there is one.
-import "../../app/style.css";
-import type { Actions } from "../../app/actions";
-import { pageActions } from "../../app/pageActions";
+import "../../style.css";
+import * as text from "../text";
 import { ApiError } from "../../api/client";
 import type { SharedResult } from "../../api/types";
-import { el, fill, icon, setText, show } from "../../ui/dom";
+import { drawing as drawingText } from "../../drawing/text";
 import { createColourBar } from "../../fit/ColourBar";
 import { createNumbersPanel } from "../../fit/NumbersPanel";
-import { createSwipe } from "../../viewer/Swipe";
-import { createViewBar } from "../../viewer/ViewBar";
-import { initialSession, type Session } from "../../app/session";
+import { hasBoth, viewBarShown, withDistances } from "../../fit/state";
+import { errors as fitErrors, result as resultText } from "../../fit/text";
 import { createStore } from "../../store/store";
-import { text } from "../../ui/text";
-import { openSharedViewer } from "./openViewer";
+import { el, fill, icon, setText, show } from "../../ui/dom";
+import { follow } from "../../ui/Panel";
+import { name, noticeLong } from "../../ui/text";
+import { viewActions } from "../../viewer/actions";
+import { createSwipe } from "../../viewer/Swipe";
+import { errors as viewErrors, view as viewText } from "../../viewer/text";
+import { createViewBar } from "../../viewer/ViewBar";
 import { openLink, readShared } from "./openLink";
+import { openSharedViewer } from "./openViewer";
+import { initialVisitor, type VisitorState } from "./state";
 
-const store = createStore<Session>(initialSession);
-const actions = { page: pageActions(store, () => undefined) } as Pick<Actions, "page">;
+const store = createStore<VisitorState>(initialVisitor);
+const view = viewActions(store);
 const words = text.shared;
 const moment = new Intl.DateTimeFormat("en-GB", { dateStyle: "long", timeStyle: "short" });
 
-const canvas = el("canvas", { class: "view", role: "img", "aria-label": text.view.shared, tabindex: 0 });
+const canvas = el("canvas", { class: "view", role: "img", "aria-label": viewText.shared, tabindex: 0 });
 const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
-const viewBar = createViewBar(actions);
-const swipe = createSwipe(actions);
+const viewBar = createViewBar(view, (isOn) => store.set((state) => withDistances(state, isOn)), viewBarShown);
+const swipe = createSwipe(view.swipe, hasBoth);
 const colourBar = createColourBar();
 const note = el("p", {});
 const alert = el("div", { class: "problem", role: "alert", hidden: true }, icon("alert"), note);
@@ -41,18 +46,19 @@ const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colo
 const until = el("p", { class: "muted" });
 const shapes = el("ul", { class: "shapes" });
 const files = el("ul", { class: "files" });
-const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, el("h2", {}, text.result.drawing), shapes, el("h2", {}, text.result.files), files);
+const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, el("h2", {}, resultText.drawing), shapes, el("h2", {}, resultText.files), files);
 const numbers = createNumbersPanel();
 const aside = el("aside", { class: "aside" }, numbers.element);
-const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, text.name), el("span", { class: "scan-title" }, words.title));
-const footer = el("footer", { class: "footer" }, el("strong", {}, text.noticeLong));
+const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, name), el("span", { class: "scan-title" }, words.title));
+const footer = el("footer", { class: "footer" }, el("strong", {}, noticeLong));
 
-document.title = `${words.title} · ${text.name}`;
+document.title = `${words.title} · ${name}`;
 document.body.classList.add("is-empty", "is-shared");
 document.body.append(top, side, host, aside, footer);
-store.subscribe((state) => {
-  for (const panel of [viewBar, swipe, colourBar, numbers]) panel.update(state);
-});
+follow(store, viewBar);
+follow(store, swipe);
+follow(store, colourBar);
+follow(store, numbers);
 void open("");
 
 function say(sentence: string): void {
@@ -77,21 +83,21 @@ async function open(code: string): Promise<void> {
   show(card, false);
   show(side, true);
   document.body.classList.remove("is-empty");
-  const failed = (): void => (show(card, true), show(form, false), say(text.errors.surface));
+  const failed = (): void => (show(card, true), show(form, false), say(fitErrors.surface));
   try {
-    openSharedViewer(store, { host, canvas, overlay }, actions, failed);
+    openSharedViewer(store, { host, canvas, overlay }, view.from, failed);
   } catch {
     show(card, true);
     show(form, false);
-    say(text.errors.noGraphics);
+    say(viewErrors.noGraphics);
   }
 }
 
-function fillSide({ expires_at, links }: SharedResult, { fit }: Session): void {
+function fillSide({ expires_at, links }: SharedResult, { fit }: VisitorState): void {
   setText(until, words.until(moment.format(new Date(expires_at))));
-  const names = fit?.drawing?.shapes.map(({ name }) => text.shared.shape(name)) ?? [];
+  const names = fit?.drawing?.shapes.map(({ name }) => drawingText.shapeName(name)) ?? [];
   fill(shapes, names, () =>
-    names.length > 0 ? names.map((name) => el("li", {}, el("span", { class: "stroke", "aria-hidden": "true" }), name)) : [el("li", {}, text.result.noDrawing)],
+    names.length > 0 ? names.map((name) => el("li", {}, el("span", { class: "stroke", "aria-hidden": "true" }), name)) : [el("li", {}, resultText.noDrawing)],
   );
   const offered = words.files.flatMap(({ key, name, what }) => (links[key] === null ? [] : [{ href: links[key], name, what }]));
   fill(files, offered, () =>

@@ -1,12 +1,11 @@
 // What a visitor's browser may ask: the secret behind # is posted once, then a cookie speaks for it.  Read only.
+import * as text from "../text";
 import { ask, askJson } from "../../api/client";
 import type { DrawingFile, Result, Scan, SharedResult } from "../../api/types";
 import { readDistances } from "../../fit/distances";
+import { frameFromPicks, picksOf } from "../../landmarks/picks";
 import { tidyFrame } from "../../viewer/frame";
-import { frameFromPicks } from "../../landmarks/picks";
-import { initialSession, type Session } from "../../app/session";
-import { picksOf } from "../../scan/actions";
-import { text } from "../../ui/text";
+import { initialVisitor, type VisitorState } from "./state";
 
 /** Opens the link whose secret stands behind #; without one, the link that this browser has open already. */
 export function openLink(secret: string, passcode: string): Promise<SharedResult> {
@@ -15,7 +14,7 @@ export function openLink(secret: string, passcode: string): Promise<SharedResult
 }
 
 /** Everything that the link shows, as the state of a page at rest. */
-export async function readShared(shared: SharedResult): Promise<Session> {
+export async function readShared(shared: SharedResult): Promise<VisitorState> {
   const { links } = shared;
   const bytes = async (path: string): Promise<ArrayBuffer> => (await ask(path)).arrayBuffer();
   const [result, surface, mesh, distances] = await Promise.all([
@@ -30,7 +29,7 @@ export async function readShared(shared: SharedResult): Promise<Session> {
   // Whether it has colours is the mesh's own matter: a plain one brings none.
   const info = { id: "shared", colours: "vertex" } as Scan;
   return {
-    ...initialSession,
+    ...initialVisitor,
     step: "result",
     overlay: mesh === null ? "model" : "both",
     scan: { info, title: text.shared.title, mesh, frame, frameFrom: "landmarks", file: null, example: null },

@@ -1,20 +1,19 @@
 // The shared body: the same parts as the page's own view, without any that change something.
-import type { Actions } from "../../app/actions";
-import type { Stage } from "../../app/Page";
-import type { Session } from "../../app/session";
-import { isBeside } from "../../app/session";
-import type { Store } from "../../store/store";
-import { Drawings } from "../../drawing/ReferenceLines";
+import { ReferenceLines } from "../../drawing/ReferenceLines";
 import { FittedSurface } from "../../fit/FittedSurface";
 import { HoverValue } from "../../fit/HoverValue";
-import { offerHook } from "../../viewer/testHook";
-import { OrientationCube } from "../../viewer/OrientationCube";
-import { ScanMesh } from "../../scan/ScanMesh";
-import { SideLetters } from "../../viewer/SideLetters";
+import { hasModelShown } from "../../fit/state";
 import { TorsoModel } from "../../fit/TorsoModel";
-import { type Part, Viewer } from "../../viewer/Viewer";
+import { ScanMesh } from "../../scan/ScanMesh";
+import type { Store } from "../../store/store";
+import { OrientationCube } from "../../viewer/OrientationCube";
+import { SideLetters } from "../../viewer/SideLetters";
+import { isBeside, type ViewName } from "../../viewer/state";
+import { offerTestHook } from "../../viewer/testHook";
+import { type Part, type Stage, Viewer } from "../../viewer/Viewer";
+import type { VisitorState } from "./state";
 
-export function openSharedViewer(store: Store<Session>, stage: Pick<Stage, "host" | "canvas" | "overlay">, actions: Pick<Actions, "page">, failed: () => void): void {
+export function openSharedViewer(store: Store<VisitorState>, stage: Stage, lookFrom: (side: ViewName) => void, failed: () => void): void {
   const prefersStill = (): boolean => matchMedia("(prefers-reduced-motion: reduce)").matches;
   const viewer = new Viewer(stage.host, stage.canvas, stage.overlay, prefersStill);
   const ready = (error: unknown): void => {
@@ -24,9 +23,16 @@ export function openSharedViewer(store: Store<Session>, stage: Pick<Stage, "host
   const scan = new ScanMesh(viewer, ready);
   const torso = new TorsoModel(viewer, ready); // stays empty: the rig is not part of a link
   const fitted = new FittedSurface(viewer, ready);
-  const parts: Part[] = [scan, fitted, new Drawings(viewer, scan, torso, fitted), new SideLetters(viewer), new HoverValue(viewer, fitted, stage.canvas), new OrientationCube(viewer, actions)];
-  function update(state: Session): void {
-    viewer.share(isBeside(state.overlay) ? (state.overlay as "beside" | "swipe") : "one", state.swipe);
+  const parts: Part<VisitorState>[] = [
+    { update: (state) => scan.update(state, hasModelShown(state)) },
+    fitted,
+    new ReferenceLines(viewer, scan, torso, fitted),
+    new SideLetters(viewer),
+    new HoverValue(viewer, fitted, stage.canvas),
+    new OrientationCube(viewer, lookFrom),
+  ];
+  function update(state: VisitorState): void {
+    viewer.share(isBeside(state.overlay) ? state.overlay : "one", state.swipe);
     for (const part of parts) part.update(state);
     viewer.invalidate();
   }
@@ -40,5 +46,5 @@ export function openSharedViewer(store: Store<Session>, stage: Pick<Stage, "host
     viewer.repaint();
     update(store.get());
   });
-  offerHook(store, viewer, scan, fitted);
+  offerTestHook(() => ({ ...store.get(), model: null }), viewer, scan, fitted);
 }
