@@ -118,13 +118,17 @@ export const client = {
   measures: (link: string, other: string | null) => askJson<MeasuresFile>(other === null ? link : `${link}?with=${id(other)}`),
   shares: (link: string) => askJson<SharePage>(link),
   makeShare: (link: string, request: ShareRequest) => askJson<ShareMade>(link, "POST", request),
-  revokeShare: async (link: string) => void (await ask(link, { method: "DELETE" })),
+  revokeShare: async (link: string): Promise<void> => {
+    await ask(link, { method: "DELETE" });
+  },
   /** Whether there is a session to end: the sign-in page then offers to. */
   async isSignedIn(): Promise<boolean> {
     const page = new DOMParser().parseFromString(await (await ask("/sign-in")).text(), "text/html");
     return page.querySelector('form[action="/sign-out"]') !== null;
   },
-  signOut: async () => void (await ask("/sign-out", { method: "POST" })),
+  signOut: async (): Promise<void> => {
+    await ask("/sign-out", { method: "POST" });
+  },
   bytes,
   upload,
 };

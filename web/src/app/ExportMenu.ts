@@ -14,11 +14,14 @@ type Shown = Pick<ScanSlice & FitSlice, "scan" | "fit">;
 
 export function createExportMenu(files: ExportActions): Panel<Shown> {
   const open = el("button", { type: "button", class: "button quiet outlined", popovertarget: "export-menu", "aria-haspopup": "true" }, icon("download"), el("span", {}, words.menu));
-  const close = (): void => menu.hidePopover();
+  const chosen = (save: () => void): void => {
+    menu.hidePopover();
+    save();
+  };
   const item = (name: string, hint: string): HTMLElement[] => [el("span", {}, name), el("span", { class: "muted small" }, hint)];
-  const picture = el("button", { type: "button", class: "menu-item", onclick: () => (close(), void files.save()) }, ...item(words.save, words.saveHint));
-  const table = el("button", { type: "button", class: "menu-item", onclick: () => (close(), files.saveDistances()) }, ...item(words.distances, words.distancesHint));
-  const links = resultText.downloads.map(({ key, name, what }) => ({ key, element: el("a", { class: "menu-item", download: name, onclick: close }, ...item(name, what)) }));
+  const picture = el("button", { type: "button", class: "menu-item", onclick: () => chosen(() => void files.save()) }, ...item(words.save, words.saveHint));
+  const table = el("button", { type: "button", class: "menu-item", onclick: () => chosen(files.saveDistances) }, ...item(words.distances, words.distancesHint));
+  const links = resultText.downloads.map(({ key, name, what }) => ({ key, element: el("a", { class: "menu-item", download: name, onclick: () => menu.hidePopover() }, ...item(name, what)) }));
   const menu = el("div", { class: "menu", id: "export-menu", popover: "auto", "aria-label": words.menu, role: "group" }, picture, ...links.map(({ element }) => element), table);
   const element = el("div", { class: "export" }, open, menu);
   return {

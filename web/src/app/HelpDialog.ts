@@ -23,7 +23,10 @@ export function createHelpDialog(actions: Actions): Panel<Shown> {
     el("p", { class: "muted small" }, noticeLong),
   );
   // Escape goes through the state like any other way out; the browser's own closing is known only later.
-  element.addEventListener("cancel", (event) => (event.preventDefault(), close()));
+  element.addEventListener("cancel", (event) => {
+    event.preventDefault();
+    close();
+  });
   element.addEventListener("click", (event) => {
     if (event.target === element) close();
   });

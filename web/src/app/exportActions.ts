@@ -22,7 +22,7 @@ export function exportActions(store: Store<PageSlice & FitSlice>) {
       }
     },
 
-    saveDistances(): void {
+    saveDistances: (): void => {
       const distances = store.get().fit?.distances;
       if (distances) saveFile(text.files.distances, distancesCsv(distances), "text/csv");
     },

@@ -33,8 +33,11 @@ export function listenToKeys(store: Store<Session>, actions: Actions): void {
     if (key === " " && event.target instanceof HTMLElement && event.target.closest("button, a, label, input, summary")) return;
     const state = store.get();
     if (state.isHelpOpen || state.share.isOpen) return;
-    if (drawingKey(state, event, drawing)) return event.preventDefault();
     const step = STEPS[key];
+    if (drawingKey(state, event, drawing)) {
+      event.preventDefault();
+      return;
+    }
     if (step && state.scan) page.goTo(step);
     else if (keys[key] && (state.scan || key === "?")) keys[key](event);
     else return;

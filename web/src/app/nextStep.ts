@@ -37,7 +37,7 @@ export function nextStep(state: NextShown): NextStep {
   }
   const carried = state.step === "drawing" ? canCarryTo(state) : null;
   if (carried !== null) return { kind: "carry", to: carried };
-  if (state.fit && state.fit.state === "done" && !picksChanged(state)) return { kind: "save" };
+  if (state.fit?.state === "done" && !picksChanged(state)) return { kind: "save" };
   if (state.fit) return { kind: "fit", again: true, landmarks };
   if (state.step === "fit" || landmarks >= ENOUGH) return { kind: "fit", again: false, landmarks };
   const first = nextMissing(state.meta?.landmarks ?? [], state.picks.present, state.skipped);

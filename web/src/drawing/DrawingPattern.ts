@@ -68,7 +68,7 @@ export function createDrawingPattern(fit: FitActions, dismiss: () => void): Pane
       if (!meta) return;
       const wish = readWish(drawing);
       base.set([{ value: "", label: fitText.noDrawing }, ...meta.drawings.map(({ name, label }) => ({ value: name, label }))], wish.base);
-      const pattern = meta.patterns?.find(({ name }) => name === wish.base && name !== TUMOUR);
+      const pattern = meta.patterns.find(({ name }) => name === wish.base && name !== TUMOUR);
       fill(parameters, [wish.base, Boolean(pattern)], () => (pattern ? fields(pattern, wish.values, (name, value) => state && choose({ values: { ...readWish(state.drawing).values, [name]: value } })) : []));
       show(parameters, pattern !== undefined);
       const clock = tumourOf(session);
@@ -85,4 +85,4 @@ export function createDrawingPattern(fit: FitActions, dismiss: () => void): Pane
   };
 }
 
-const tumourOf = (state: Pick<PageSlice, "meta"> | null): PatternInfo | null => state?.meta?.patterns?.find(({ name }) => name === TUMOUR) ?? null;
+const tumourOf = (state: Pick<PageSlice, "meta"> | null): PatternInfo | null => state?.meta?.patterns.find(({ name }) => name === TUMOUR) ?? null;

@@ -76,7 +76,7 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, 
       return;
     }
     if (drawn.tool !== "pen") return;
-    const all = event.getCoalescedEvents?.() ?? [];
+    const all = (event as Partial<Pick<PointerEvent, "getCoalescedEvents">>).getCoalescedEvents?.() ?? []; // older Safaris have none
     for (const each of all.length > 0 ? all : [event]) {
       const hit = point(each);
       if (hit) now.hits.push(hit);
@@ -86,8 +86,8 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, 
 
   canvas.addEventListener("pointerdown", (event) => {
     pointers += 1;
-    if (pointers > 1) return letGo(); // two fingers turn
-    if (!isDrawing() || event.button !== 0) return;
+    if (pointers > 1) letGo(); // two fingers turn
+    if (pointers > 1 || !isDrawing() || event.button !== 0) return;
     const { tool } = store.get().drawn;
     const corner = tool === "points" ? pins.at(event.clientX, event.clientY) : null;
     const first = tool === "pen" ? point(event) : null;

@@ -46,8 +46,8 @@ export class ReferenceLines implements Part<State> {
     const source = isOnScan ? [fit.drawing, skin.bvh, hidden] : isOnModel ? [fit.drawingName, shownPoses(state), hidden] : [];
     if (source.length === this.drawn.length && source.every((each, i) => each === this.drawn[i])) return;
     this.drawn = source;
-    if (isOnScan) this.lines.set(onScan({ ...fit.drawing!, shapes: fit.drawing!.shapes.filter(isOn) }, skin));
-    else if (isOnModel) this.lines.set(onModel(shapes.filter(isOn), this.torso, vertexAt!));
+    if (isOnScan) this.lines.set(onScan({ ...fit.drawing, shapes: fit.drawing.shapes.filter(isOn) }, skin));
+    else if (isOnModel) this.lines.set(onModel(shapes.filter(isOn), this.torso, vertexAt));
     else this.lines.set([]);
     this.viewer.invalidate();
   }

@@ -85,7 +85,7 @@ export function drawingActions(store: Store<State>, client: Client) {
     skinIs: (now: () => Skin | null): void => void (skin = now),
     skin: (): Skin | null => skin(),
 
-    take(tool: Tool): void {
+    take: (tool: Tool): void => {
       const chosen = tool === "points" ? (drawn().chosen ?? lines().at(-1)?.name ?? null) : drawn().chosen;
       store.set((state) => ({
         step: tool === "none" ? state.step : "drawing",

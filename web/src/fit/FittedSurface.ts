@@ -1,6 +1,6 @@
 // The fitted surface as the service wrote it (fitted.ply): what the distances belong to, vertex by vertex, and the
 // only form in which a refined fit exists.  It takes the posed rig's place when the fit is at rest.
-import { BufferAttribute, type BufferGeometry, DataTexture, DoubleSide, FloatType, FrontSide, LinearFilter, Mesh, MeshLambertMaterial, RGBAFormat, type Vector3 } from "three";
+import { BufferAttribute, type BufferGeometry, type Color, DataTexture, DoubleSide, FloatType, FrontSide, LinearFilter, Mesh, MeshLambertMaterial, RGBAFormat, type Vector3 } from "three";
 import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
 import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
 import type { Frame } from "../api/types";
@@ -44,14 +44,14 @@ export class FittedSurface implements Part<State>, Surface {
     const bytes = state.fit?.surface ?? null;
     if (bytes !== this.read) {
       this.load(bytes, state.fit?.result?.scan.unit);
-      if (this.mesh && state.scan && state.scan.mesh === null) this.standAlone(this.mesh.geometry, state.scan.frame);
+      if (this.mesh && state.scan?.mesh === null) this.standAlone(this.mesh.geometry, state.scan.frame);
     }
     if (!this.mesh) return;
     const distances = state.fit?.distances ?? null;
     if (distances && distances !== this.coloured) this.colour(this.mesh.geometry, distances);
     const hasMap = state.showDistances && distances !== null;
     this.mesh.material = hasMap ? this.map.material : this.plain;
-    this.map.material.userData.unknown.value.copy(this.viewer.palette.unknown);
+    this.map.unknown.copy(this.viewer.palette.unknown);
     const isAlone = state.overlay !== "both";
     this.plain.opacity = isAlone ? 1 : OVER_SCAN;
     this.plain.side = isAlone ? DoubleSide : FrontSide;
@@ -115,12 +115,11 @@ function lookup(): DataTexture {
 }
 
 /** Colours each pixel, not each vertex, by its distance: the scale's steps stay sharp on large triangles. */
-function distanceMaterial(): { material: MeshLambertMaterial } {
+function distanceMaterial(): { material: MeshLambertMaterial; unknown: Color } {
   const material = new MeshLambertMaterial({ side: DoubleSide, color: 0xffffff });
-  const unknown = { value: material.color.clone() };
-  material.userData.unknown = unknown;
+  const unknown = material.color.clone();
   material.onBeforeCompile = (shader) => {
-    Object.assign(shader.uniforms, { scale: { value: lookup() }, unknown });
+    Object.assign(shader.uniforms, { scale: { value: lookup() }, unknown: { value: unknown } });
     shader.vertexShader = shader.vertexShader
       .replace("#include <common>", "#include <common>\nattribute vec2 signedDistance;\nvarying vec2 vDistance;")
       .replace("#include <begin_vertex>", "#include <begin_vertex>\nvDistance = signedDistance;");
@@ -133,5 +132,5 @@ function distanceMaterial(): { material: MeshLambertMaterial } {
         diffuseColor.rgb = vDistance.y > 0.999 ? texture2D(scale, vec2(along, 0.5)).rgb : unknown;`,
       );
   };
-  return { material };
+  return { material, unknown };
 }

@@ -46,7 +46,7 @@ function ofResult(result: Result, state: Shown): HTMLElement[] {
   const back = result.scan_to_model_mm;
   const points = result.landmark_distance_mm;
   const labels = new Map(state.meta?.landmarks.map((entry) => [entry.name, entry.label]));
-  const each = Object.entries(points?.each ?? {}).map(([name, mm]) => {
+  const each = Object.entries(points.each).map(([name, mm]) => {
     const side = landmarkText.sideShort[sideOf(name)];
     const chip = side === "" ? null : el("span", { class: `mini side-${sideOf(name)}`, title: landmarkText.sides[sideOf(name)] }, side);
     const label = el("dt", {}, plainLabel(labels.get(name) ?? name), chip);
@@ -69,7 +69,7 @@ function ofResult(result: Result, state: Shown): HTMLElement[] {
     ]),
     ...ofSigned,
     block(words.scanToModel, words.scanToModelHint, [[words.mean, formatMm(back.mean), "mm"], ...spread(back)]),
-    points && each.length > 0
+    each.length > 0
       ? block(words.landmarks, words.landmarksHint, [[words.mean, formatMm(points.mean), "mm"], [words.max, formatMm(points.max), "mm"]])
       : el("section", { class: "block" }, el("h3", {}, words.landmarks), el("p", { class: "muted" }, words.noLandmarks)),
     ...(each.length > 0 ? [el("details", {}, el("summary", {}, words.each), el("dl", {}, ...each))] : []),

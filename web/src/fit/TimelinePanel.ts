@@ -37,8 +37,9 @@ export function createTimeline(player: Player): Panel<Shown> {
       slider.disabled = last === 0;
       const shown = shownIteration(fit);
       const end = fit.iterations.at(-1);
-      setText(position, text.timeline.position(String(shown?.iteration ?? 0), String(end?.iteration ?? 0)));
-      slider.setAttribute("aria-valuetext", position.textContent ?? "");
+      const where = text.timeline.position(String(shown?.iteration ?? 0), String(end?.iteration ?? 0));
+      setText(position, where);
+      slider.setAttribute("aria-valuetext", where);
       const result = isAtRest(fit) ? fit.result : null; // its mean is taken after the last step and counts
       const distance = result ? result.surface_distance_mm.mean : shown?.mean_distance_mm;
       setText(mean, distance === undefined ? "" : text.timeline.mean(formatMm(distance)));

@@ -82,7 +82,10 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
     stopFollowing = followFit(fit.links.events, {
       handlers: {
         started: ({ body }) => (fit = { ...fit, started: body, drawingName: body.drawing }),
-        iterated: (event) => (appear(), handlers.iterated(event)),
+        iterated: (event) => {
+          appear();
+          handlers.iterated(event);
+        },
         done: (event) => {
           appear();
           const { step } = store.get();
@@ -130,7 +133,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
 
   async function fetchDrawing(): Promise<void> {
     const fit = store.get().fit;
-    if (!fit || fit.drawingName === null) return;
+    if (fit?.drawingName == null) return;
     try {
       const drawing = await client.drawing(fit.links.drawing);
       if (store.get().fit?.id === fit.id) change({ drawing });
@@ -203,7 +206,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
     },
 
     /** Landmarks were moved after a fit: at once the fit that belongs to them, from where the model stands. */
-    refit(): void {
+    refit: (): void => {
       if (!store.get().fit) return;
       const isRun = performance.now() - askedAt < PAUSE_MS;
       askedAt = performance.now();

@@ -7,11 +7,11 @@ const LIVE_MS = 60; // at least this long for each iteration
 const REPLAY_MS = 110;
 
 export interface Player {
-  follow(): void;
-  replay(): void;
-  pause(): void;
-  toggle(): void;
-  seek(index: number): void;
+  readonly follow: () => void;
+  readonly replay: () => void;
+  readonly pause: () => void;
+  readonly toggle: () => void;
+  readonly seek: (index: number) => void;
 }
 
 type Later = (action: () => void, milliseconds: number) => void;

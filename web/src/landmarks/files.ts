@@ -1,7 +1,7 @@
 // Landmark files in and out: the program's JSON, plain CSV (name,x,y,z) and what MeshLab and 3D Slicer write, read and
 // written on this machine.
 import type { LandmarkDefinition, LandmarkFile, Unit, Vector } from "../api/types";
-import { isUnit, mmFrom, toUnit } from "../ui/units";
+import { isUnit, mmFrom, toUnit, unknownUnit } from "../ui/units";
 import { fromMeshlab, fromSlicer, type NamedCells } from "./otherFormats";
 import type { Picks } from "./picks";
 
@@ -36,7 +36,7 @@ function gathered(pairs: NamedCells, unit: Unit, known: ReadonlySet<string>): Pi
 }
 
 function fromJson(text: string, scanUnit: Unit, known: ReadonlySet<string>): Picks {
-  let file: Partial<LandmarkFile> & { markups?: unknown };
+  let file: Partial<Record<keyof LandmarkFile | "markups", unknown>>;
   try {
     file = JSON.parse(text) as typeof file;
   } catch {
@@ -48,7 +48,7 @@ function fromJson(text: string, scanUnit: Unit, known: ReadonlySet<string>): Pic
     return gathered(pairs, scanUnit, known);
   }
   const unit = file.unit ?? scanUnit;
-  if (!isUnit(unit)) throw new UnreadableLandmarks(`The unit “${String(unit)}” is not known: use m, dm, cm, mm or in.`);
+  if (!isUnit(unit)) throw new UnreadableLandmarks(unknownUnit(unit));
   if (typeof file.landmarks !== "object" || file.landmarks === null) {
     throw new UnreadableLandmarks("The file holds no “landmarks”: choose a BreastRig landmark file.");
   }

@@ -56,7 +56,7 @@ export function fromSlicer(markups: unknown): NamedCells | null {
     if (!signs || !Array.isArray(controlPoints)) return null;
     for (const { label, position, positionStatus } of controlPoints) {
       if ((positionStatus ?? "defined") !== "defined") continue; // not placed, or skipped
-      const cells = Array.isArray(position) ? position : [];
+      const cells: unknown[] = Array.isArray(position) ? position : [];
       pairs.push([label ?? "", cells.map((value, axis) => (typeof value === "number" ? value * (signs[axis] ?? 1) : value))]);
     }
   }

@@ -1,5 +1,5 @@
 // The scan: matte grey or its own colours, the inside and the rims of holes darker, ready for picking by BVH.
-import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, Vector3 } from "three";
+import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, type Texture, type Vector3 } from "three";
 import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
 import { extent } from "../viewer/extent";
 import { disposeTree, firstMesh, readGltf } from "../viewer/gltf";
@@ -17,6 +17,7 @@ type Shown = Pick<ScanSlice & ViewSlice, "scan" | "showColours" | "overlay">;
 
 export class ScanMesh implements Surface {
   mesh: Mesh<BufferGeometry, MeshLambertMaterial> | null = null;
+  private texture: Texture | null = null; // its own, whether it is shown or not
   private wanted: ArrayBuffer | null = null;
   private stands: object | null = null;
   private borders: LineSegments | null = null;
@@ -57,6 +58,7 @@ export class ScanMesh implements Surface {
       disposeTree(this.mesh);
     }
     this.mesh = null;
+    this.texture = null;
     this.borders = null;
     this.stands = null;
     this.viewer.invalidate();
@@ -69,6 +71,7 @@ export class ScanMesh implements Surface {
       const read = firstMesh(scene);
       if (!read) throw new Error("no mesh");
       scene.updateMatrixWorld(true);
+      this.texture = (read.material as MeshLambertMaterial).map;
       this.mesh = dress(read);
       this.borders = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
       const { position } = this.mesh.geometry.attributes;
@@ -94,10 +97,10 @@ export class ScanMesh implements Surface {
       this.viewer.stand(frame, extent(mesh.geometry.attributes.position!.array, viewFromScan(frame)));
     }
     // Beside the clay the scan is grey: skin on skin would not tell which is which.
-    const hasColours = Boolean(mesh.userData.map) || mesh.geometry.hasAttribute("color");
+    const hasColours = this.texture !== null || mesh.geometry.hasAttribute("color");
     const own = hasColours && state.showColours && state.scan?.info.colours !== "none" && !(hasModel && state.overlay === "both");
     const material = mesh.material;
-    const map = own ? (mesh.userData.map ?? null) : null;
+    const map = own ? this.texture : null;
     const hasVertexColours = own && mesh.geometry.hasAttribute("color");
     if (material.map !== map || material.vertexColors !== hasVertexColours) {
       material.map = map;
@@ -132,6 +135,5 @@ function dress(read: Mesh): Mesh<BufferGeometry, MeshLambertMaterial> {
   const mesh = new Mesh(geometry, material);
   mesh.name = "scan";
   mesh.raycast = acceleratedRaycast;
-  mesh.userData.map = (read.material as MeshLambertMaterial).map ?? null;
   return mesh;
 }

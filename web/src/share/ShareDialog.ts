@@ -60,7 +60,10 @@ export function createShareDialog(actions: ShareActions, dismiss: () => void): P
     list,
   );
   // Escape goes through the state like any other way out; the browser's own closing is known only later.
-  element.addEventListener("cancel", (event) => (event.preventDefault(), close()));
+  element.addEventListener("cancel", (event) => {
+    event.preventDefault();
+    close();
+  });
   element.addEventListener("click", (event) => {
     if (event.target === element) close();
   });

@@ -31,7 +31,7 @@ export function shareActions(store: Store<State>, client: Client) {
     async open(): Promise<void> {
       if (store.get().fit?.state !== "done") return;
       store.set((state) => ({ share: { isOpen: true, isBusy: false, list: null, made: null }, ...withProblem(state, "share", null) }));
-      await forFit(async () => ({}));
+      await forFit(() => Promise.resolve({}));
     },
 
     close: (): void => store.set((state) => ({ share: { ...state.share, isOpen: false, made: null } })),

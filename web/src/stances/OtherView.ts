@@ -1,5 +1,5 @@
 // The pane of the stance that waits: a view of its own, made when it is first wanted, whose camera goes with the other's.
-import { Matrix4 } from "three";
+import type { Matrix4 } from "three";
 import { OwnLines } from "../drawing/OwnLines";
 import { ReferenceLines } from "../drawing/ReferenceLines";
 import type { DrawingSlice } from "../drawing/state";

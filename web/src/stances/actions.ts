@@ -34,7 +34,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
 
   const put = (part: Partial<StancesState>, more: Partial<State> = {}): void => store.set((state) => ({ ...more, stances: { ...state.stances, ...part } }));
   const fail = (error: unknown): void => store.set((state) => withProblem(state, "stances", messageOf(error)));
-  const flush = async (): Promise<void> => void (await Promise.all([others.landmarks.flush(), others.drawing.flush()]));
+  const flush = (): Promise<unknown> => Promise.all([others.landmarks.flush(), others.drawing.flush()]);
 
   /** Changes the stance that waits, when it still is this one. */
   function change(scan: string, part: (workspace: Workspace) => Partial<Workspace>): void {
@@ -192,7 +192,10 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     async measures(isOpen: boolean): Promise<void> {
       const state = store.get();
       const fits = isOpen ? measuredFits(state) : null;
-      if (!fits) return put({ measures: { ...state.stances.measures, isOpen: false } });
+      if (!fits) {
+        put({ measures: { ...state.stances.measures, isOpen: false } });
+        return;
+      }
       const [first, then] = fits;
       const of = `${first.id} ${then?.id ?? ""}`;
       const known = state.stances.measures.of === of ? state.stances.measures.file : null;

@@ -62,7 +62,7 @@ export async function loadWorkspace(client: Client, scan: string, fit: string | 
   return {
     scan: { info, title: uploaded, mesh, file: null, example: info.example_landmarks ?? null, ...stands },
     picks: startHistory(picks),
-    drawn: startDrawn(drawing ? fromDrawing(drawing) : []),
+    drawn: startDrawn(fromDrawing(drawing)),
     proposals: null,
     skipped: new Set(),
     saving: "saved",

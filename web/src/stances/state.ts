@@ -62,7 +62,7 @@ export function workspaceOf({ scan, picks, drawn, proposals, skipped, saving, st
 /** standing or supine: as fitted, as asked for, or as the service proposes. */
 export function stanceOf(workspace: Pick<Workspace, "fit" | "stance" | "scan">): "standing" | "supine" {
   const asked = workspace.stance === "auto" ? null : workspace.stance;
-  return workspace.fit?.result?.stance ?? asked ?? workspace.scan?.info.stance?.proposed ?? "standing";
+  return workspace.fit?.result?.stance ?? asked ?? workspace.scan?.info.stance.proposed ?? "standing";
 }
 
 /** What the two are called, the one that the page works on first; two of a kind are numbered as they stand. */
@@ -112,7 +112,7 @@ type Memory = Pick<Storage, "getItem" | "setItem">;
 export function knownScans(memory: Memory): KnownScan[] {
   try {
     const read = JSON.parse(memory.getItem(KEY) ?? "[]") as unknown;
-    return Array.isArray(read) ? (read as KnownScan[]).filter((each) => typeof each?.id === "string") : [];
+    return Array.isArray(read) ? (read as (Partial<KnownScan> | null)[]).filter((each): each is KnownScan => typeof each?.id === "string") : [];
   } catch {
     return [];
   }

@@ -13,7 +13,7 @@ export const stances = {
   linkHint: "Turning one turns the other",
   measures: "Measures",
   measuresHint: "Lengths, symmetry and volumes of this stance, or of both",
-  here: (name: string) => `${capital(name)}`,
+  here: (name: string) => capital(name),
   inWork: "in work",
   workHere: "Work here",
   canvas: (name: string) => `3D view of the ${name} scan. Drag to turn it, scroll to zoom.`,

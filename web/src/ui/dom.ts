@@ -2,9 +2,9 @@
 
 type Child = Node | string | null;
 type Listeners = { [K in keyof HTMLElementEventMap as `on${K}`]?: (event: HTMLElementEventMap[K]) => void };
-type Attributes = Listeners & { [name: string]: unknown };
+type Attributes = Listeners & Record<string, unknown>;
 
-/** Attributes: `on…` adds a listener, true and false set and leave out, everything else is written as it is. */
+/** Attributes: `on…` adds a listener, true and false set and leave out, words and numbers are written as they are, null and undefined are left out. */
 export function el<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   attributes: Attributes = {},
@@ -14,7 +14,7 @@ export function el<K extends keyof HTMLElementTagNameMap>(
   for (const [name, value] of Object.entries(attributes)) {
     if (typeof value === "function") element.addEventListener(name.slice(2), value as EventListener);
     else if (value === true) element.setAttribute(name, "");
-    else if (value !== false && value !== null && value !== undefined) element.setAttribute(name, String(value));
+    else if (typeof value === "string" || typeof value === "number") element.setAttribute(name, String(value));
   }
   element.append(...children.filter((child) => child !== null));
   return element;

@@ -9,6 +9,9 @@ export const mmFrom = (value: number, unit: Unit): number => value * MM_IN[unit]
 export const toUnit = (mm: number, unit: Unit): number => mm / MM_IN[unit];
 export const isUnit = (text: unknown): text is Unit => typeof text === "string" && Object.hasOwn(MM_IN, text);
 
+/** Of a file that names none of these. */
+export const unknownUnit = (unit: unknown): string => `The unit “${typeof unit === "string" ? unit : JSON.stringify(unit)}” is not known: use m, dm, cm, mm or in.`;
+
 const grouped = new Intl.NumberFormat("en-GB");
 
 /** 61784 → "61,784". */

@@ -1,7 +1,7 @@
 // The one WebGL view: renderer, camera, controls and a loop that draws only when something changed.
 // `body` is the scan's own frame (metres); it is turned so that the patient stands upright and faces +Z, hence the
 // camera always has +Y up and "from the front" means the same for every scan.
-import { Box3, Group, Matrix4, MOUSE, type Object3D, PerspectiveCamera, Scene, Spherical, TOUCH, Vector2, Vector3, WebGLRenderer } from "three";
+import { type Box3, Group, Matrix4, MOUSE, type Object3D, PerspectiveCamera, Scene, Spherical, TOUCH, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Frame, Vector } from "../api/types";
 import { metresFromMm } from "../ui/units";

@@ -1,12 +1,12 @@
 // From a place on the screen to a point on the scan: pointer → ray → BVH → triangle.
-import { type BufferGeometry, type Mesh, Raycaster, Triangle, Vector3 } from "three";
+import { type Mesh, Raycaster, Triangle, Vector3 } from "three";
 import type { Vector } from "../api/types";
 import { mmFromMetres } from "../ui/units";
 import type { Viewer } from "./Viewer";
 
 /** What can be pointed at: a mesh with its BVH, in the axes of the scan; null until it is there. */
 export interface Surface {
-  readonly mesh: Mesh<BufferGeometry> | null;
+  readonly mesh: Mesh | null;
   /** Unit vector out of the surface nearest to a point (scan's frame, metres). */
   normalAt(point: Vector3): Vector3 | null;
 }
@@ -40,7 +40,7 @@ export interface SurfaceHit {
 }
 
 /** What of the fitted surface lies under page pixels; null beside it. */
-export function surfaceAt(viewer: Viewer, surface: Mesh<BufferGeometry> | null, clientX: number, clientY: number): SurfaceHit | null {
+export function surfaceAt(viewer: Viewer, surface: Mesh | null, clientX: number, clientY: number): SurfaceHit | null {
   const at = viewer.toCamera(clientX, clientY, "model");
   if (!surface?.visible || !at) return null;
   viewer.scene.updateMatrixWorld();

@@ -39,8 +39,8 @@ export interface TestHook<State> {
   pose(): Record<"eye" | "target", Vector>;
 }
 
-export function offerTestHook<State>(state: () => State, viewer: Viewer, scan: Surface, fitted: Pick<Surface, "mesh">, other?: OtherPane): void {
-  const hook: TestHook<State> = {
+export function offerTestHook(state: () => unknown, viewer: Viewer, scan: Surface, fitted: Pick<Surface, "mesh">, other?: OtherPane): void {
+  const hook: TestHook<unknown> = {
     state,
     isReady: () => scan.mesh !== null,
     frames: () => viewer.frames,

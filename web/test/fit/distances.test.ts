@@ -4,7 +4,7 @@ import { colourOf, distanceWithin, readDistances, SCALE_MM, SCANNER_MM, screenCo
 function bytesOf(values: number[]): ArrayBuffer {
   const view = new DataView(new ArrayBuffer(4 * values.length));
   values.forEach((value, i) => view.setFloat32(4 * i, value, true));
-  return view.buffer as ArrayBuffer;
+  return view.buffer;
 }
 
 test("the file is little-endian float32 on every machine, gaps are kept, and a torn file is refused", () => {

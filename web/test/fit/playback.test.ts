@@ -19,12 +19,12 @@ function setUp(isStill = false) {
     store,
     player,
     shownAt,
-    arrive(count: number, state: FitState["state"] = "running") {
+    arrive: (count: number, state: FitState["state"] = "running") => {
       const more = Array.from({ length: count }, (_, i) => ({ iteration: i }) as Iterated);
       store.set(({ fit: old }) => ({ fit: { ...old!, state, iterations: [...old!.iterations, ...more] } }));
       player.follow();
     },
-    pass(ms: number) {
+    pass: (ms: number) => {
       const end = now + ms;
       for (;;) {
         timers.sort((a, b) => a.at - b.at);

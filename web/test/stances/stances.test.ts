@@ -118,7 +118,7 @@ const LINE = { name: "Line 1", closed: false, color: INK, points: [[0, 0, 0], [2
 
 async function two() {
   const transfer = vi.fn(async () => CARRIED);
-  const made = page({ transfer, importExample: async (name: string) => scanInfo(name) as never, fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state: "done" }) as unknown as Fit });
+  const made = page({ transfer, importExample: async (name: string) => scanInfo(name), fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state: "done" }) as unknown as Fit });
   const { store, actions } = made;
   await actions.scan.takeExample("standing");
   store.set((state) => ({ fit: done("f1"), drawn: { ...state.drawn, lines: { past: [], present: [LINE], future: [] } } }));
@@ -150,7 +150,7 @@ test("changing over and back is where one was", async () => {
 });
 
 test("a scan that cannot be had leaves the page as it was and says why", async () => {
-  const { store, actions } = page({ importExample: async (name: string) => { if (name === "gone") throw new Error("no"); return scanInfo(name) as never; } });
+  const { store, actions } = page({ importExample: async (name: string) => { if (name === "gone") throw new Error("no"); return scanInfo(name); } });
   await actions.scan.takeExample("standing");
   actions.stances.dialog(true);
   await actions.stances.takeExample("gone");
@@ -182,7 +182,7 @@ test("a fit that runs while its scan waits comes to its end there", async () => 
   let state = "running";
   const result = { landmarks: {}, scan: { unit: "m" } };
   const { store, actions } = page({
-    importExample: async (name: string) => scanInfo(name) as never,
+    importExample: async (name: string) => scanInfo(name),
     fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state }) as unknown as Fit,
     allEvents: async () => [{ id: 1, event: { kind: "iterated", iteration: 0 } }] as never,
     result: async () => result as never,

@@ -83,13 +83,15 @@ async function open(code: string): Promise<void> {
   show(card, false);
   show(side, true);
   document.body.classList.remove("is-empty");
-  const failed = (): void => (show(card, true), show(form, false), say(fitErrors.surface));
-  try {
-    openSharedViewer(store, { host, canvas, overlay }, view.from, failed);
-  } catch {
+  const failed = (sentence: string): void => {
     show(card, true);
     show(form, false);
-    say(viewErrors.noGraphics);
+    say(sentence);
+  };
+  try {
+    openSharedViewer(store, { host, canvas, overlay }, view.from, () => failed(fitErrors.surface));
+  } catch {
+    failed(viewErrors.noGraphics);
   }
 }
 
