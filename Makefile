@@ -30,6 +30,7 @@ check: web-packages $(VENV)/.stamp-test
 	"$(VENV)/bin/mypy"
 	"$(VENV)/bin/lint-imports" --no-cache
 	$(IN_VENV) npm --prefix web run --silent typecheck
+	$(IN_VENV) npm --prefix web run --silent lint
 
 vitest: web-packages
 	$(IN_VENV) npm --prefix web test

@@ -40,7 +40,9 @@ test("a person signs in with the token, and out again", async ({ page }) => {
 });
 
 test("a visitor opens a shared result with its passcode, sees nothing else, and is out when it is revoked", async ({ page }) => {
-  type Links = { links: Record<string, string> };
+  interface Links {
+    links: Record<string, string>;
+  }
   const scan = await ask<Links & { id: string }>("/api/examples/standing", "POST");
   const fit = await ask<Links>("/api/fits", "POST", { scan: scan.id });
   await expect.poll(async () => (await ask<{ state: string }>(fit.links.self!)).state).toBe("done");

@@ -42,10 +42,11 @@ test("the example patient is one click away, and the keyboard goes the whole way
 
 test("the page says so when the browser has no WebGL", async ({ page, base }) => {
   await page.addInitScript(() => {
-    const original = HTMLCanvasElement.prototype.getContext;
-    HTMLCanvasElement.prototype.getContext = function (this: HTMLCanvasElement, kind: string, ...rest: unknown[]) {
-      return kind.startsWith("webgl") ? null : (original.call(this, kind as "2d", ...(rest as [])) as never);
-    } as typeof original;
+    const canvas = HTMLCanvasElement.prototype as unknown as { getContext: (this: HTMLCanvasElement, kind: string, ...rest: unknown[]) => unknown };
+    const original = canvas.getContext;
+    canvas.getContext = function (kind, ...rest) {
+      return kind.startsWith("webgl") ? null : original.call(this, kind, ...rest);
+    };
   });
   await page.goto(base);
   await expect(page.getByRole("alert").filter({ hasText: "WebGL" })).toBeVisible();

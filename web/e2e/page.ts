@@ -3,7 +3,7 @@ import { readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { expect, type Page, test as plain } from "@playwright/test";
 import type { LandmarkFile, Vector } from "../src/api/types";
-import { mmFrom } from "../src/units";
+import { mmFrom } from "../src/ui/units";
 
 const EXAMPLE = process.env.BREASTRIG_E2E_CASE ?? resolve(import.meta.dirname, "../../model_assets/example/standing");
 export const SCAN_FILE = join(EXAMPLE, "scan.ply");

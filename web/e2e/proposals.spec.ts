@@ -1,6 +1,6 @@
 // Proposed landmarks: ghosts where the API says, confirmed on the canvas, in the list and all at once; undo brings them back.
 import { expect } from "@playwright/test";
-import type { ProposedLandmarks, Vector } from "../src/api/types";
+import type { ProposedLandmarks, Result } from "../src/api/types";
 import { hook, test, untilFitted, untilStill } from "./page";
 
 test("proposals are ghosts until they are confirmed, and then picks like any other", async ({ page, base, troubles }) => {
@@ -28,7 +28,7 @@ test("proposals are ghosts until they are confirmed, and then picks like any oth
   await test.step("a click on a ghost confirms it: the pick is the API's point", async () => {
     const { x, y } = await hook.project(page, landmarks.nipple_L!.point);
     await page.mouse.click(x + 3, y - 3);
-    expect((await hook.pick(page, "nipple_L")) as Vector).toEqual(landmarks.nipple_L!.point);
+    expect(await hook.pick(page, "nipple_L")).toEqual(landmarks.nipple_L!.point);
     await expect(page.locator("[data-proposed=nipple_L]")).toHaveCount(0);
     await page.keyboard.press("z");
     expect(await hook.pickCount(page)).toBe(0);
@@ -37,7 +37,7 @@ test("proposals are ghosts until they are confirmed, and then picks like any oth
 
   await test.step("in the list, one by one", async () => {
     await page.getByRole("button", { name: /^Confirm the proposed nipple, patient's right/ }).press("Enter");
-    expect((await hook.pick(page, "nipple_R")) as Vector).toEqual(landmarks.nipple_R!.point);
+    expect(await hook.pick(page, "nipple_R")).toEqual(landmarks.nipple_R!.point);
   });
 
   await test.step("the likely ones at once; the service keeps them; the rough ones stay ghosts", async () => {
@@ -64,7 +64,7 @@ test("proposals are ghosts until they are confirmed, and then picks like any oth
     await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
     await untilFitted(page);
     const fit = (await hook.fit(page))!;
-    const result = await (await page.request.get(`${base}/api/fits/${fit.id}/result.json`)).json();
+    const result = (await (await page.request.get(`${base}/api/fits/${fit.id}/result.json`)).json()) as Result;
     expect(result.refined).toBe(true);
   });
   expect(troubles).toEqual([]);

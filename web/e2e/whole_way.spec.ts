@@ -1,8 +1,8 @@
 // The whole way once, as a person goes it: scan in, landmarks by clicks on the body, live fit, numbers, reload.
 import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
-import type { Result, Vector } from "../src/api/types";
-import { formatMm, formatPercent, formatSeconds } from "../src/units";
+import type { EventPage, Result, Vector } from "../src/api/types";
+import { formatMm, formatPercent, formatSeconds } from "../src/ui/units";
 import { distance, hook, SCAN_FILE, test, trueLandmarks, untilFitted } from "./page";
 
 const CLICKED = ["suprasternal_notch", "mid_sternum", "nipple_L", "nipple_R", "umbilicus"];
@@ -28,7 +28,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
       await page.locator(`.landmarks [data-landmark=${name}] .landmark-name`).click();
       const at = await hook.project(page, truth[name]!);
       await page.mouse.click(at.x, at.y);
-      const picked = (await hook.pick(page, name)) as Vector | null;
+      const picked = await hook.pick(page, name);
       expect(picked, `${name} is placed`).not.toBeNull();
       expect(distance(picked!, truth[name]!), `${name}: distance of the pick to the true point, mm`).toBeLessThan(CLOSE_MM);
     }
@@ -82,8 +82,8 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
 
   const fit = (await hook.fit(page))!;
   await test.step("all iterations arrived", async () => {
-    const story = await (await page.request.get(`${base}/api/fits/${fit.id}/events.json`)).json();
-    const iterated = story.events.filter((record: { event: { kind: string } }) => record.event.kind === "iterated");
+    const { events } = (await (await page.request.get(`${base}/api/fits/${fit.id}/events.json`)).json()) as EventPage;
+    const iterated = events.filter(({ event }) => event.kind === "iterated");
     expect(iterated.length).toBeGreaterThan(2);
     expect(fit.iterations).toBe(iterated.length);
   });

@@ -1,17 +1,18 @@
 // A page without a browser: the real store and actions, a client that answers what the test says.
 import { vi } from "vitest";
-import { createActions } from "../src/actions";
 import type { Client } from "../src/api/client";
 import type { LandmarkDefinition, Scan, Vector } from "../src/api/types";
-import { initialSession, type Session } from "../src/state/session";
-import { createStore } from "../src/state/store";
+import { createActions } from "../src/app/actions";
+import { initialSession, type Session } from "../src/app/session";
+import { createStore } from "../src/store/store";
 
 export const NAMES = ["suprasternal_notch", "nipple_L", "nipple_R", "umbilicus"];
 
 export function scanInfo(id: string): Scan {
   const links = { self: `/api/scans/${id}`, mesh: `/api/scans/${id}/mesh.glb`, landmarks: `/api/scans/${id}/landmarks`, drawing: `/api/scans/${id}/drawing` };
+  const stance = { proposed: "standing", reason: "" };
   const frame = { up: [0, 1, 0] as Vector, front: [0, 0, 1] as Vector, confidence: 1, reason: "" };
-  return { id, unit: "m", frame, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
+  return { id, unit: "m", frame, stance, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
 }
 
 export function fitLinks(id: string) {

@@ -10,8 +10,8 @@ const EVEN_ROUNDS = 12; // of a binomial of width 2: evens out over some ten mil
 type Part = readonly Vector[];
 
 export function partsOf({ points, corners, closed }: OwnLine): Part[] {
-  const parts = corners.slice(1).map((to, i) => points.slice(corners[i]!, to + 1));
-  if (closed && corners.length > 0) parts.push([...points.slice(corners.at(-1)!), ...points.slice(0, corners[0]! + 1)]);
+  const parts = corners.slice(1).map((to, i) => points.slice(corners[i], to + 1));
+  if (closed && corners.length > 0) parts.push([...points.slice(corners.at(-1)), ...points.slice(0, corners[0]! + 1)]);
   return parts;
 }
 

@@ -1,6 +1,6 @@
 // Lines on the skin: the shortest-looking way between two places, even spacing, circles, and what follows a moved corner.
 import type { Vector } from "../api/types";
-import { cross, dot } from "../state/frame";
+import { cross, dot } from "../viewer/frame";
 import { gap } from "./lines";
 import type { Skin } from "./skin";
 

@@ -1,0 +1,52 @@
+// The share dialog, and the page behind a link.
+import { plural } from "../ui/plural";
+
+export const share = {
+  title: "Share this result",
+  what: "Whoever has the link sees this one result and can change nothing. No name is in it.",
+  shown: "It shows",
+  shows: {
+    none: "the model, without the scan",
+    plain: "the scan's shape, no colours",
+    full: "the scan with its colours",
+  } satisfies Record<"none" | "plain" | "full", string>,
+  expiry: "It ends after",
+  days: (days: number) => plural(days, "day", "days"),
+  passcode: "Passcode (optional, at least 4 characters; tell it by another way)",
+  noPasscode: "none",
+  make: "Make a link",
+  link: "Address of the link",
+  once: "Copy it now: the address is shown only once.",
+  copy: "Copy",
+  copied: "Copied.",
+  copyByHand: "The browser does not allow it: press Ctrl+C, the address is selected.",
+  links: "Links to this result",
+  none: "None yet.",
+  until: (when: string) => `Open until ${when}`,
+  revoked: (when: string) => `Revoked on ${when}`,
+  expired: (when: string) => `Ended on ${when}`,
+  hasPasscode: "passcode",
+  opened: (count: number, when: string) => `Opened ${plural(count, "time", "times")}, last on ${when}`,
+  neverOpened: "Never opened",
+  revoke: "Revoke",
+  announceMade: "The link is made.",
+  announceRevoked: "The link is revoked.",
+};
+
+export const shared = {
+  title: "Shared result",
+  what: "This result was shared with you. It can be looked at from all sides and taken away, but not changed.",
+  until: (when: string) => `The link works until ${when}.`,
+  opening: "Opening the link …",
+  needsPasscode: "This link asks for a passcode. The person who sent it knows it.",
+  passcode: "Passcode",
+  open: "Open",
+  files: [
+    { key: "report", name: "report.pdf", what: "pictures, measures" },
+    { key: "fitted_glb", name: "fitted.glb", what: "posed rig with drawing" },
+    { key: "fitted_ply", name: "fitted.ply", what: "posed model" },
+    { key: "drawing", name: "drawing.json", what: "lines on the scan" },
+    { key: "result", name: "result.json", what: "numbers, parameters" },
+    { key: "mesh", name: "scan.glb", what: "the scan" },
+  ] as const,
+};

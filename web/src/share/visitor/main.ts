@@ -1,0 +1,108 @@
+// The read-only page behind a share link: the body with its drawing, the numbers, the files; a passcode first where there is one.
+import "../../style.css";
+import * as text from "../text";
+import { ApiError } from "../../api/client";
+import type { SharedResult } from "../../api/types";
+import { drawing as drawingText } from "../../drawing/text";
+import { createColourBar } from "../../fit/ColourBar";
+import { createNumbersPanel } from "../../fit/NumbersPanel";
+import { hasBoth, viewBarShown, withDistances } from "../../fit/state";
+import { errors as fitErrors, result as resultText } from "../../fit/text";
+import { createStore } from "../../store/store";
+import { el, fill, icon, setText, show } from "../../ui/dom";
+import { follow } from "../../ui/Panel";
+import { name, noticeLong } from "../../ui/text";
+import { viewActions } from "../../viewer/actions";
+import { createSwipe } from "../../viewer/Swipe";
+import { errors as viewErrors, view as viewText } from "../../viewer/text";
+import { createViewBar } from "../../viewer/ViewBar";
+import { openLink, readShared } from "./openLink";
+import { openSharedViewer } from "./openViewer";
+import { initialVisitor, type VisitorState } from "./state";
+
+const store = createStore<VisitorState>(initialVisitor);
+const view = viewActions(store);
+const words = text.shared;
+const moment = new Intl.DateTimeFormat("en-GB", { dateStyle: "long", timeStyle: "short" });
+
+const canvas = el("canvas", { class: "view", role: "img", "aria-label": viewText.shared, tabindex: 0 });
+const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
+const viewBar = createViewBar(view, (isOn) => store.set((state) => withDistances(state, isOn)), viewBarShown);
+const swipe = createSwipe(view.swipe, hasBoth);
+const colourBar = createColourBar();
+const note = el("p", {});
+const alert = el("div", { class: "problem", role: "alert", hidden: true }, icon("alert"), note);
+const waiting = el("p", { class: "muted" }, words.opening);
+const passcode = el("input", { type: "password", id: "passcode", autocomplete: "off", required: true });
+const form = el(
+  "form",
+  { class: "passcode", hidden: true, onsubmit: (event) => (event.preventDefault(), void open(passcode.value)) },
+  el("p", {}, words.needsPasscode),
+  el("label", { class: "field" }, el("span", {}, words.passcode), passcode),
+  el("button", { class: "button primary" }, el("span", {}, words.open)),
+);
+const card = el("div", { class: "empty" }, el("div", { class: "empty-card busy" }, waiting, alert, form));
+const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, card);
+const until = el("p", { class: "muted" });
+const shapes = el("ul", { class: "shapes" });
+const files = el("ul", { class: "files" });
+const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, el("h2", {}, resultText.drawing), shapes, el("h2", {}, resultText.files), files);
+const numbers = createNumbersPanel();
+const aside = el("aside", { class: "aside" }, numbers.element);
+const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, name), el("span", { class: "scan-title" }, words.title));
+const footer = el("footer", { class: "footer" }, el("strong", {}, noticeLong));
+
+document.title = `${words.title} · ${name}`;
+document.body.classList.add("is-empty", "is-shared");
+document.body.append(top, side, host, aside, footer);
+follow(store, viewBar);
+follow(store, swipe);
+follow(store, colourBar);
+follow(store, numbers);
+void open("");
+
+function say(sentence: string): void {
+  setText(note, sentence);
+  show(alert, sentence !== "");
+  show(waiting, false);
+}
+
+async function open(code: string): Promise<void> {
+  try {
+    const shared = await openLink(location.hash.slice(1), code);
+    const session = await readShared(shared);
+    fillSide(shared, session);
+    store.set(session);
+  } catch (error) {
+    const isLocked = error instanceof ApiError && error.status === 403;
+    show(form, isLocked);
+    say(isLocked && code === "" ? "" : error instanceof Error ? error.message : String(error));
+    if (isLocked) passcode.focus();
+    return;
+  }
+  show(card, false);
+  show(side, true);
+  document.body.classList.remove("is-empty");
+  const failed = (sentence: string): void => {
+    show(card, true);
+    show(form, false);
+    say(sentence);
+  };
+  try {
+    openSharedViewer(store, { host, canvas, overlay }, view.from, () => failed(fitErrors.surface));
+  } catch {
+    failed(viewErrors.noGraphics);
+  }
+}
+
+function fillSide({ expires_at, links }: SharedResult, { fit }: VisitorState): void {
+  setText(until, words.until(moment.format(new Date(expires_at))));
+  const names = fit?.drawing?.shapes.map(({ name }) => drawingText.shapeName(name)) ?? [];
+  fill(shapes, names, () =>
+    names.length > 0 ? names.map((name) => el("li", {}, el("span", { class: "stroke", "aria-hidden": "true" }), name)) : [el("li", {}, resultText.noDrawing)],
+  );
+  const offered = words.files.flatMap(({ key, name, what }) => (links[key] === null ? [] : [{ href: links[key], name, what }]));
+  fill(files, offered, () =>
+    offered.map(({ href, name, what }) => el("li", {}, el("a", { href, download: name }, icon("download"), el("span", {}, name)), el("span", { class: "muted" }, what))),
+  );
+}
