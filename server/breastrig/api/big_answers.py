@@ -86,10 +86,12 @@ class _Part:
         self._at = 0
 
     def read(self, size: int = -1) -> bytes:
-        """b"" also once the place was given to another reader."""
+        """Raises ConnectionAbortedError once the place was given to another reader."""
+        if self._place.is_cut:
+            raise ConnectionAbortedError("a reader took nothing for too long, and another one needed its place")
         left = self._length - self._at
         wanted = left if size < 0 else min(size, left)
-        if wanted <= 0 or self._place.is_cut:
+        if wanted <= 0:
             return b""
         self._file.seek(self._start + self._at)
         content = self._file.read(wanted)

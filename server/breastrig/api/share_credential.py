@@ -117,7 +117,9 @@ def _still_valid(share: ShareRow) -> ShareRow:
 
 def _visit_hmac(credential: str, share_id: str) -> str:
     """What is stored of a visit's credential: made with it as the key, over the id of the share that it is for."""
-    return hmac.new(credential.encode("utf-8", "replace"), share_id.encode("utf-8", "replace"), hashlib.sha256).hexdigest()
+    return hmac.new(
+        credential.encode("utf-8", "replace"), share_id.encode("utf-8", "replace"), hashlib.sha256
+    ).hexdigest()
 
 
 def _set_cookie(response: Response, name: str, value: str, path: str) -> None:

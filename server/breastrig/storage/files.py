@@ -27,6 +27,7 @@ def upload_name(file_type: str) -> str:
 
 
 MESH = "mesh.glb"  # the scan for display
+PLAIN_MESH = "plain.glb"  # the same without its colours, made when a share link first needs it
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,8 @@
 """The files of scans and fits: one folder each, named by an unguessable id, below the data folder.
 
     data/breastrig.sqlite3      rows, unless they are elsewhere (see `location`)
-    data/scans/ID/              scan.ply, .obj, ... (the bytes as uploaded), mesh.glb (for display)
+    data/scans/ID/              scan.ply, .obj, ... (the bytes as uploaded), mesh.glb (for display),
+                                plain.glb (the same without colours, for share links)
     data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json,
                                 distances.bin, fit.log.jsonl
     data/rubbish/               on its way out: a folder is first moved here, so that no path into it works any more
