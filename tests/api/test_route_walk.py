@@ -89,7 +89,7 @@ def give(visitor: FlaskClient, name_of: str, path_of: str, value: str) -> None:
 
 
 def calls_of(app: APIFlask) -> list[Call]:
-    """Every route but the files of the page; deletions at the end, and signing out after them."""
+    """Every route but the files of the page; what ends something at the end, and signing out after it."""
     calls = {
         (method, rule.rule)
         for rule in app.url_map.iter_rules()
@@ -101,8 +101,9 @@ def calls_of(app: APIFlask) -> list[Call]:
         calls,
         key=lambda call: (
             call[1] == "/sign-out",
-            call[1].endswith("/close"),
             call[0] == "DELETE",
+            call[1] == OPEN,  # ends the visit that the browser had before
+            call[1].endswith("/close"),
             call[1].split("/"),
             call[0] != "PUT",
             call[0],
