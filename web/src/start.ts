@@ -1,2 +1,2 @@
-// One address is for visitors of a shared result, all others are the page itself; each loads only what it needs.
-void (location.pathname === "/s" ? import("./share/main") : import("./main"));
+// Some addresses are for visitors of a shared result, all others are the page itself; each loads only what it needs.
+void (/^\/s(\/|$)/.test(location.pathname) ? import("./share/main") : import("./main"));

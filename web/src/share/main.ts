@@ -9,15 +9,21 @@ import { createColourBar } from "../panels/ColourBar";
 import { createNumbersPanel } from "../panels/NumbersPanel";
 import { createSwipe } from "../panels/Swipe";
 import { createViewBar } from "../panels/ViewBar";
+import { button } from "../panels/controls";
 import { initialSession, type Session } from "../state/session";
 import { createStore } from "../state/store";
 import { text } from "../text";
 import { openSharedViewer } from "./viewer";
-import { openLink, readShared } from "./visit";
+import { closeLink, openLink, readShared, takeVisit } from "./visit";
 
+const visit = takeVisit(location, history);
+addEventListener("hashchange", () => location.reload()); // another link, put into the address bar of this one
 const store = createStore<Session>(initialSession);
 const actions = { page: pageActions(store, () => undefined) } as Pick<Actions, "page">;
 const words = text.shared;
+const CLOSED = "?closed";
+let opened: SharedResult | null = null;
+let asksPasscode = false;
 const moment = new Intl.DateTimeFormat("en-GB", { dateStyle: "long", timeStyle: "short" });
 
 const canvas = el("canvas", { class: "view", role: "img", "aria-label": text.view.shared, tabindex: 0 });
@@ -44,7 +50,8 @@ const files = el("ul", { class: "files" });
 const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, el("h2", {}, text.result.drawing), shapes, el("h2", {}, text.result.files), files);
 const numbers = createNumbersPanel();
 const aside = el("aside", { class: "aside" }, numbers.element);
-const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, text.name), el("span", { class: "scan-title" }, words.title));
+const leave = button(words.close, () => void close(), "quiet outlined", "close");
+const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, text.name), el("span", { class: "scan-title" }, words.title), el("span", { class: "spring" }), leave);
 const footer = el("footer", { class: "footer" }, el("strong", {}, text.noticeLong));
 
 document.title = `${words.title} · ${text.name}`;
@@ -53,7 +60,15 @@ document.body.append(top, side, host, aside, footer);
 store.subscribe((state) => {
   for (const panel of [viewBar, swipe, colourBar, numbers]) panel.update(state);
 });
-void open("");
+show(leave, false);
+if (visit.secret === "" && visit.share === "") nothingOpen();
+else void open("");
+
+/** Without a link there is nothing to show but how to open one. */
+function nothingOpen(): void {
+  setText(waiting, location.search === CLOSED ? words.closed : words.howToOpen);
+  history.replaceState(null, "", "/s");
+}
 
 function say(sentence: string): void {
   setText(note, sentence);
@@ -63,15 +78,18 @@ function say(sentence: string): void {
 
 async function open(code: string): Promise<void> {
   try {
-    const shared = await openLink(location.hash.slice(1), code);
-    const session = await readShared(shared);
-    fillSide(shared, session);
+    opened = await openLink(visit, code, history);
+    show(form, false);
+    show(leave, true);
+    const session = await readShared(opened);
+    fillSide(opened, session);
     store.set(session);
   } catch (error) {
-    const isLocked = error instanceof ApiError && error.status === 403;
-    show(form, isLocked);
-    say(isLocked && code === "" ? "" : error instanceof Error ? error.message : String(error));
-    if (isLocked) passcode.focus();
+    const status = error instanceof ApiError ? error.status : null;
+    asksPasscode = opened === null && (status === 403 || (asksPasscode && (status === 429 || status === 0)));
+    show(form, asksPasscode);
+    say(asksPasscode && code === "" ? "" : error instanceof Error ? error.message : String(error));
+    if (asksPasscode) passcode.focus();
     return;
   }
   show(card, false);
@@ -85,6 +103,19 @@ async function open(code: string): Promise<void> {
     show(form, false);
     say(text.errors.noGraphics);
   }
+}
+
+/** The next page of this tab knows nothing of this one, and going back does not lead here. */
+async function close(): Promise<void> {
+  if (!opened) return;
+  try {
+    await closeLink(opened);
+  } catch (error) {
+    show(card, true);
+    show(form, false);
+    return say(error instanceof Error ? error.message : String(error));
+  }
+  location.replace(`/s${CLOSED}`);
 }
 
 function fillSide({ expires_at, links }: SharedResult, { fit }: Session): void {

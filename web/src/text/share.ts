@@ -13,7 +13,7 @@ export const share = {
   } satisfies Record<"none" | "plain" | "full", string>,
   expiry: "It ends after",
   days: (days: number) => plural(days, "day", "days"),
-  passcode: "Passcode (optional, at least 4 characters; tell it by another way)",
+  passcode: "Passcode (optional, at least 6 characters; tell it by another way)",
   noPasscode: "none",
   make: "Make a link",
   link: "Address of the link",
@@ -29,8 +29,12 @@ export const share = {
   hasPasscode: "passcode",
   opened: (count: number, when: string) => `Opened ${plural(count, "time", "times")}, last on ${when}`,
   neverOpened: "Never opened",
+  wrong: (count: number, when: string) => `${plural(count, "wrong passcode", "wrong passcodes")}, the last on ${when}`,
+  locked: "Locked: too many wrong passcodes were given",
+  unlock: "Unlock",
   revoke: "Revoke",
   announceMade: "The link is made.",
+  announceUnlocked: "The link takes passcodes again.",
   announceRevoked: "The link is revoked.",
 };
 
@@ -39,6 +43,9 @@ export const shared = {
   what: "This result was shared with you. It can be looked at from all sides and taken away, but not changed.",
   until: (when: string) => `The link works until ${when}.`,
   opening: "Opening the link …",
+  howToOpen: "No link is open here. To see a result, open the link that was sent to you.",
+  close: "Close",
+  closed: "The result is closed, and this browser keeps nothing of it. To see it again, open the link that was sent to you.",
   /** "breast_L" → "Breast, patient's left": behind a link the model's own labels are not at hand */
   shape(name: string): string {
     const plain = name.replace(/_[LR]$/, "").replaceAll("_", " ");
