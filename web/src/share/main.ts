@@ -14,10 +14,11 @@ import { initialSession, type Session } from "../state/session";
 import { createStore } from "../state/store";
 import { text } from "../text";
 import { openSharedViewer } from "./viewer";
-import { closeLink, openLink, readShared, takeVisit } from "./visit";
+import { passSecretOn, takeSecret } from "./secret";
+import { closeLink, openLink, readShared, visitOf } from "./visit";
 
-const visit = takeVisit(location, history);
-addEventListener("hashchange", () => location.reload()); // another link, put into the address bar of this one
+const visit = visitOf(takeSecret(window), location.pathname);
+addEventListener("hashchange", () => passSecretOn(window)); // another link, put into the address bar of this one
 const store = createStore<Session>(initialSession);
 const actions = { page: pageActions(store, () => undefined) } as Pick<Actions, "page">;
 const words = text.shared;

@@ -1,6 +1,5 @@
 // What a visitor's browser may ask: the secret behind # is posted once, then a cookie of this share alone speaks for it.
-// Read only.  The secret is taken out of the address before anything else, and each opened link has an address of its own,
-// at which it can be loaded again as long as the browser runs.
+// Read only.  Each opened link has an address of its own, at which it can be loaded again as long as the browser runs.
 import { ApiError, ask, askJson } from "../api/client";
 import type { DrawingFile, Result, Scan, SharedResult } from "../api/types";
 import { readDistances } from "../state/distances";
@@ -15,12 +14,7 @@ export interface Visit {
   readonly share: string; // id of a share that was opened in this browser before, else ""
 }
 
-/** What the address asks for; of a secret nothing is left in address bar and history. */
-export function takeVisit(place: Location, past: History): Visit {
-  const secret = place.hash.slice(1);
-  if (secret !== "") past.replaceState(null, "", "/s");
-  return { secret, share: secret === "" ? (place.pathname.split("/")[2] ?? "") : "" };
-}
+export const visitOf = (secret: string, path: string): Visit => ({ secret, share: secret === "" ? (path.split("/")[2] ?? "") : "" });
 
 /** Opens the link; its page has an address of its own from then on. */
 export async function openLink({ secret, share }: Visit, passcode: string, past: History): Promise<SharedResult> {

@@ -1,5 +1,5 @@
-// Opens a share link: takes the secret out of the address at once and posts it, then shows what the link shows at an
-// address of its own.
+// Opens a share link: passes the secret on to an address without it, in the tab's name, so that no history lists it; posts
+// it there once, then shows what the link shows at an address of its own.
 "use strict";
 const part = (id) => document.getElementById(id);
 const FILES = [
@@ -57,12 +57,18 @@ async function show(shared) {
   say("");
 }
 
-const token = location.hash.slice(1);
+const MARK = "breastrig-link:";
+const token = name.startsWith(MARK) ? name.slice(MARK.length) : "";
+if (token) name = "";
 const id = location.pathname.split("/")[2] ?? "";
 let opened = null;
 let asksPasscode = false;
-if (token) history.replaceState(null, "", "/s");
-addEventListener("hashchange", () => location.reload());
+
+function passOn() {
+  name = MARK + location.hash.slice(1);
+  location.replace("/s");
+}
+addEventListener("hashchange", passOn);
 
 async function open(passcode) {
   part("how").hidden = token !== "" || id !== "";
@@ -85,4 +91,5 @@ part("close").addEventListener("click", async () => {
   if (answer.ok || answer.status === 401) location.replace("/s");
   else say("The link could not be closed; try again.");
 });
-void open("");
+if (location.hash.length > 1) passOn();
+else void open("");
