@@ -4,8 +4,10 @@ from dataclasses import dataclass, field
 
 from flask import current_app
 
+from breastrig.api.big_answers import BigAnswers
 from breastrig.api.config import Config
 from breastrig.api.metrics import Metrics
+from breastrig.api.passcode_delays import PasscodeDelays
 from breastrig.api.rate_limits import RateLimits
 from breastrig.api.served_model import ServedModel
 from breastrig.jobs.service import Service
@@ -20,6 +22,8 @@ class Behind:
     model: ServedModel
     metrics: Metrics
     rates: RateLimits = field(default_factory=RateLimits)
+    passcode_delays: PasscodeDelays = field(default_factory=PasscodeDelays)
+    big_answers: BigAnswers = field(default_factory=BigAnswers)
 
 
 def behind() -> Behind:

@@ -17,7 +17,6 @@ from breastrig.api.security import refuse
 PER_MINUTE: dict[str, RateLimitItem] = {
     "sign-in": RateLimitItemPerMinute(20),  # a person mistypes a few times
     "share": RateLimitItemPerMinute(60),  # a ward round opens some
-    "passcode": RateLimitItemPerMinute(10),  # of one share, from all addresses: four digits hold for half a day
     "upload": RateLimitItemPerMinute(600),  # a script with small scans; a person needs one
 }
 

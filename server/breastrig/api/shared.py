@@ -1,31 +1,37 @@
 """Share links, the visitor's side.  These are the only calls that a share's cookie is good for.
 
-What can be seen is decided by the share's own row: one fit, and its scan only when the owner said so.
+Every address but that of the opening holds the share's id, so that two links that are open in one browser have
+nothing in common: no cookie, no cached answer, no address of the page.  What can be seen is decided by the share's own
+row: one fit, and its scan only when the owner said so.
 """
 
 from apiflask import APIBlueprint
 from flask import Response, render_template
-from werkzeug.security import check_password_hash
 
 from breastrig.api import wire_files, wire_shares
-from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_answer, file_of
+from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_of
+from breastrig.api.big_answers import big_answer
 from breastrig.api.current import behind
+from breastrig.api.passcode import check_passcode
 from breastrig.api.scans import mesh_file
 from breastrig.api.security import refuse
-from breastrig.api.share_credential import hand_out, share_behind, visited_share
+from breastrig.api.share_credential import begin_visit, close_visit, cookie_path, share_of_secret, visited_share
 from breastrig.api.shares import SHARES_TAG
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import NotFound
-from breastrig.gltf.plain_mesh import plain_mesh
-from breastrig.storage.files import fit_place
+from breastrig.storage.files import OpenedFile, fit_place
 from breastrig.storage.fits import get_fit
-from breastrig.storage.shares import ShareRow, note_opening
-from breastrig.storage.storage import utc_now
+from breastrig.storage.shares import ShareRow
 
 shared = APIBlueprint("shared", __name__, url_prefix="/api/shared", tag=SHARES_TAG)
 share_page = APIBlueprint("share_page", __name__, template_folder="templates", enable_openapi=False)
 
 NO_STORE = "no-store"
+# The header is about all of this service's pages in the browser.  So not "cookies", which would sign the owner out, nor
+# "storage", which holds what the owner's page has not saved yet; the shared page itself stores nothing there.
+CLEAR_CACHE = '"cache"'
+NOT_OPEN = "The link is not open in this browser"
+ENDED = "Expired or revoked"
 MEDIA_TYPES = {
     "result.json": JSON,
     "fitted.glb": GLB,
@@ -33,6 +39,14 @@ MEDIA_TYPES = {
     "drawing.json": JSON,
     "distances.bin": BINARY,
 }
+
+
+@shared.after_request
+def keep_apart(response: Response) -> Response:
+    """Nothing between here and the page may answer one visitor with what another one got."""
+    response.headers["Cache-Control"] = NO_STORE
+    response.vary.add("Cookie")
+    return response
 
 
 @shared.post("/open")
@@ -43,121 +57,123 @@ MEDIA_TYPES = {
     responses={
         403: "The passcode is wrong or missing",
         404: "No such link",
-        410: "Expired or revoked",
+        410: ENDED,
+        423: "Locked by wrong passcodes, until the owner unlocks it",
         429: "Too many",
     },
 )
 def open_share(json_data: wire_shares.ShareOpening) -> Response:
     """Open a share link
 
-    Takes the secret after # and sets the cookie that the other calls need.  The time of the opening is noted for
-    the owner, nothing else.
+    Takes the secret after # and sets the cookie that the other calls need; its path is theirs.  The time of the opening
+    is noted for the owner, nothing else.
     """
-    here = behind()
-    here.rates.check("share")
-    share = share_behind(json_data.token)
-    if share.passcode_hash is not None:
-        if json_data.passcode is None:
-            raise refuse(403, "This link needs a passcode; ask the person who sent it.")
-        here.rates.check("passcode", share.id)
-        if not check_password_hash(share.passcode_hash, json_data.passcode):
-            raise refuse(403, "This is not the link's passcode; ask the person who sent it.")
-    note_opening(here.service.storage, share.id, utc_now())
+    behind().rates.check("share")
+    share = share_of_secret(json_data.token)
+    check_passcode(share, json_data.passcode)
     response = Response(_result(share).model_dump_json(), mimetype=JSON)
-    hand_out(response, share, json_data.token)
+    begin_visit(response, share)
     return response
 
 
-@shared.get("")
+@shared.post("/<share_id>/close")
+@shared.output({}, status_code=204)
+@shared.doc(operation_id="closeShared", responses={401: NOT_OPEN})
+def close_shared(share_id: str) -> Response:
+    """Close the link in this browser
+
+    The cookie is taken back, and copies of it open nothing any more.
+    """
+    response = Response(status=204, headers={"Clear-Site-Data": CLEAR_CACHE})
+    close_visit(response, share_id)
+    return response
+
+
+@shared.get("/<share_id>")
 @shared.output(wire_shares.SharedResult)
-@shared.doc(operation_id="getShared", responses={401: "No link was opened", 410: "Expired or revoked"})
-def show_shared() -> wire_shares.SharedResult:
+@shared.doc(operation_id="getShared", responses={401: NOT_OPEN, 410: ENDED})
+def show_shared(share_id: str) -> wire_shares.SharedResult:
     """What the opened link shows"""
-    return _result(visited_share())
+    return _result(visited_share(share_id))
 
 
-@shared.get("/result.json")
+@shared.get("/<share_id>/result.json")
 @shared.output(wire_files.ResultFile, description="Numbers and parameters")
-@shared.doc(operation_id="getSharedResult", responses={401: "No link was opened", 410: "Expired or revoked"})
-def show_result() -> Response:
+@shared.doc(operation_id="getSharedResult", responses={401: NOT_OPEN, 410: ENDED})
+def show_result(share_id: str) -> Response:
     """The shared fit's result.json"""
-    return _file("result.json")
+    return _fit_file(share_id, "result.json")
 
 
-@shared.get("/fitted.glb")
-@shared.doc(operation_id="getSharedGlb", responses={200: file_of(GLB, "The posed rig"), 410: "Expired or revoked"})
-def show_fitted_glb() -> Response:
+@shared.get("/<share_id>/fitted.glb")
+@shared.doc(operation_id="getSharedGlb", responses={200: file_of(GLB, "The posed rig"), 410: ENDED})
+def show_fitted_glb(share_id: str) -> Response:
     """The shared fit's posed rig"""
-    return _file("fitted.glb")
+    return _fit_file(share_id, "fitted.glb")
 
 
-@shared.get("/fitted.ply")
-@shared.doc(
-    operation_id="getSharedPly", responses={200: file_of(BINARY, "The posed surface"), 410: "Expired or revoked"}
-)
-def show_fitted_ply() -> Response:
+@shared.get("/<share_id>/fitted.ply")
+@shared.doc(operation_id="getSharedPly", responses={200: file_of(BINARY, "The posed surface"), 410: ENDED})
+def show_fitted_ply(share_id: str) -> Response:
     """The shared fit's posed surface"""
-    return _file("fitted.ply")
+    return _fit_file(share_id, "fitted.ply")
 
 
-@shared.get("/drawing.json")
+@shared.get("/<share_id>/drawing.json")
 @shared.output(wire_files.DrawingFile, description="Polylines on the scan")
-@shared.doc(operation_id="getSharedDrawing", responses={401: "No link was opened", 410: "Expired or revoked"})
-def show_drawing() -> Response:
+@shared.doc(operation_id="getSharedDrawing", responses={401: NOT_OPEN, 410: ENDED})
+def show_drawing(share_id: str) -> Response:
     """The shared fit's drawing"""
-    return _file("drawing.json")
+    return _fit_file(share_id, "drawing.json")
 
 
-@shared.get("/distances.bin")
+@shared.get("/<share_id>/distances.bin")
 @shared.doc(
     operation_id="getSharedDistances",
-    responses={200: file_of(BINARY, "float32 for each vertex of the model, mm"), 410: "Expired or revoked"},
+    responses={200: file_of(BINARY, "float32 for each vertex of the model, mm"), 410: ENDED},
 )
-def show_distances() -> Response:
+def show_distances(share_id: str) -> Response:
     """The distance of each model vertex to the scan"""
-    return _file("distances.bin")
+    return _fit_file(share_id, "distances.bin")
 
 
-@shared.get("/report.pdf")
+@shared.get("/<share_id>/report.pdf")
 @shared.doc(
     operation_id="getSharedReport",
     responses={
         200: file_of(PDF, "Two pages: pictures, then numbers"),
         403: "The link does not show the scan, which the report pictures",
-        410: "Expired or revoked",
+        410: ENDED,
     },
 )
-def show_report() -> Response:
+def show_report(share_id: str) -> Response:
     """The shared fit's report, when the link shows the scan"""
-    share = visited_share()
+    share = visited_share(share_id)
     if share.scan == "none":
         raise refuse(403, "This link does not show the scan, and the report has pictures of it.")
-    response = bytes_answer(behind().service.reports.pdf(share.fit, None), PDF, NO_STORE)
-    response.headers["Content-Disposition"] = "attachment; filename=report.pdf"
-    return response
+    return _answer(share, behind().service.reports.pdf_file(share.fit), PDF, "report.pdf")
 
 
-@shared.get("/mesh.glb")
+@shared.get("/<share_id>/mesh.glb")
 @shared.doc(
     operation_id="getSharedMesh",
-    responses={200: file_of(GLB, "The scan, metres"), 403: "The link does not show it", 410: "Expired or revoked"},
+    responses={200: file_of(GLB, "The scan, metres"), 403: "The link does not show it", 410: ENDED},
 )
-def show_mesh() -> Response:
+def show_mesh(share_id: str) -> Response:
     """The scan, when the link shows it; without colours unless the owner chose `full`"""
-    share = visited_share()
+    share = visited_share(share_id)
     if share.scan == "none":
         raise refuse(403, "This link does not show the scan.")
-    storage = behind().service.storage
-    mesh = mesh_file(storage, get_fit(storage, share.fit).scan)
-    if share.scan == "full":
-        return file_answer(mesh, GLB, NO_STORE)
-    with mesh.open() as file:
-        return bytes_answer(plain_mesh(file.read()), GLB, NO_STORE)
+    service = behind().service
+    scan_id = get_fit(service.storage, share.fit).scan
+    mesh = mesh_file(service.storage, scan_id) if share.scan == "full" else service.plain_meshes.get(scan_id)
+    return _answer(share, mesh, GLB, "scan.glb")
 
 
 @share_page.get("/s")
-def page() -> Response:
-    """The read-only page; it holds nothing until its script has opened the link.
+@share_page.get("/s/<share_id>")
+def page(share_id: str = "") -> Response:
+    """The read-only page; it holds nothing until its script has opened the link, or found it open in this browser.
 
     Where the page is built it shows the body; else numbers and files, which need no script but a small one.
     """
@@ -171,24 +187,34 @@ def script() -> Response:
     return bytes_answer(render_template("share.js").encode(), "text/javascript", CHECK_AGAIN)
 
 
-def _file(name: str) -> Response:
-    share = visited_share()
+def _fit_file(share_id: str, name: str) -> Response:
+    share = visited_share(share_id)
     file = behind().service.storage.files.find(fit_place(share.fit), name)
     if file is None:
         raise NotFound(f"This result has no {name}.")
-    return file_answer(file, MEDIA_TYPES[name], NO_STORE, download_as=name)
+    return _answer(share, file, MEDIA_TYPES[name], name)
+
+
+def _answer(share: ShareRow, file: OpenedFile, media_type: str, download_as: str) -> Response:
+    response = big_answer(behind().big_answers, share.id, file, media_type, NO_STORE)
+    response.headers["Content-Disposition"] = f"attachment; filename={download_as}"
+    return response
 
 
 def _result(share: ShareRow) -> wire_shares.SharedResult:
+    place = cookie_path(share.id)
     return wire_shares.SharedResult(
+        id=share.id,
         expires_at=share.expires_at,
         links=wire_shares.SharedLinks(
-            result="/api/shared/result.json",
-            fitted_glb="/api/shared/fitted.glb",
-            fitted_ply="/api/shared/fitted.ply",
-            drawing="/api/shared/drawing.json",
-            distances="/api/shared/distances.bin",
-            report=None if share.scan == "none" else "/api/shared/report.pdf",
-            mesh=None if share.scan == "none" else "/api/shared/mesh.glb",
+            self=place,
+            result=f"{place}/result.json",
+            fitted_glb=f"{place}/fitted.glb",
+            fitted_ply=f"{place}/fitted.ply",
+            drawing=f"{place}/drawing.json",
+            distances=f"{place}/distances.bin",
+            report=None if share.scan == "none" else f"{place}/report.pdf",
+            mesh=None if share.scan == "none" else f"{place}/mesh.glb",
+            close=f"{place}/close",
         ),
     )

@@ -8,6 +8,7 @@ from werkzeug.security import generate_password_hash
 from breastrig.api import wire, wire_shares
 from breastrig.api.current import behind
 from breastrig.api.share_credential import new_token, token_sha256
+from breastrig.api.share_limits import WRONG_PASSCODES
 from breastrig.core.errors import Conflict
 from breastrig.storage.fits import get_fit
 from breastrig.storage.folders import new_id
@@ -18,6 +19,7 @@ from breastrig.storage.shares import (
     openings_of,
     revoke_share,
     shares_page,
+    unlock_share,
 )
 from breastrig.storage.storage import iso_utc, utc_now
 
@@ -41,6 +43,8 @@ def make_share(fit_id: str, json_data: wire_shares.ShareRequest) -> tuple[wire_s
     fit = get_fit(storage, fit_id)
     if fit.state != "done":
         raise Conflict(f"This fit has no result to share: it is {fit.state}.")
+    if json_data.scan == "plain":
+        behind().service.plain_meshes.get(fit.scan)
     now, token = datetime.now(UTC), new_token()
     share = ShareRow(
         id=new_id(),
@@ -92,17 +96,34 @@ def remove_share(fit_id: str, share_id: str) -> tuple[str, int]:
     return "", 204
 
 
+@shares.post("/<fit_id>/shares/<share_id>/unlock")
+@shares.output(wire_shares.Share)
+@shares.doc(operation_id="unlockShare")
+def unlock(fit_id: str, share_id: str) -> wire_shares.Share:
+    """Let a link take passcodes again
+
+    For one that wrong passcodes have locked: as many may be tried again.  The count goes on.
+    """
+    storage = behind().service.storage
+    unlock_share(storage, fit_id, share_id)
+    return share_answer(get_share(storage, fit_id, share_id))
+
+
 def share_answer(row: ShareRow) -> wire_shares.Share:
     """The stored row as the owner sees it."""
+    place, is_locked = f"/api/fits/{row.fit}/shares/{row.id}", row.is_locked(WRONG_PASSCODES)
     return wire_shares.Share(
         id=row.id,
         created_at=row.created_at,
         expires_at=row.expires_at,
         revoked_at=row.revoked_at,
-        is_open=row.is_open(utc_now()),
+        is_open=row.is_valid(utc_now()) and not is_locked,
+        is_locked=is_locked,
         scan=row.scan,
         has_passcode=row.passcode_hash is not None,
         openings=row.openings,
         last_opened_at=row.last_opened_at,
-        links=wire_shares.ShareLinks(self=f"/api/fits/{row.fit}/shares/{row.id}"),
+        wrong_passcodes=row.wrong_passcodes,
+        last_wrong_passcode_at=row.last_wrong_at,
+        links=wire_shares.ShareLinks(self=place, unlock=f"{place}/unlock"),
     )

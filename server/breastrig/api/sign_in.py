@@ -46,6 +46,8 @@ def answer() -> Response:
 @sign_in.post("/sign-out")
 def leave() -> Response:
     response = _to("/sign-in")
+    # What the browser keeps of patients.  Not "cookies": that would be those of the whole domain, other programs' too.
+    response.headers["Clear-Site-Data"] = '"cache", "storage"'
     end_session(response, behind().config.token, behind().service.storage)
     return response
 

@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from breastrig.api.share_limits import PASSCODE_LENGTH
 from breastrig.api.wire import Name, Wire
 
 ShareScan = Literal["none", "plain", "full"]
@@ -11,7 +12,9 @@ ShareScan = Literal["none", "plain", "full"]
 
 class ShareRequest(Wire):
     expires_in_days: int = Field(7, ge=1, le=90)
-    passcode: str | None = Field(None, min_length=4, max_length=100, description="asked for at the opening")
+    passcode: str | None = Field(
+        None, min_length=PASSCODE_LENGTH, max_length=100, description="asked for at the opening"
+    )
     scan: ShareScan = Field(
         "none", description="whether the scan is shown: not at all, its shape without colours, or with its colours"
     )
@@ -19,18 +22,22 @@ class ShareRequest(Wire):
 
 class ShareLinks(Wire):
     self: str
+    unlock: str
 
 
 class Share(Wire):
-    id: str = Field(description="for the owner; it opens nothing")
+    id: str = Field(description="stands in the addresses of the owner and of visitors; it opens nothing")
     created_at: str = Field(description="ISO 8601, UTC")
     expires_at: str
     revoked_at: str | None
-    is_open: bool = Field(description="neither expired nor revoked")
+    is_open: bool = Field(description="neither expired nor revoked nor locked")
+    is_locked: bool = Field(description="so many wrong passcodes were given that it takes none until it is unlocked")
     scan: ShareScan
     has_passcode: bool
     openings: int
     last_opened_at: str | None
+    wrong_passcodes: int = Field(description="given in all, whoever gave them")
+    last_wrong_passcode_at: str | None
     links: ShareLinks
 
 
@@ -53,6 +60,7 @@ class ShareOpening(Wire):
 
 
 class SharedLinks(Wire):
+    self: str
     result: str
     fitted_glb: str
     fitted_ply: str
@@ -60,8 +68,10 @@ class SharedLinks(Wire):
     distances: str
     report: str | None = Field(description="null when the link does not show the scan, which the report pictures")
     mesh: str | None = Field(description="null when the link does not show the scan")
+    close: str
 
 
 class SharedResult(Wire):
+    id: str = Field(description="of the share; it opens nothing")
     expires_at: str
     links: SharedLinks

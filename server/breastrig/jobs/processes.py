@@ -33,6 +33,7 @@ PRELOAD = (
     "breastrig.jobs.run_fit",
     "breastrig.jobs.run_pair",
     "breastrig.jobs.transfer",
+    "breastrig.jobs.write_plain_mesh",
 )
 REMOTE = ("breastrig.storage.postgres", "psycopg", "breastrig.storage.store_files", "s3fs")  # half a second to import
 _preloaded = list(PRELOAD)

@@ -1,8 +1,9 @@
-"""The service's reports: each made in a process of its own, the report of one fit kept with its files.
+"""The service's reports: each made in a process of its own, the report of one fit made once and kept with its files.
 
 A report of two stances is not kept: it would outlive the deletion of the other scan.
 """
 
+import errno
 import logging
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -11,8 +12,9 @@ from pathlib import Path
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
 from breastrig.jobs.processes import Processes
 from breastrig.jobs.report import ReportJob, measures_json_of, report_pdf_of
+from breastrig.jobs.single_flight import SingleFlight
 from breastrig.storage.deletion import discard
-from breastrig.storage.files import fit_place
+from breastrig.storage.files import OpenedFile, fit_place
 from breastrig.storage.fits import get_fit
 from breastrig.storage.storage import Storage
 
@@ -29,6 +31,7 @@ class Reports:
         self._storage = storage
         self._processes = processes
         self._model = model
+        self._flights: SingleFlight[bytes] = SingleFlight()
 
     def pdf(self, fit_id: str, other_id: str | None) -> bytes:
         """The two pages of a fit that is done, or of it and another one.
@@ -37,6 +40,19 @@ class Reports:
         """
         return self._kept_or_made("report.pdf", fit_id, other_id)
 
+    def pdf_file(self, fit_id: str) -> OpenedFile:
+        """The PDF of one fit as the file that is kept with it: for visitors, who may come often and read slowly.
+
+        Raises as `pdf`, and OSError when it cannot be kept.
+        """
+        name = "report.pdf"
+        if self._kept(name, fit_id) is None:
+            self._flights.result(f"{fit_id}/{name}", lambda: self._made_and_kept(name, fit_id))
+        kept = self._kept(name, fit_id)
+        if kept is None:  # the log says why
+            raise OSError(errno.ENOSPC, "a report cannot be kept")
+        return kept
+
     def measures(self, fit_id: str, other_id: str | None) -> bytes:
         """The same numbers as JSON, the document breastrig/report@1.  Raises likewise."""
         return self._kept_or_made("measures.json", fit_id, other_id)
@@ -44,13 +60,23 @@ class Reports:
     def _kept_or_made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
         if other_id is not None:
             return self._made(name, fit_id, other_id)
-        kept = self._storage.files.find(fit_place(fit_id), name)
+        kept = self._kept(name, fit_id)
         if kept is not None:
+            with kept.open() as file:
+                return file.read()
+        return self._flights.result(f"{fit_id}/{name}", lambda: self._made_and_kept(name, fit_id))
+
+    def _made_and_kept(self, name: str, fit_id: str) -> bytes:
+        kept = self._kept(name, fit_id)
+        if kept is not None:  # it was made between looking and coming here
             with kept.open() as file:
                 return file.read()
         content = self._made(name, fit_id, None)
         self._keep(name, fit_id, content)
         return content
+
+    def _kept(self, name: str, fit_id: str) -> OpenedFile | None:
+        return self._storage.files.find(fit_place(fit_id), name)
 
     def _keep(self, name: str, fit_id: str, content: bytes) -> None:
         """Raises NotFound when the fit was deleted meanwhile; then nothing is left of the report."""

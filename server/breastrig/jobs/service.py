@@ -22,6 +22,7 @@ from breastrig.jobs.carry_out import PairRunner, Runner, Runners
 from breastrig.jobs.executor import Executor
 from breastrig.jobs.follow import Bell, Heartbeat, Queued, follow
 from breastrig.jobs.limits import FitLimits, UploadLimits
+from breastrig.jobs.plain_meshes import PlainMeshes
 from breastrig.jobs.processes import Processes
 from breastrig.jobs.proposals import Proposals, Proposer
 from breastrig.jobs.propose_on_scan import propose_on_file
@@ -91,6 +92,7 @@ class Service:
         self._model = model
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self.reports = Reports(storage, self._readers, model)
+        self.plain_meshes = PlainMeshes(storage, self._readers)
         self._bell = Bell(storage)
         self._sweep = Sweep(storage, self.delete_scan, keep_days)
         self._examples = examples

@@ -100,6 +100,9 @@ shares = Table(
     Column("revoked_at", String(32)),
     Column("scan", String(8), nullable=False),  # none, plain, full
     Column("passcode_hash", String(300)),  # salted scrypt
+    Column("wrong_passcodes", Integer, nullable=False, server_default="0"),  # since the link was made
+    Column("last_wrong_at", String(32)),
+    Column("forgiven_passcodes", Integer, nullable=False, server_default="0"),  # of them, by opening the link again
 )
 
 openings = Table(  # when a share was opened; not by whom and not what was looked at
@@ -108,6 +111,7 @@ openings = Table(  # when a share was opened; not by whom and not what was looke
     Column("id", Integer, primary_key=True, autoincrement=True),
     Column("share", String(32), ForeignKey("shares.id", ondelete="CASCADE"), nullable=False, index=True),
     Column("opened_at", String(32), nullable=False),
+    Column("visit_hmac", String(64), index=True),  # of the browser's credential; null once the visitor has closed it
 )
 
 ended_sessions = Table(  # browsers that signed out before their cookie was too old

@@ -1,4 +1,8 @@
-"""Rows of share links and of their openings.  Of the secret in the link only a hash is stored."""
+"""Rows of share links and of their openings.
+
+Of the secret in the link only a hash is stored, and of the credential that a browser gets at an opening only an HMAC
+over the share's id: neither can be got back, and what belongs to one share is nothing at another.
+"""
 
 from dataclasses import dataclass
 
@@ -20,10 +24,17 @@ class ShareRow:
     revoked_at: str | None = None
     openings: int = 0
     last_opened_at: str | None = None
+    wrong_passcodes: int = 0  # since the link was made
+    last_wrong_at: str | None = None
+    forgiven_passcodes: int = 0  # of them, by the owner
 
-    def is_open(self, now: str) -> bool:
-        """Whether the link still works at a time (as `iso_utc`)."""
+    def is_valid(self, now: str) -> bool:
+        """Whether the link has neither expired nor been revoked at a time (as `iso_utc`)."""
         return self.revoked_at is None and now < self.expires_at
+
+    def is_locked(self, most_wrong: int) -> bool:
+        """Whether so many wrong passcodes were given that it opens for nobody until the owner unlocks it."""
+        return self.wrong_passcodes - self.forgiven_passcodes >= most_wrong
 
 
 def add_share(storage: Storage, share: ShareRow, token_sha256: str) -> None:
@@ -75,12 +86,54 @@ def revoke_share(storage: Storage, fit_id: str, share_id: str, now: str) -> None
         connection.execute(chosen.values(revoked_at=now))
 
 
-def note_opening(storage: Storage, share_id: str, now: str) -> None:
-    """Raises NotFound when the share is gone."""
+def add_opening(storage: Storage, share_id: str, now: str, visit_hmac: str, most_wrong: int) -> bool:
+    """Notes the opening with its visit; False when wrong passcodes have locked the link meanwhile.
+
+    Raises NotFound when the share is gone.  Decided with the write lock held, so that of any number of guesses that
+    are checked at the same time no more than `most_wrong` can have an effect.
+    """
     with storage.database.writing() as connection:
-        if connection.execute(select(schema.shares.c.id).where(schema.shares.c.id == share_id)).first() is None:
+        table = schema.shares
+        counts = select(table.c.wrong_passcodes - table.c.forgiven_passcodes).where(table.c.id == share_id)
+        wrong = connection.execute(counts).scalar_one_or_none()
+        if wrong is None:
             raise NotFound("This share has been deleted.")
-        connection.execute(insert(schema.openings).values(share=share_id, opened_at=now))
+        if wrong >= most_wrong:
+            return False
+        connection.execute(insert(schema.openings).values(share=share_id, opened_at=now, visit_hmac=visit_hmac))
+    return True
+
+
+def note_wrong_passcode(storage: Storage, share_id: str, now: str) -> None:
+    table = schema.shares
+    with storage.database.writing() as connection:
+        counted = {"wrong_passcodes": table.c.wrong_passcodes + 1, "last_wrong_at": now}
+        connection.execute(update(table).where(table.c.id == share_id).values(counted))
+
+
+def unlock_share(storage: Storage, fit_id: str, share_id: str) -> None:
+    """Forgives the wrong passcodes so far; one that is not there is no error."""
+    table = schema.shares
+    with storage.database.writing() as connection:
+        chosen = update(table).where(table.c.fit == fit_id, table.c.id == share_id)
+        connection.execute(chosen.values(forgiven_passcodes=table.c.wrong_passcodes))
+
+
+def share_of_visit(storage: Storage, share_id: str, visit_hmac: str, opened_after: str) -> ShareRow | None:
+    """The share, if a visit of it that was begun after a time (as `iso_utc`) has not been ended."""
+    visit = schema.openings.alias().c  # the query itself counts the openings
+    here = select(visit.id).where(
+        visit.share == share_id, visit.visit_hmac == visit_hmac, visit.opened_at > opened_after
+    )
+    return _one(storage, _query().where(schema.shares.c.id == share_id, here.exists()))
+
+
+def end_visit(storage: Storage, share_id: str, visit_hmac: str) -> bool:
+    """Makes the visit's credential worth nothing; whether there was such a visit."""
+    table = schema.openings
+    with storage.database.writing() as connection:
+        chosen = update(table).where(table.c.share == share_id, table.c.visit_hmac == visit_hmac)
+        return connection.execute(chosen.values(visit_hmac=None)).rowcount > 0
 
 
 def openings_of(storage: Storage, share_id: str, limit: int) -> list[str]:
@@ -117,4 +170,7 @@ def _share_row(row: Row[tuple[object, ...]]) -> ShareRow:
         revoked_at=row.revoked_at,
         openings=row.openings,
         last_opened_at=row.last,
+        wrong_passcodes=row.wrong_passcodes,
+        last_wrong_at=row.last_wrong_at,
+        forgiven_passcodes=row.forgiven_passcodes,
     )

@@ -18,6 +18,7 @@ import type {
   ProposedLandmarks,
   Result,
   Scan,
+  Share,
   ShareMade,
   SharePage,
   ShareRequest,
@@ -118,6 +119,7 @@ export const client = {
   measures: (link: string, other: string | null) => askJson<MeasuresFile>(other === null ? link : `${link}?with=${id(other)}`),
   shares: (link: string) => askJson<SharePage>(link),
   makeShare: (link: string, request: ShareRequest) => askJson<ShareMade>(link, "POST", request),
+  unlockShare: (link: string) => askJson<Share>(link, "POST"),
   revokeShare: async (link: string): Promise<void> => {
     await ask(link, { method: "DELETE" });
   },

@@ -24,7 +24,7 @@ export function createShareDialog(actions: ShareActions, dismiss: () => void): P
   let scan: NonNullable<ShareRequest["scan"]> = "none";
   const expiry = select<Days>(words.expiry, (value) => (days = value));
   const shown = select<(typeof SHOWN)[number]>(words.shown, (value) => (scan = value));
-  const passcode = el("input", { type: "text", minlength: 4, maxlength: 100, autocomplete: "off", spellcheck: "false", placeholder: words.noPasscode });
+  const passcode = el("input", { type: "text", minlength: 6, maxlength: 100, autocomplete: "off", spellcheck: "false", placeholder: words.noPasscode });
   const make = el("button", { class: "button primary" }, el("span", {}, words.make));
   const form = el(
     "form",
@@ -106,14 +106,17 @@ export function createShareDialog(actions: ShareActions, dismiss: () => void): P
 }
 
 function row(share: Share, actions: ShareActions): HTMLElement {
-  const state = share.revoked_at ? words.revoked(at(share.revoked_at)) : share.is_open ? words.until(at(share.expires_at)) : words.expired(at(share.expires_at));
+  const isOver = share.revoked_at !== null || new Date(share.expires_at) <= new Date();
+  const state = share.revoked_at ? words.revoked(at(share.revoked_at)) : isOver ? words.expired(at(share.expires_at)) : share.is_locked ? words.locked : words.until(at(share.expires_at));
   const opened = share.last_opened_at ? words.opened(share.openings, at(share.last_opened_at)) : words.neverOpened;
+  const wrong = share.last_wrong_passcode_at ? el("p", { class: "muted small" }, words.wrong(share.wrong_passcodes, at(share.last_wrong_passcode_at))) : null;
   const facts = [words.shows[share.scan], ...(share.has_passcode ? [words.hasPasscode] : [])].join(" · ");
   return el(
     "li",
-    { class: share.is_open ? "" : "is-over" },
+    { class: isOver ? "is-over" : "" },
     icon(share.is_open ? "link" : "close"),
-    el("div", {}, el("p", {}, state), el("p", { class: "muted small" }, facts), el("p", { class: "muted small" }, opened)),
-    share.is_open ? button(words.revoke, () => void actions.revoke(share.links.self), "quiet outlined") : null,
+    el("div", {}, el("p", {}, state), el("p", { class: "muted small" }, facts), el("p", { class: "muted small" }, opened), wrong),
+    share.is_locked && !isOver ? button(words.unlock, () => void actions.unlock(share.links.unlock), "quiet outlined") : null,
+    !isOver ? button(words.revoke, () => void actions.revoke(share.links.self), "quiet outlined") : null,
   );
 }

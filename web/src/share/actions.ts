@@ -42,6 +42,12 @@ export function shareActions(store: Store<State>, client: Client) {
         return { share: { ...store.get().share, made: url }, announcement: text.share.announceMade };
       }),
 
+    unlock: (link: string): Promise<void> =>
+      forFit(async () => {
+        await client.unlockShare(link);
+        return { announcement: text.share.announceUnlocked };
+      }),
+
     revoke: (link: string): Promise<void> =>
       forFit(async () => {
         await client.revokeShare(link);

@@ -1,4 +1,5 @@
-// Opens a share link: posts the secret behind # once, then shows what the link shows.
+// Opens a share link: passes the secret on to an address without it, in the tab's name, so that no history lists it; posts
+// it there once, then shows what the link shows at an address of its own.
 "use strict";
 const part = (id) => document.getElementById(id);
 const FILES = [
@@ -31,6 +32,8 @@ function row(name, value) {
 }
 
 async function show(shared) {
+  history.replaceState(null, "", `/s/${shared.id}`);
+  opened = shared;
   const result = await ask(shared.links.result);
   const mm = (value) => (value === null || value === undefined ? "not known" : `${value.toFixed(2)} mm`);
   part("numbers").replaceChildren(
@@ -54,12 +57,27 @@ async function show(shared) {
   say("");
 }
 
+const MARK = "breastrig-link:";
+const token = name.startsWith(MARK) ? name.slice(MARK.length) : "";
+if (token) name = "";
+const id = location.pathname.split("/")[2] ?? "";
+let opened = null;
+let asksPasscode = false;
+
+function passOn() {
+  name = MARK + location.hash.slice(1);
+  location.replace("/s");
+}
+addEventListener("hashchange", passOn);
+
 async function open(passcode) {
-  const token = location.hash.slice(1);
+  part("how").hidden = token !== "" || id !== "";
+  if (!part("how").hidden) return;
   try {
-    await show(await (token ? ask("/api/shared/open", passcode ? { token, passcode } : { token }) : ask("/api/shared")));
+    await show(await (token ? ask("/api/shared/open", passcode ? { token, passcode } : { token }) : ask(`/api/shared/${id}`)));
   } catch (error) {
-    part("ask").hidden = error.status !== 403;
+    asksPasscode = error.status === 403 || (asksPasscode && error.status === 429);
+    part("ask").hidden = !asksPasscode;
     say(error.status === 403 && !passcode ? "" : error.message);
   }
 }
@@ -68,4 +86,10 @@ part("ask").addEventListener("submit", (event) => {
   event.preventDefault();
   void open(part("passcode").value);
 });
-void open("");
+part("close").addEventListener("click", async () => {
+  const answer = await fetch(opened.links.close, { method: "POST" });
+  if (answer.ok || answer.status === 401) location.replace("/s");
+  else say("The link could not be closed; try again.");
+});
+if (location.hash.length > 1) passOn();
+else void open("");

@@ -9,6 +9,7 @@ import { createNumbersPanel } from "../../fit/NumbersPanel";
 import { hasBoth, viewBarShown, withDistances } from "../../fit/state";
 import { errors as fitErrors, result as resultText } from "../../fit/text";
 import { createStore } from "../../store/store";
+import { button } from "../../ui/controls";
 import { el, fill, icon, setText, show } from "../../ui/dom";
 import { follow } from "../../ui/Panel";
 import { name, noticeLong } from "../../ui/text";
@@ -16,13 +17,19 @@ import { viewActions } from "../../viewer/actions";
 import { createSwipe } from "../../viewer/Swipe";
 import { errors as viewErrors, view as viewText } from "../../viewer/text";
 import { createViewBar } from "../../viewer/ViewBar";
-import { openLink, readShared } from "./openLink";
 import { openSharedViewer } from "./openViewer";
+import { passSecretOn, takeSecret } from "./secret";
 import { initialVisitor, type VisitorState } from "./state";
+import { closeLink, openLink, readShared, visitOf } from "./visit";
 
+const visit = visitOf(takeSecret(window), location.pathname);
+addEventListener("hashchange", () => passSecretOn(window)); // another link, put into the address bar of this one
 const store = createStore<VisitorState>(initialVisitor);
 const view = viewActions(store);
 const words = text.shared;
+const CLOSED = "?closed";
+let opened: SharedResult | null = null;
+let asksPasscode = false;
 const moment = new Intl.DateTimeFormat("en-GB", { dateStyle: "long", timeStyle: "short" });
 
 const canvas = el("canvas", { class: "view", role: "img", "aria-label": viewText.shared, tabindex: 0 });
@@ -49,7 +56,8 @@ const files = el("ul", { class: "files" });
 const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, el("h2", {}, resultText.drawing), shapes, el("h2", {}, resultText.files), files);
 const numbers = createNumbersPanel();
 const aside = el("aside", { class: "aside" }, numbers.element);
-const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, name), el("span", { class: "scan-title" }, words.title));
+const leave = button(words.close, () => void close(), "quiet outlined", "close");
+const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, name), el("span", { class: "scan-title" }, words.title), el("span", { class: "spring" }), leave);
 const footer = el("footer", { class: "footer" }, el("strong", {}, noticeLong));
 
 document.title = `${words.title} · ${name}`;
@@ -59,7 +67,15 @@ follow(store, viewBar);
 follow(store, swipe);
 follow(store, colourBar);
 follow(store, numbers);
-void open("");
+show(leave, false);
+if (visit.secret === "" && visit.share === "") nothingOpen();
+else void open("");
+
+/** Without a link there is nothing to show but how to open one. */
+function nothingOpen(): void {
+  setText(waiting, location.search === CLOSED ? words.closed : words.howToOpen);
+  history.replaceState(null, "", "/s");
+}
 
 function say(sentence: string): void {
   setText(note, sentence);
@@ -69,15 +85,18 @@ function say(sentence: string): void {
 
 async function open(code: string): Promise<void> {
   try {
-    const shared = await openLink(location.hash.slice(1), code);
-    const session = await readShared(shared);
-    fillSide(shared, session);
+    opened = await openLink(visit, code, history);
+    show(form, false);
+    show(leave, true);
+    const session = await readShared(opened);
+    fillSide(opened, session);
     store.set(session);
   } catch (error) {
-    const isLocked = error instanceof ApiError && error.status === 403;
-    show(form, isLocked);
-    say(isLocked && code === "" ? "" : error instanceof Error ? error.message : String(error));
-    if (isLocked) passcode.focus();
+    const status = error instanceof ApiError ? error.status : null;
+    asksPasscode = opened === null && (status === 403 || (asksPasscode && (status === 429 || status === 0)));
+    show(form, asksPasscode);
+    say(asksPasscode && code === "" ? "" : error instanceof Error ? error.message : String(error));
+    if (asksPasscode) passcode.focus();
     return;
   }
   show(card, false);
@@ -93,6 +112,20 @@ async function open(code: string): Promise<void> {
   } catch {
     failed(viewErrors.noGraphics);
   }
+}
+
+/** The next page of this tab knows nothing of this one, and going back does not lead here. */
+async function close(): Promise<void> {
+  if (!opened) return;
+  try {
+    await closeLink(opened);
+  } catch (error) {
+    show(card, true);
+    show(form, false);
+    say(error instanceof Error ? error.message : String(error));
+    return;
+  }
+  location.replace(`/s${CLOSED}`);
 }
 
 function fillSide({ expires_at, links }: SharedResult, { fit }: VisitorState): void {
