@@ -12,6 +12,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadDrawing
+from breastrig.core.units import distance_text
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.drawings.carry import FittedScan
 from breastrig.drawings.drawing_file import ScanShape
@@ -36,7 +37,7 @@ def on_the_skin(rig: Rig, scan: FittedScan, shape: ScanShape) -> ScanShape:
     off = np.flatnonzero((given.distances > OFF_THE_SKIN) & ~shape.bridged)
     if len(off):
         raise BadDrawing(
-            f'Point {off[0] + 1} of "{shape.name}" is {1e3 * given.distances[off[0]]:.0f} mm away from the scan; '
+            f'Point {off[0] + 1} of "{shape.name}" is {distance_text(float(given.distances[off[0]]))} away from the scan; '
             "draw on the skin, and check that drawing and scan have the same unit and frame."
         )
     corners = np.where(shape.bridged[:, None], shape.points, given.points)
