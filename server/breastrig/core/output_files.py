@@ -69,6 +69,7 @@ def single_file(file: Path, inputs: Iterable[Path], force: bool, stopped: Callab
 
 def check_output(output: Output) -> None:
     """Raises BadInput when the results could not be written, or would replace what they must not."""
+    output = _resolved(output)
     _check_folder(output.folder)
     ids = _identities(output.inputs)
     foreign: list[str] = []
@@ -95,6 +96,7 @@ def all_or_nothing(output: Output) -> Iterator[Path]:
     Raises BadInput, at the start when the output cannot be had, at the end when it could not be put in place.
     """
     check_output(output)
+    output = _resolved(output)
     made: list[Path] = []
     try:
         made = private_folder(output.folder)
@@ -127,6 +129,7 @@ def check_inputs_kept(files: Iterable[Path], inputs: Collection[Path]) -> None:
 
 def private_folder(folder: Path) -> list[Path]:
     """Makes the folder and those above it that are missing, for their owner only; those made, outermost first."""
+    folder = folder.absolute()
     missing = [folder, *folder.parents]
     missing = missing[: next((k for k, each in enumerate(missing) if each.is_dir()), len(missing))]
     for each in reversed(missing):
@@ -258,6 +261,14 @@ def _identities(files: Collection[Path]) -> dict[tuple[int, int], Path]:
             about = file.stat()
             found[about.st_dev, about.st_ino] = file
     return found
+
+
+def _resolved(output: Output) -> Output:
+    """With the folder as it is on the disk: x/.. is a folder also where there is no x."""
+    try:
+        return replace(output, folder=output.folder.resolve())
+    except (OSError, RuntimeError, ValueError) as error:  # RuntimeError: a loop of links, before Python 3.13
+        raise _unwritable(output.folder, error) from error
 
 
 def _check_replaceable(file: Path, inputs: dict[tuple[int, int], Path]) -> None:

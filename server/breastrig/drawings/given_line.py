@@ -36,8 +36,9 @@ def on_the_skin(rig: Rig, scan: FittedScan, shape: ScanShape) -> ScanShape:
     given = scan.target.search.query(shape.points, candidates=16)
     off = np.flatnonzero((given.distances > OFF_THE_SKIN) & ~shape.bridged)
     if len(off):
+        gap = distance_text(float(given.distances[off[0]]))
         raise BadDrawing(
-            f'Point {off[0] + 1} of "{shape.name}" is {distance_text(float(given.distances[off[0]]))} away from the scan; '
+            f'Point {off[0] + 1} of "{shape.name}" is {gap} away from the scan; '
             "draw on the skin, and check that drawing and scan have the same unit and frame."
         )
     corners = np.where(shape.bridged[:, None], shape.points, given.points)

@@ -57,8 +57,8 @@ def compare(job: CompareJob) -> dict[str, Any]:
             off = scan.target.search.query(shape.points[~shape.bridged], candidates=16).distances
             if (off > OFF_THE_SKIN).any():
                 raise BadDrawing(
-                    f'"{shape.name}" of {file} is {distance_text(float(off.max()))} away from the scan; both drawings must be '
-                    "in the scan's frame."
+                    f'"{shape.name}" of {file} is {distance_text(float(off.max()))} away from the scan; both drawings '
+                    "must be in the scan's frame."
                 )
         on_skin += [
             ScanShape(line.name, line.closed, line.color, line.points, line.bridged)
