@@ -18,6 +18,8 @@ Each message is one sentence for a person: what is wrong, then what to do.  Only
 an error into a status or exit code.
 """
 
+SHOWN = 100  # characters of a wrong word that are repeated
+
 
 class BreastRigError(Exception):
     """Base of all; `str(error)` is the sentence to show."""
@@ -91,4 +93,5 @@ class NotRemoved(BreastRigError):
 
 def unknown_name(what: str, name: str, known: tuple[str, ...]) -> str:
     """One sentence that names the wrong word and the right ones."""
+    name = name if len(name) <= SHOWN else name[: SHOWN - 3] + "..."
     return f'"{name}" is not a {what}; known are: {", ".join(known)}.'

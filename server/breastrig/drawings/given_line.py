@@ -3,44 +3,80 @@
 Corners that are far apart are joined by the shortest way along the fitted model: a straight chord would leave the
 skin, across the cleavage even for the other breast.  The model and not the scan, because a scan's mesh has holes and
 edges of three triangles, over which exact geodesics cannot be measured.
+
+All lines of a drawing are made ready together: a drawing of 200 lines asks for 500 ways, and what is asked once for all
+points (the closest skin, the model's normals) costs little more than for those of one line.
 """
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Booleans
+from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadDrawing
+from breastrig.core.units import distance_text
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.drawings.carry import FittedScan
 from breastrig.drawings.drawing_file import ScanShape
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.geodesic import Geodesics
+from breastrig.geometry.geodesic import Geodesics, length
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
+from breastrig.scan.clean import compact
 
 SPACING = 0.003  # m between points of a line: finer than a pen, coarser than the noise
 FAR_APART = 0.015  # m between two corners; the skin is 1 mm off a chord of 15 mm where its radius is 3 cm
 OFF_THE_SKIN = 0.005  # m; a drawn point farther from its scan belongs to another scan, frame or unit
+PATCH = 0.02  # m; so much more of the model around two corners than the way between them needs is looked at first
 SKIN_BELOW = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3, candidates=16)
 
 
-def on_the_skin(rig: Rig, scan: FittedScan, shape: ScanShape) -> ScanShape:
-    """The shape with points in between, on the scan's skin where that has any and marked as bridged elsewhere.
+def on_the_skin(rig: Rig, scan: FittedScan, shapes: Sequence[ScanShape]) -> list[ScanShape]:
+    """The shapes with points in between, on the scan's skin where that has any and marked as bridged elsewhere.
 
     Raises BadDrawing for a given point off the skin that is not said to be bridged.
     """
-    given = scan.target.search.query(shape.points, candidates=16)
-    off = np.flatnonzero((given.distances > OFF_THE_SKIN) & ~shape.bridged)
-    if len(off):
-        raise BadDrawing(
-            f'Point {off[0] + 1} of "{shape.name}" is {1e3 * given.distances[off[0]]:.0f} mm away from the scan; '
-            "draw on the skin, and check that drawing and scan have the same unit and frame."
-        )
-    corners = np.where(shape.bridged[:, None], shape.points, given.points)
+    points = np.concatenate([shape.points for shape in shapes])
+    skipped = np.concatenate([shape.bridged for shape in shapes])
+    given = scan.target.search.query(points, candidates=16)
+    parts = [slice(a, b) for a, b in pairwise(np.cumsum([0, *(len(shape.points) for shape in shapes)]).tolist())]
+    for shape, part in zip(shapes, parts, strict=True):
+        off = np.flatnonzero((given.distances[part] > OFF_THE_SKIN) & ~shape.bridged)
+        if len(off):
+            gap = distance_text(float(given.distances[part][off[0]]))
+            raise BadDrawing(
+                f'Point {off[0] + 1} of "{shape.name}" is {gap} away from the scan; '
+                "draw on the skin, and check that drawing and scan have the same unit and frame."
+            )
+    corners = np.where(skipped[:, None], points, given.points)
     model = ClosestPointSearch(scan.vertices, rig.faces)
+    below = model.query(corners, candidates=16)
+    ways = _Ways(rig, scan)
+    on_model = [SurfacePoints(below.faces[part], below.barycentric[part]) for part in parts]
+    lines = [
+        _filled(ways, shape, corners[part], places) for shape, part, places in zip(shapes, parts, on_model, strict=True)
+    ]
+    between = np.concatenate([own for _, _, own in lines])
+    line, hidden = np.concatenate([line for line, _, _ in lines]), np.concatenate([hidden for _, hidden, _ in lines])
+    inner = np.flatnonzero(~between)
+    line[inner], over_a_hole = _settled(rig, scan, model, line[inner])
+    hidden[inner] |= over_a_hole
+    ends = np.cumsum([0, *(len(each) for each, _, _ in lines)]).tolist()
+    return [
+        replace(shape, points=line[a:b], bridged=hidden[a:b])
+        for shape, (a, b) in zip(shapes, pairwise(ends), strict=True)
+    ]
+
+
+def _filled(ways: "_Ways", shape: ScanShape, corners: Array, places: SurfacePoints) -> tuple[Array, Booleans, Booleans]:
+    """(M, 3) m, (M,) bridged and (M,) the line's own: its corners with points in between.
+
+    `places` are the model's points next to the corners.
+    """
     count = len(corners)
     following = np.roll(np.arange(count), -1)[: count if shape.closed and count > 2 else -1]
     points, bridged, own = [], [], []
@@ -49,15 +85,11 @@ def on_the_skin(rig: Rig, scan: FittedScan, shape: ScanShape) -> ScanShape:
         bridged.append(shape.bridged[[start]])
         own.append(np.ones(1, dtype=np.bool_))
         if start < len(following):
-            end = following[start]
-            points.append(_between(rig, scan, model, corners[start], corners[end]))
-            bridged.append(np.repeat(shape.bridged[start] or shape.bridged[end], len(points[-1])))
+            pair = np.array([start, following[start]])
+            points.append(ways.between(corners[pair], SurfacePoints(places.faces[pair], places.barycentric[pair])))
+            bridged.append(np.repeat(shape.bridged[pair].any(), len(points[-1])))
             own.append(np.zeros(len(points[-1]), dtype=np.bool_))
-    line, hidden = np.concatenate(points), np.concatenate(bridged)
-    inner = np.flatnonzero(~np.concatenate(own))
-    line[inner], over_a_hole = _settled(rig, scan, model, line[inner])
-    hidden[inner] |= over_a_hole
-    return replace(shape, points=line, bridged=hidden)
+    return np.concatenate(points), np.concatenate(bridged), np.concatenate(own)
 
 
 def _settled(rig: Rig, scan: FittedScan, model: ClosestPointSearch, points: Array) -> tuple[Array, Booleans]:
@@ -71,16 +103,45 @@ def _settled(rig: Rig, scan: FittedScan, model: ClosestPointSearch, points: Arra
     return settled, missed
 
 
-def _between(rig: Rig, scan: FittedScan, model: ClosestPointSearch, start: Array, end: Array) -> Array:
-    """(M, 3) m: points between two corners, at most SPACING apart, near the skin."""
-    way = np.stack([start, end])
-    if np.linalg.norm(end - start) > FAR_APART:
-        at = model.query(way, candidates=16)
-        places = [SurfacePoints(at.faces[[k]], at.barycentric[[k]]) for k in range(2)]
-        with suppress(BadDrawing):  # parts of the model that are not connected: then the chord
-            way = np.concatenate([way[:1], Geodesics(scan.vertices, rig.faces).path(*places), way[1:]])
-    steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
-    length = np.concatenate([[0.0], np.cumsum(steps)])
-    count = max(1, int(np.ceil(length[-1] / SPACING)))
-    inner = np.linspace(0.0, length[-1], count + 1)[1:-1]
-    return np.stack([np.interp(inner, length, way[:, axis]) for axis in range(3)], axis=1)
+class _Ways:
+    """Shortest ways along one fitted model."""
+
+    def __init__(self, rig: Rig, scan: FittedScan) -> None:
+        self._vertices, self._faces = scan.vertices, rig.faces
+        corners = scan.vertices[rig.faces]
+        self._longest_edge = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
+
+    def between(self, ends: Array, places: SurfacePoints) -> Array:
+        """(M, 3) m: points between two corners (2, 3), at most SPACING apart, near the skin."""
+        way = ends
+        if np.linalg.norm(ends[1] - ends[0]) > FAR_APART:
+            with suppress(BadDrawing):  # parts of the model that are not connected: then the chord
+                way = np.concatenate([way[:1], self._along(places), way[1:]])
+        steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
+        along = np.concatenate([[0.0], np.cumsum(steps)])
+        count = max(1, int(np.ceil(along[-1] / SPACING)))
+        inner = np.linspace(0.0, along[-1], count + 1)[1:-1]
+        return np.stack([np.interp(inner, along, way[:, axis]) for axis in range(3)], axis=1)
+
+    def _along(self, places: SurfacePoints) -> Array:
+        """(M, 3) m: the shortest way along the model; BadDrawing where there is none.
+
+        It is looked for in a patch of the model around the two places.  No point of a way of length l is farther than
+        l / 2 from their middle, so the way is the shortest of all if the patch reaches that far, and an edge more.
+        """
+        at = places.positions(self._vertices, self._faces)
+        reach = 0.75 * float(np.linalg.norm(at[1] - at[0])) + self._longest_edge + PATCH
+        inside = np.linalg.norm(self._vertices - at.mean(axis=0), axis=1) <= reach
+        patch = np.flatnonzero(inside[self._faces].any(axis=1))
+        if np.isin(places.faces, patch).all():
+            with suppress(BadDrawing):  # the patch may be in pieces where the model is not
+                way = self._path(patch, places)
+                if 0.5 * length(way) + self._longest_edge <= reach:
+                    return way
+        return self._path(np.arange(len(self._faces)), places)
+
+    def _path(self, faces: Integers, places: SurfacePoints) -> Array:
+        """The same within some triangles, which hold both places."""
+        here = np.searchsorted(faces, places.faces)
+        ends = [SurfacePoints(here[[k]], places.barycentric[[k]]) for k in range(2)]
+        return Geodesics(*compact(self._vertices, self._faces[faces])).path(*ends)

@@ -10,6 +10,7 @@ rims, and is marked as bridged.  Beside each point stands how far the two fits w
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.carry import FittedScan, SkinMap
 from breastrig.drawings.drawing_file import ScanShape
 from breastrig.drawings.given_line import on_the_skin
-from breastrig.drawings.on_scan import settled
+from breastrig.drawings.on_scan import Strand, settled
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
@@ -54,28 +55,26 @@ def transferred(
 
     Raises BadDrawing for a point off A's skin that is not said to be bridged, and for fits off their scans.
     """
-    lines = [on_the_skin(rig, a, shape) for shape in shapes]
+    lines = on_the_skin(rig, a, shapes)
     points = np.concatenate([line.points for line in lines])
     skipped = np.concatenate([line.bridged for line in lines])
     near, facing, there, bridged = _carried(rig, a, b, points, other_patient, skipped)
-    first = 0
-    for line in lines:  # a line is smoother than its points alone, and does not step onto an arm
-        part = slice(first, first + len(line.points))
-        first = part.stop
-        moved, out, met, smooth = near[part], facing[part], ~bridged[part], np.zeros(len(line.points), dtype=np.bool_)
-        there[part], met = settled(b.target, moved, out, there[part] - moved, met, smooth, line.closed)
-        bridged[part] = ~met
+    ends = np.cumsum([0, *(len(line.points) for line in lines)]).tolist()
+    parts = [slice(a, b) for a, b in pairwise(ends)]
+    smooth = np.zeros(len(points), dtype=np.bool_)
+    strands = [  # a line is smoother than its points alone, and does not step onto an arm
+        Strand(near[part], facing[part], there[part] - near[part], ~bridged[part], smooth[part], line.closed)
+        for line, part in zip(lines, parts, strict=True)
+    ]
+    for part, (on_b, met) in zip(parts, settled(b.target, strands), strict=True):
+        there[part], bridged[part] = on_b, ~met
     models = [ClosestPointSearch(each.vertices, rig.faces) for each in (a, b)]
     gaps = [model.query(each, candidates=16).distances for model, each in zip(models, (points, there), strict=True)]
     gaps[0][skipped], gaps[1][bridged] = np.nan, np.nan
-    result, first = [], 0
-    for line in lines:
-        part = slice(first, first + len(line.points))
-        first = part.stop
-        result.append(
-            CarriedShape(line.name, line.closed, line.color, there[part], bridged[part], gaps[0][part], gaps[1][part])
-        )
-    return tuple(result)
+    return tuple(
+        CarriedShape(line.name, line.closed, line.color, there[part], bridged[part], gaps[0][part], gaps[1][part])
+        for line, part in zip(lines, parts, strict=True)
+    )
 
 
 def points_carried(

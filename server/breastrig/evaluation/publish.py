@@ -1,10 +1,13 @@
-"""What an evaluation leaves behind: CSV tables, figures as PNG, and one page that shows both."""
+"""What an evaluation leaves behind: CSV tables, figures as PNG, one page that shows both, and a record."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
+from breastrig import __version__
+from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.evaluation.charts import DARK, LIGHT, as_png, have_plots
-from breastrig.evaluation.evaluate import Results, all_tables
+from breastrig.evaluation.evaluate import WORK, Results, all_tables
 from breastrig.evaluation.figures import all_figures
 from breastrig.evaluation.page import Circumstances, page
 from breastrig.evaluation.pictures import fit_pictures
@@ -13,10 +16,32 @@ from breastrig.evaluation.unseen_sections import unseen_pictures
 from breastrig.gltf.read_rig import read_rig
 
 NO_PLOTS = "The figures need matplotlib: pip install breastrig[plots]; tables and page are written without them."
+TABLES = (
+    *("table1", "refined", "presets", "landmarks", "turns", "clicks", "wrong_picks", "blendshapes", "blendshape_order"),
+    *("compliances", "peers", "two_stances", "transfer", "transfer_lines", "other_patient", "unseen", "failures"),
+)
+PAGE, RECORD, SCHEMA = "index.html", "evaluation.json", "breastrig/evaluation@1"
+
+
+def possible_files(folder: Path) -> tuple[str, ...]:
+    """What `published` may write into the folder, as far as it can be known before: figures that are there count."""
+    figures = sorted(f"figures/{file.name}" for file in (folder / "figures").glob("*.png"))
+    return (*(f"{name}.csv" for name in TABLES), *figures, PAGE, RECORD)
+
+
+def is_of_an_evaluation(folder: Path) -> bool:
+    """Whether an evaluation of a version that kept no record was made there: then its answers are still there."""
+    for file in (folder / WORK).glob("*.json"):
+        try:
+            kept = json.loads(file.read_bytes())
+        except (OSError, ValueError):
+            continue
+        return isinstance(kept, dict) and {"question", "answer", "failed"} <= set(kept)
+    return False
 
 
 def published(results: Results, about: Circumstances, folder: Path, told: Callable[[str], None]) -> list[Path]:
-    """Writes everything into the folder and returns the files; `told` hears what is being made."""
+    """Writes everything into the empty folder and returns the files; `told` hears what is being made."""
     rig = read_rig(results.plan.model)
     tables = {table.name: table for table in all_tables(results)}
     files = []
@@ -27,8 +52,6 @@ def published(results: Results, about: Circumstances, folder: Path, told: Callab
         file.write_bytes(data)
         files.append(file)
 
-    for stale in [*folder.glob("*.csv"), *(folder / "figures").glob("*.png")]:
-        stale.unlink()  # of an earlier run with other studies: the folder shows one run
     for table in tables.values():
         write(f"{table.name}.csv", table.csv().encode())
     figures = {}
@@ -45,5 +68,7 @@ def published(results: Results, about: Circumstances, folder: Path, told: Callab
     for picture in pictures:
         write(f"figures/fit_{picture.family}_{picture.place}.png", picture.png)
     html = page(results, rig, about, all_sections(results, tables), tables, figures, pictures)
-    write("index.html", html.encode())
+    write(PAGE, html.encode())
+    record = {"schema": SCHEMA, "notice": LIMITS_OF_USE, "breastrig": __version__, "command": about.command}
+    write(RECORD, (json.dumps(record, indent=1) + "\n").encode())
     return files

@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from breastrig.core.errors import BadSettings, unknown_name
+from breastrig.core.output_files import is_ordinary, shown
 
 Positive = Annotated[float, Field(gt=0.0)]
 Range = tuple[Positive, Positive]
@@ -98,10 +99,13 @@ def load_recipe(name_or_file: str | Path) -> Recipe:
     """A preset by name, or a TOML file of the same form; BadSettings says what is wrong with it."""
     if str(name_or_file) in preset_names():
         text = (resources.files("breastrig.fitting") / "presets" / f"{name_or_file}.toml").read_text("utf-8")
-    elif Path(name_or_file).suffix == ".toml" and Path(name_or_file).is_file():
-        text = Path(name_or_file).read_text("utf-8")
+    elif Path(name_or_file).suffix == ".toml" and is_ordinary(Path(name_or_file)):
+        try:
+            text = Path(name_or_file).read_text("utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise BadSettings(f"The preset {shown(name_or_file)} cannot be read; check the file.") from error
     else:
-        raise BadSettings(unknown_name("preset", str(name_or_file), preset_names()))
+        raise BadSettings(unknown_name("preset", shown(name_or_file), preset_names()))
     try:
         return Recipe.model_validate(tomllib.loads(text))
     except (tomllib.TOMLDecodeError, ValidationError) as error:

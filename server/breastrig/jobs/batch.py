@@ -22,14 +22,25 @@ from threading import Event
 from typing import Any
 
 from breastrig import __version__
-from breastrig.core.errors import BadSettings, BreastRigError
+from breastrig.core.errors import BadInput, BadSettings, BreastRigError
+from breastrig.core.output_files import (
+    Output,
+    OutputSet,
+    check_output,
+    private_folder,
+    read_ordinary,
+    recorded,
+    write_private,
+)
 from breastrig.jobs.batch_fit import FitOfBytes, Runner, fit_of_bytes
-from breastrig.jobs.batch_manifest import INPUTS, BatchRow
+from breastrig.jobs.batch_manifest import INPUTS, INPUTS_SCHEMA, BatchRow
 from breastrig.jobs.batch_table import Outcome, numbers_of
 from breastrig.jobs.executor import Executor
-from breastrig.jobs.fit_files import json_bytes
+from breastrig.jobs.fit_files import FIT_FILES, RESULT, RESULT_SCHEMA, json_bytes
 from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.run_fit import run_fit
+from breastrig.scan.landmark_files import LIMIT_BYTES
+from breastrig.scan.limits import FILE_BYTES
 
 SPARE = 8  # scans at most that wait beside the workers; a large cluster needs no more to be kept busy
 LOOK_S = 0.2  # between two looks whether to stop
@@ -52,6 +63,7 @@ class Batch:
     again: bool = False  # do also what is done
     runner: Runner = run_fit
     wall_s: float = FitLimits().wall_s
+    force: bool = False  # replace also what no batch has written
 
 
 @contextmanager
@@ -61,7 +73,7 @@ def exclusive(folder: Path) -> Iterator[None]:
     Raises BadSettings.
     """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        private_folder(folder)
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     except OSError as error:
         raise BadSettings(f"The folder {folder} cannot be made ({error.strerror}); choose another with -o.") from error
@@ -109,6 +121,11 @@ def run_batch(
                 if found is not None:
                     note(found)
                     continue
+                try:
+                    check_output(_output(batch, row))
+                except BadInput as error:
+                    note(Outcome(row.name, str(error)))
+                    continue
                 future = executor.schedule(fit_of_bytes, (wish, batch.runner), batch.wall_s)
                 in_flight[future] = row, inputs
                 future.add_done_callback(ended.put)
@@ -128,14 +145,14 @@ def run_batch(
 
 def _wish(row: BatchRow) -> FitOfBytes:
     return FitOfBytes(
-        scan=row.scan.read_bytes(),
+        scan=read_ordinary(row.scan, FILE_BYTES),
         ending=row.scan.suffix,
-        landmarks=row.landmarks.read_bytes() if row.landmarks else None,
+        landmarks=read_ordinary(row.landmarks, LIMIT_BYTES) if row.landmarks else None,
         landmarks_ending=row.landmarks.suffix if row.landmarks else "",
         units=row.units,
         stance=row.stance,
         preset=row.preset,
-        preset_file=Path(row.preset).read_bytes() if row.preset.endswith(".toml") else None,
+        preset_file=read_ordinary(Path(row.preset), LIMIT_BYTES) if row.preset.endswith(".toml") else None,
         drawing=row.drawing,
         refine=row.refine,
     )
@@ -144,7 +161,7 @@ def _wish(row: BatchRow) -> FitOfBytes:
 def _inputs(batch: Batch, wish: FitOfBytes) -> dict[str, Any]:
     """Everything that a result depends on; no name of a file is among it."""
     return {
-        "schema": "breastrig/batch-inputs@1",
+        "schema": INPUTS_SCHEMA,
         "scan_sha256": _sha256(wish.scan),
         "landmarks_sha256": _sha256(wish.landmarks),
         "units": wish.units,
@@ -156,6 +173,21 @@ def _inputs(batch: Batch, wish: FitOfBytes) -> dict[str, Any]:
         "model_sha256": batch.model_sha256,
         "breastrig": __version__,
     }
+
+
+def _output(batch: Batch, row: BatchRow) -> Output:
+    """The result's folder; a damaged result of a batch counts as written by it."""
+    inputs = tuple(file for file in (row.scan, row.landmarks) if file is not None)
+    files = OutputSet(Path(), (*FIT_FILES, INPUTS), RESULT, RESULT_SCHEMA, lambda file: _of_a_batch(file.parent))
+    return Output(batch.folder / row.name, (files,), inputs, batch.force)
+
+
+def _of_a_batch(folder: Path) -> bool:
+    try:
+        document = json.loads((folder / INPUTS).read_bytes())
+    except (OSError, ValueError):
+        return False
+    return isinstance(document, dict) and document.get("schema") == INPUTS_SCHEMA
 
 
 def _sha256(content: bytes | None) -> str | None:
@@ -182,7 +214,8 @@ def _outcome(batch: Batch, row: BatchRow, inputs: dict[str, Any], future: "Futur
     except Exception as error:
         return Outcome(row.name, BROKEN.format(type(error).__name__))
     try:
-        _keep(batch.folder, row.name, {**files, INPUTS: json_bytes(inputs)})
+        beside = {name: content for name, content in files.items() if name != RESULT} | {INPUTS: json_bytes(inputs)}
+        _keep(batch.folder, row.name, {RESULT: recorded(files[RESULT], beside), **beside})
     except OSError as error:
         raise BatchStopped(
             f"The results cannot be written ({error.strerror}); free space, then run the same command: it goes on."
@@ -206,12 +239,19 @@ def _why(error: BaseException, wall_s: float) -> str:
 
 
 def _keep(folder: Path, name: str, files: dict[str, bytes]) -> None:
-    """The result's folder, whole or not at all, in the place of an older one."""
+    """The result's folder, whole or not at all, in the place of an older one; what others put there stays."""
     half = folder / f".part-{secrets.token_hex(8)}"
-    half.mkdir()
+    private_folder(half)
     for file, content in files.items():
-        (half / file).write_bytes(content)
-    place, old = folder / name, folder / f".old-{secrets.token_hex(8)}"
+        write_private(half / file, content)
+    place = folder / name
+    if place.is_dir() and any(each.name not in files for each in place.iterdir()):
+        write_private(place / INPUTS, json_bytes({"schema": INPUTS_SCHEMA}))  # until all are there: made again
+        for file in sorted(files, key=INPUTS.__eq__):
+            os.replace(half / file, place / file)
+        half.rmdir()
+        return
+    old = folder / f".old-{secrets.token_hex(8)}"
     if place.exists():
         place.rename(old)
     half.rename(place)

@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 
 from breastrig.core.errors import BadInput, BadSettings, BreastRigError, unknown_name
+from breastrig.core.output_files import is_ordinary, read_ordinary, shown
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import asked_drawing, tumour_text
 from breastrig.fitting.recipe import load_recipe
@@ -26,6 +27,7 @@ YES_NO = {"": False, "no": False, "false": False, "0": False, "yes": True, "true
 MANIFEST_BYTES = 100_000_000  # half a million long rows
 NAME_BYTES = 200  # file systems take 255, and a folder that is being written has a longer name
 INPUTS = "inputs.json"  # in each result: what it was made from
+INPUTS_SCHEMA = "breastrig/batch-inputs@1"
 
 
 class BadManifest(BadInput):
@@ -53,10 +55,10 @@ class BatchRow:
     refine: bool
 
 
-def read_manifest(file: Path, rig: Rig, out: Path) -> tuple[BatchRow, ...]:
+def read_manifest(file: Path, rig: Rig, out: Path, force: bool = False) -> tuple[BatchRow, ...]:
     """The rows of a table in UTF-8, split by commas, semicolons or tabs; paths are relative to the table.
 
-    `out` is where the results will be.  Raises BadManifest.
+    `out` is where the results will be; `force` lets them go beside what no batch has made.  Raises BadManifest.
     """
     rows, faults = [], []
     lines: dict[str, int] = {}  # name -> line
@@ -68,7 +70,7 @@ def read_manifest(file: Path, rig: Rig, out: Path) -> tuple[BatchRow, ...]:
             if key in lines:
                 raise BadInput(f'The name "{row.name}" is also that of line {lines[key]}; give each row its own.')
             lines[key] = line
-            _check_place(out / row.name)
+            _check_place(out / row.name, force)
         except BreastRigError as error:
             faults.append(f"{file.name}, line {line}: {error}")
         else:
@@ -114,11 +116,12 @@ def _cells(file: Path) -> Iterator[tuple[int, Mapping[str, str]]]:
 
 def _text(file: Path) -> str:
     try:
-        if file.stat().st_size > MANIFEST_BYTES:
+        content = read_ordinary(file, MANIFEST_BYTES)
+        if len(content) > MANIFEST_BYTES:
             raise BadManifest([f"{file.name} is larger than {MANIFEST_BYTES // 10**6} MB; split it."])
-        return file.read_text("utf-8-sig")
+        return content.decode("utf-8-sig")
     except OSError as error:
-        raise BadManifest([f"The manifest {file} cannot be read ({error.strerror}); check the name."]) from error
+        raise BadManifest([f"The manifest {shown(file)} cannot be read ({error.strerror}); check the name."]) from error
     except UnicodeDecodeError as error:
         raise BadManifest([f"{file.name} is no text in UTF-8; save the table as CSV (UTF-8)."]) from error
 
@@ -156,8 +159,8 @@ def _row(
 
 def _file(base: Path, text: str, what: str) -> Path:
     file = base / text
-    if not file.is_file():
-        raise BadInput(f"There is no {what} {text}; paths are relative to the manifest.")
+    if not is_ordinary(file):
+        raise BadInput(f"There is no {what} {shown(text)}; paths are relative to the manifest.")
     return file
 
 
@@ -183,7 +186,8 @@ def _name(text: str) -> str:
     return text
 
 
-def _check_place(folder: Path) -> None:
+def _check_place(folder: Path, force: bool) -> None:
     """Nothing is replaced that a batch has not made."""
-    if folder.is_symlink() or (folder.exists() and not (folder / INPUTS).is_file()):
+    made = folder.is_dir() and (force or (folder / INPUTS).is_file())
+    if folder.is_symlink() or (folder.exists() and not made):
         raise BadInput(f"{folder} is there already and is no result of a batch; choose another name, or remove it.")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from breastrig.jobs.fit_files import write_whole
+from breastrig.core.output_files import write_private
 
 NUMBERS = {  # column -> its place in result.json
     "stance": ("stance",),
@@ -24,6 +24,7 @@ NUMBERS = {  # column -> its place in result.json
     "total_s": ("timing_s", "total"),
 }
 TIMES = ("solve_s", "total_s")  # all other columns are the same wherever and however often a fit runs
+COLUMNS = ("name", "state", "reason", *NUMBERS)
 FILE = "batch.csv"
 
 
@@ -40,6 +41,15 @@ class Outcome:
         return "done" if self.reason is None else "failed"
 
 
+def is_table(file: Path) -> bool:
+    """Whether a batch wrote it: its first line names our columns."""
+    try:
+        with file.open("rb") as stream:
+            return stream.readline(1000).decode("utf-8", "replace").rstrip("\r\n") == ",".join(COLUMNS)
+    except OSError:
+        return False
+
+
 def numbers_of(result: Mapping[str, Any]) -> dict[str, Any]:
     """The columns' values from a result.json.  Raises KeyError or TypeError when it is none."""
     numbers = {}
@@ -54,8 +64,8 @@ def numbers_of(result: Mapping[str, Any]) -> dict[str, Any]:
 def write_table(outcomes: Iterable[Outcome], folder: Path) -> None:
     """Writes batch.csv, whole or not at all; a row for each outcome in their order."""
     text = io.StringIO(newline="")
-    writer = csv.DictWriter(text, ["name", "state", "reason", *NUMBERS], lineterminator="\n")
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
     for outcome in outcomes:
         writer.writerow({"name": outcome.name, "state": outcome.state, "reason": outcome.reason, **outcome.numbers})
-    write_whole(folder / FILE, text.getvalue().encode())
+    write_private(folder / FILE, text.getvalue().encode())

@@ -11,6 +11,8 @@ from PIL import Image
 
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.output_files import private_folder, write_private
+from breastrig.core.units import distance_text
 from breastrig.drawings.drawing_file import GivenDrawing, ScanShape, parsed_drawing
 from breastrig.drawings.given_line import OFF_THE_SKIN
 from breastrig.drawings.on_scan import on_scan
@@ -18,10 +20,14 @@ from breastrig.drawings.superimposition import gaps
 from breastrig.drawings.superimposition_picture import body_frame, superimposed
 from breastrig.drawings.transfer import centred
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.jobs.fit_files import json_bytes, write_whole
+from breastrig.jobs.fit_files import json_bytes
 from breastrig.jobs.fit_folder import fit_folder_of
 from breastrig.jobs.transfer import drawing_document
 from breastrig.rig.model import ModelDrawing
+
+SCHEMA = "breastrig/compare@1"
+COMPARE_RECORD = "compare.json"
+COMPARE_FILES = ("compare.csv", "compare.png", COMPARE_RECORD)
 
 
 @dataclass(frozen=True)
@@ -51,8 +57,8 @@ def compare(job: CompareJob) -> dict[str, Any]:
             off = scan.target.search.query(shape.points[~shape.bridged], candidates=16).distances
             if (off > OFF_THE_SKIN).any():
                 raise BadDrawing(
-                    f'"{shape.name}" of {file} is {1e3 * off.max():.0f} mm away from the scan; both drawings must be '
-                    "in the scan's frame."
+                    f'"{shape.name}" of {file} is {distance_text(float(off.max()))} away from the scan; both drawings '
+                    "must be in the scan's frame."
                 )
         on_skin += [
             ScanShape(line.name, line.closed, line.color, line.points, line.bridged)
@@ -77,7 +83,7 @@ def compare(job: CompareJob) -> dict[str, Any]:
         for gap in found
     ]
     document = {
-        "schema": "breastrig/compare@1",
+        "schema": SCHEMA,
         "notice": LIMITS_OF_USE,
         "first": job.first.name,
         "second": job.second.name,
@@ -99,9 +105,9 @@ def _write(out: Path, document: dict[str, Any], rows: list[dict[str, Any]], pict
     writer.writerows(rows)
     Image.fromarray(np.asarray(picture)).save(image, "PNG", optimize=True)
     try:
-        out.mkdir(parents=True, exist_ok=True)
-        write_whole(out / "compare.json", json_bytes(document))
-        write_whole(out / "compare.csv", table.getvalue().encode())
-        write_whole(out / "compare.png", image.getvalue())
+        private_folder(out)
+        write_private(out / "compare.json", json_bytes(document))
+        write_private(out / "compare.csv", table.getvalue().encode())
+        write_private(out / "compare.png", image.getvalue())
     except OSError as error:
         raise BadInput(f"{out} cannot be written ({error.strerror}); choose another folder.") from error

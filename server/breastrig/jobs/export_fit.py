@@ -11,6 +11,9 @@ from breastrig.jobs.report import stance_of, write_all
 from breastrig.report.exported import closed_model, vertex_sets
 from breastrig.report.line_files import obj_lines, ply_lines, rgb
 
+EXPORT_RECORD = "surface.json"
+EXPORT_FILES = ("drawing.glb", "drawing.obj", "drawing.ply", "surface.ply", "surface.stl", EXPORT_RECORD)
+
 
 def export_files(folder: Path, model: Path | None = None) -> dict[str, bytes]:
     """drawing.{glb,obj,ply}, where the fit has a drawing, and surface.{ply,stl,json}; by name.

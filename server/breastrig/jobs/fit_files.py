@@ -1,7 +1,6 @@
 """What a finished fit leaves on disk (paragraph 5 of the specification)."""
 
 import json
-import os
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -13,6 +12,7 @@ from breastrig import __version__
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.output_files import private_folder, write_private
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.on_scan import ScanLine
 from breastrig.fitting.landmark_check import Doubt
@@ -30,6 +30,10 @@ from breastrig.report.distances import (
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.scan.scan import Scan
+
+RESULT = "result.json"
+RESULT_SCHEMA = "breastrig/result@1"
+FIT_FILES = ("scan.ply", "fitted.ply", "fitted.glb", "drawing.json", "distances.bin", "fit.log.jsonl", RESULT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +75,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
     model_landmarks = dict(zip(rig.landmark_names, model_points, strict=True))
     quaternions = quaternion_from_rotation(x.rotations)
     return {
-        "schema": "breastrig/result@1",
+        "schema": RESULT_SCHEMA,
         "notice": LIMITS_OF_USE,
         "scan": {
             "vertices": len(scan.vertices),
@@ -147,17 +151,6 @@ def distances_bin(outcome: FitOutcome) -> bytes:
     return (1e3 * signed).astype("<f4").tobytes()
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Whole or not at all."""
-    partial = path.with_name(path.name + ".part")
-    try:
-        partial.write_bytes(content)
-        os.replace(partial, path)
-    except OSError:
-        partial.unlink(missing_ok=True)
-        raise
-
-
 def json_bytes(document: object) -> bytes:
     return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
 
@@ -177,14 +170,10 @@ def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
     result = result_json(outcome)
     log = "".join(event.model_dump_json(exclude={"nodes"}) + "\n" for event in outcome.log)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        write_whole(folder / "scan.ply", scan)
-        write_whole(folder / "fitted.ply", ply)
-        write_whole(folder / "fitted.glb", glb)
-        write_whole(folder / "drawing.json", json_bytes(drawing_json(outcome)))
-        write_whole(folder / "distances.bin", distances)
-        write_whole(folder / "fit.log.jsonl", log.encode())
-        write_whole(folder / "result.json", json_bytes(result))
+        private_folder(folder)
+        contents = (scan, ply, glb, json_bytes(drawing_json(outcome)), distances, log.encode(), json_bytes(result))
+        for name, content in zip(FIT_FILES, contents, strict=True):
+            write_private(folder / name, content)
     except OSError as error:
         raise BadInput(
             f"The results cannot be written ({error.strerror}); free space or choose another folder."

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput, BadScan
+from breastrig.core.output_files import is_ordinary, read_ordinary
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.geometry.rotations import rotation_from_quaternion
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -95,11 +96,13 @@ def read_fit_folder(folder: Path, model: Path | None = None) -> FitFolder:
 
 def fit_folder_of(folder: Path, rig: Rig) -> FitFolder:
     """As read_fit_folder, with a rig that has been read."""
-    file, shown = folder / "result.json", folder.resolve().name  # a message names no place outside of the folder
+    file = folder / "result.json"
     try:
-        text = file.read_bytes() if file.stat().st_size <= RESULT_BYTES else b""
+        shown = folder.resolve().name[:100]  # a message names no place outside of the folder
+        text = read_ordinary(file, RESULT_BYTES)
+        text = text if len(text) <= RESULT_BYTES else b""
     except OSError as error:
-        raise BadInput(f"There is no fit in {shown}; give a folder that `breastrig fit` wrote.") from error
+        raise BadInput(f"There is no fit in {folder.name[:100]}; give a folder that `breastrig fit` wrote.") from error
     try:
         result = _Result.model_validate_json(text)
     except ValidationError as error:
@@ -141,7 +144,7 @@ def _document(text: bytes) -> dict[str, Any]:
 def _mesh(file: Path, unit: str) -> tuple[Array, Integers]:
     """(V, 3) m vertices and (F, 3) triangles."""
     shown = f"{file.parent.resolve().name}/{file.name}"
-    if not file.is_file():
+    if not is_ordinary(file):
         raise BadInput(f"{shown} is missing; fit the scan again with this version of BreastRig.")
     try:
         mesh = read_scan(file, "ply", unit, texture=False)

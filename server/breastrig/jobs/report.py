@@ -1,5 +1,6 @@
 """The report of one fit, or of two stances of one patient, from the folders that `breastrig fit` wrote."""
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,8 +10,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from breastrig.core.errors import BadInput
+from breastrig.core.output_files import private_folder, read_ordinary, write_private
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.jobs.fit_files import json_bytes, write_whole
+from breastrig.jobs.fit_files import json_bytes
 from breastrig.jobs.fit_folder import FitFolder, fit_folder_of
 from breastrig.report.document import Reported, report_document, stance_names
 from breastrig.report.measures import measures
@@ -18,6 +20,10 @@ from breastrig.report.pdf import report_pdf
 from breastrig.report.stance import DrawnLine, Stance
 from breastrig.report.table import csv_bytes
 from breastrig.rig.model import Rig
+
+DRAWING_BYTES = 20_000_000  # a drawing that a fit leaves has some thirty thousand
+REPORT_RECORD = "report.json"
+REPORT_FILES = ("measures.csv", "report.pdf", REPORT_RECORD)
 
 
 @dataclass(frozen=True)
@@ -96,10 +102,10 @@ class _Result(BaseModel):
 def drawn_lines(folder: Path, metres_per_unit: float) -> tuple[DrawnLine, ...]:
     """The lines of the folder's drawing.json, in metres; none where there is no such file."""
     file = folder / "drawing.json"
-    if not file.is_file():
+    if not os.path.lexists(file):
         return ()
     try:
-        drawing = _Drawing.model_validate_json(file.read_bytes())
+        drawing = _Drawing.model_validate_json(read_ordinary(file, DRAWING_BYTES))
     except (OSError, ValidationError) as error:
         raise BadInput(f"{folder.resolve().name}/drawing.json is damaged; fit the scan again.") from error
     lines = []
@@ -169,9 +175,9 @@ def write_report(job: ReportJob, folder: Path) -> None:
 def write_all(files: dict[str, bytes], folder: Path) -> None:
     """Each file whole or not at all; BadInput when the folder cannot be written."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        private_folder(folder)
         for name, content in files.items():
-            write_whole(folder / name, content)
+            write_private(folder / name, content)
     except OSError as error:
         raise BadInput(f"{folder} cannot be written ({error.strerror}); choose another folder.") from error
 

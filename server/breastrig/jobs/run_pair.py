@@ -11,14 +11,17 @@ from typing import Any
 
 from breastrig.core.errors import BadInput, BadScan, BadSettings
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.output_files import write_private
 from breastrig.fitting.checked_fit import agreeing_picks
 from breastrig.fitting.coupling import ONE_BODY, Coupling
 from breastrig.fitting.pair import fit_pair_iterates
 from breastrig.fitting.shared_body import SharedBody
 from breastrig.jobs.events import Done, Event
-from breastrig.jobs.fit_files import json_bytes, write_whole
+from breastrig.jobs.fit_files import json_bytes
 from breastrig.jobs.scan_fit import Clock, FitJob, ScanStory, made_ready, read_model
 from breastrig.rig.model import Rig
+
+PAIR_SCHEMA = "breastrig/pair@1"
 
 
 def run_pair(
@@ -81,7 +84,7 @@ def _write_pair_file(
 ) -> None:
     results: list[dict[str, Any]] = [each.result for each in done]
     document = {
-        "schema": "breastrig/pair@1",
+        "schema": PAIR_SCHEMA,
         "notice": LIMITS_OF_USE,
         "results": {
             name: os.path.relpath(job.out / "result.json", file.parent)
@@ -96,7 +99,7 @@ def _write_pair_file(
         "timing_s": {"solve": results[1]["timing_s"]["solve"], "total": results[1]["timing_s"]["total"]},
     }
     try:
-        write_whole(file, json_bytes(document))
+        write_private(file, json_bytes(document))
     except OSError as error:
         raise BadInput(
             f"The results cannot be written ({error.strerror}); free space or choose another folder."

@@ -11,6 +11,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadLandmarks, BadSettings, FitFailed, unknown_name
+from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.on_scan import on_scan
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
@@ -80,6 +81,8 @@ def checked_landmarks(rig: Rig, landmarks_mm: dict[str, list[float]]) -> dict[st
         point = np.asarray(place, dtype=np.float64)
         if point.shape != (3,) or not np.isfinite(point).all():
             raise BadLandmarks(f"The landmark {name} needs three finite numbers x y z.")
+        if np.abs(point).max() > BEYOND:
+            raise BadLandmarks(f"The landmark {name} has a coordinate beyond all reason; check the file and its unit.")
         result[name] = 1e-3 * point
     return result
 
@@ -91,7 +94,7 @@ def _near_the_scan(landmarks: dict[str, Array], target: ScanTarget) -> None:
     worst = int(np.argmax(gaps))
     if gaps[worst] > FAR_LANDMARK:
         raise BadLandmarks(
-            f"The landmark {tuple(landmarks)[worst]} is {1e3 * float(gaps[worst]):.0f} mm away from the scan; "
+            f"The landmark {tuple(landmarks)[worst]} is {distance_text(float(gaps[worst]))} away from the scan; "
             "check that landmarks and scan have the same unit and frame."
         )
 

@@ -14,6 +14,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing, BadInput, TooLarge
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.output_files import read_ordinary, shown
 from breastrig.drawings.drawing_file import GivenDrawing, ScanShape, parsed_drawing
 from breastrig.drawings.on_scan import on_scan
 from breastrig.drawings.transfer import CarriedShape, centred, transferred
@@ -38,11 +39,11 @@ class TransferJob:
 def drawing_document(file: Path) -> dict[str, Any]:
     """A drawing file's JSON object."""
     try:
-        if file.stat().st_size > DRAWING_BYTES:
-            raise TooLarge(f"{file.name} is larger than {DRAWING_BYTES // 1_000_000} MB; this is no drawing.")
-        content = file.read_bytes()
+        content = read_ordinary(file, DRAWING_BYTES)
+        if len(content) > DRAWING_BYTES:
+            raise TooLarge(f"{shown(file.name)} is larger than {DRAWING_BYTES // 1_000_000} MB; this is no drawing.")
     except OSError as error:
-        raise BadDrawing(f"There is no drawing {file.name} that can be read; check the name.") from error
+        raise BadDrawing(f"There is no drawing {shown(file.name)} that can be read; check the name.") from error
     try:
         document = json.loads(content)
     except (ValueError, RecursionError) as error:
