@@ -4,7 +4,7 @@ Skin colour, tattoos and birthmarks can tell who a person is; the shape tells le
 """
 
 from breastrig.core.glb import split_glb
-from breastrig.gltf.accessors import GltfArrays
+from breastrig.core.gltf_arrays import GltfArrays
 from breastrig.gltf.mesh_glb import mesh_glb
 
 
