@@ -2,11 +2,13 @@
 
 OBJ announces nothing, so a file that was cut off within its triangles looks whole to a library, which reads half a
 body.  What gives it away: the last triangle lacks a corner; the file says how many there should be (MeshLab's do);
-points are left over that no triangle uses; or, without a line end, the last number seems to lack digits, because the
-last triangle reaches far across the body.  A cut that leaves no such trace cannot be seen.
+many points are left over that no triangle uses, or any at all where the last line has no end; or such a last number
+seems to lack digits, because its triangle reaches far across the body.  A cut that leaves no such trace cannot be seen:
+one exactly between two lines in which nearly all points are used already.
 """
 
 import re
+from functools import partial
 
 import numpy as np
 
@@ -23,10 +25,17 @@ POLYGON = re.compile(rb"(?m)^f(?: +[^ \n]+){3}")
 POINT = re.compile(rb"(?m)^v [^\n]*")
 MATERIAL = re.compile(rb"(?m)^usemtl +([^\n]*)")
 ANNOUNCED = re.compile(rb"(?m)^# *Faces: *(\d{1,9}) *$")  # in MeshLab's header
+LARGE_POLYGON = re.compile(rb"(?m)^f [^\n]{20000}")
 RELATIVE = re.compile(rb"(?m)^f [^\n]*-")  # corners counted backwards
+BLOCK = re.compile(rb"(?m)(?:^f [^\n]*\n?)+")
+COUNTED = (b"\nv ", b"\nvt ", b"\nvn ")  # what the three numbers of a corner count
+WHOLE_CORNER = re.compile(rb" (-?\d{1,18}(?:/(?:-?\d{1,18})?){0,2})")
 CORNER = re.compile(rb" (\d{1,18})")  # of a corner 12/13/14 the 12
 LOOKED_AT = 4096  # bytes at the beginning, or the end
 CUT_OFF = "This OBJ file ends in the middle of its triangles, as one that was cut off; export it again."
+LOOSE = (
+    "This OBJ file has many points without triangles, as one that was cut off; export it again, without loose points."
+)
 
 
 def uniform_text(data: bytes) -> bytes:
@@ -45,8 +54,10 @@ def polygons(data: bytes) -> int:
     return sum(1 for _ in POLYGON.finditer(data))
 
 
-def check_materials(data: bytes) -> None:
-    """TooLarge when the triangles are split by more materials than any scan has."""
+def check_work(data: bytes) -> None:
+    """TooLarge for more materials, BadScan for larger polygons than any scan has: both take a reader long."""
+    if LARGE_POLYGON.search(data):
+        raise BadScan("This OBJ file has polygons with hundreds of corners; export it as triangles.")
     if data.count(b"usemtl") > MATERIALS and len(set(MATERIAL.findall(data))) > MATERIALS:
         raise TooLarge(f"This OBJ file uses more than the {MATERIALS} materials allowed; join them.")
 
@@ -57,8 +68,10 @@ def check_end(data: bytes, used: int) -> None:
     `used`: at most so many of its points belong to triangles, as far as the reader knows.
     """
     announced = ANNOUNCED.search(data[:LOOKED_AT])
-    if announced is not None and polygons(data) < int(announced[1]):
-        raise BadScan(CUT_OFF)
+    if announced is not None:
+        if polygons(data) < int(announced[1]):
+            raise BadScan(CUT_OFF)
+        return
     last = next((line for line in reversed(data[-LOOKED_AT:].splitlines()) if line.strip()), b"").split()
     if not last or last[0] != b"f":
         return
@@ -66,7 +79,7 @@ def check_end(data: bytes, used: int) -> None:
         raise BadScan(CUT_OFF)
     points = len(POINT.findall(data))
     if used < (1.0 - LEFT_OVER) * points:
-        raise BadScan(CUT_OFF)
+        raise BadScan(LOOSE)
     if not data.endswith(b"\n") and (_used(data) < points or _lacks_digits(data, points)):
         raise BadScan(CUT_OFF)
 
@@ -101,22 +114,21 @@ def _lacks_digits(data: bytes, points: int) -> bool:
 
 def _counted_forwards(data: bytes) -> bytes:
     """Corners such as -1, the last one so far, by their number from the beginning."""
-    counts = {b"v": 0, b"vt": 0, b"vn": 0}
-    lines = data.split(b"\n")
-    for index, line in enumerate(lines):
-        words = line.split()
-        if not words:
-            continue
-        if words[0] in counts:
-            counts[words[0]] += 1
-        elif words[0] == b"f" and b"-" in line:
-            lines[index] = b" ".join([b"f", *(_forwards(corner, tuple(counts.values())) for corner in words[1:])])
-    return b"\n".join(lines)
+    parts, at, counts = [], 0, [0, 0, 0]
+    for block in BLOCK.finditer(data):
+        before = data[at : block.start()]
+        lines = b"\n" + before
+        counts = [count + lines.count(word) for count, word in zip(counts, COUNTED, strict=True)]
+        parts += [before, WHOLE_CORNER.sub(partial(_forwards, counts), block[0])]
+        at = block.end()
+    return b"".join([*parts, data[at:]])
 
 
-def _forwards(corner: bytes, counts: tuple[int, ...]) -> bytes:
-    numbers = corner.split(b"/")
-    return b"/".join(
-        b"%d" % (count + 1 + int(number)) if re.fullmatch(rb"-\d{1,18}", number) else number
+def _forwards(counts: list[int], corner: re.Match[bytes]) -> bytes:
+    if b"-" not in corner[0]:
+        return corner[0]
+    numbers = corner[1].split(b"/")
+    return b" " + b"/".join(
+        b"%d" % (count + 1 + int(number)) if number.startswith(b"-") else number
         for number, count in zip(numbers, counts, strict=False)
     )

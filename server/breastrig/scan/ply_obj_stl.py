@@ -9,6 +9,7 @@ import logging
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,9 +20,9 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput, BadScan, TooLarge
 from breastrig.scan.file_type import BINARY_STL_HEADER, BINARY_STL_TRIANGLE, is_binary_stl
 from breastrig.scan.limits import MATERIAL_FILE_BYTES, MATERIALS, STL_SOLIDS, TRIANGLES, VERTICES
-from breastrig.scan.obj import check_end, check_materials, polygons, uniform_text
+from breastrig.scan.obj import check_end, check_work, polygons, uniform_text
 from breastrig.scan.piece import Piece, Pieces
-from breastrig.scan.ply import ply_header, text_rows
+from breastrig.scan.ply import as_binary, ply_header, text_rows
 from breastrig.scan.texture import LEFT_OUT, plain_picture
 
 MISSING = "A picture or material file that the scan names is not beside it, and the scan is shown without it."
@@ -79,10 +80,14 @@ def _ply(data: bytes) -> _Checked:
     _check_sizes(header.count("face"), max(element.count for element in header.elements))
     if header.entries > len(data) - header.size:  # each takes a byte at least
         raise damaged("ply")
-    body: bytes | None = text_rows(data, header) if header.form == "ascii" else data[header.size :]
-    if body is None:
+    notes = (SEVERAL,) if len(header.pictures) > 1 else ()
+    if header.form != "ascii":
+        return _Checked(header.written() + data[header.size :], header.count("face"), notes)
+    rows = text_rows(data, header)
+    if rows is None:
         raise damaged("ply")
-    return _Checked(header.written() + body, header.count("face"), (SEVERAL,) if len(header.pictures) > 1 else ())
+    form, body = as_binary(rows, header) or ("ascii", b"\n".join([*rows, b""]))
+    return _Checked(replace(header, form=form).written() + body, header.count("face"), notes)
 
 
 def _obj(data: bytes) -> _Checked:
@@ -90,7 +95,7 @@ def _obj(data: bytes) -> _Checked:
     data = uniform_text(data)
     faces = polygons(data)
     _check_sizes(faces, data.count(b"\nv "))
-    check_materials(data)
+    check_work(data)
     return _Checked(data, faces)
 
 
@@ -194,7 +199,8 @@ def plain_name(key: object) -> str:
 
 def _material(content: bytes) -> bytes:
     """An MTL in UTF-8; TooLarge when it has more materials than any scan."""
-    if len(content) > MATERIAL_FILE_BYTES or content.lower().count(b"newmtl") > MATERIALS:
+    words = content[:MATERIAL_FILE_BYTES].lower()
+    if len(content) > MATERIAL_FILE_BYTES or max(words.count(b"newmtl"), words.count(b"map_kd")) > MATERIALS:
         raise TooLarge(f"The MTL file has more than the {MATERIALS} materials allowed; join them.")
     return uniform_text(content)
 

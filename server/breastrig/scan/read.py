@@ -172,7 +172,9 @@ def _check(whole: Piece, has_points: bool) -> None:
 
 def _extent(vertices: Array, faces: Integers) -> float:
     """How far the triangles reach, in the vertices' unit."""
-    return extent(vertices[np.unique(faces[:, 0])])
+    used = np.zeros(len(vertices), np.bool_)
+    used[faces[:, 0]] = True
+    return extent(vertices[used])
 
 
 def _placed(whole: Piece, metres: float) -> tuple[Piece, tuple[str, ...]]:
