@@ -41,7 +41,7 @@ def write_stored(scan: Scan, path: Path) -> None:
 def read_stored(path: Path, texture: bool = True) -> Scan:
     """What `write_stored` wrote, without its picture if `texture` is false; BadScan when it is damaged."""
     try:
-        with np.load(path, allow_pickle=False) as arrays:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             facts = json.loads(arrays["facts"].tobytes())
             painted = texture and "picture" in arrays
             picture = arrays["picture"].tobytes() if painted else None

@@ -125,11 +125,9 @@ def _plain_jpeg(data: bytes) -> bytes:
             kept.append(segment)
         elif marker == SCAN:
             passes += 1
-            if passes > JPEG_PASSES:
-                raise ValueError("endless")
             found = IN_SCAN.search(data, at)
-            if found is None:  # some cameras leave the end mark out; whether pixels are missing, the decoder finds
-                return b"".join([*kept, segment, data[at:], b"\xff\xd9"])
+            if found is None or passes > JPEG_PASSES:
+                raise ValueError("cut off, or endless")
             kept += [segment, data[at : found.start()]]
             at = found.start()
 
