@@ -15,6 +15,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadScan, TooLarge
+from breastrig.core.single_precision import EXACT_WITHIN
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.archive import COMPANIONS, unpacked
 from breastrig.scan.clean import MIN_TRIANGLES
@@ -31,7 +32,6 @@ from breastrig.scan.units import decide_unit, extent
 BEYOND = 1e30  # no unit has such numbers; their squares are beyond single precision
 FARTHEST = 1e7  # m from the origin; coordinates of the Earth reach 6.4e6 m, and double precision is 2e-9 m there
 STRAY = 1e3  # m from the scan's middle; no scanner sees so far, and single precision begins to tell
-SINGLE_IS_EXACT = 100.0  # m from the origin; up to there single precision rounds by less than 0.005 mm
 SHOWN_NAME = 60  # characters of a file's name in a sentence
 
 
@@ -208,7 +208,7 @@ def _placed(whole: Piece, metres: float) -> tuple[Piece, tuple[str, ...]]:
 def _far_away(vertices: Array, metres: float) -> tuple[str, ...]:
     """What a place far from the origin does to numbers in single precision: the file's own, or those for display."""
     reach = float(np.abs(vertices).max())
-    if metres * reach <= SINGLE_IS_EXACT:
+    if metres * reach <= EXACT_WITHIN:
         return ()
     step = f"{1e3 * metres * float(np.spacing(np.float32(reach))):.2g} mm"
     where = f"The scan lies {metres * reach:,.0f} m from the origin of its coordinates"
