@@ -125,9 +125,9 @@ def test_over_the_triangle_limit(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_glb_over_the_triangle_limit_by_repeating_one_mesh() -> None:
     def repeat(document: dict[str, Any]) -> None:
         index = next(node["mesh"] for node in document["nodes"] if "mesh" in node)
-        document["nodes"] = [{"mesh": index} for _ in range(9999)]
-        document["scenes"] = [{"nodes": list(range(9999))}]
-        document["accessors"][document["meshes"][index]["primitives"][0]["indices"]]["count"] = 3 * 600
+        document["nodes"] = [{"mesh": index} for _ in range(1500)]
+        document["scenes"] = [{"nodes": list(range(1500))}]
+        document["accessors"][document["meshes"][index]["primitives"][0]["indices"]]["count"] = 3 * 4000
 
     assert "triangles allowed" in refused(changed_glb(repeat), TooLarge)
 
@@ -235,7 +235,10 @@ def test_a_damaged_picture_is_left_out_and_said() -> None:
 
 def test_a_picture_hidden_in_a_data_address_is_checked_too() -> None:
     uri = "data:image/png;base64," + base64.b64encode(b"GIF89a" + bytes(60)).decode()
-    scan = read_scan(changed_glb(lambda d: d.update(images=[{"uri": uri}], textures=[{"source": 0}])))
+    rig = toy_rig()
+    painted = mesh_glb(rig.template, rig.faces, uv=rig.uv, texture=picture())
+    scan = read_scan(changed_glb(lambda d: d.update(images=[{"uri": uri}]), painted))
+    assert scan.texture is None
     assert "left out" in scan.notes[0]
 
 

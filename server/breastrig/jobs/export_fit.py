@@ -2,14 +2,13 @@
 
 from pathlib import Path
 
-import trimesh
-
 from breastrig.gltf.lines_glb import lines_glb
 from breastrig.jobs.fit_files import json_bytes
 from breastrig.jobs.fit_folder import read_fit_folder
 from breastrig.jobs.report import stance_of, write_all
 from breastrig.report.exported import closed_model, vertex_sets
 from breastrig.report.line_files import obj_lines, ply_lines, rgb
+from breastrig.report.surface_files import surface_ply, surface_stl
 
 EXPORT_RECORD = "surface.json"
 EXPORT_FILES = ("drawing.glb", "drawing.obj", "drawing.ply", "surface.ply", "surface.stl", EXPORT_RECORD)
@@ -31,9 +30,8 @@ def export_files(folder: Path, model: Path | None = None) -> dict[str, bytes]:
         files["drawing.obj"] = obj_lines(stance.lines, per_unit, unit)
         files["drawing.ply"] = ply_lines(stance.lines, per_unit, unit)
     closed = closed_model(stance)
-    mesh = trimesh.Trimesh(closed.surface.vertices / per_unit, closed.surface.faces, process=False)
-    files["surface.ply"] = mesh.export(file_type="ply", include_attributes=False)
-    files["surface.stl"] = mesh.export(file_type="stl")
+    files["surface.ply"] = surface_ply(closed.surface.vertices, closed.surface.faces, per_unit)
+    files["surface.stl"] = surface_stl(closed.surface.vertices, closed.surface.faces, per_unit)
     files["surface.json"] = json_bytes(vertex_sets(stance, closed, unit))
     return files
 

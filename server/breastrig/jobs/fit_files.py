@@ -6,10 +6,9 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
-import trimesh
 
 from breastrig import __version__
-from breastrig.core.arrays import Array, Integers
+from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.output_files import private_folder, write_private
@@ -27,6 +26,7 @@ from breastrig.report.distances import (
     summary_mm,
     surface_summary_mm,
 )
+from breastrig.report.surface_files import surface_ply
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.scan.scan import Scan
@@ -155,16 +155,11 @@ def json_bytes(document: object) -> bytes:
     return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
 
 
-def _ply(vertices: Array, faces: Integers) -> bytes:
-    mesh = trimesh.Trimesh(vertices, faces, process=False)
-    return bytes(mesh.export(file_type="ply", include_attributes=False))
-
-
 def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
     """Writes the seven files and returns result.json's document; BadInput when the folder cannot be written."""
     per_unit = outcome.scan.metres_per_unit
-    ply = _ply(outcome.vertices / per_unit, outcome.rig.faces)
-    scan = _ply((outcome.target.vertices + outcome.centre) / per_unit, outcome.target.faces)
+    ply = surface_ply(outcome.vertices, outcome.rig.faces, per_unit)
+    scan = surface_ply(outcome.target.vertices + outcome.centre, outcome.target.faces, per_unit)
     glb = fitted_glb(outcome.rig, outcome.history, outcome.times_s, outcome.drawing, {"preset": outcome.preset})
     distances = distances_bin(outcome)
     result = result_json(outcome)

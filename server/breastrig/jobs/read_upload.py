@@ -1,7 +1,8 @@
-"""The worker's side of one upload: read it, say what it is, write the mesh for display.
+"""The worker's side of one upload: read it, say what it is, write what is kept and the mesh for display.
 
-An upload is hostile until it has been read.  This runs in a process of its own with limits of memory and time,
-and gives back nothing but numbers and sentences.
+An upload is hostile until it has been read, and holds more of a patient than her skin.  This runs in a process of its
+own with limits of memory and time, gives back nothing but numbers and sentences, and writes a file of our own, from
+which everything later starts; the upload itself is not kept.
 """
 
 from dataclasses import dataclass
@@ -14,12 +15,14 @@ from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
+from breastrig.scan.stored_scan import write_stored
 
 
 @dataclass(frozen=True)
 class UploadJob:
     scan: Path  # the uploaded bytes; the suffix tells the type
     units: str
+    kept: Path  # where the scan itself is written, as a STORED file
     mesh: Path  # where the mesh for display is written
     triangles: int  # at most
 
@@ -44,6 +47,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
     frame = upright_frame(read_rig(default_rig_path()), surface.vertices, surface.faces)
     mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
     job.mesh.write_bytes(mesh)
+    write_stored(scan, job.kept)
     return {
         "unit": scan.unit,
         "unit_reason": scan.unit_reason,

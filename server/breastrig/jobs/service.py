@@ -35,6 +35,7 @@ from breastrig.jobs.run_pair import run_pair
 from breastrig.jobs.sweep import KEEP_DAYS, Sweep
 from breastrig.jobs.transfer import TransferJob, transfer
 from breastrig.jobs.waiting_cap import WaitingCap
+from breastrig.scan.stored_scan import STORED
 from breastrig.storage import scans as scan_rows
 from breastrig.storage.deletion import delete_rows, discard, finish_deletions, remove_files
 from breastrig.storage.events import StoredEvent
@@ -135,7 +136,10 @@ class Service:
         self._bell.stop()
 
     def add_scan(self, source: IO[bytes], file_type: str, units: str) -> ScanRow:
-        """Keeps and reads an upload.  Raises BadScan or TooLarge with a sentence, and then keeps nothing."""
+        """Reads an upload and keeps what was read of it, without names, comments and picture metadata.
+
+        Raises BadScan or TooLarge with a sentence, and then keeps nothing.
+        """
         scan_id = new_id()
         place = scan_place(scan_id)
         note_making(self.storage, scan_id, [place])
@@ -144,9 +148,11 @@ class Service:
             with self.storage.files.writing(place) as draft:
                 upload = draft.folder / upload_name(file_type)
                 sha256 = _keep(source, upload)
-                facts = self._read(UploadJob(upload, units, draft.folder / MESH, self._uploads.triangles))
+                kept = draft.folder / upload_name(STORED)
+                facts = self._read(UploadJob(upload, units, kept, draft.folder / MESH, self._uploads.triangles))
+                upload.unlink()
                 draft.keep()
-            row = ScanRow(scan_id, utc_now(), file_type, sha256, facts)
+            row = ScanRow(scan_id, utc_now(), STORED, sha256, facts)
             scan_rows.add_scan(self.storage, row)
         except BaseException:
             discard(self.storage, scan_id, place)

@@ -73,6 +73,8 @@ def table_plane(centres: Array, normals: Array, areas: Array) -> tuple[Array, fl
             flat = np.linalg.eigh((offsets * weights).T @ offsets)[1][:, 0]
             normal = flat if flat @ normal > 0.0 else -flat
             facing = normals @ normal > 0.94
+            if not facing.any():  # no plane after all: curved parts turned the guess away from themselves
+                break
         if not facing.any():
             continue
         level, share = _peak(centres[facing] @ normal, areas[facing])

@@ -22,7 +22,7 @@ def fit_place(fit_id: str) -> str:
 
 
 def upload_name(file_type: str) -> str:
-    """The uploaded bytes' name in their scan's place."""
+    """The name of the scan itself in its place."""
     return f"scan.{file_type}"
 
 

@@ -29,7 +29,7 @@ scans = Table(
     metadata,
     Column("id", String(32), primary_key=True),
     Column("created_at", String(32), nullable=False),  # ISO 8601, UTC
-    Column("file_type", String(8), nullable=False),  # ply, obj, stl, glb or zip
+    Column("file_type", String(8), nullable=False),  # stored; of earlier versions ply, obj, stl, glb, zip
     Column("sha256", String(64), nullable=False),  # of the uploaded bytes
     Column("facts", Text, nullable=False),  # JSON, what reading found
 )

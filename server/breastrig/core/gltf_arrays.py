@@ -1,4 +1,4 @@
-"""Accessors of a glTF document as numpy arrays, whoever wrote it.
+"""Accessors of a glTF document as numpy arrays, whoever wrote it: the model's and those of scans.
 
 Reads what exporters really produce: strides, sparse accessors (Blender's default for shapes), normalised
 integers, a binary chunk or data URIs.  Nothing is ever opened or fetched: a buffer with any other URI is
@@ -34,6 +34,16 @@ class GltfArrays:
 
     def read(self, index: Any) -> NDArray[Any]:
         """(count, ...) float64 for floats and normalised integers, int64 for other integers."""
+        values = self.stored(index)
+        if values.dtype == np.float32:
+            with np.errstate(invalid="ignore"):  # a signalling NaN is for the caller to find, not a warning
+                return values.astype(np.float64)
+        if entry(self._document, "accessors", index).get("normalized"):
+            return np.maximum(values.astype(np.float64) / np.iinfo(values.dtype).max, -1.0)
+        return values.astype(np.int64)
+
+    def stored(self, index: Any) -> NDArray[Any]:
+        """(count, ...) in the number format of the file."""
         accessor = entry(self._document, "accessors", index)
         dtype, shape, count = _layout(accessor, index)
         if "bufferView" in accessor:
@@ -42,14 +52,7 @@ class GltfArrays:
             values = np.zeros((count, *shape), dtype)
         if "sparse" in accessor:
             values = self._with_sparse(values, accessor["sparse"], dtype, shape)
-        if len(shape) == 2:
-            values = values.transpose(0, 2, 1)  # stored column by column
-        if dtype == np.float32:
-            with np.errstate(invalid="ignore"):  # a signalling NaN is for the caller to find, not a warning
-                return values.astype(np.float64)
-        if accessor.get("normalized"):
-            return np.maximum(values.astype(np.float64) / np.iinfo(dtype).max, -1.0)
-        return values.astype(np.int64)
+        return values.transpose(0, 2, 1) if len(shape) == 2 else values  # matrices lie there column by column
 
     def _with_sparse(
         self, values: NDArray[Any], sparse: dict[str, Any], dtype: Any, shape: tuple[int, ...]

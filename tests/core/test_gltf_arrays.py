@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from breastrig.gltf.accessors import GltfArrays
+from breastrig.core.gltf_arrays import GltfArrays
 
 
 def arrays(binary: bytes, views: list[dict[str, Any]], accessors: list[dict[str, Any]]) -> GltfArrays:
