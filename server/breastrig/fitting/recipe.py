@@ -27,6 +27,13 @@ class Stop(_Part):
     patience: Annotated[int, Field(ge=1)]  # so many iterations in a row
 
 
+class Observations(_Part):
+    spacing: Positive  # m on the skin between observations that tell something new of each other
+    focus: tuple[str, ...] = ()  # regions of the rig, where it is narrower; those that the rig lacks are left out
+    focus_spacing: Positive = 1.0  # m, in these regions, at most `spacing`
+    growth: Annotated[float, Field(ge=0.0)] = 0.0  # of the spacing, m for each m of distance from the regions
+
+
 class Joints(_Part):
     rotation_sigma: Positive | None = None  # rad, the same for all joints; else the rig's own
     translation_sigma: Annotated[float, Field(ge=0.0)] | None = None  # m; 0 is a hard joint; else the rig's own
@@ -74,6 +81,7 @@ class Recipe(_Part):
     description: str
     damping: Positive  # in units of the priors' information
     stop: Stop
+    observations: Observations | None = None  # absent: each vertex of the model is one observation
     joints: Joints
     scales: Scales
     shapes: Shapes

@@ -9,6 +9,7 @@ from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.energies.landmarks import Landmarks
 from breastrig.energies.point_to_plane import PointToPlane
 from breastrig.energies.point_to_point import PointToPoint
+from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import Range, Stage
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.problem import ResidualTerm
@@ -37,7 +38,8 @@ def scan_terms(
     task: FitTask, stage: Stage, progress: float, vertices: Array, matches: Correspondences
 ) -> list[ResidualTerm[RigParameters]]:
     """The terms that the scan and its landmarks give for the model's (V, 3) vertices (m)."""
-    weights = KERNELS[stage.kernel](matches.distances / along(stage.kernel_scale, progress))
+    counts = observation_weights(task.rig, task.recipe.observations, stage.every)[matches.vertices]
+    weights = counts * KERNELS[stage.kernel](matches.distances / along(stage.kernel_scale, progress))
     data_sigma = along(stage.data_sigma, progress)
     data: ResidualTerm[RigParameters] = PointToPlane(task.rig, matches, weights, data_sigma)
     if stage.along_sigma is not None:
