@@ -24,7 +24,7 @@ from breastrig.rig.model import Rig
 SPACING = 0.003  # m between points of a line: finer than a pen, coarser than the noise
 FAR_APART = 0.015  # m between two corners; the skin is 1 mm off a chord of 15 mm where its radius is 3 cm
 OFF_THE_SKIN = 0.005  # m; a drawn point farther from its scan belongs to another scan, frame or unit
-SKIN_BELOW = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3, candidates=16)
+SKIN_BELOW = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3)
 
 
 def on_the_skin(rig: Rig, scan: FittedScan, shape: ScanShape) -> ScanShape:
@@ -32,7 +32,7 @@ def on_the_skin(rig: Rig, scan: FittedScan, shape: ScanShape) -> ScanShape:
 
     Raises BadDrawing for a given point off the skin that is not said to be bridged.
     """
-    given = scan.target.search.query(shape.points, candidates=16)
+    given = scan.target.search.query(shape.points)
     off = np.flatnonzero((given.distances > OFF_THE_SKIN) & ~shape.bridged)
     if len(off):
         raise BadDrawing(
@@ -62,7 +62,7 @@ def on_the_skin(rig: Rig, scan: FittedScan, shape: ScanShape) -> ScanShape:
 
 def _settled(rig: Rig, scan: FittedScan, model: ClosestPointSearch, points: Array) -> tuple[Array, Booleans]:
     """(M, 3) m points on the skin that faces as the model does, and (M,) which found none and stay."""
-    at = model.query(points, candidates=16)
+    at = model.query(points)
     normals = SurfacePoints(at.faces, at.barycentric).positions(vertex_normals(scan.vertices, rig.faces), rig.faces)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     found = match(scan.target, points, normals, SKIN_BELOW)
@@ -75,7 +75,7 @@ def _between(rig: Rig, scan: FittedScan, model: ClosestPointSearch, start: Array
     """(M, 3) m: points between two corners, at most SPACING apart, near the skin."""
     way = np.stack([start, end])
     if np.linalg.norm(end - start) > FAR_APART:
-        at = model.query(way, candidates=16)
+        at = model.query(way)
         places = [SurfacePoints(at.faces[[k]], at.barycentric[[k]]) for k in range(2)]
         with suppress(BadDrawing):  # parts of the model that are not connected: then the chord
             way = np.concatenate([way[:1], Geodesics(scan.vertices, rig.faces).path(*places), way[1:]])
