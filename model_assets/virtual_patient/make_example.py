@@ -185,11 +185,11 @@ def scanned(stance: Stance, random: np.random.Generator) -> tuple[Array, Array, 
     search = ClosestPointSearch(truth.vertices, truth.faces)
     blotches = np.repeat(stance.blind_spots, 6, axis=0)  # of irregular form: six discs each
     blotches[:, :3] += 0.9 * blotches[:, 3:] * random.standard_normal((len(blotches), 3))
-    blotches[:, :3] = search.query(blotches[:, :3], 8).points
+    blotches[:, :3] = search.query(blotches[:, :3]).points
     blotches[:, 3] *= random.uniform(0.4, 1.0, len(blotches))
     images = take(truth.vertices, truth.faces, stance.views, CAMERA, random, blotches)
     vertices, faces = fuse(images, stance.low, stance.high, VOXEL)
-    nearest = search.query(vertices, 8)
+    nearest = search.query(vertices)
     mixed = np.column_stack([truth.colours, truth.kept])[truth.faces[nearest.faces]]
     mixed = np.einsum("mc,mcd->md", nearest.barycentric, mixed)
     inside = (mixed[:, 3] > 0.5)[faces].all(axis=1)

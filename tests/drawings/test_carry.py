@@ -64,7 +64,7 @@ def test_a_smooth_change_of_stance_is_followed(landmarks: bool, torso: Rig) -> N
     chosen = on_the_breasts(torso)
     there = carried(torso, a, b, a.vertices[chosen])
     assert errors(there, b.vertices[chosen]).mean() < 1.5e-3
-    assert b.target.search.query(there, candidates=16).distances.max() < 1e-9  # on the scan itself
+    assert b.target.search.query(there).distances.max() < 1e-9  # on the scan itself
     assert errors(carried(torso, b, a, b.vertices[chosen]), a.vertices[chosen]).mean() < 1.5e-3
 
 
@@ -72,7 +72,7 @@ def test_landmarks_win_over_a_model_that_slid_along_the_skin(torso: Rig) -> None
     a = fitted_scan(torso, torso.template)
     normals = vertex_normals(torso.template, torso.faces)
     slide = np.array([0.0, 0.012, 0.0]) - 0.012 * normals[:, [1]] * normals
-    slid = a.target.search.query(torso.template + slide, candidates=16).points
+    slid = a.target.search.query(torso.template + slide).points
     b = replace(a, vertices=slid)
     chosen = on_the_breasts(torso)
     true = a.vertices[chosen]

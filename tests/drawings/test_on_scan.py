@@ -16,7 +16,7 @@ def test_a_drawing_on_the_models_own_surface_stays_where_it_is(toy_rig: Rig) -> 
     for line, shape in zip(lines, toy_rig.drawings[0].shapes, strict=True):
         assert (line.name, line.closed) == (shape.name, shape.closed)
         on_the_skin = line.points[~line.bridged]
-        assert search.query(on_the_skin, candidates=16).distances.max() < 1e-6
+        assert search.query(on_the_skin).distances.max() < 1e-6
 
 
 def test_a_hole_in_the_scan_is_bridged_and_said(toy_rig: Rig) -> None:
@@ -27,4 +27,4 @@ def test_a_hole_in_the_scan_is_bridged_and_said(toy_rig: Rig) -> None:
     (line,) = on_scan(toy_rig, toy_rig.template, drawing, holed)
     assert line.bridged.any()
     assert np.isfinite(line.points).all()
-    assert holed.search.query(line.points[~line.bridged], candidates=16).distances.max(initial=0.0) < 1e-6
+    assert holed.search.query(line.points[~line.bridged]).distances.max(initial=0.0) < 1e-6

@@ -18,9 +18,9 @@ Mesh = tuple[np.ndarray, np.ndarray]
 def laid(
     rig: Rig, model: Mesh, line: np.ndarray, scan: Mesh, *, closed: bool = False, corners: tuple[int, ...] = ()
 ) -> ScanLine:
-    """(M, 3) m points of the model's surface, laid on the scan; exact to 16 candidates on the way."""
+    """(M, 3) m points of the model's surface, laid on the scan."""
     vertices, faces = model
-    found = ClosestPointSearch(vertices, faces).query(line, candidates=16)
+    found = ClosestPointSearch(vertices, faces).query(line)
     assert found.distances.max() < 2e-3
     shape = DrawnShape("line", "", closed, "#000000", SurfacePoints(found.faces, found.barycentric), corners)
     (result,) = on_scan(replace(rig, faces=faces), vertices, ModelDrawing("one", "", (shape,)), ScanTarget(*scan))
@@ -65,7 +65,7 @@ def test_a_circle_on_a_larger_ball_lies_on_it_and_does_not_shrink(toy_rig: Rig) 
     circle = 0.1 * np.stack([0.5 * np.cos(turn), 0.5 * np.sin(turn), np.full(60, np.cos(np.pi / 6))], axis=1)
     line = laid(toy_rig, ball, circle, larger, closed=True)
     assert not line.bridged.any()
-    assert ClosestPointSearch(*larger).query(line.points, 32).distances.max() < 1e-9
+    assert ClosestPointSearch(*larger).query(line.points).distances.max() < 1e-9
     np.testing.assert_allclose(np.hypot(line.points[:, 0], line.points[:, 1]), 0.0515, atol=2e-4)
 
 
@@ -74,7 +74,7 @@ def test_noise_is_smoothed_on_the_skin(toy_rig: Rig) -> None:
     rough = vertices + np.array([0.0, 0.0, 4e-4]) * np.random.default_rng(3).normal(size=(len(vertices), 1))
     line = laid(toy_rig, plane(), straight(), (rough, faces))
     assert not line.bridged.any()
-    assert ClosestPointSearch(rough, faces).query(line.points, 32).distances.max() < 1e-9
+    assert ClosestPointSearch(rough, faces).query(line.points).distances.max() < 1e-9
     assert np.abs(line.points[:, 1] - 0.011).max() < 6e-4  # the line stays straight seen from the front
 
 
@@ -87,7 +87,7 @@ def test_a_hole_is_bridged_without_a_step(toy_rig: Rig) -> None:
     outside = np.hypot(line.points[:, 0], line.points[:, 1]) > 0.034
     assert line.bridged[inside].all()
     assert not line.bridged[outside].any()
-    assert ClosestPointSearch(tilted, faces).query(line.points[~line.bridged], 32).distances.max() < 1e-9
+    assert ClosestPointSearch(tilted, faces).query(line.points[~line.bridged]).distances.max() < 1e-9
     wanted = 0.003 + 0.02 * line.points[:, 0]
     np.testing.assert_allclose(line.points[:, 2], wanted, atol=1e-4)
     steps = np.diff(line.points[:, 2])

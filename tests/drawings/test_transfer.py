@@ -68,19 +68,19 @@ def test_a_circle_on_a_sphere_moves_with_the_sphere(other_patient: bool, toy_rig
     vertices, faces = sphere()
     rig = rig_of(toy_rig, vertices, faces)
     a, b = fitted(vertices, faces), fitted(moved(vertices), faces)
-    line = a.target.search.query(circle(0.08) + np.array([0.0, 0.0, 0.06]), candidates=16).points
+    line = a.target.search.query(circle(0.08) + np.array([0.0, 0.0, 0.06])).points
     (found,) = transferred(rig, a, b, [shape(line, closed=True)], other_patient)
     assert len(found.points) >= len(line)
     gaps = np.linalg.norm(moved(line)[:, None] - found.points, axis=2).min(axis=1)
     assert gaps.max() < 0.02e-3
-    assert b.target.search.query(found.points, candidates=16).distances.max() < 1e-9
+    assert b.target.search.query(found.points).distances.max() < 1e-9
 
 
 def test_between_corners_that_are_far_apart_the_line_follows_the_skin(toy_rig: Rig) -> None:
     vertices, faces = sphere()
     rig = rig_of(toy_rig, vertices, faces)
     a = fitted(vertices, faces)
-    corners = a.target.search.query(0.1 * np.eye(3), candidates=16).points  # a quarter of a great circle each
+    corners = a.target.search.query(0.1 * np.eye(3)).points  # a quarter of a great circle each
     (found,) = transferred(rig, a, a, [shape(corners, closed=True)])
     steps = np.linalg.norm(np.roll(found.points, -1, axis=0) - found.points, axis=1)
     assert steps.max() < 0.0031
@@ -157,7 +157,7 @@ def test_a_round_trip_from_a_scan_to_itself_returns_each_point(other_patient: bo
     noisy = scan_vertices + rng.normal(scale=0.3e-3, size=scan_vertices.shape)
     a = fitted(vertices + np.array([0.0, 0.0, 0.002]), torso.faces, (noisy, scan_faces))  # the fit is 2 mm off
     breasts = np.concatenate([torso.regions["breast_L"], torso.regions["breast_R"]])
-    points = a.target.search.query(vertices[breasts], candidates=16).points
+    points = a.target.search.query(vertices[breasts]).points
     shapes = [ScanShape(str(k), False, "#000000", point[None], np.zeros(1, np.bool_)) for k, point in enumerate(points)]
     found = transferred(torso, a, a, shapes, other_patient)
     back = np.concatenate([each.points for each in found])

@@ -49,7 +49,7 @@ def test_a_scan_made_by_the_rig_is_fitted_back_to_a_hundredth_of_a_millimetre(se
     iterates, target, truth = fitted(torso, seed, for_scans_without_noise(load_recipe("default")))
     assert iterates[-1].status is Status.CONVERGED
     vertices = pose(torso, iterates[-1].parameters)
-    assert target.search.query(vertices, candidates=16).distances.mean() < 0.01e-3
+    assert target.search.query(vertices).distances.mean() < 0.01e-3
     assert (
         np.linalg.norm(vertices - truth, axis=1).mean() < 0.05e-3
     )  # every vertex at its own place, not only on the skin
@@ -58,7 +58,7 @@ def test_a_scan_made_by_the_rig_is_fitted_back_to_a_hundredth_of_a_millimetre(se
 def test_the_default_preset_is_within_half_a_millimetre_of_a_scan_that_the_rig_can_show(torso: Rig) -> None:
     iterates, target, _ = fitted(torso, 0, load_recipe("default"))
     vertices = pose(torso, iterates[-1].parameters)
-    assert target.search.query(vertices, candidates=16).distances.mean() < 0.5e-3
+    assert target.search.query(vertices).distances.mean() < 0.5e-3
 
 
 def test_iterates_are_numbered_frozen_and_end_with_a_reason(torso: Rig) -> None:

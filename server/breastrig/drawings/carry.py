@@ -56,7 +56,7 @@ MODEL_WITNESSES = 60
 SURFACE_ERROR = 0.003  # m; the scanner's noise and what the smooth displacement cannot show
 SURFACE_SCALE = 0.012  # m, matches farther than this are let go
 ON_SCAN = MatchRules("rays", max_distance=0.012, max_angle=1.0)
-TO_SCAN_B = MatchRules("tree", max_distance=0.03, max_angle=np.pi / 3, candidates=8)
+TO_SCAN_B = MatchRules("tree", max_distance=0.03, max_angle=np.pi / 3)
 ROUNDS = 3  # the first by landmarks and models alone, then twice with the surface; more slide along the skin
 INVERSE_ROUNDS = 8  # each leaves the way's local stretch, at most a third, of the gap
 REACH = 0.22  # m from the breasts: arms are raised between the stances and no smooth way leads along
@@ -143,7 +143,7 @@ class SkinMap:
 
     def moved_back(self, points: Array) -> Array:
         """(M, 3) m: points of B's frame moved into A's frame, not yet on A's skin: the inverse of `moved`."""
-        found = self._moved_model.query(points, candidates=16)
+        found = self._moved_model.query(points)
         at = SurfacePoints(found.faces, found.barycentric).positions(self._a.vertices, self._rig.faces)
         for _ in range(INVERSE_ROUNDS):
             at = at + self._turn.inv().apply(points - self.moved(at))
@@ -151,11 +151,11 @@ class SkinMap:
 
     def to_b(self, points: Array) -> Array:
         """(M, 3) m: the skin of A at (M, 3) points, on the surface of scan B."""
-        return np.asarray(self._b.target.search.query(self.moved(points), candidates=16).points)
+        return np.asarray(self._b.target.search.query(self.moved(points)).points)
 
     def to_a(self, points: Array) -> Array:
         """(M, 3) m: the skin of B at (M, 3) points, on the surface of scan A."""
-        return np.asarray(self._a.target.search.query(self.moved_back(points), candidates=16).points)
+        return np.asarray(self._a.target.search.query(self.moved_back(points)).points)
 
 
 def carried(rig: Rig, a: FittedScan, b: FittedScan, points: Array) -> Array:

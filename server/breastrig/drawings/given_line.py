@@ -15,24 +15,22 @@ from itertools import pairwise
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadDrawing
 from breastrig.core.units import distance_text
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.drawings.carry import FittedScan
 from breastrig.drawings.drawing_file import ScanShape
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.geodesic import Geodesics, length
+from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
-from breastrig.scan.clean import compact
 
 SPACING = 0.003  # m between points of a line: finer than a pen, coarser than the noise
 FAR_APART = 0.015  # m between two corners; the skin is 1 mm off a chord of 15 mm where its radius is 3 cm
 OFF_THE_SKIN = 0.005  # m; a drawn point farther from its scan belongs to another scan, frame or unit
-PATCH = 0.02  # m; so much more of the model around two corners than the way between them needs is looked at first
-SKIN_BELOW = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3, candidates=16)
+SKIN_BELOW = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3)
 
 
 def on_the_skin(rig: Rig, scan: FittedScan, shapes: Sequence[ScanShape]) -> list[ScanShape]:
@@ -42,7 +40,7 @@ def on_the_skin(rig: Rig, scan: FittedScan, shapes: Sequence[ScanShape]) -> list
     """
     points = np.concatenate([shape.points for shape in shapes])
     skipped = np.concatenate([shape.bridged for shape in shapes])
-    given = scan.target.search.query(points, candidates=16)
+    given = scan.target.search.query(points)
     parts = [slice(a, b) for a, b in pairwise(np.cumsum([0, *(len(shape.points) for shape in shapes)]).tolist())]
     for shape, part in zip(shapes, parts, strict=True):
         off = np.flatnonzero((given.distances[part] > OFF_THE_SKIN) & ~shape.bridged)
@@ -54,7 +52,7 @@ def on_the_skin(rig: Rig, scan: FittedScan, shapes: Sequence[ScanShape]) -> list
             )
     corners = np.where(skipped[:, None], points, given.points)
     model = ClosestPointSearch(scan.vertices, rig.faces)
-    below = model.query(corners, candidates=16)
+    below = model.query(corners)
     ways = _Ways(rig, scan)
     on_model = [SurfacePoints(below.faces[part], below.barycentric[part]) for part in parts]
     lines = [
@@ -94,7 +92,7 @@ def _filled(ways: "_Ways", shape: ScanShape, corners: Array, places: SurfacePoin
 
 def _settled(rig: Rig, scan: FittedScan, model: ClosestPointSearch, points: Array) -> tuple[Array, Booleans]:
     """(M, 3) m points on the skin that faces as the model does, and (M,) which found none and stay."""
-    at = model.query(points, candidates=16)
+    at = model.query(points)
     normals = SurfacePoints(at.faces, at.barycentric).positions(vertex_normals(scan.vertices, rig.faces), rig.faces)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     found = match(scan.target, points, normals, SKIN_BELOW)
@@ -107,41 +105,17 @@ class _Ways:
     """Shortest ways along one fitted model."""
 
     def __init__(self, rig: Rig, scan: FittedScan) -> None:
-        self._vertices, self._faces = scan.vertices, rig.faces
-        corners = scan.vertices[rig.faces]
-        self._longest_edge = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
+        self._geodesics = Geodesics(scan.vertices, rig.faces)
 
     def between(self, ends: Array, places: SurfacePoints) -> Array:
         """(M, 3) m: points between two corners (2, 3), at most SPACING apart, near the skin."""
         way = ends
         if np.linalg.norm(ends[1] - ends[0]) > FAR_APART:
             with suppress(BadDrawing):  # parts of the model that are not connected: then the chord
-                way = np.concatenate([way[:1], self._along(places), way[1:]])
+                start, end = (SurfacePoints(places.faces[[k]], places.barycentric[[k]]) for k in range(2))
+                way = np.concatenate([way[:1], self._geodesics.path(start, end), way[1:]])
         steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
         along = np.concatenate([[0.0], np.cumsum(steps)])
         count = max(1, int(np.ceil(along[-1] / SPACING)))
         inner = np.linspace(0.0, along[-1], count + 1)[1:-1]
         return np.stack([np.interp(inner, along, way[:, axis]) for axis in range(3)], axis=1)
-
-    def _along(self, places: SurfacePoints) -> Array:
-        """(M, 3) m: the shortest way along the model; BadDrawing where there is none.
-
-        It is looked for in a patch of the model around the two places.  No point of a way of length l is farther than
-        l / 2 from their middle, so the way is the shortest of all if the patch reaches that far, and an edge more.
-        """
-        at = places.positions(self._vertices, self._faces)
-        reach = 0.75 * float(np.linalg.norm(at[1] - at[0])) + self._longest_edge + PATCH
-        inside = np.linalg.norm(self._vertices - at.mean(axis=0), axis=1) <= reach
-        patch = np.flatnonzero(inside[self._faces].any(axis=1))
-        if np.isin(places.faces, patch).all():
-            with suppress(BadDrawing):  # the patch may be in pieces where the model is not
-                way = self._path(patch, places)
-                if 0.5 * length(way) + self._longest_edge <= reach:
-                    return way
-        return self._path(np.arange(len(self._faces)), places)
-
-    def _path(self, faces: Integers, places: SurfacePoints) -> Array:
-        """The same within some triangles, which hold both places."""
-        here = np.searchsorted(faces, places.faces)
-        ends = [SurfacePoints(here[[k]], places.barycentric[[k]]) for k in range(2)]
-        return Geodesics(*compact(self._vertices, self._faces[faces])).path(*ends)

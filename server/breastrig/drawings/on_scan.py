@@ -29,7 +29,7 @@ SPACING = 0.003  # m; finer than a pen, coarser than the noise
 ROUND = 24  # points at least on a closed line, however small: a marked nipple is a circle, not a hexagon
 ON_SKIN = (
     MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3),
-    MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3, candidates=16),
+    MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3),
 )
 TRUSTED = 0.010  # m, a gap that a good fit shows anywhere; arms and tables are farther behind
 STEP = 0.003  # m, by which a larger gap may differ from its neighbour's: a slope of 45 degrees at SPACING
@@ -188,7 +188,7 @@ def _put_back(target: ScanTarget, points: Array, directions: Array, known: Boole
     rows: Integers = np.flatnonzero(known)
     if len(rows) == 0:
         return points, known
-    found = target.search.query(points[rows], candidates=16)
+    found = target.search.query(points[rows])
     _, normals, _ = target.surface_at(found.faces, found.barycentric)
     good = (found.distances <= SLIP) & (np.einsum("mi,mi->m", normals, directions[rows]) > 0.0)
     points[rows[good]] = found.points[good]

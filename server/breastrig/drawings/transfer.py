@@ -29,8 +29,8 @@ from breastrig.scan.clean import Surface
 
 STEP = 0.002  # m, for the tangents of a way; it bends over centimetres
 ROUNDS = 3  # to find the place of the model over which a scan's point stands; the third moves it by micrometres
-NEAREST_SKIN = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3, candidates=16)
-ALONG_THE_NORMAL = MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3, candidates=16)
+NEAREST_SKIN = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3)
+ALONG_THE_NORMAL = MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3)
 
 Way = Callable[[Array, Array], tuple[Array, Array]]  # (M, 3) points and normals on A -> near B's skin, and normals
 
@@ -69,7 +69,7 @@ def transferred(
     for part, (on_b, met) in zip(parts, settled(b.target, strands), strict=True):
         there[part], bridged[part] = on_b, ~met
     models = [ClosestPointSearch(each.vertices, rig.faces) for each in (a, b)]
-    gaps = [model.query(each, candidates=16).distances for model, each in zip(models, (points, there), strict=True)]
+    gaps = [model.query(each).distances for model, each in zip(models, (points, there), strict=True)]
     gaps[0][skipped], gaps[1][bridged] = np.nan, np.nan
     return tuple(
         CarriedShape(line.name, line.closed, line.color, there[part], bridged[part], gaps[0][part], gaps[1][part])
@@ -96,11 +96,11 @@ def _carried(
 
     `bridged` (M,) says which points are not on A's skin.
     """
-    on_a = a.target.search.query(points, candidates=16)
+    on_a = a.target.search.query(points)
     normals = _unit(a.target.surface_at(on_a.faces, on_a.barycentric)[1])
     model = ClosestPointSearch(a.vertices, rig.faces)
     if bridged.any():  # without skin the model says which way is out
-        beside = model.query(points[bridged], candidates=16)
+        beside = model.query(points[bridged])
         out = SurfacePoints(beside.faces, beside.barycentric).positions(
             vertex_normals(a.vertices, rig.faces), rig.faces
         )
@@ -143,7 +143,7 @@ def _by_the_model(rig: Rig, a: FittedScan, b: FittedScan, model: ClosestPointSea
     def way(points: Array, _normals: Array) -> tuple[Array, Array]:
         asked = points
         for _ in range(ROUNDS):
-            found = model.query(asked, candidates=16)
+            found = model.query(asked)
             places = SurfacePoints(found.faces, found.barycentric)
             normals = _unit(places.positions(turned, rig.faces))
             gap = points - found.points

@@ -116,11 +116,11 @@ def places(rig: Rig, scenes: tuple[Scene, Scene], fit: FittedScan) -> Places:
     ]
     points = np.concatenate([part for _, part in parts])
     lines = [name for name, part in parts for _ in part]
-    found = truth_a.query(points, candidates=16)
+    found = truth_a.query(points)
     both = seen(scenes[0]) & seen(scenes[1])
     kept = both[truth_a.triangles[found.faces]].all(axis=1)
     at = SurfacePoints(found.faces[kept], found.barycentric[kept])
-    on_skin = scenes[0].target.search.query(at.positions(truth_a.vertices, truth_a.triangles), candidates=16).points
+    on_skin = scenes[0].target.search.query(at.positions(truth_a.vertices, truth_a.triangles)).points
     vertex = cKDTree(fit.vertices).query(on_skin)[1]
     breasts = np.concatenate([rig.regions[name] for name in ("breast_L", "breast_R")])
     return Places(
@@ -151,7 +151,7 @@ def strokes(scene: Scene, rng: np.random.Generator) -> Array:
         way /= np.linalg.norm(way)
         length = rng.uniform(SHORTEST, LONGEST)
         along = np.arange(-0.5 * length, 0.5 * length, STEP)[:, None] * way
-        result.append(truth.query(truth.vertices[vertex] + along, candidates=16).points)
+        result.append(truth.query(truth.vertices[vertex] + along).points)
     return np.concatenate(result)
 
 
@@ -159,7 +159,7 @@ def by_landmarks(scenes: tuple[Scene, Scene], picks: tuple[Picks, Picks], points
     """(M, 3) m each: rigid and spline through the landmarks snapped to the scans, then on the nearest skin."""
     names = [name for name in picks[0] if name in picks[1]]
     source, goal = (
-        scene.target.search.query(np.array([given[name] for name in names]), candidates=16).points
+        scene.target.search.query(np.array([given[name] for name in names])).points
         for scene, given in zip(scenes, picks, strict=True)
     )
     turn = Rotation.align_vectors(goal - goal.mean(axis=0), source - source.mean(axis=0))[0]
@@ -167,4 +167,4 @@ def by_landmarks(scenes: tuple[Scene, Scene], picks: tuple[Picks, Picks], points
         "rigid": np.asarray(turn.apply(points - source.mean(axis=0)) + goal.mean(axis=0)),
         "spline": np.asarray(RBFInterpolator(source, goal, kernel="thin_plate_spline")(points)),
     }
-    return {way: scenes[1].target.search.query(found, candidates=16).points for way, found in moved.items()}
+    return {way: scenes[1].target.search.query(found).points for way, found in moved.items()}

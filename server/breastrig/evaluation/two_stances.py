@@ -83,17 +83,17 @@ def _question(a: Scene, b: Scene) -> _Question:
     assert b.truth is not None
     chosen = np.flatnonzero(seen(a) & seen(b) & on_the_chest(a))
     chosen = chosen[:: -(-len(chosen) // MOST_POINTS) or 1]
-    points = a.target.search.query(a.truth.vertices[chosen], candidates=16).points
+    points = a.target.search.query(a.truth.vertices[chosen]).points
     return _Question(a, b, points, b.truth.vertices[chosen])
 
 
 def to_skin(scene: Scene, points: Array) -> Array:
-    return np.asarray(scene.target.search.query(points, candidates=16).points)
+    return np.asarray(scene.target.search.query(points).points)
 
 
 def by_models(rig: Rig, a: FittedScan, b: FittedScan, points: Array) -> Array:
     """(M, 3) m: points of scan A at the same places of the fitted model on scan B."""
-    nearest = ClosestPointSearch(a.vertices, rig.faces).query(points, candidates=16)
+    nearest = ClosestPointSearch(a.vertices, rig.faces).query(points)
     places = SurfacePoints(nearest.faces, nearest.barycentric)
     result = places.positions(b.vertices, rig.faces)
     normals = places.positions(vertex_normals(b.vertices, rig.faces), rig.faces)

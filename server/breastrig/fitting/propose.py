@@ -36,7 +36,7 @@ UNKNOWN_ERROR = 0.02  # m, for landmarks of other rigs
 USEFUL = 0.01  # m; a proposal this far off still saves the user a search: confidence one half
 LEAST = 0.01  # confidence; 0.1 m off, which no longer pulls at anything
 CLEAR_MARGIN = 0.1  # of start_from_scan; the dev scans have 0.08 to 0.19
-ON_SKIN = MatchRules(method="tree", max_distance=0.015, max_angle=np.pi / 3, candidates=16)
+ON_SKIN = MatchRules(method="tree", max_distance=0.015, max_angle=np.pi / 3)
 
 
 def expected_error(confidence: float) -> float:

@@ -54,7 +54,7 @@ def compare(job: CompareJob) -> dict[str, Any]:
             for shape in given.on_scan
         ]
         for shape in on_skin:
-            off = scan.target.search.query(shape.points[~shape.bridged], candidates=16).distances
+            off = scan.target.search.query(shape.points[~shape.bridged]).distances
             if (off > OFF_THE_SKIN).any():
                 raise BadDrawing(
                     f'"{shape.name}" of {file} is {distance_text(float(off.max()))} away from the scan; both drawings '

@@ -250,6 +250,7 @@ def _iterated(rig: Rig, iterate: FitIterate, x: RigParameters) -> Iterated:
 def _warm(target: ScanTarget) -> None:
     """Builds what is built on first use, so that its time counts as preparation and not as solving."""
     _ = target.rays, target.search, target.vertex_tree, target.normals, target.on_border, target.face_normals
+    target.may_be_within(target.vertices[:1], 0.0)
 
 
 def _why_failed(iterate: FitIterate) -> str:

@@ -29,7 +29,7 @@ def without_table(scene: Scene) -> Scene:
     """The scene with the triangles near the true surface only."""
     assert scene.truth is not None
     faces, vertices = scene.target.faces, scene.target.vertices
-    near = scene.truth.query(vertices, candidates=8).distances < BODY
+    near = scene.truth.query(vertices).distances < BODY
     kept = faces[near[faces].all(axis=1)]
     used, renumbered = np.unique(kept, return_inverse=True)
     return replace(scene, target=ready(ScanTarget(vertices[used], renumbered.reshape(-1, 3))))

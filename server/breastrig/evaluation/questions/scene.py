@@ -107,7 +107,7 @@ class Scene:
         distance, nearest = self.target.vertex_tree.query(vertices)
         facing = np.einsum("vi,vi->v", vertex_normals(vertices, faces), self.target.normals[nearest])
         seen = (distance < SEEN_DISTANCE) & (facing > SEEN_COSINE)
-        result[seen] = self.truth.query(vertices[seen], candidates=16).distances
+        result[seen] = self.truth.query(vertices[seen]).distances
         return result
 
     def numbers(self, rig: Rig, vertices: Array) -> dict[str, Any]:
@@ -130,7 +130,7 @@ class Scene:
         moved = place
         for _ in range(4):  # on the skin and `distance` away, by turns
             step *= distance / np.linalg.norm(step)
-            moved = self.target.search.query((place + step)[None], candidates=8).points[0]
+            moved = self.target.search.query((place + step)[None]).points[0]
             step = moved - place
         return np.asarray(moved)
 

@@ -36,7 +36,7 @@ def scan_body(bodies: Bodies, body: VirtualBody, random: np.random.Generator) ->
         kept = np.concatenate([kept, np.ones(len(top), dtype=np.bool_)])
     images = take(vertices, faces, session.views, session.camera, random, session.blind_spots)
     seen, triangles = fuse(images, session.low, session.high, VOXEL)
-    nearest = ClosestPointSearch(vertices, faces).query(seen, 8)
+    nearest = ClosestPointSearch(vertices, faces).query(seen)
     share = np.einsum("mc,mc->m", nearest.barycentric, kept[faces[nearest.faces]].astype(np.float64))
     inside = (share > 0.5)[triangles].all(axis=1)
     seen, triangles, used = without_small_pieces(seen, triangles[inside], SMALLEST_PIECE)
