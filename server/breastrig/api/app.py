@@ -19,7 +19,7 @@ from breastrig.api.openapi import finish_document
 from breastrig.api.operations import operations
 from breastrig.api.page import PageFile, page
 from breastrig.api.reports import reports
-from breastrig.api.request_log import register_request_log
+from breastrig.api.request_log import log_error_of_request, register_request_log
 from breastrig.api.scans import scans
 from breastrig.api.security import register_security
 from breastrig.api.served_model import serve_model
@@ -27,6 +27,7 @@ from breastrig.api.shared import share_page, shared
 from breastrig.api.shares import shares
 from breastrig.api.sign_in import sign_in
 from breastrig.api.transfers import transfers
+from breastrig.api.trusted_proxy import BehindProxy
 from breastrig.jobs.service import Service
 
 
@@ -40,7 +41,8 @@ def create_app(config: Config, service: Service) -> APIFlask:
     if config.log_requests:
         register_request_log(app)
     register_metrics(app, metrics)  # before the guards, so that what they refuse is counted too
-    register_security(app, config, service.storage)
+    register_security(app, config, service.storage, app.extensions[KEY].rates)
+    app.wsgi_app = BehindProxy(app.wsgi_app, config.trusted_proxy)  # type: ignore[method-assign]
     return app
 
 
@@ -51,8 +53,14 @@ def openapi_document() -> dict[str, Any]:
     return document
 
 
+class _App(APIFlask):
+    def log_exception(self, exc_info: Any) -> None:
+        """Flask's own line names the address, and so an id."""
+        log_error_of_request(exc_info[1])
+
+
 def _bare_app() -> APIFlask:
-    app = APIFlask(
+    app = _App(
         "breastrig.api", title="BreastRig", version=__version__, spec_path=None, docs_path=None, static_folder=None
     )
     app.config["AUTO_SERVERS"] = False

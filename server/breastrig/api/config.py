@@ -4,6 +4,8 @@ import ipaddress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from breastrig.api.request_body import BodyLimits
+from breastrig.api.trusted_proxy import TrustedProxy, plain_address
 from breastrig.core.errors import BadSettings
 from breastrig.jobs.limits import UploadLimits
 from breastrig.jobs.sweep import KEEP_DAYS
@@ -27,13 +29,17 @@ class Config:
     proposal_wait_s: float = 8.0  # proposals take about 0.7 s; browsers and proxies wait for 30 s and more
     log_requests: bool = False
     streams: int = STREAMS  # open event streams; each holds one thread of the server
+    trusted_proxy: TrustedProxy | None = None  # whose X-Forwarded-* are believed
+    public_hosts: tuple[str, ...] = ()  # names that outsiders call this server by; none: any, when there is a token
+    spool_bytes: int = BodyLimits().total_bytes  # of requests that are being received, all together
 
     @property
     def allowed_hosts(self) -> frozenset[str] | None:
         """Names that a request may call this server by; None for any, when the token protects it."""
-        if not is_loopback(self.host):
-            return None
-        return frozenset({"localhost", "127.0.0.1", "::1", self.host.lower()})
+        own = frozenset({"localhost", "127.0.0.1", "::1", self.host.lower()})
+        if self.public_hosts:
+            return own | frozenset(self.public_hosts)
+        return None if is_exposed(self.host, self.trusted_proxy) else own
 
 
 def is_loopback(host: str) -> bool:
@@ -41,18 +47,25 @@ def is_loopback(host: str) -> bool:
     if host.lower() == "localhost":
         return True
     try:
-        return ipaddress.ip_address(host).is_loopback
+        return ipaddress.ip_address(plain_address(host)).is_loopback
     except ValueError:
         return False
 
 
-def checked_token(host: str, token: str | None) -> str | None:
-    """The bearer token.  Raises BadSettings when it is too short, or `host` needs one and there is none."""
+def is_exposed(host: str, proxy: TrustedProxy | None) -> bool:
+    """Whether others than programs on this machine may ask; a proxy brings them even to a loopback address."""
+    return proxy is not None or not is_loopback(host)
+
+
+def checked_token(host: str, token: str | None, proxy: TrustedProxy | None = None) -> str | None:
+    """The bearer token.  Raises BadSettings when it is too short, or one is needed and there is none."""
     if token is not None and len(token) < TOKEN_LENGTH:
         raise BadSettings(f"{TOKEN_VARIABLE} is too short; give it at least {TOKEN_LENGTH} random characters.")
-    if token is None and not is_loopback(host):
+    if token is None and is_exposed(host, proxy):
+        opening = f"Listening on {host}" if proxy is None else "Being asked through a proxy"
+        other = ", or listen on 127.0.0.1" if proxy is None else ""
         raise BadSettings(
-            f"Listening on {host} would show patients' scans to the network; set {TOKEN_VARIABLE} to a secret of at "
-            f"least {TOKEN_LENGTH} characters (or write it into a file for --token-file), or listen on 127.0.0.1."
+            f"{opening} would show patients' scans to the network; set {TOKEN_VARIABLE} to a secret of at "
+            f"least {TOKEN_LENGTH} characters (or write it into a file for --token-file){other}."
         )
     return token

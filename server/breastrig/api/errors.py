@@ -3,7 +3,9 @@
 import errno
 import json
 import logging
+from collections.abc import Mapping
 from http import HTTPStatus
+from types import MappingProxyType
 from typing import Any
 
 from apiflask import APIFlask, HTTPError
@@ -48,6 +50,24 @@ def problem(status: int, detail: str, *, headers: Any = (), fields: list[dict[st
         response.headers[name] = value
     response.headers["Cache-Control"] = "no-store"
     return response
+
+
+class Refused(HTTPException):
+    """An HTTP error with a sentence, and perhaps headers, of ours."""
+
+    def __init__(self, status: int, sentence: str, headers: Mapping[str, str]) -> None:
+        super().__init__(sentence)
+        self.code = status
+        self.ours = True
+        self._headers = headers
+
+    def get_headers(self, *args: Any, **kwargs: Any) -> list[tuple[str, str]]:
+        return [*super().get_headers(*args, **kwargs), *self._headers.items()]
+
+
+def refuse(status: int, sentence: str, headers: Mapping[str, str] = MappingProxyType({})) -> HTTPException:
+    """An HTTP error with a sentence of ours, to raise in a view."""
+    return Refused(status, sentence, headers)
 
 
 def register_errors(app: APIFlask) -> None:

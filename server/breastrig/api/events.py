@@ -12,6 +12,7 @@ from flask import Response, request
 
 from breastrig.api import wire
 from breastrig.api.current import behind
+from breastrig.api.environ_keys import READER_GONE
 from breastrig.api.fits import FITS_TAG
 from breastrig.api.security import refuse
 from breastrig.jobs.follow import Heartbeat, Queued
@@ -53,7 +54,7 @@ def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
         raise refuse(
             503, "Too many event streams are open; ask events.json instead, or try again later.", {"Retry-After": "5"}
         )
-    gone = request.environ.get("waitress.client_disconnected")
+    gone = request.environ.get(READER_GONE)
     response = Response(
         _lines(here.service.follow(fit_id, after, here.config.heartbeat_s, gone)),
         mimetype="text/event-stream",

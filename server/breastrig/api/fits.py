@@ -10,6 +10,7 @@ from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answe
 from breastrig.api.current import behind
 from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.security import refuse
+from breastrig.api.trusted_proxy import client_of
 from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
@@ -68,7 +69,7 @@ def start_fit(
         wish,
         None if other is None else _wish(json_data, other),
         _once(headers_data.idempotency_key, json_data),
-        client=request.remote_addr or "unknown",
+        client=client_of(request.remote_addr),
     )
     partner_id = get_fit(storage, fit_id).partner
     partner = None if partner_id is None else wire.FitPartner(id=partner_id, links=fit_links(partner_id))

@@ -1,7 +1,7 @@
 """For those who run the service: is it alive, is it ready, how busy is it.
 
 None of it says anything about a patient.  /healthz and /readyz answer everyone, because load balancers have no token;
-/metrics answers programs on this machine only.
+/metrics answers programs on this machine only, and behind a proxy, which is one of them, whoever brings the token.
 """
 
 from apiflask import APIBlueprint
@@ -10,7 +10,8 @@ from flask import Response, request
 from breastrig.api import wire_meta
 from breastrig.api.config import is_loopback
 from breastrig.api.current import behind
-from breastrig.api.security import refuse
+from breastrig.api.environ_keys import FORWARDED
+from breastrig.api.security import count_guess, has_token, refuse
 
 operations = APIBlueprint(
     "operations", __name__, tag={"name": "operations", "description": "Is the service alive, ready, busy."}
@@ -46,8 +47,14 @@ def ready() -> wire_meta.Readiness:
 @operations.get("/metrics")
 @operations.doc(operation_id="metrics", responses={200: METRICS, 403: "Asked from another machine"})
 def show_metrics() -> Response:
-    """Numbers for Prometheus, only to programs on this machine"""
-    if not is_loopback(request.remote_addr or ""):
-        raise refuse(403, "Metrics are shown only to programs on the server itself.")
+    """Numbers for Prometheus, only to programs on this machine
+
+    Where the service stands behind a proxy, to whoever brings its token as a bearer.
+    """
+    token = behind().config.token
+    from_here = FORWARDED not in request.environ and is_loopback(request.remote_addr or "")
+    if not from_here and (token is None or not has_token(token)):
+        count_guess(behind().rates)
+        raise refuse(403, "Metrics are shown only to programs on the server itself, and to whoever has its token.")
     content, kind = behind().metrics.text()
     return Response(content, content_type=kind)

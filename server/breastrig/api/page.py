@@ -1,6 +1,7 @@
 """The built page, and the page that says how to build it."""
 
 import mimetypes
+from os.path import isfile
 from pathlib import Path
 
 from flask import Blueprint, Response, abort
@@ -60,7 +61,7 @@ def _folder() -> Path:
 
 def _file(folder: Path, name: str, caching: str) -> Response:
     path = safe_join(str(folder), name)
-    if path is None or not Path(path).is_file():
+    if path is None or not isfile(path):  # pathlib's own raises for a name that is too long
         abort(404)
     media_type = mimetypes.guess_type(name)[0] or BINARY
     return public_answer(Path(path).read_bytes(), media_type, caching)

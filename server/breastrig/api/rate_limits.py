@@ -1,7 +1,7 @@
 """How often one address may do what can be abused: guess a token, open a share, fill the disk.
 
 Counted in this process's memory, because one process serves a data folder; a restart begins the minute anew.
-Behind a proxy all clients have one address; the numbers leave room for that.
+A house may have one address for all; the numbers leave room for that.
 """
 
 import math
@@ -12,11 +12,14 @@ from limits import RateLimitItem, RateLimitItemPerMinute
 from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
 
-from breastrig.api.security import refuse
+from breastrig.api.errors import refuse
+from breastrig.api.trusted_proxy import client_of
 
 PER_MINUTE: dict[str, RateLimitItem] = {
     "sign-in": RateLimitItemPerMinute(20),  # a person mistypes a few times
     "share": RateLimitItemPerMinute(60),  # a ward round opens some
+    "bearer": RateLimitItemPerMinute(30),  # wrong ones: a script with an old token should notice soon
+    "bearer of anybody": RateLimitItemPerMinute(600),  # the same from all addresses together
     "upload": RateLimitItemPerMinute(600),  # a script with small scans; a person needs one
 }
 
@@ -32,7 +35,7 @@ class RateLimits:
 
         Counted by address, or by `whose`: what is being opened, whoever tries.
         """
-        limit, who = PER_MINUTE[purpose], whose or request.remote_addr or "unknown"
+        limit, who = PER_MINUTE[purpose], whose or client_of(request.remote_addr)
         if self._limiter.hit(limit, purpose, who):
             return 0
         reset = self._limiter.get_window_stats(limit, purpose, who).reset_time

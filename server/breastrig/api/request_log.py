@@ -2,16 +2,22 @@
 
 Never who: no address, no id (the route is named by its pattern), no query, no header.  The line is written when the
 answer has been sent or its reader has left, so that the time of a stream is the time it was open.
+
+An error of ours is logged with its traceback, but what the address held of it is taken out: errors quote the names of
+files, and those hold ids.
 """
 
 import logging
 import time
+import traceback
+from urllib.parse import quote
 
 from apiflask import APIFlask
 from flask import Response, g, request
 
 from breastrig.core.log_lines import FIELDS
 
+SHORT = 5  # characters; no id is so short, and words of the traceback are
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "DELETE", "OPTIONS"})
 
 log = logging.getLogger("breastrig.requests")
@@ -36,6 +42,24 @@ def register_request_log(app: APIFlask) -> None:
         began, status = g.get("breastrig_asked", time.perf_counter()), response.status_code
         response.call_on_close(lambda: _tell(method, route, status, time.perf_counter() - began))
         return response
+
+
+def log_error_of_request(error: BaseException | None) -> None:
+    """An error that nobody foresaw, on the request at hand."""
+    method, route = route_of_request()
+    told = without_address("".join(traceback.format_exception(error)))
+    fields = {"method": method, "route": route, "traceback": told}
+    log.error("%s %s ended in %s", method, route, type(error).__name__, extra={FIELDS: fields})
+
+
+def without_address(text: str) -> str:
+    """The same without any part of the request's address that its route does not have."""
+    route = "" if request.url_rule is None else request.url_rule.rule
+    parts = {part for part in (request.path, *request.path.split("/"), *request.args.values()) if len(part) >= SHORT}
+    for part in sorted(parts - {route, *route.split("/")}, key=len, reverse=True):
+        for form in {part, repr(part)[1:-1], quote(part)}:
+            text = text.replace(form, "...")
+    return text
 
 
 def _tell(method: str, route: str, status: int, seconds: float) -> None:

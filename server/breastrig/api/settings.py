@@ -13,6 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.api.config import TOKEN_VARIABLE
+from breastrig.api.request_body import BodyLimits
+from breastrig.api.trusted_proxy import read_trusted_proxy
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.jobs.limits import FitLimits
 from breastrig.jobs.sweep import KEEP_DAYS
@@ -72,6 +74,25 @@ def read_count(text: str) -> int:
     if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 10_000):
         raise ValueError("is not a count; use a number from 1 to 10000")
     return int(text)
+
+
+MB = 1_000_000
+
+
+def read_spool_mb(text: str) -> int:
+    """Megabytes as bytes."""
+    if not (text.isascii() and text.isdigit() and 250 <= int(text) <= 1_000_000):
+        raise ValueError("is not a number of megabytes; use 250 or more, so that the largest scan has room")
+    return int(text) * MB
+
+
+def read_public_hosts(text: str) -> tuple[str, ...]:
+    """Names without port, lower case."""
+    names = tuple(name.strip().lower() for name in text.split(","))
+    for name in names:
+        if not re.fullmatch(r"[a-z0-9_-]+(\.[a-z0-9_-]+)*|[0-9a-f:]*:[0-9a-f:.]*", name):
+            raise ValueError("is no name of a host; use a name such as scans.hospital.example, without https and port")
+    return names
 
 
 def read_log_form(text: str) -> str:
@@ -143,6 +164,11 @@ SETTINGS: dict[str, Setting] = {
     "waiting_per_client": Setting(read_count, lambda: FitLimits().waiting_per_client),
     "log": Setting(read_log_form, lambda: "auto"),
     "log_requests": Setting(read_log_requests, lambda: "auto"),
+    "trusted_proxy": Setting(read_trusted_proxy, lambda: None, lambda proxy: "none" if proxy is None else str(proxy)),
+    "public_host": Setting(
+        read_public_hosts, lambda: (), lambda names: ",".join(names) or "any, where there is a token"
+    ),
+    "spool_mb": Setting(read_spool_mb, lambda: BodyLimits().total_bytes, lambda size: f"{size // MB}"),
     "token_file": Setting(read_folder, lambda: None, lambda path: "none" if path is None else str(path)),
 }
 

@@ -12,7 +12,6 @@ sign_in = Blueprint("sign_in", __name__, template_folder="templates")
 
 # Under "no-referrer", which all else has, browsers say "Origin: null" for a form: it would look foreign.
 PAGE_HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "same-origin"}
-FORM_BYTES = 10_000  # a token is shorter
 WRONG = "This is not the token. Whoever started the service knows it."
 NOT_NEEDED = "This service needs no token."
 
@@ -29,7 +28,6 @@ def answer() -> Response:
     token = here.config.token
     if token is None:
         return _to("/")
-    request.max_content_length = FORM_BYTES
     seconds = here.rates.wait_s("sign-in")
     if seconds:
         refused = _page(f"Too many attempts. Try again in {seconds} s.", 429)

@@ -2,14 +2,15 @@
 
 import argparse
 import logging
+import os
 import signal
 import sys
+from collections.abc import Callable
 from contextlib import ExitStack
 from types import FrameType
-from typing import Any
 
 from breastrig.api.app import create_app
-from breastrig.api.config import Config, checked_token
+from breastrig.api.config import TOKEN_VARIABLE, Config, checked_token
 from breastrig.api.settings import location_of, token_source
 from breastrig.api.wsgi_server import listen
 from breastrig.cli.service_options import add_service_options, service_settings
@@ -23,6 +24,8 @@ from breastrig.jobs.processes import preload_remote
 from breastrig.jobs.run_fit import run_fit
 from breastrig.jobs.service import Service
 from breastrig.storage.storage import Storage
+
+SECRETS = (TOKEN_VARIABLE, "BREASTRIG_DATABASE")  # of the environment; the second may hold a password
 
 log = logging.getLogger(__name__)
 
@@ -40,13 +43,19 @@ def run(options: argparse.Namespace) -> int:
 
 def serve(options: argparse.Namespace, runner: Runner) -> int:
     """The same with another way to carry out a fit."""
+    stop = _Stop()
     found = service_settings(options)
     setting = {name: one.value for name, one in found.items()}
     set_up_logs(setting["log"])
     given, token_from = token_source(found)
+    for name in SECRETS:  # they are known now; processes that are started later are not to inherit them
+        os.environ.pop(name, None)
     config = Config(
         host=setting["host"],
-        token=checked_token(setting["host"], given),
+        token=checked_token(setting["host"], given, setting["trusted_proxy"]),
+        trusted_proxy=setting["trusted_proxy"],
+        public_hosts=setting["public_host"],
+        spool_bytes=setting["spool_mb"],
         model=setting["model"],
         keep_days=setting["keep_days"],
         log_requests=setting["log_requests"] == "yes"
@@ -75,11 +84,10 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
         if executor is not None:
             stack.callback(executor.stop)
         app = create_app(config, service)
-        server = listen(app, config.host, setting["port"], config.uploads.file_bytes)
+        server = listen(app, config, setting["port"], service.end_streams)
         stack.callback(server.close)
-        stack.callback(server.task_dispatcher.shutdown)
         with service.started():
-            _stop_on_signals(service)
+            stop.when_serving(server.stop)
             shown = f"[{config.host}]" if ":" in config.host else config.host
             print(f"BreastRig is ready: http://{shown}:{server.effective_port}/   (Ctrl-C stops it)", flush=True)
             print(RESEARCH_USE_ONLY, flush=True)
@@ -96,14 +104,33 @@ def _cluster(address: str, limits: FitLimits) -> Executor:
     return DaskPool(address, memory_bytes=limits.memory_bytes)
 
 
-def _stop_on_signals(service: Service) -> None:
-    """The first signal ends the streams and leaves the server's loop; later ones do not disturb the tidying up."""
+class _Stop:
+    """Ctrl-C and SIGTERM, from the first moment on.
 
-    def stop(_number: int, _frame: FrameType | None) -> Any:
+    While the service starts they interrupt whatever it is doing.  Python may swallow such an interruption, in a
+    destructor for one: then it is made up for as soon as the service has started.  Later they end it in order, and
+    further ones do not disturb the tidying up.
+    """
+
+    def __init__(self) -> None:
+        self._asked = False
+        self._end: Callable[[], None] | None = None
         for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, signal.SIG_IGN)
-        service.end_streams()
-        sys.exit(0)
+            signal.signal(number, self._on_signal)
 
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, stop)
+    def when_serving(self, end: Callable[[], None]) -> None:
+        """From now on `end` is called instead; at once when it was asked for before."""
+        self._end = end
+        if self._asked:
+            end()
+
+    def _on_signal(self, number: int, _frame: FrameType | None) -> None:
+        self._asked = True
+        if self._end is not None:
+            for each in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(each, signal.SIG_IGN)
+            self._end()
+        elif number == signal.SIGINT:
+            raise KeyboardInterrupt
+        else:
+            raise SystemExit(0)

@@ -58,6 +58,24 @@ def add_service_options(parser: argparse.ArgumentParser) -> None:
         choices=LOG_REQUESTS,
         help="a log line for each request, without addresses and ids (auto: yes unless on a terminal)",
     )
+    parser.add_argument(
+        "--trusted-proxy",
+        type=checked("trusted_proxy"),
+        metavar="ADDRESS[,HOPS]",
+        help="the reverse proxy whose X-Forwarded-For, -Proto and -Host are believed, and how many stand in a row",
+    )
+    parser.add_argument(
+        "--public-host",
+        type=checked("public_host"),
+        metavar="NAME[,NAME]",
+        help="the only names that outsiders may call this service by (default: any, as the token protects it)",
+    )
+    parser.add_argument(
+        "--spool-mb",
+        type=checked("spool_mb"),
+        metavar="MB",
+        help="how much of uploads may be on its way in at once (default 1000); one client may have half of it",
+    )
     parser.add_argument("--token-file", metavar="FILE", help=f"file that holds the token, instead of {TOKEN_VARIABLE}")
     parser.add_argument("--config", type=Path, metavar="FILE", help=f"settings file, TOML (or {FILE_VARIABLE})")
     parser.epilog = (

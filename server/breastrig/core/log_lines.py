@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 VARIABLE = "BREASTRIG_LOG"  # tells the worker processes, who inherit the environment
 TEXT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 FIELDS = "fields"  # name in a record's `extra` of what a JSON line says in members of their own
-NOISY = ("waitress", "waitress.queue", "trimesh", "PIL", "alembic")  # they tell of files' contents, or nothing of use
+NOISY = ("uvicorn", "asyncio", "trimesh", "PIL", "alembic")  # they tell of files' contents, or nothing of use
 
 
 class JsonLines(logging.Formatter):
@@ -33,12 +33,20 @@ class JsonLines(logging.Formatter):
         return json.dumps(line, ensure_ascii=False)
 
 
+class TextLines(logging.Formatter):
+    """The same for people."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        told = getattr(record, FIELDS, {}).get("traceback")  # one that was made fit to be told
+        return super().format(record) if told is None else f"{super().format(record)}\n{told}"
+
+
 def set_up_logs(form: str) -> None:
     """Sends this process's log to stderr as text or json; auto is text on a terminal and json elsewhere."""
     if form == "auto":
         form = "text" if sys.stderr.isatty() else "json"
     handler = logging.StreamHandler(sys.stderr)
-    handler.setFormatter(JsonLines() if form == "json" else logging.Formatter(TEXT))
+    handler.setFormatter(JsonLines() if form == "json" else TextLines(TEXT))
     logging.basicConfig(level=logging.INFO, handlers=[handler])
     for noisy in NOISY:
         logging.getLogger(noisy).setLevel(logging.ERROR)

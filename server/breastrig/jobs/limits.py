@@ -16,6 +16,7 @@ class UploadLimits:
     cpu_s: int = 120  # 2 million triangles of text take about 20 s
     wall_s: float = 180.0
     workers: int = 2
+    waiting_per_client: int = 8  # scans and reports that one client may have in work; each holds a thread of the server
 
 
 def _cores() -> int:

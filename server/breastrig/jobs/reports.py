@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
-from breastrig.jobs.processes import Processes
+from breastrig.jobs.fair_processes import FairProcesses
 from breastrig.jobs.report import ReportJob, measures_json_of, report_pdf_of
 from breastrig.jobs.single_flight import SingleFlight
 from breastrig.storage.deletion import discard
@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 class Reports:
     """The reports of all fits.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: Processes, model: Path | None) -> None:
+    def __init__(self, storage: Storage, processes: FairProcesses, model: Path | None) -> None:
         self._storage = storage
         self._processes = processes
         self._model = model

@@ -20,6 +20,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound, NotRemoved, unknown_name
 from breastrig.jobs.carry_out import PairRunner, Runner, Runners
 from breastrig.jobs.executor import Executor
+from breastrig.jobs.fair_processes import FairProcesses
 from breastrig.jobs.follow import Bell, Heartbeat, Queued, follow
 from breastrig.jobs.limits import FitLimits, UploadLimits
 from breastrig.jobs.plain_meshes import PlainMeshes
@@ -83,8 +84,9 @@ class Service:
         self.streams = threading.BoundedSemaphore(streams)  # each open stream holds a thread of the server
         self._uploads = uploads or UploadLimits()
         fit_limits = fits or FitLimits()
-        self._readers = Processes(
-            self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s
+        self._readers = FairProcesses(
+            Processes(self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s),
+            self._uploads.waiting_per_client,
         )
         self._workers = executor or Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes)
         self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner), model)

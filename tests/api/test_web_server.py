@@ -1,0 +1,403 @@
+"""The web server around the application: what slow, idle and broken clients cost, and what they do to others.
+
+In this process, with limits of a few connections and fractions of a second.
+"""
+
+import io
+import json
+import socket
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from flask import Response
+from helpers.raw_http import answer, connected, is_closed, is_open, request
+from helpers.waiting import until
+
+from breastrig.api.app import create_app
+from breastrig.api.config import Config
+from breastrig.api.connections import ConnectionLimits
+from breastrig.api.request_body import BodyLimits
+from breastrig.api.wsgi_bridge import ThreadLimits
+from breastrig.api.wsgi_server import ServerLimits, WsgiServer, listen
+from breastrig.jobs.service import Service
+
+TOKEN = "a-token-of-more-than-sixteen-characters"
+BIG = bytes(range(256)) * 80_000  # 20 MB: more than the system takes for a reader who reads nothing
+UPLOAD = b'--b\r\nContent-Disposition: form-data; name="file"; filename="a.ply"\r\n\r\nno scan\r\n--b--\r\n'
+MULTIPART = "multipart/form-data; boundary=b"
+
+Serve = Callable[..., AbstractContextManager["Served"]]
+
+
+class Served:
+    """A running server and routes of the tests' own."""
+
+    def __init__(self, server: WsgiServer) -> None:
+        self.server = server
+        self.port = server.effective_port
+        self.release = threading.Event()
+        self.at_work = threading.Semaphore(0)
+        self.closed = threading.Event()
+
+    def block(self) -> str:
+        """Holds a thread until the test lets it go."""
+        self.at_work.release()
+        assert self.release.wait(20)
+        return "done"
+
+    def big(self) -> Response:
+        response = Response((BIG[k : k + 100_000] for k in range(0, len(BIG), 100_000)), mimetype="text/plain")
+        response.content_length = len(BIG)
+        response.call_on_close(self.closed.set)
+        return response
+
+    def ask(self, address: str = "/healthz", source: str = "127.0.0.1", **headers: object) -> int:
+        """The status of a request on a connection of its own."""
+        with connected(self.port, source) as connection:
+            connection.sendall(request(address, **headers))
+            return answer(connection).status
+
+
+@pytest.fixture
+def serve(service: Service, config: Config) -> Serve:
+    @contextmanager
+    def serving(
+        connections: dict[str, Any] | None = None,
+        bodies: dict[str, Any] | None = None,
+        threads: dict[str, Any] | None = None,
+        **changes: Any,
+    ) -> Iterator[Served]:
+        limits = ServerLimits(
+            ConnectionLimits(**connections or {}), BodyLimits(**bodies or {}), ThreadLimits(**threads or {})
+        )
+        used = replace(config, **changes)
+        app = create_app(used, service)
+        served = Served(listen(app, used, 0, lambda: None, limits))
+        app.add_url_rule("/test/block", "block", served.block)
+        app.add_url_rule("/test/big", "big", served.big)
+        app.add_url_rule("/test/broken", "broken", lambda: Response(broken(), mimetype="text/plain"))
+        runs = threading.Thread(target=served.server.run)
+        runs.start()
+        try:
+            yield served
+        finally:
+            served.release.set()
+            served.server.stop()
+            runs.join(20)
+            served.server.close()
+        assert not runs.is_alive()
+
+    return serving
+
+
+def broken() -> Iterator[bytes]:
+    yield bytes(200_000)
+    raise ZeroDivisionError
+
+
+def problem_of(connection: socket.socket, status: int) -> str:
+    """The sentence of a problem-details answer."""
+    found = answer(connection)
+    assert (found.status, found.headers["content-type"]) == (status, "application/problem+json")
+    assert found.headers["x-content-type-options"] == "nosniff"
+    assert "server" not in found.headers
+    document = json.loads(found.body)
+    assert document["status"] == status
+    sentence: str = document["detail"]
+    return sentence
+
+
+def upload_head(size: int, **headers: object) -> bytes:
+    return request("/api/scans", "POST", Content_Type=MULTIPART, Content_Length=size, **headers)
+
+
+def test_idle_connections_hold_no_thread_and_stay_open(serve: Serve) -> None:
+    with serve() as served, ExitStack() as stack:
+        assert served.ask() == 200
+        threads = threading.active_count()
+        idle = [stack.enter_context(connected(served.port)) for _ in range(300)]
+        for connection in idle:
+            connection.sendall(request("/healthz"))
+            assert answer(connection).status == 200
+        assert threading.active_count() <= threads + 1
+        assert len(served.server.connections) == 300
+        assert served.ask("/api/meta") == 200
+        assert all(map(is_open, idle))
+        idle[0].sendall(request("/healthz"))
+        assert answer(idle[0]).status == 200
+
+
+def test_whoever_is_slow_with_the_headers_is_told_and_whoever_says_nothing_is_left(serve: Serve) -> None:
+    with serve({"head_s": 0.3}) as served, connected(served.port) as slow, connected(served.port) as silent:
+        slow.sendall(b"GET /healthz HTTP/1.1\r\nHost: loc")
+        assert "headers took too long" in problem_of(slow, 408)
+        assert is_closed(slow)
+        assert is_closed(silent)
+        until(lambda: len(served.server.connections) == 0, "closed connections")
+
+
+def test_a_second_request_must_not_be_slower_with_its_headers_either(serve: Serve) -> None:
+    with serve({"head_s": 0.3}) as served, connected(served.port) as connection:
+        connection.sendall(request("/healthz"))
+        assert answer(connection).status == 200
+        connection.sendall(b"G")
+        assert problem_of(connection, 408)
+        assert is_closed(connection)
+
+
+def test_headers_without_end_are_refused(serve: Serve) -> None:
+    with serve({"head_bytes": 4096}) as served, connected(served.port) as connection:
+        connection.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nX: " + b"x" * 10_000)
+        assert problem_of(connection, 400)
+        assert is_closed(connection)
+
+
+def test_a_new_connection_takes_the_place_of_the_one_that_has_waited_longest(serve: Serve) -> None:
+    with serve({"each_address": 3}) as served, ExitStack() as stack:
+        blocked, older, newer = (stack.enter_context(connected(served.port)) for _ in range(3))
+        blocked.sendall(request("/test/block"))
+        assert served.at_work.acquire(timeout=20)
+        for connection in (newer, older, newer):
+            connection.sendall(request("/healthz"))
+            assert answer(connection).status == 200
+        assert served.ask() == 200
+        assert is_closed(older)
+        assert is_open(newer)
+        assert served.ask() == 200
+        assert served.ask(source="127.0.0.2") == 200
+        served.release.set()
+        assert answer(blocked).body == b"done"
+
+
+def test_when_all_places_are_at_work_a_new_connection_is_refused_with_a_sentence(serve: Serve) -> None:
+    with serve({"each_address": 2}) as served, ExitStack() as stack:
+        blocked = [stack.enter_context(connected(served.port)) for _ in range(2)]
+        for connection in blocked:
+            connection.sendall(request("/test/block"))
+            assert served.at_work.acquire(timeout=20)
+        with connected(served.port) as refused:
+            assert "as many connections as it can" in problem_of(refused, 503)
+            assert is_closed(refused)
+        assert served.ask(source="127.0.0.2") == 200
+        served.release.set()
+        assert [answer(connection).status for connection in blocked] == [200, 200]
+
+
+def test_whoever_has_most_connections_gives_up_one_when_there_are_too_many_in_all(serve: Serve) -> None:
+    with serve({"total": 6}) as served, ExitStack() as stack:
+        few = [stack.enter_context(connected(served.port, "127.0.0.2")) for _ in range(2)]
+        many = [stack.enter_context(connected(served.port, "127.0.0.3")) for _ in range(4)]
+        for connection in (*few, *many):
+            connection.sendall(request("/healthz"))
+            assert answer(connection).status == 200
+        assert served.ask(source="127.0.0.4") == 200
+        assert is_closed(many[0])
+        assert all(map(is_open, (*few, *many[1:])))
+
+
+def test_slow_bodies_hold_no_thread_and_are_given_up(serve: Serve) -> None:
+    limits = {"grace_s": 0.6, "pause_s": 0.6}
+    with serve(bodies=limits, threads={"work": 1}) as served, ExitStack() as stack:
+        slow = [stack.enter_context(connected(served.port)) for _ in range(20)]
+        for connection in slow:
+            connection.sendall(upload_head(10_000) + b"--b")
+        until(lambda: served.server.spools.held == 20 * 10_000, "bodies on their way in")
+        assert served.ask() == 200
+        for connection in slow:
+            assert "too slowly" in problem_of(connection, 408)
+            assert is_closed(connection)
+        assert served.server.spools.held == 0
+
+
+def test_a_body_that_drips_is_slow_too(serve: Serve) -> None:
+    limits = {"grace_s": 0.5, "pause_s": 10.0, "slowest_bytes_s": 1000}
+    with serve(bodies=limits) as served, connected(served.port) as drips:
+        drips.sendall(upload_head(10_000))
+        drips.setblocking(False)
+        for _ in range(40):
+            drips.send(b"-")
+            try:
+                drips.recv(1, socket.MSG_PEEK)
+                break
+            except BlockingIOError:
+                time.sleep(0.05)
+        drips.settimeout(20)
+        assert "too slowly" in problem_of(drips, 408)
+
+
+def test_nothing_of_a_body_is_taken_before_the_headers_have_been_judged(serve: Serve) -> None:
+    right = {"Authorization": f"Bearer {TOKEN}"}
+    cases: list[tuple[bytes, int]] = [
+        (upload_head(100_000_000), 401),
+        (upload_head(100_000_000, Authorization="Bearer wrong"), 401),
+        (upload_head(100_000_000, **right, Origin="http://evil.example"), 403),
+        (upload_head(900_000_000, **right), 413),
+        (request("/api/scans", "POST", Content_Type="text/plain", Content_Length=1000, **right), 415),
+        (request("/api/fits", "POST", Content_Type="application/json", Content_Length=2_000_000, **right), 413),
+        (request("/api/nothing", "POST", Content_Length=1000, **right), 404),
+        (request("/api/meta", "PUT", Content_Length=1000, **right), 405),
+        (request("/sign-in", "POST", Content_Length=20_000), 413),
+        (request("/healthz", Content_Length=20_000), 413),
+        (upload_head(100, **right, Host="evil.example"), 421),
+    ]
+    with serve(bodies={"unwanted_pause_s": 0.1}, token=TOKEN, public_hosts=("scans.example",)) as served:
+        taken: list[int] = []
+        served.server.spools.take = lambda _client, size: taken.append(size)  # type: ignore[method-assign]
+        for sent, status in cases:
+            with connected(served.port) as connection:
+                connection.sendall(sent.replace(b"Host: localhost\r\n", b"", sent.count(b"Host:") - 1))
+                assert problem_of(connection, status)
+                assert is_closed(connection)
+        assert taken == []
+
+
+def test_a_refused_body_is_taken_until_its_end_so_that_the_answer_arrives(serve: Serve) -> None:
+    with serve(token=TOKEN) as served, connected(served.port) as connection:
+        for _ in range(2):
+            connection.sendall(upload_head(30_000_000) + bytes(30_000_000))
+            assert "needs its token" in problem_of(connection, 401)
+        assert served.server.spools.held == 0
+
+
+def test_who_asks_whether_to_send_a_body_is_answered_before_it_is_sent(serve: Serve) -> None:
+    with serve(token=TOKEN) as served:
+        with connected(served.port) as connection:
+            connection.sendall(upload_head(10_000, Expect="100-continue"))
+            assert problem_of(connection, 401)
+            assert is_closed(connection)
+        with connected(served.port) as connection:
+            right = f"Bearer {TOKEN}"
+            connection.sendall(upload_head(len(UPLOAD), Expect="100-continue", Authorization=right))
+            assert answer(connection).status == 100
+            connection.sendall(UPLOAD)
+            assert problem_of(connection, 422)
+
+
+def test_a_full_folder_for_temporary_files_is_a_sentence(
+    serve: Serve, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    with serve() as served, connected(served.port) as connection:
+        with monkeypatch.context() as full:
+            full.setattr(tempfile, "TemporaryFile", lambda **_: io.FileIO("/dev/full", "w+b"))
+            connection.sendall(upload_head(1_000_000) + bytes(1_000_000))
+            assert "folder for temporary files is full" in problem_of(connection, 507)
+        assert served.server.spools.held == 0
+        connection.sendall(upload_head(len(UPLOAD)) + UPLOAD)
+        assert problem_of(connection, 422)
+    assert "folder for temporary files" in caplog.text
+
+
+def test_what_is_received_at_once_is_bounded_in_all_and_for_each_client(serve: Serve) -> None:
+    small = replace(Config().uploads, file_bytes=1_000)
+    with serve(bodies={"total_bytes": 40_000}, uploads=small) as served, ExitStack() as stack:
+        for source in ("127.0.0.2", "127.0.0.2", "127.0.0.3"):
+            sends = stack.enter_context(connected(served.port, source))
+            sends.sendall(request("/api/fits", "POST", Content_Type="application/json", Content_Length=10_000))
+        until(lambda: served.server.spools.held == 30_000, "three bodies")
+
+        def asks(source: str, size: int) -> socket.socket:
+            connection = stack.enter_context(connected(served.port, source))
+            connection.sendall(request("/api/fits", "POST", b"9" * size, Content_Type="application/json"))
+            return connection
+
+        assert "one client may" in problem_of(asks("127.0.0.2", 10_000), 429)
+        assert "as much as it can" in problem_of(asks("127.0.0.4", 15_000), 503)
+        assert problem_of(asks("127.0.0.4", 1_000), 422)
+    assert served.server.spools.held == 0
+
+
+def test_a_body_of_unknown_length_is_taken_up_to_the_limit(serve: Serve) -> None:
+    chunk = b"2710\r\n" + b" " * 10_000 + b"\r\n"
+    head = request("/api/fits", "POST", Content_Type="application/json", Transfer_Encoding="chunked")
+    with serve(json_bytes=25_000) as served, connected(served.port) as connection:
+        connection.sendall(head + 2 * chunk + b'D\r\n{"scan": "a"}\r\n0\r\n\r\n')
+        assert "scan" in problem_of(connection, 404)
+        connection.sendall(head + 3 * chunk + b"0\r\n\r\n")
+        assert "larger than 25 kB" in problem_of(connection, 413)
+        connection.sendall(head + b"no number\r\n")
+        assert problem_of(connection, 400)
+        assert is_closed(connection)
+        assert served.server.spools.held == 0
+
+
+def test_readers_that_read_nothing_hold_no_thread_and_are_left(serve: Serve) -> None:
+    with serve({"unread_s": 0.5}, threads={"work": 1}) as served, ExitStack() as stack:
+        slow = [stack.enter_context(connected(served.port)) for _ in range(10)]
+        for connection in slow:
+            connection.sendall(request("/test/big"))
+        assert served.ask() == 200
+        assert served.closed.wait(20)
+        until(lambda: len(served.server.connections) == 0, "connections that were given up")
+
+
+def test_a_patient_reader_gets_all_of_a_large_answer(serve: Serve) -> None:
+    with serve(threads={"work": 1}) as served, connected(served.port) as connection:
+        for _ in range(2):
+            connection.sendall(request("/test/big"))
+            assert answer(connection).body == BIG
+        assert served.closed.is_set()
+
+
+def test_one_client_cannot_take_all_threads(serve: Serve) -> None:
+    with serve(threads={"work": 3, "each_client": 2}) as served, ExitStack() as stack:
+        slow = [stack.enter_context(connected(served.port, "127.0.0.2")) for _ in range(4)]
+        for connection in slow:
+            connection.sendall(request("/test/block"))
+        assert all(served.at_work.acquire(timeout=20) for _ in range(2))
+        assert served.ask(source="127.0.0.3") == 200
+        assert not served.at_work.acquire(blocking=False)
+        served.release.set()
+        assert [answer(connection).body for connection in slow] == [b"done"] * 4
+
+
+def test_an_answer_that_breaks_off_ends_the_connection_and_is_logged_without_its_address(
+    serve: Serve, caplog: pytest.LogCaptureFixture
+) -> None:
+    with serve() as served, connected(served.port) as connection:
+        connection.sendall(request("/test/broken?name=Miller"))
+        received = b""
+        while chunk := connection.recv(100_000):
+            received += chunk
+        assert received.startswith(b"HTTP/1.1 200")
+        assert not received.endswith(b"0\r\n\r\n")
+        assert served.ask() == 200
+    assert "ZeroDivisionError" in caplog.text
+    assert "Miller" not in caplog.text
+    assert "/test" not in caplog.text
+
+
+def test_requests_that_come_together_are_answered_in_their_order(serve: Serve) -> None:
+    with serve() as served, connected(served.port) as connection:
+        connection.sendall(
+            request("/healthz") + request("/nothing") + request("/api/meta", "HEAD") + request("/healthz")
+        )
+        assert [answer(connection).status for _ in range(2)] == [200, 404]
+        assert answer(connection, bodiless=True).status == 200
+        assert answer(connection).status == 200
+
+
+def test_an_address_in_full_and_a_header_with_an_underscore_are_understood_as_by_any_server(serve: Serve) -> None:
+    with serve() as served, connected(served.port) as connection:
+        connection.sendall(request("http://localhost/healthz"))
+        assert answer(connection).status == 200
+        connection.sendall(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\nX_Forwarded_For: 8.8.8.8\r\n\r\n")
+        assert answer(connection).status == 200
+
+
+def test_a_stopping_server_lets_answers_end_and_closes_what_only_waits(serve: Serve) -> None:
+    with serve() as served, connected(served.port) as idle, connected(served.port) as busy:
+        idle.sendall(request("/healthz"))
+        assert answer(idle).status == 200
+        busy.sendall(request("/test/block"))
+        assert served.at_work.acquire(timeout=20)
+        served.server.stop()
+        assert is_closed(idle)
+        served.release.set()
+        assert answer(busy).body == b"done"
+        assert is_closed(busy)
