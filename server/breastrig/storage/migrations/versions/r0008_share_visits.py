@@ -7,8 +7,8 @@ Revises: 0006
 from alembic import op
 from sqlalchemy import Column, Integer, String
 
-revision = "0007"
-down_revision = "0006"
+revision = "0008"
+down_revision = "0007"
 
 
 def upgrade() -> None:
