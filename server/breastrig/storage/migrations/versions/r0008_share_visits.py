@@ -1,7 +1,7 @@
 """Visits of share links that end by themselves, and what wrong passcodes do to a link.
 
-Revision ID: 0007
-Revises: 0006
+Revision ID: 0008
+Revises: 0007
 """
 
 from alembic import op
