@@ -17,11 +17,7 @@ def small_disk(place: Path, megabytes: int) -> Iterator[Path]:
     place.mkdir()
     if os.geteuid():
         pytest.skip("only root can mount a small disk")
-    mounted = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", f"size={megabytes}m", "tmpfs", str(place)], capture_output=True, check=False
-    )
-    if mounted.returncode:
-        pytest.skip("this machine lets nobody mount a small disk")
+    _mount("-t", "tmpfs", "-o", f"size={megabytes}m", "tmpfs", str(place))
     try:
         yield place
     finally:
@@ -39,7 +35,7 @@ def fill(disk: Path) -> Path:
 
 @contextmanager
 def stuck(folder: Path) -> Iterator[None]:
-    """Until the end of the block not even root can remove the folder."""
+    """Until the end of the block nothing in the folder can be removed, nor the folder itself."""
     if os.geteuid():
         folder.chmod(0o500)
         try:
@@ -47,5 +43,15 @@ def stuck(folder: Path) -> Iterator[None]:
         finally:
             folder.chmod(0o700)
         return
-    with small_disk(folder / "mounted", 1):
+    _mount("--bind", str(folder), str(folder))
+    try:
+        _mount("-o", "remount,ro,bind", str(folder))
         yield
+    finally:
+        subprocess.run(["umount", "-l", str(folder)], check=True)
+
+
+def _mount(*options: str) -> None:
+    """Skips the test where that is not allowed."""
+    if subprocess.run(["mount", *options], capture_output=True, check=False).returncode:
+        pytest.skip("this machine lets nobody mount a disk")

@@ -17,6 +17,7 @@ from breastrig.storage.fits import fit_ids, fits_of_scan
 from breastrig.storage.scans import scan_ids
 from breastrig.storage.storage import Left, Storage
 
+EVENTS_AT_ONCE = 100  # of some kB each: half a megabyte of SQLite's log
 STILL_WRITTEN = "a process still writes to it"
 
 log = logging.getLogger(__name__)
@@ -114,6 +115,11 @@ def _delete_in_steps(storage: Storage, scan_id: str) -> list[str]:
             note_removing(connection, scan_id, places)
             abandon_making(connection, scan_id)
 
+    def delete_events(fit_id: str) -> int:
+        first = select(schema.events.c.position).where(schema.events.c.fit == fit_id).limit(EVENTS_AT_ONCE)
+        with storage.database.writing() as connection:
+            return connection.execute(delete(schema.events).where(schema.events.c.position.in_(first))).rowcount
+
     def delete_fit(fit_id: str) -> None:
         with storage.database.writing() as connection:
             _delete_fits(connection, [fit_id])
@@ -125,8 +131,9 @@ def _delete_in_steps(storage: Storage, scan_id: str) -> list[str]:
     storage.with_room(note)
     storage.remove(*places)
     for fit_id in fits:
+        while storage.with_room(lambda: delete_events(fit_id)):  # noqa: B023
+            storage.forget_deleted()
         storage.with_room(lambda: delete_fit(fit_id))  # noqa: B023
-        storage.forget_deleted()
     storage.with_room(delete_rest)
     return fits
 
