@@ -1,5 +1,5 @@
 # One command each; `make help` lists them.  Everything is installed into $(VENV) and web/node_modules, nothing outside (but
-# Chromium and PostgreSQL for the tests, from the system's packages, when there are none).  Plain make: no GNU extensions.
+# Chromium, PostgreSQL and nginx for the tests, from the system's packages, when there are none).  Plain make: no GNU extensions.
 PYTHON ?= python3
 VENV ?= .venv
 PORT ?= 8321
@@ -37,6 +37,7 @@ vitest: web-packages
 
 pytest: page $(VENV)/.stamp-test
 	BREASTRIG_POSTGRES="$$(sh .ci/postgres.sh)" && export BREASTRIG_POSTGRES && \
+	    BREASTRIG_NGINX="$$(sh .ci/nginx.sh)" && export BREASTRIG_NGINX && \
 	    OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n auto --maxprocesses=4 --dist loadfile \
 	    --ignore=tests/faults/test_broken_surroundings.py \
 	    --ignore=tests/scale/test_served_with_options.py # they are in `make faults` and `make scale`

@@ -20,7 +20,7 @@ Receive = Callable[[], Awaitable[Any]]
 
 @dataclass(frozen=True)
 class BodyLimits:
-    total_bytes: int = 1_000_000_000  # five of the largest scans; each is in the folder for temporary files up to twice
+    total_bytes: int = 1_300_000_000  # three of the largest scans; each lies in the temporary folder up to twice
     memory_bytes: int = 65_536  # of one body; longer ones go to a file without a name
     pause_s: float = 30.0  # nothing at all for so long: the sender has gone
     grace_s: float = 30.0  # for any body, and beyond that:

@@ -81,8 +81,8 @@ MB = 1_000_000
 
 def read_spool_mb(text: str) -> int:
     """Megabytes as bytes."""
-    if not (text.isascii() and text.isdigit() and 250 <= int(text) <= 1_000_000):
-        raise ValueError("is not a number of megabytes; use 250 or more, so that the largest scan has room")
+    if not (text.isascii() and text.isdigit() and 420 <= int(text) <= 1_000_000):
+        raise ValueError("is not a number of megabytes; use 420 or more, so that the largest scan has room")
     return int(text) * MB
 
 

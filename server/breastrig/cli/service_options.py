@@ -74,7 +74,7 @@ def add_service_options(parser: argparse.ArgumentParser) -> None:
         "--spool-mb",
         type=checked("spool_mb"),
         metavar="MB",
-        help="how much of uploads may be on its way in at once (default 1000); one client may have half of it",
+        help="how much of uploads may be on its way in at once (default 1300); one client may have half of it",
     )
     parser.add_argument("--token-file", metavar="FILE", help=f"file that holds the token, instead of {TOKEN_VARIABLE}")
     parser.add_argument("--config", type=Path, metavar="FILE", help=f"settings file, TOML (or {FILE_VARIABLE})")

@@ -1,0 +1,85 @@
+"""nginx with the README's own configuration, on loopback, in front of a service of the tests' own."""
+
+import os
+import re
+import shutil
+import socket
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import trustme
+
+from helpers.waiting import until
+
+PLACE = "/usr/sbin/nginx"  # where Debian keeps it, which is not on everybody's PATH
+NONE_HERE = (
+    "These tests need nginx: install the package nginx-light (apt-get install nginx-light, or sh .ci/nginx.sh), or set "
+    "BREASTRIG_NGINX to its path."
+)
+TEMPORARY = ("client_body", "proxy", "fastcgi", "scgi", "uwsgi")  # else nginx wants folders of the system's
+
+
+def program() -> str:
+    """The path of nginx; fails with a sentence when there is none."""
+    found = os.environ.get("BREASTRIG_NGINX") or shutil.which("nginx") or PLACE
+    assert Path(found).is_file(), NONE_HERE
+    return found
+
+
+def moved(configuration: str, changes: dict[str, str]) -> str:
+    """The configuration with other places in it; each must have been there."""
+    for place, other in changes.items():
+        assert place in configuration, f"the README's configuration has no {place}"
+        configuration = configuration.replace(place, other)
+    return configuration
+
+
+@contextmanager
+def in_front_of(port: int, readme: str, authority: trustme.CA) -> Iterator[int]:
+    """The port of nginx, which speaks TLS and asks the service at `port`, as the README says."""
+    found = re.search(r"```nginx\n(.*?)```", readme, re.DOTALL)
+    assert found, "the README has no configuration for nginx"
+    name = re.search(r"server_name (\S+);", found[1])
+    assert name
+    with tempfile.TemporaryDirectory(prefix="nginx-", dir="/tmp") as place:
+        folder, own_port = Path(place), _free_port()
+        certificate = authority.issue_cert(name[1])
+        certificate.private_key_pem.write_to_path(str(folder / "key"))
+        certificate.cert_chain_pems[0].write_to_path(str(folder / "certificate"))
+        changes = {
+            "listen 443 ssl": f"listen 127.0.0.1:{own_port} ssl",
+            "/etc/ssl/certs/scans.pem": str(folder / "certificate"),
+            "/etc/ssl/private/scans.key": str(folder / "key"),
+            "http://127.0.0.1:8321": f"http://127.0.0.1:{port}",
+        }
+        paths = "".join(f"{name}_temp_path {folder / name};\n" for name in TEMPORARY)
+        user = "user root;\n" if os.geteuid() == 0 else ""
+        (folder / "nginx.conf").write_text(
+            f"{user}daemon off;\npid {folder / 'pid'};\nerror_log stderr;\nevents {{}}\n"
+            f"http {{\naccess_log off;\n{paths}{moved(found[1], changes)}}}\n"
+        )
+        with (folder / "log").open("w") as log:
+            command = [program(), "-p", place, "-c", str(folder / "nginx.conf"), "-e", "stderr"]
+            process = subprocess.Popen(command, stdout=log, stderr=log)
+        try:
+
+            def ready() -> bool:
+                assert process.poll() is None, (folder / "log").read_text()
+                with socket.socket() as probe:
+                    return probe.connect_ex(("127.0.0.1", own_port)) == 0
+
+            until(ready, "nginx")
+            yield own_port
+        finally:
+            process.terminate()
+            process.wait(timeout=20)
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
