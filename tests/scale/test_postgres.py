@@ -20,7 +20,16 @@ from breastrig.storage.events import append, events_after
 from breastrig.storage.fits import claim_fit, fits_page, get_fit, next_queued, queue_position
 from breastrig.storage.location import Location
 from breastrig.storage.scans import ScanRow, add_scan, get_landmarks, get_scan, put_landmarks
-from breastrig.storage.shares import ShareRow, add_share, get_share, note_opening
+from breastrig.storage.shares import (
+    ShareRow,
+    add_opening,
+    add_share,
+    end_visit,
+    get_share,
+    note_wrong_passcode,
+    share_of_visit,
+    unlock_share,
+)
 from breastrig.storage.storage import Storage
 
 FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
@@ -173,8 +182,8 @@ def test_the_queue_and_its_claims(storage: Storage) -> None:
 def test_deleting_a_scan_leaves_no_row(storage: Storage) -> None:
     add_waiting_fit(storage, "scan-1", "fit-1")
     add_share(storage, ShareRow("share-1", "fit-1", "2026", "2027", "none", None), "ab" * 32)
-    for _ in range(2):
-        note_opening(storage, "share-1", "2026")
+    for visit in ("cd" * 32, "ef" * 32):
+        assert add_opening(storage, "share-1", "2026", visit, most_wrong=1)
     assert get_share(storage, "fit-1", "share-1").openings == 2
     put_landmarks(storage, "scan-1", {"nipple_L": [1.0, 2.0, 3.0]})
     append(storage, "fit-1", iterated(0))
@@ -183,6 +192,28 @@ def test_deleting_a_scan_leaves_no_row(storage: Storage) -> None:
     with storage.database.reading() as connection:
         for table in set(schema.metadata.tables.values()) - {schema.installation}:
             assert connection.execute(select(func.count()).select_from(table)).scalar_one() == 0, table.name
+
+
+def test_visits_of_a_share_and_what_wrong_passcodes_do_to_it(storage: Storage) -> None:
+    add_waiting_fit(storage, "scan-1", "fit-1")
+    for share, token in (("share-1", "ab" * 32), ("share-2", "ba" * 32)):
+        add_share(storage, ShareRow(share, "fit-1", "2026", "2027", "none", None), token)
+    assert add_opening(storage, "share-1", "2026-02", "cd" * 32, most_wrong=2)
+    found = share_of_visit(storage, "share-1", "cd" * 32, "2026-01")
+    assert found is not None
+    assert (found.id, found.openings) == ("share-1", 1)
+    assert share_of_visit(storage, "share-2", "cd" * 32, "2026-01") is None
+    assert share_of_visit(storage, "share-1", "cd" * 32, "2026-02") is None  # too old
+    assert not end_visit(storage, "share-2", "cd" * 32)
+    assert [end_visit(storage, "share-1", "cd" * 32) for _ in range(2)] == [True, False]
+    assert share_of_visit(storage, "share-1", "cd" * 32, "2026-01") is None
+    for moment in ("2026-03", "2026-04"):
+        note_wrong_passcode(storage, "share-1", moment)
+    assert not add_opening(storage, "share-1", "2026-05", "ef" * 32, most_wrong=2)
+    unlock_share(storage, "fit-1", "share-1")
+    assert add_opening(storage, "share-1", "2026-05", "ef" * 32, most_wrong=2)
+    row = get_share(storage, "fit-1", "share-1")
+    assert (row.wrong_passcodes, row.last_wrong_at, row.openings, row.is_locked(2)) == (2, "2026-04", 2, False)
 
 
 def test_a_fit_is_held_by_one_and_waited_for(storage: Storage) -> None:
