@@ -53,7 +53,7 @@ def on_the_skin(rig: Rig, scan: FittedScan, shapes: Sequence[ScanShape]) -> list
     corners = np.where(skipped[:, None], points, given.points)
     model = ClosestPointSearch(scan.vertices, rig.faces)
     below = model.query(corners)
-    ways = _Ways(rig, scan)
+    ways = Ways(rig, scan)
     on_model = [SurfacePoints(below.faces[part], below.barycentric[part]) for part in parts]
     lines = [
         _filled(ways, shape, corners[part], places) for shape, part, places in zip(shapes, parts, on_model, strict=True)
@@ -70,24 +70,33 @@ def on_the_skin(rig: Rig, scan: FittedScan, shapes: Sequence[ScanShape]) -> list
     ]
 
 
-def _filled(ways: "_Ways", shape: ScanShape, corners: Array, places: SurfacePoints) -> tuple[Array, Booleans, Booleans]:
-    """(M, 3) m, (M,) bridged and (M,) the line's own: its corners with points in between.
+def _filled(ways: "Ways", shape: ScanShape, corners: Array, places: SurfacePoints) -> tuple[Array, Booleans, Booleans]:
+    """(M, 3) m, (M,) bridged and (M,) the line's own: its corners with points in between, at most SPACING apart.
 
     `places` are the model's points next to the corners.
     """
     count = len(corners)
     following = np.roll(np.arange(count), -1)[: count if shape.closed and count > 2 else -1]
-    points, bridged, own = [], [], []
-    for start in range(count):
-        points.append(corners[[start]])
-        bridged.append(shape.bridged[[start]])
-        own.append(np.ones(1, dtype=np.bool_))
-        if start < len(following):
-            pair = np.array([start, following[start]])
-            points.append(ways.between(corners[pair], SurfacePoints(places.faces[pair], places.barycentric[pair])))
-            bridged.append(np.repeat(shape.bridged[pair].any(), len(points[-1])))
-            own.append(np.zeros(len(points[-1]), dtype=np.bool_))
-    return np.concatenate(points), np.concatenate(bridged), np.concatenate(own)
+    start, arms = corners[: len(following)], corners[following] - corners[: len(following)]
+    gaps = np.linalg.norm(arms, axis=1)
+    inner = np.maximum(np.ceil(gaps / SPACING).astype(np.int64), 1) - 1
+    far: dict[int, Array] = {}
+    for k in np.flatnonzero(gaps > FAR_APART).tolist():
+        pair = np.array([k, following[k]])
+        far[k] = ways.between(corners[pair], SurfacePoints(places.faces[pair], places.barycentric[pair]))
+        inner[k] = len(far[k])
+    first = np.concatenate([[0], np.cumsum(1 + inner)])  # where each segment begins in the line
+    segment = np.repeat(np.arange(len(inner)), 1 + inner)
+    step = np.arange(first[-1]) - first[segment]
+    line = start[segment] + (step / (1 + inner[segment]))[:, None] * arms[segment]
+    for k, way in far.items():
+        line[first[k] + 1 : first[k + 1]] = way
+    own = step == 0
+    bridged = np.where(own, shape.bridged[segment], shape.bridged[segment] | shape.bridged[following[segment]])
+    if len(following) < count:  # the end of an open line
+        line = np.concatenate([line, corners[-1:]])
+        own, bridged = np.append(own, True), np.append(bridged, shape.bridged[-1])
+    return line, bridged, own
 
 
 def _settled(rig: Rig, scan: FittedScan, model: ClosestPointSearch, points: Array) -> tuple[Array, Booleans]:
@@ -101,19 +110,18 @@ def _settled(rig: Rig, scan: FittedScan, model: ClosestPointSearch, points: Arra
     return settled, missed
 
 
-class _Ways:
+class Ways:
     """Shortest ways along one fitted model."""
 
     def __init__(self, rig: Rig, scan: FittedScan) -> None:
         self._geodesics = Geodesics(scan.vertices, rig.faces)
 
     def between(self, ends: Array, places: SurfacePoints) -> Array:
-        """(M, 3) m: points between two corners (2, 3), at most SPACING apart, near the skin."""
+        """(M, 3) m: points on the way between two corners (2, 3), at most SPACING apart, near the skin."""
         way = ends
-        if np.linalg.norm(ends[1] - ends[0]) > FAR_APART:
-            with suppress(BadDrawing):  # parts of the model that are not connected: then the chord
-                start, end = (SurfacePoints(places.faces[[k]], places.barycentric[[k]]) for k in range(2))
-                way = np.concatenate([way[:1], self._geodesics.path(start, end), way[1:]])
+        with suppress(BadDrawing):  # parts of the model that are not connected: then the chord
+            start, end = (SurfacePoints(places.faces[[k]], places.barycentric[[k]]) for k in range(2))
+            way = np.concatenate([way[:1], self._geodesics.path(start, end), way[1:]])
         steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
         along = np.concatenate([[0.0], np.cumsum(steps)])
         count = max(1, int(np.ceil(along[-1] / SPACING)))

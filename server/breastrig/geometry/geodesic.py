@@ -169,7 +169,8 @@ def _distances(vertices: Array, faces: Integers, source: int, reach: float = np.
 def _along_edges(vertices: Array, faces: Integers, source: int, target: int) -> float:
     """m, the shortest way along edges: never shorter than the shortest way."""
     i, j = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    pairs = np.unique(np.sort(np.stack([i, j], axis=1), axis=1), axis=0)
-    lengths = np.maximum(np.linalg.norm(vertices[pairs[:, 0]] - vertices[pairs[:, 1]], axis=1), 1e-12)
-    graph = csr_array((lengths, (pairs[:, 0], pairs[:, 1])), shape=(len(vertices), len(vertices)))
+    edges = np.unique(np.minimum(i, j) * len(vertices) + np.maximum(i, j))  # as one number each: rows sort slowly
+    i, j = np.divmod(edges, len(vertices))
+    lengths = np.maximum(np.linalg.norm(vertices[i] - vertices[j], axis=1), 1e-12)
+    graph = csr_array((lengths, (i, j)), shape=(len(vertices), len(vertices)))
     return float(dijkstra(graph, directed=False, indices=np.array([source]))[0, target])
