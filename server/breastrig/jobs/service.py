@@ -141,7 +141,7 @@ class Service:
             with self.storage.files.writing(place) as draft:
                 upload = draft.folder / upload_name(file_type)
                 sha256 = _keep(source, upload)
-                facts = self._read(UploadJob(upload, units, draft.folder / MESH, self._uploads.triangles))
+                facts = self._read(UploadJob(upload, units, draft.folder / MESH, self._uploads.triangles, self._model))
                 draft.keep()
             row = ScanRow(scan_id, utc_now(), file_type, sha256, facts)
             scan_rows.add_scan(self.storage, row)
