@@ -189,7 +189,9 @@ def test_bodies_that_are_alike_are_nearer_to_each_other_than_bodies_apart(torso:
 
 def test_a_scan_without_landmarks_starts_by_itself(torso: Rig) -> None:
     (first, _), (second, truth) = (task_of(torso, x, load_recipe("default")) for x in two_stances(torso, 1))
-    blind = replace(second, landmarks={}, start=best_start(torso, second.target, {}, np.array([[0.0, 0.0, 1.0]])))
+    blind = replace(
+        second, landmarks={}, start=best_start(torso, second.target, {}, lambda: np.array([[0.0, 0.0, 1.0]]))
+    )
     last = list(fit_pair_iterates(first, blind))[-1]
     assert last.status is Status.CONVERGED
     assert last.second.landmark_distance is None

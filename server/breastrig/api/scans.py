@@ -137,4 +137,5 @@ def scan_answer(row: ScanRow) -> wire.Scan:
         drawing=f"{place}/drawing",
         fits=f"{place}/fits",
     )
-    return wire.Scan(id=row.id, created_at=row.created_at, links=links, **row.facts)
+    shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
+    return wire.Scan(id=row.id, created_at=row.created_at, links=links, **shown)

@@ -181,4 +181,5 @@ def fit_job(scan: ScanRow, fit: FitRow, folder: Path, out: Path, model: Path | N
         drawing=fit.drawing,
         model=model,
         refine=fit.refine,
+        orientation=scan.facts.get("orientation"),
     )

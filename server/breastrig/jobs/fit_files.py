@@ -61,6 +61,7 @@ class FitOutcome:
     lines: tuple[ScanLine, ...]  # in the frame shifted by `centre`
     centre: Array  # (3,) m
     notes: tuple[str, ...]
+    table_triangles: int  # of the scan, cut away as table
 
 
 def _rounded(values: Array, digits: int = 6) -> list[float]:
@@ -83,6 +84,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
             "unit": scan.unit,
             "unit_reason": scan.unit_reason,
             "sha256": scan.sha256,
+            "table_triangles": outcome.table_triangles,
         },
         "model": {
             "name": rig.name,

@@ -76,7 +76,9 @@ class Proposals:
             name = upload_name(scan.file_type)
             try:
                 folder = fetched.enter_context(self._storage.files.reading(scan_place(scan.id), [name]))
-                job = ProposeJob(folder / name, scan.file_type, scan.facts["unit"], self._model)
+                job = ProposeJob(
+                    folder / name, scan.file_type, scan.facts["unit"], self._model, scan.facts.get("orientation")
+                )
                 future = self._processes.schedule(self._proposer, (job,), timeout=self._wall_s)
             except BaseException:
                 fetched.close()

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadScan
-from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.prepare_scan import AUTO, prepared
 from breastrig.fitting.propose import Proposal, propose_landmarks
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.scan.clean import clean
-from breastrig.scan.orient import propose_frame
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 
@@ -26,23 +26,22 @@ class ProposeJob:
     file_type: str
     units: str
     model: Path | None = None  # None: the torso of the package
+    orientation: dict[str, Any] | None = None  # what the upload has found, see fitting/scan_orientation.py
 
 
-def propose_on_scan(rig: Rig, scan: Scan) -> dict[str, Proposal]:
-    """All landmarks of the rig, points in metres in the scan's own frame."""
-    surface = clean(scan)
-    centre = surface.vertices.mean(axis=0)
-    target = ScanTarget(surface.vertices - centre, surface.faces)
-    frame = propose_frame(target.vertices, target.faces)
-    proposals = propose_landmarks(rig, target, frame, load_recipe("default"))
-    return {name: replace(proposal, point=proposal.point + centre) for name, proposal in proposals.items()}
+def propose_on_scan(rig: Rig, scan: Scan, orientation: ScanOrientation | None = None) -> dict[str, Proposal]:
+    """All landmarks of the rig, points in metres in the scan's own frame; `orientation` when it is known already."""
+    ready = prepared(clean(scan), AUTO, None if orientation is None else orientation.frame)
+    proposals = propose_landmarks(rig, ready, load_recipe("default"), orientation)
+    return {name: replace(proposal, point=proposal.point + ready.centre) for name, proposal in proposals.items()}
 
 
 def propose_on_file(job: ProposeJob) -> dict[str, Any]:
     """{name: {point (mm), confidence, on_scan}}, ready for JSON.  Raises a BreastRigError with a sentence."""
     try:
         rig = read_rig(job.model or default_rig_path())
-        proposals = propose_on_scan(rig, read_scan(job.scan, job.file_type, job.units, texture=False))
+        scan = read_scan(job.scan, job.file_type, job.units, texture=False)
+        proposals = propose_on_scan(rig, scan, orientation_from(job.orientation, rig))
     except MemoryError as error:
         raise BadScan("Finding landmarks on this scan needs more memory than it may use; simplify it first.") from error
     return {

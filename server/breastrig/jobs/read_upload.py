@@ -2,7 +2,8 @@
 
 An upload is hostile until it has been read, and holds more of a patient than her skin.  This runs in a process of its
 own with limits of memory and time, gives back nothing but numbers and sentences, and writes a file of our own, from
-which everything later starts; the upload itself is not kept.
+which everything later starts; the upload itself is not kept.  How the patient lies in the scan is among the numbers:
+proposals and fits of this scan begin with it.
 """
 
 from dataclasses import dataclass
@@ -10,7 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.fitting.orientation import upright_frame
+from breastrig.fitting.prepare_scan import AUTO, prepared
+from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import clean
@@ -25,6 +28,7 @@ class UploadJob:
     kept: Path  # where the scan itself is written, as a STORED file
     mesh: Path  # where the mesh for display is written
     triangles: int  # at most
+    model: Path | None = None  # that the service fits with; None: the torso of the package
 
 
 def read_upload(job: UploadJob) -> dict[str, Any]:
@@ -44,7 +48,9 @@ def _read(job: UploadJob) -> dict[str, Any]:
             f"This scan has {len(scan.faces):,} triangles, more than the {job.triangles:,} allowed; simplify it first."
         )
     surface = clean(scan)
-    frame = upright_frame(read_rig(default_rig_path()), surface.vertices, surface.faces)
+    rig = read_rig(job.model or default_rig_path())
+    ready = prepared(surface, AUTO)
+    orientation, _, _ = scan_orientation(rig, ready, load_recipe("default"))
     mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
     job.mesh.write_bytes(mesh)
     write_stored(scan, job.kept)
@@ -56,11 +62,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
         "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},
         "colours": scan.colour_kind,
         "notes": [*scan.notes, *surface.notes],
-        "frame": {
-            "up": [float(x) for x in frame.up],
-            "front": [float(x) for x in frame.front],
-            "confidence": float(frame.confidence),
-            "reason": frame.reason,
-        },
-        "stance": {"proposed": frame.stance, "reason": frame.stance_reason},
+        "frame": orientation.body_frame(),
+        "stance": {"proposed": orientation.stance, "reason": orientation.stance_reason},
+        "orientation": orientation.facts(),
     }

@@ -23,8 +23,8 @@ def run_fit(job: FitJob) -> Iterator[Event]:
     story = ScanStory(ready)
     yield ready.started
     clock.lap()
-    solve = 0.0
-    steps = checked_iterates(ready.task)
+    solve = ready.timing_s["solve"]
+    steps = checked_iterates(ready.task, ready.begun)
     while True:
         iterate = next(steps, None)
         solve += clock.lap()

@@ -43,8 +43,8 @@ def run_pair(
     for which, each in enumerate(ready):
         yield which, each.started
     clock.lap()
-    solve = 0.0
-    (task, let_go), (other_task, other_let_go) = (agreeing_picks(each.task) for each in ready)
+    solve = sum(each.timing_s["solve"] for each in ready)
+    (task, let_go), (other_task, other_let_go) = (agreeing_picks(each.task, each.begun) for each in ready)
     steps = fit_pair_iterates(task, other_task, coupling)
     while True:
         iterate = next(steps, None)

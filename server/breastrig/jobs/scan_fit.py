@@ -6,6 +6,7 @@ The single fit and the fit of two stances share it: both make each scan ready, t
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -17,14 +18,16 @@ from breastrig.drawings.on_scan import on_scan
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.landmark_check import Doubt, doubts, sides_exchanged
+from breastrig.fitting.prepare_scan import AUTO, prepared
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.refine import refined
+from breastrig.fitting.scan_orientation import orientation_from
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.jobs.events import Done, DoubtedPick, Iterated, NodePose, Started
 from breastrig.jobs.fit_files import FitOutcome, write_fit_files
-from breastrig.jobs.fit_start import AUTO, EarlierFit, with_earlier_start, with_start
+from breastrig.jobs.fit_start import EarlierFit, with_earlier_start, with_stance, with_start
 from breastrig.least_squares.newton import Status
 from breastrig.report.distances import surface_distances
 from breastrig.rig.model import Rig
@@ -55,6 +58,7 @@ class FitJob:
     landmark_confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of proposed ones; absent: 1
     refine: bool = False  # a free-form layer on top, for fitted.ply, the drawing and the numbers
     earlier: EarlierFit | None = None  # None: the start is found from landmarks and scan
+    orientation: dict[str, Any] | None = None  # of the scan, found at its upload; see fitting/scan_orientation.py
 
 
 class Clock:
@@ -106,13 +110,15 @@ class ReadyScan:
     job: FitJob
     scan: Scan
     notes: tuple[str, ...]
+    table_triangles: int  # cut away as table
     centre: Array  # (3,) m
     landmarks: dict[str, Array]  # picked, m, in the scan's frame
     exchanged: tuple[Doubt, ...]
     drawing: AskedDrawing | None
     stance_reason: str
     task: FitTask
-    timing_s: dict[str, float]
+    begun: tuple[FitIterate, ...]  # all iterates of the task's fit, where they were needed to find the stance
+    timing_s: dict[str, float]  # solve is what the stance took
 
     @property
     def started(self) -> Started:
@@ -143,9 +149,10 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
     clock = Clock()
     scan = read_scan(job.scan, job.file_type, job.units, texture=False)
     timing = {"read": clock.lap()}
-    surface = clean(scan)
-    centre = surface.vertices.mean(axis=0)
-    target = ScanTarget(surface.vertices - centre, surface.faces)
+    orientation = orientation_from(job.orientation, rig)
+    wished = job.earlier.stance if job.earlier is not None and job.stance == AUTO else job.stance
+    ready = prepared(clean(scan), wished, None if orientation is None else orientation.frame)
+    target, centre = ready.target, ready.centre
     picked = {name: place - centre for name, place in landmarks.items()}
     _near_the_scan(picked, target)
     _warm(target)
@@ -155,20 +162,25 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
     errors = {name: expected_error(share) for name, share in job.landmark_confidence.items()}
     task = FitTask(rig, target, rest_parameters(rig), recipe, followed, landmark_errors=errors)
     if job.earlier is None:
-        task, reason = with_start(task, job.stance)
+        task = with_start(task, ready, orientation)
+        timing["align"] = clock.lap()
+        task, stance = with_stance(task, job.stance, ready, orientation)
     else:
-        task, reason = with_earlier_start(task, job.stance, job.earlier, centre)
-    timing["align"] = clock.lap()
+        task, stance = with_earlier_start(task, job.stance, job.earlier, centre)
+        timing["align"] = clock.lap()
+    timing["solve"] = clock.lap()
     return ReadyScan(
         job=job,
         scan=scan,
-        notes=(*scan.notes, *surface.notes),
+        notes=(*scan.notes, *ready.notes),
+        table_triangles=ready.table_triangles,
         centre=centre,
         landmarks=landmarks,
         exchanged=exchanged,
         drawing=drawing,
-        stance_reason=reason,
+        stance_reason=stance.reason,
         task=task,
+        begun=stance.iterates,
         timing_s=timing,
     )
 
@@ -229,6 +241,7 @@ class ScanStory:
             lines=lines,
             centre=ready.centre,
             notes=ready.notes,
+            table_triangles=ready.table_triangles,
         )
         return Done(result=write_fit_files(outcome, ready.job.out))
 

@@ -151,7 +151,8 @@ class Service:
                 upload = draft.folder / upload_name(file_type)
                 sha256 = _keep(source, upload)
                 kept = draft.folder / upload_name(STORED)
-                facts = self._read(UploadJob(upload, units, kept, draft.folder / MESH, self._uploads.triangles))
+                mesh = draft.folder / MESH
+                facts = self._read(UploadJob(upload, units, kept, mesh, self._uploads.triangles, self._model))
                 upload.unlink()
                 draft.keep()
             row = ScanRow(scan_id, utc_now(), STORED, sha256, facts)

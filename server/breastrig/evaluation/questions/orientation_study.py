@@ -15,9 +15,11 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BreastRigError
 from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.questions.scene import Scene, ready
+from breastrig.fitting.prepare_scan import AUTO, prepared
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.similarity import umeyama
 from breastrig.rig.model import Rig
+from breastrig.scan.clean import Surface, compact
 
 BODY = 0.015  # m from the true surface; farther triangles are table or noise
 SHIFT = 1.0  # m, at most along each axis: scanners put their origin anywhere
@@ -31,16 +33,18 @@ def without_table(scene: Scene) -> Scene:
     faces, vertices = scene.target.faces, scene.target.vertices
     near = scene.truth.query(vertices).distances < BODY
     kept = faces[near[faces].all(axis=1)]
-    used, renumbered = np.unique(kept, return_inverse=True)
-    return replace(scene, target=ready(ScanTarget(vertices[used], renumbered.reshape(-1, 3))))
+    surface = Surface(*compact(vertices, kept), ())
+    return replace(scene, whole=surface, target=ready(ScanTarget(surface.vertices, surface.faces)))
 
 
 def turned(scene: Scene, rotation: Array, shift: Array) -> tuple[Scene, Array]:
     """The scan at another place, moved to the middle of its own points as the program does, and that (3,) middle."""
-    moved = scene.target.vertices @ rotation.T + shift
-    middle = moved.mean(axis=0)
+    moved = replace(scene.whole, vertices=scene.whole.vertices @ rotation.T + shift)
+    scanned = prepared(moved, AUTO)
+    middle = scanned.centre
+    whole = replace(moved, vertices=moved.vertices - middle)
     landmarks = {name: rotation @ place + shift - middle for name, place in scene.landmarks.items()}
-    return Scene(scene.case, ready(ScanTarget(moved - middle, scene.target.faces)), middle, landmarks, None), middle
+    return Scene(scene.case, ready(scanned.target), whole, middle, landmarks, None), middle
 
 
 def wrong_way(rig: Rig, vertices: Array, true: dict[str, Array]) -> dict[str, bool]:

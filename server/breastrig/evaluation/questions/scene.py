@@ -5,7 +5,7 @@ surface.  Scenes of the last cases are kept, because the questions come case by 
 """
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -21,6 +21,7 @@ from breastrig.fitting.checked_fit import checked_iterates
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.landmark_check import Doubt, doubts
 from breastrig.fitting.orientation import best_start
+from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
 from breastrig.geometry.closest_point import ClosestPointSearch
@@ -29,7 +30,7 @@ from breastrig.report.distances import ACCEPTED, summary_mm
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
-from breastrig.scan.clean import clean
+from breastrig.scan.clean import Surface, clean
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.scan.orient import Frame, propose_frame
 from breastrig.scan.read import read_scan
@@ -54,7 +55,8 @@ class Scene:
     """A scan around the origin, and what is known of it."""
 
     case: Case
-    target: ScanTarget
+    target: ScanTarget  # as the program fits it in this stance: without the table under a lying patient
+    whole: Surface  # with the table
     centre: Array  # (3,) m, taken off everything
     landmarks: dict[str, Array]  # true places, (3,) m
     truth: ClosestPointSearch | None
@@ -62,15 +64,15 @@ class Scene:
     @cached_property
     def frame(self) -> Frame:
         """Front and stance as the program proposes them."""
-        return propose_frame(self.target.vertices, self.target.faces)
+        return propose_frame(self.whole.vertices, self.whole.faces)
 
     def found_stance(self, rig: Rig, recipe: Recipe, start: RigParameters) -> str:
         """The stance that the program finds by itself, without landmarks."""
-        return found_stance(FitTask(rig, self.target, start, recipe, {}), self.frame)[0]
+        return found_stance(FitTask(rig, self.target, start, recipe, {}), self.frame).stance
 
     def start(self, rig: Rig, given: dict[str, Array]) -> RigParameters:
         """The start that the program chooses for these landmarks ((3,) m by name)."""
-        return best_start(rig, self.target, given, self.frame.fronts)
+        return best_start(rig, self.target, given, lambda: self.frame.fronts)
 
     def fitted(
         self,
@@ -145,8 +147,8 @@ def ready(target: ScanTarget) -> ScanTarget:
 def read_scene(case: Case) -> Scene:
     """The case's files; BadInput says what is wrong with them."""
     scan = read_scan(case.folder / "scan.ply", None, case.unit, texture=False)
-    surface = clean(scan)
-    centre = surface.vertices.mean(axis=0)
+    scanned = prepared(clean(scan), case.stance)
+    centre = scanned.centre
     places, unit = read_landmarks(case.folder / "landmarks.json")
     per_unit = METRES_PER_UNIT[unit or scan.unit]
     landmarks = {name: per_unit * np.asarray(place) - centre for name, place in places.items()}
@@ -156,4 +158,5 @@ def read_scene(case: Case) -> Scene:
         truth = ClosestPointSearch(clear.vertices - centre, np.asarray(clear.faces))
     if not landmarks:
         raise BadScan(f"{case.folder / 'landmarks.json'} is empty; a case needs true landmarks to be measured.")
-    return Scene(case, ready(ScanTarget(surface.vertices - centre, surface.faces)), centre, landmarks, truth)
+    whole = replace(scanned.surface, vertices=scanned.surface.vertices - centre)
+    return Scene(case, ready(scanned.target), whole, centre, landmarks, truth)
