@@ -115,18 +115,18 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     updateAll(store.get());
   });
 
-  actions.drawing.skinIs(skinFrom(() => scan.mesh?.geometry ?? null));
+  actions.drawing.setSkin(skinFrom(() => scan.mesh?.geometry ?? null));
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
   listenToDrags(stage.canvas, viewer, scan, pins, () => store.get().active === null && isFree(store.get()), actions.landmarks);
-  actions.files.takenBy(() => exportPicture(viewer, store.get()));
+  actions.files.setPicture(() => exportPicture(viewer, store.get()));
   listenToLandmarkKeys(stage.canvas, viewer, scan, cross, store, actions.landmarks);
   listenToViewKeys(stage.canvas, viewer, () => store.get().scan !== null);
   const fingers = listenToFingers(stage.canvas, viewer, cross, store, actions.landmarks);
   onClick(stage.canvas, (event) => {
     if (fingers.isAimed(event)) return;
-    const ghost = store.get().active === null ? proposed.at(event.clientX, event.clientY) : null;
-    if (ghost !== null) return actions.landmarks.confirm([ghost]);
+    const proposal = store.get().active === null ? proposed.at(event.clientX, event.clientY) : null;
+    if (proposal !== null) return actions.landmarks.confirm([proposal]);
     const hit = store.get().active === null ? null : pickAt(viewer, scan, event.clientX, event.clientY);
     if (hit) actions.landmarks.place(hit.point);
   });

@@ -9,7 +9,7 @@ import { ARROWS, onCanvasKey } from "../viewer/keys";
 import { pickAt, type Surface } from "../viewer/picking";
 import type { Viewer } from "../viewer/Viewer";
 import type { LandmarkActions } from "./actions";
-import { ghostsOf } from "./proposals";
+import { openProposals } from "./proposals";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 
@@ -20,9 +20,9 @@ export function listenToLandmarkKeys(canvas: HTMLElement, viewer: Viewer, scan: 
   /** Where the wanted landmark is proposed, else in the middle: there the first arrow finds the cross. */
   function begin(active: string): void {
     const { proposals, picks } = store.get();
-    const ghost = ghostsOf(proposals, picks.present).find(({ name }) => name === active);
+    const proposal = openProposals(proposals, picks.present).find(({ name }) => name === active);
     const box = viewer.host.getBoundingClientRect();
-    const at = ghost ? viewer.toPage(ghost.point) : { x: box.left + box.width / 2, y: box.top + box.height / 2 };
+    const at = proposal ? viewer.toPage(proposal.point) : { x: box.left + box.width / 2, y: box.top + box.height / 2 };
     cross.show(at.x, at.y);
   }
 

@@ -19,7 +19,7 @@ async function withScan(...rest: Parameters<typeof page>) {
   return made;
 }
 
-test("an upload brings the scan, and its progress is told on the way", async () => {
+test("an upload brings the scan, and its progress is shown on the way", async () => {
   const phases: (string | undefined)[] = [];
   const { store, actions } = page({
     upload: async (_file, _units, progress) => {
@@ -238,7 +238,7 @@ test("a landmark that is dragged after a fit is fitted again from there; the pic
   expect(client.cancel).toHaveBeenLastCalledWith("/api/fits/f2/cancel");
   await settle();
   second.say("iterated", iterated(2));
-  expect(store.get().fit?.iterations.length, "a fit that was given up tells nothing any more").toBe(1);
+  expect(store.get().fit?.iterations.length, "a fit that was given up reports nothing any more").toBe(1);
   FakeEventSource.last!.say("iterated", iterated(1));
   FakeEventSource.last!.say("done", { result });
   expect(store.get()).toMatchObject({ fit: { id: "f3", state: "done" }, step: "landmarks" });

@@ -1,4 +1,4 @@
-// What a visitor's browser may ask: the secret behind # is posted once, then a cookie speaks for it.  Read only.
+// What a visitor's browser may ask: the secret behind # is posted once, then a cookie stands for it.  Read only.
 import * as text from "../text";
 import { ask, askJson } from "../../api/client";
 import type { DrawingFile, Result, Scan, SharedResult } from "../../api/types";
