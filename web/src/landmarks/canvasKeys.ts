@@ -3,7 +3,7 @@
 import type { Vector } from "../api/types";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
-import type { Store } from "../store/store";
+import { only, type Store } from "../store/store";
 import type { Crosshair } from "../viewer/Crosshair";
 import { ARROWS, onCanvasKey } from "../viewer/keys";
 import { pickAt, type Surface } from "../viewer/picking";
@@ -67,14 +67,14 @@ export function listenToLandmarkKeys(canvas: HTMLElement, viewer: Viewer, scan: 
   let before: Element | null = null;
   addEventListener("keydown", () => (isByKeys = true), { capture: true });
   addEventListener("pointerdown", () => (isByKeys = false), { capture: true });
-  store.subscribe(({ active, picks }, { active: previous }) => {
-    if (active === previous || !isByKeys) return;
+  store.select(only("active"), ({ active }) => {
+    if (!isByKeys) return;
     if (active === null) {
       if (document.activeElement === canvas) giveBack(before);
     } else {
       if (document.activeElement !== canvas) before = document.activeElement;
       canvas.focus();
-      if (active in picks.present) cross.hide();
+      if (active in store.get().picks.present) cross.hide();
       else begin(active);
     }
   });
