@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { FakeEventSource, fitLinks, page, withScan } from "../fakes";
+import { FakeEventSource, fitLinks, withScan } from "../fakes";
 import { ApiError } from "../../src/api/client";
 
 beforeEach(() => void vi.useFakeTimers());
