@@ -1,4 +1,4 @@
-// What the browser tests share: the page with its witnesses, and the example patient's files.
+// What the browser tests share: the page with its record of errors, and the example patient's files.
 import { readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { expect, type Page, test as plain } from "@playwright/test";

@@ -75,3 +75,10 @@ export function page(answers: Partial<Client> = {}) {
   } as unknown as Client;
   return { store, client, actions: createActions(store, client, () => true) };
 }
+
+/** The same with a scan opened. */
+export async function withScan(...rest: Parameters<typeof page>) {
+  const made = page(...rest);
+  await made.actions.scan.open("s1", null);
+  return made;
+}

@@ -137,7 +137,7 @@ export const client = {
 
 export type Client = typeof client;
 
-/** Sends a scan; `progress` gets the share that has left this machine (fetch cannot tell, hence XMLHttpRequest). */
+/** Sends a scan; `progress` gets the share that has left this machine (fetch does not report it, hence XMLHttpRequest). */
 function upload(file: File, units: UnitChoice, progress: (share: number) => void): Promise<Scan> {
   return new Promise((resolve, reject) => {
     const form = new FormData();

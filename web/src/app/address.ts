@@ -1,7 +1,7 @@
-// What the page shows, kept in the address after "#", so that a reload or a copied link tells the same story.
+// What the page shows, kept in the address after "#", so that a reload or a copied link shows the same.
 import type { Frame, Vector } from "../api/types";
 
-export interface Place {
+export interface PageAddress {
   scan: string | null;
   fit: string | null;
   /** Only when the person turned the body: otherwise the service's proposal holds. */
@@ -22,7 +22,7 @@ function read(text: string | null): Vector | null {
   return numbers.length === 3 && numbers.every(Number.isFinite) && text ? (numbers as Vector) : null;
 }
 
-export function toHash(place: Place): string {
+export function toHash(place: PageAddress): string {
   const words = new URLSearchParams();
   if (place.scan) words.set("scan", place.scan);
   if (place.scan && place.fit) words.set("fit", place.fit);
@@ -45,7 +45,7 @@ export function toHash(place: Place): string {
   return text === "" ? "" : `#${text}`;
 }
 
-export function fromHash(hash: string): Place {
+export function fromHash(hash: string): PageAddress {
   const words = new URLSearchParams(hash.replace(/^#/, ""));
   const frame = (prefix: string): Frame | null => {
     const up = read(words.get(`${prefix}up`));

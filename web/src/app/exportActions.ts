@@ -11,7 +11,7 @@ export function exportActions(store: Store<PageSlice & FitSlice>) {
   let take: (() => Promise<Blob>) | null = null;
   return {
     /** Set by the view: how a picture of it is taken; without WebGL there is none. */
-    takenBy: (how: () => Promise<Blob>): void => void (take = how),
+    setPicture: (how: () => Promise<Blob>): void => void (take = how),
 
     async save(): Promise<void> {
       try {

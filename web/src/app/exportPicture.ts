@@ -1,5 +1,5 @@
 // The picture as it stands, for a slide or a paper: twice the size, with the letters, a 10 cm scale, the colours' scale
-// where distances are shown, and what it must not be used for.  No date and no name: nothing in it tells whose it is.
+// where distances are shown, and what it must not be used for.  No date and no name: nothing in it identifies the patient.
 import { paintColourScale, signedMm } from "../fit/ColourBar";
 import { SCALE_MM, SCANNER_MM } from "../fit/distances";
 import { showsFittedSurface } from "../fit/state";

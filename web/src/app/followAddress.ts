@@ -41,6 +41,7 @@ export async function followAddress(store: Store<Session>, actions: Actions): Pr
 
   await open();
   addEventListener("hashchange", () => void open());
+  // At every change: what was held back while a scan was being opened is written with the next one.
   store.subscribe((state) => {
     const wanted = hashOf(state);
     if (isOpening || wanted === location.hash) return;

@@ -10,7 +10,7 @@ import { listenToKeys } from "./keyboard";
 import { openViewer } from "./openViewer";
 import { createPage } from "./Page";
 import { initialSession, type Session } from "./session";
-import { keepForLater, takeUp } from "./unsavedWork";
+import { keepUnsaved, takeUnsaved } from "./unsavedWork";
 
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 const prefersStill = (): boolean => still.matches;
@@ -27,7 +27,7 @@ listenToKeys(store, actions);
 addEventListener("pagehide", () => void actions.landmarks.flush());
 addEventListener("pagehide", () => void actions.drawing.flush());
 onSignedOut(() => {
-  keepForLater(store.get(), location.hash, sessionStorage);
+  keepUnsaved(store.get(), location.hash, sessionStorage);
   location.assign("/sign-in");
 });
 reportUnforeseen();
@@ -54,7 +54,7 @@ async function begin(): Promise<void> {
   }
   void loadModel();
   void client.isSignedIn().then((isSignedIn) => store.set({ isSignedIn }), () => undefined); // then there is just no button
-  const waiting = takeUp(sessionStorage);
+  const waiting = takeUnsaved(sessionStorage);
   if (waiting && location.hash === "") history.replaceState(null, "", waiting.hash || location.pathname);
   await followAddress(store, actions);
   const { unsaved } = waiting ?? {};

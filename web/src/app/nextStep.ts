@@ -1,7 +1,7 @@
 // The one primary button: what the person would do next, from the state alone.
 import { isFitting } from "../fit/state";
 import { ENOUGH, nextMissing } from "../landmarks/picks";
-import { ghostsOf, isLikely } from "../landmarks/proposals";
+import { isLikely, openProposals } from "../landmarks/proposals";
 import { needsConfirming, pickCount } from "../landmarks/state";
 import { canCarryTo } from "../stances/state";
 import type { Session } from "./session";
@@ -29,7 +29,7 @@ export function nextStep(state: NextShown): NextStep {
   if (state.step === "scan" && needsConfirming(state)) return { kind: "confirm scan" };
   const landmarks = pickCount(state);
   if (state.step === "landmarks") {
-    const likely = ghostsOf(state.proposals, state.picks.present).filter((ghost) => isLikely(ghost) && !state.skipped.has(ghost.name));
+    const likely = openProposals(state.proposals, state.picks.present).filter((proposal) => isLikely(proposal) && !state.skipped.has(proposal.name));
     if (state.active === null && likely.length > 0) return { kind: "confirm", names: likely.map(({ name }) => name) };
     const list = state.meta?.landmarks ?? [];
     const landmark = state.active ?? nextMissing(list, state.picks.present, state.skipped);

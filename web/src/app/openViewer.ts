@@ -38,11 +38,12 @@ import { exportPicture } from "./exportPicture";
 import type { Stages } from "./Page";
 import type { Session } from "./session";
 
-/** What of the state the view shows: only then it is drawn again. */
-const seen = only(
+/** What of the state the view shows; when something else changes it is not drawn again. */
+const SEEN = [
   ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours"] as const),
   ...(["picks", "proposals", "active", "fit", "handPose", "showDistances", "drawn"] as const),
-);
+];
+type Seen = Pick<Session, (typeof SEEN)[number]>;
 
 export function openViewer(store: Store<Session>, actions: Actions, stages: Stages, prefersStill: () => boolean): void {
   const stage = stages.main;
@@ -67,7 +68,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   const loupe = new Loupe(viewer, scan, stage.canvas);
   const cross = new Crosshair(viewer, scan, loupe);
   const isFree = ({ drawn }: Pick<Session, "drawn">): boolean => drawn.tool === "none";
-  const parts: Part<Session>[] = [
+  const parts: Part<Seen>[] = [
     proposed,
     { update: (state) => scan.update(state, hasModelShown(state)) },
     torso,
@@ -86,7 +87,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     new ModelPicture(viewer, torso, stages.picture, stages.light),
   ];
   /** A part that fails must not keep the others from drawing, nor the state from changing: its error is reported later. */
-  const updateAll = (state: Session): void => {
+  const updateAll = (state: Seen): void => {
     viewer.share(state.fit !== null && isBeside(state.overlay) ? state.overlay : "one", state.swipe);
     for (const part of parts) {
       try {
@@ -100,8 +101,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
 
   let theme: Theme | null = null;
   let viewAsked = store.get().view.asked;
-  store.select(seen, () => {
-    const state = store.get();
+  store.select(only(...SEEN), (state: Seen) => {
     if (state.theme !== theme) {
       theme = state.theme; // the page has put it on the document before: the colours can be read
       viewer.repaint();
@@ -115,18 +115,18 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     updateAll(store.get());
   });
 
-  actions.drawing.skinIs(skinFrom(() => scan.mesh?.geometry ?? null));
+  actions.drawing.setSkin(skinFrom(() => scan.mesh?.geometry ?? null));
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
   listenToDrags(stage.canvas, viewer, scan, pins, () => store.get().active === null && isFree(store.get()), actions.landmarks);
-  actions.files.takenBy(() => exportPicture(viewer, store.get()));
+  actions.files.setPicture(() => exportPicture(viewer, store.get()));
   listenToLandmarkKeys(stage.canvas, viewer, scan, cross, store, actions.landmarks);
   listenToViewKeys(stage.canvas, viewer, () => store.get().scan !== null);
   const fingers = listenToFingers(stage.canvas, viewer, cross, store, actions.landmarks);
   onClick(stage.canvas, (event) => {
     if (fingers.isAimed(event)) return;
-    const ghost = store.get().active === null ? proposed.at(event.clientX, event.clientY) : null;
-    if (ghost !== null) return actions.landmarks.confirm([ghost]);
+    const proposal = store.get().active === null ? proposed.at(event.clientX, event.clientY) : null;
+    if (proposal !== null) return actions.landmarks.confirm([proposal]);
     const hit = store.get().active === null ? null : pickAt(viewer, scan, event.clientX, event.clientY);
     if (hit) actions.landmarks.place(hit.point);
   });

@@ -13,7 +13,7 @@ export interface Waiting {
 
 type Memory = Pick<Storage, "getItem" | "setItem" | "removeItem">;
 
-export function keepForLater(state: Session, hash: string, memory: Memory): void {
+export function keepUnsaved(state: Session, hash: string, memory: Memory): void {
   const picks = state.saving === "saved" ? {} : { picks: state.picks.present };
   const lines = state.drawn.saving === "saved" ? {} : { lines: state.drawn.lines.present };
   const isAll = state.saving === "saved" && state.drawn.saving === "saved";
@@ -22,7 +22,7 @@ export function keepForLater(state: Session, hash: string, memory: Memory): void
 }
 
 /** Once: it is forgotten as soon as it was asked for. */
-export function takeUp(memory: Memory): Waiting | null {
+export function takeUnsaved(memory: Memory): Waiting | null {
   const kept = memory.getItem(KEY);
   memory.removeItem(KEY);
   try {

@@ -1,5 +1,5 @@
 // The legend: every line on the body with its stroke, switched on and off; the own ones can be named, closed and erased.
-import { wishLabel, wishLabels } from "../fit/requestedDrawing";
+import { drawingLabels, requestLabel } from "../fit/requestedDrawing";
 import type { FitSlice } from "../fit/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
@@ -72,11 +72,11 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       oninput: () => field.setCustomValidity(""),
       onfocus: () => drawing.choose(name),
     });
-    const ring = button(line.closed ? words.openShort : words.closeShort, () => drawing.close(name), "quiet small");
-    ring.setAttribute("aria-label", line.closed ? words.open(name) : words.close(name));
+    const close = button(line.closed ? words.openShort : words.closeShort, () => drawing.close(name), "quiet small");
+    close.setAttribute("aria-label", line.closed ? words.open(name) : words.close(name));
     const length = line.closed ? null : el("span", { class: "muted small" }, words.length(cm(lengthOf(line))));
     field.title = name;
-    return el("li", { "data-line": name }, toggle("own", name, null), field, length, ring, iconButton("close", words.erase(name), () => drawing.erase(name)));
+    return el("li", { "data-line": name }, toggle("own", name, null), field, length, close, iconButton("close", words.erase(name), () => drawing.erase(name)));
   }
 
   return {
@@ -92,7 +92,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       const known = model?.side.drawings.find((each) => each.name === fit?.drawingName);
       const shapes = fit?.drawing?.shapes ?? known?.shapes ?? [];
       const named = shapes.map(({ name }) => ({ name, label: plainStart(known?.shapes.find((each) => each.name === name)?.label ?? words.shapeName(name)) }));
-      const label = wishLabel(fit?.drawingName ?? "", wishLabels(state));
+      const label = requestLabel(fit?.drawingName ?? "", drawingLabels(state));
       reference.set(fit && label !== "" ? words.reference(label) : "", named, hidden, "");
       const from = state.drawn.carried;
       carried.set(from ? words.carried(from.from) : "", from?.drawing.shapes.map(({ name }) => ({ name, label: name })) ?? [], hidden, "");

@@ -2,7 +2,7 @@
 // asks for a fit, which goes on from the one that is there.
 import type { PatternInfo, PatternParameter } from "../api/types";
 import type { FitActions } from "../fit/actions";
-import { checked, readWish, startValue, startValues, TUMOUR, type Values, type Wish, wishText } from "../fit/requestedDrawing";
+import { checked, type DrawingRequest, readRequest, requestText, startValue, startValues, TUMOUR, type Values } from "../fit/requestedDrawing";
 import { type FitSlice, isFitting } from "../fit/state";
 import { fit as fitText } from "../fit/text";
 import type { PageSlice } from "../store/page";
@@ -18,8 +18,8 @@ type Shown = Pick<PageSlice & FitSlice, "meta" | "problems" | "drawing" | "fit" 
 
 export function createDrawingPattern(fit: FitActions, dismiss: () => void): Panel<Shown> {
   let state: Shown | null = null;
-  const choose = (change: Partial<Wish>): void => {
-    if (state) fit.chooseDrawing(wishText({ ...readWish(state.drawing), ...change }));
+  const choose = (change: Partial<DrawingRequest>): void => {
+    if (state) fit.chooseDrawing(requestText({ ...readRequest(state.drawing), ...change }));
   };
   const base = select<string>(words.base, (value) => choose({ base: value, values: {} }));
   const parameters = el("div", { class: "parameters" });
@@ -66,18 +66,18 @@ export function createDrawingPattern(fit: FitActions, dismiss: () => void): Pane
       state = session;
       const { meta, drawing } = session;
       if (!meta) return;
-      const wish = readWish(drawing);
-      base.set([{ value: "", label: fitText.noDrawing }, ...meta.drawings.map(({ name, label }) => ({ value: name, label }))], wish.base);
-      const pattern = meta.patterns.find(({ name }) => name === wish.base && name !== TUMOUR);
-      fill(parameters, [wish.base, Boolean(pattern)], () => (pattern ? fields(pattern, wish.values, (name, value) => state && choose({ values: { ...readWish(state.drawing).values, [name]: value } })) : []));
+      const request = readRequest(drawing);
+      base.set([{ value: "", label: fitText.noDrawing }, ...meta.drawings.map(({ name, label }) => ({ value: name, label }))], request.base);
+      const pattern = meta.patterns.find(({ name }) => name === request.base && name !== TUMOUR);
+      fill(parameters, [request.base, Boolean(pattern)], () => (pattern ? fields(pattern, request.values, (name, value) => state && choose({ values: { ...readRequest(state.drawing).values, [name]: value } })) : []));
       show(parameters, pattern !== undefined);
       const clock = tumourOf(session);
       show(hasTumour, clock !== null);
-      box.checked = wish.tumour !== null;
-      fill(tumour, wish.tumour !== null, () =>
-        clock && wish.tumour ? fields(clock, wish.tumour, (name, value) => state && choose({ tumour: { ...readWish(state.drawing).tumour, [name]: value } })) : [],
+      box.checked = request.tumour !== null;
+      fill(tumour, request.tumour !== null, () =>
+        clock && request.tumour ? fields(clock, request.tumour, (name, value) => state && choose({ tumour: { ...readRequest(state.drawing).tumour, [name]: value } })) : [],
       );
-      show(tumour, wish.tumour !== null);
+      show(tumour, request.tumour !== null);
       const isNew = !session.fit || (session.fit.drawingName ?? "") !== drawing;
       wrong.set(session.problems.fit);
       go.disabled = isFitting(session) || !isNew;

@@ -82,7 +82,7 @@ export function drawingActions(store: Store<State>, client: Client) {
 
   return {
     /** Set by the view: how to reach the surface of the scan on the screen. */
-    skinIs: (now: () => Skin | null): void => void (skin = now),
+    setSkin: (now: () => Skin | null): void => void (skin = now),
     skin: (): Skin | null => skin(),
 
     take: (tool: Tool): void => {
@@ -96,7 +96,7 @@ export function drawingActions(store: Store<State>, client: Client) {
       }));
     },
 
-    /** A short click of the pen: the first corner, the next one, or the one that closes the ring. */
+    /** A short click of the pen: the first corner, the next one, or the one that closes the line. */
     click(at: Vector): void {
       const on = skin();
       if (!on) return;
@@ -113,19 +113,19 @@ export function drawingActions(store: Store<State>, client: Client) {
       } else put({ start: at, chosen: null, corner: null }, { announcement: words.announceCorner(1) });
     },
 
-    /** A stroke of the pen; one that comes back to its start is a ring. */
+    /** A stroke of the pen; one that comes back to its start is closed. */
     stroke(hits: readonly Vector[]): void {
       const on = skin();
       if (!on || hits.length < 2) return;
       let points = freehand(on, hits);
       if (points.length < 2) return;
-      const isRing = points.length > 12 && gap(points[0]!, points.at(-1)!) < CLOSES_MM;
-      if (isRing) points = freehand(on, [...points, points[0]!]).slice(0, -1);
+      const isClosed = points.length > 12 && gap(points[0]!, points.at(-1)!) < CLOSES_MM;
+      if (isClosed) points = freehand(on, [...points, points[0]!]).slice(0, -1);
       const name = nextName(lines(), words.stem);
-      add(lineAlong(name, INK, points, isRing), words.announceDrawn(name));
+      add(lineAlong(name, INK, points, isClosed), words.announceDrawn(name));
     },
 
-    /** The clicked line is as it shall be. */
+    /** The clicked line is complete. */
     finish: (): void => put({ start: null, open: null }),
 
     close(name: string): void {

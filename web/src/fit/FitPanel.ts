@@ -9,9 +9,9 @@ import { button, problem, select } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { FitActions } from "./actions";
-import { doubtSentences, labelsOf } from "./landmarkWarnings";
+import { labelsOf, landmarkWarnings } from "./landmarkWarnings";
 import { hasPattern } from "./modelLines";
-import { wishLabel, wishLabels } from "./requestedDrawing";
+import { drawingLabels, requestLabel } from "./requestedDrawing";
 import { type FitSlice, isFitting, shownIteration } from "./state";
 import * as text from "./text";
 
@@ -31,10 +31,10 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
   const cancel = button(text.fit.cancel, () => void actions.cancel(), "quiet outlined wide");
   const running = el("div", { class: "running", hidden: true }, phase, progress, pattern, retrying, cancel);
   const cancelled = el("p", { class: "muted", hidden: true }, text.fit.cancelled);
-  const doubts = el("p", { class: "look-here", hidden: true });
+  const warnings = el("p", { class: "look-here", hidden: true });
   const notes = el("div", { class: "reasons" });
   const wrong = problem(dismiss);
-  const element = el("div", { class: "panel" }, wrong.element, drawing.element, stance.element, preset.element, refining, hint, running, cancelled, doubts, notes);
+  const element = el("div", { class: "panel" }, wrong.element, drawing.element, stance.element, preset.element, refining, hint, running, cancelled, warnings, notes);
   return {
     element,
     select: only("meta", "model", "problems", "picks", "stance", "preset", "drawing", "refine", "fit", "isStarting"),
@@ -45,7 +45,7 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
       stance.set(stances, state.stance);
       const offered = (meta?.drawings ?? []).map(({ name, label }) => ({ value: name, label }));
       const isOffered = offered.some(({ value }) => value === state.drawing);
-      drawing.set(isOffered ? offered : [...offered, { value: state.drawing, label: wishLabel(state.drawing, wishLabels(state)) || text.fit.noDrawing }], state.drawing);
+      drawing.set(isOffered ? offered : [...offered, { value: state.drawing, label: requestLabel(state.drawing, drawingLabels(state)) || text.fit.noDrawing }], state.drawing);
       preset.set((meta?.presets ?? []).map((name) => ({ value: name, label: text.fit.presets[name] ?? name })), state.preset);
       for (const each of [stance, drawing, preset]) each.enable(!busy);
       refine.checked = state.refine;
@@ -62,9 +62,9 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
       show(pattern, hasPattern(state.model?.side ?? null, fit?.drawingName ?? null));
       show(retrying, fit !== null && !fit.isConnected);
       show(cancelled, fit?.state === "cancelled");
-      const doubted = fit ? doubtSentences(fit, labelsOf(meta?.landmarks)) : [];
-      show(doubts, doubted.length > 0);
-      setText(doubts, doubted.join(" "));
+      const unfollowed = fit ? landmarkWarnings(fit, labelsOf(meta?.landmarks)) : [];
+      show(warnings, unfollowed.length > 0);
+      setText(warnings, unfollowed.join(" "));
       const sentences = [...new Set([fit?.started?.stance_reason ?? "", ...(fit?.started?.notes ?? [])])].filter((each) => each !== "");
       setText(notes, sentences.join(" "));
       wrong.set(state.problems.fit);

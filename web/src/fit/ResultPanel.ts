@@ -1,10 +1,10 @@
-// The last step: what the fit doubts, the model's shape, and the files to take away.
+// The last step: which landmarks to check, the model's shape, and the files to take away.
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { el, fill, icon, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { HandPoseActions } from "./handPoseActions";
-import { doubtSentences, labelsOf } from "./landmarkWarnings";
+import { labelsOf, landmarkWarnings } from "./landmarkWarnings";
 import { createShapeSliders } from "./ShapeSliders";
 import type { FitSlice } from "./state";
 import * as text from "./text";
@@ -15,9 +15,9 @@ export function createResultPanel(handPose: HandPoseActions): Panel<Shown> {
   const sliders = createShapeSliders(handPose);
   const files = el("ul", { class: "files" });
   const downloads = el("div", {}, el("p", { class: "label" }, text.result.files), files);
-  const doubted = el("ul", { class: "reasons" });
-  const doubts = el("div", { class: "look-here", hidden: true }, el("p", { class: "label" }, text.result.doubts), doubted);
-  const element = el("div", { class: "panel" }, doubts, sliders.element, downloads);
+  const list = el("ul", { class: "reasons" });
+  const warnings = el("div", { class: "look-here", hidden: true }, el("p", { class: "label" }, text.result.warnings), list);
+  const element = el("div", { class: "panel" }, warnings, sliders.element, downloads);
   return {
     element,
     select: only("meta", "model", "fit", "handPose"),
@@ -26,9 +26,9 @@ export function createResultPanel(handPose: HandPoseActions): Panel<Shown> {
       const isDone = fit?.state === "done";
       show(downloads, isDone);
       sliders.update(state);
-      const sentences = isDone ? doubtSentences(fit, labelsOf(state.meta?.landmarks)) : [];
-      show(doubts, sentences.length > 0);
-      fill(doubted, sentences, () => sentences.map((sentence) => el("li", {}, sentence)));
+      const sentences = isDone ? landmarkWarnings(fit, labelsOf(state.meta?.landmarks)) : [];
+      show(warnings, sentences.length > 0);
+      fill(list, sentences, () => sentences.map((sentence) => el("li", {}, sentence)));
       if (!fit) return;
       fill(files, fit.id, () =>
         text.result.downloads.map(({ key, name, what }) =>

@@ -8,9 +8,11 @@ import type { VertexAt } from "../viewer/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { type Shown, shownPoses, showsFittedSurface } from "./state";
 
+type State = Shown & Pick<ViewSlice, "overlay">;
+
 const OVER_SCAN = 0.8; // opacity
 
-export class TorsoModel implements Part<Shown & ViewSlice> {
+export class TorsoModel implements Part<State> {
   mesh: SkinnedMesh | null = null;
   private root: Object3D | null = null;
   private readonly nodes = new Map<string, Object3D>();
@@ -24,7 +26,7 @@ export class TorsoModel implements Part<Shown & ViewSlice> {
     private readonly onReady: (error: unknown) => void,
   ) {}
 
-  update(state: Shown & ViewSlice): void {
+  update(state: State): void {
     const bytes = state.model?.glb ?? null;
     if (bytes !== this.wanted) {
       this.wanted = bytes;

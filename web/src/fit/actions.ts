@@ -1,4 +1,4 @@
-// Running a fit: start, follow its events, cancel; the story is the same when the page is opened late or again.
+// Running a fit: start, follow its events, cancel; the events are the same when the page is opened late or again.
 import type { Client } from "../api/client";
 import { followFit, type Handlers } from "../api/events";
 import type { FitLinks, StanceChoice } from "../api/types";

@@ -44,7 +44,7 @@ export function distancesCsv(distances: Float32Array): string {
 }
 
 type Oklab = readonly [lightness: number, a: number, b: number];
-// Blue under, orange over: told apart with any kind of colour blindness, and equally far from the neutral middle.
+// Blue under, orange over: distinguishable with any kind of colour blindness, and equally far from the neutral middle.
 const INSIDE: Oklab = [0.47, -0.035, -0.155];
 const MIDDLE: Oklab = [0.93, 0.002, 0.008];
 const OUTSIDE: Oklab = [0.55, 0.105, 0.115];

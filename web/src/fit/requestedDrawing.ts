@@ -1,10 +1,10 @@
-// A wish for the model's drawing: one of its own, or a pattern with numbers, and a tumour by the clock.
+// The model's drawing that a fit is asked to bring along: one of its own, or a pattern with numbers, and a tumour by the clock.
 // The service takes it as one text, for instance lumpectomy+tumour:side=L,clock=10,distance_mm=45,radius_mm=12.
 import type { Meta, PatternInfo, PatternParameter } from "../api/types";
 
 export type Values = Readonly<Record<string, string>>;
 
-export interface Wish {
+export interface DrawingRequest {
   /** a drawing of the model or a pattern; empty for none */
   readonly base: string;
   /** of the pattern: what was given, as written; what is missing has its default */
@@ -19,7 +19,7 @@ function partOf(name: string, values: Values): string {
   return given.length === 0 ? name : `${name}:${given.map(([key, value]) => `${key}=${value}`).join(",")}`;
 }
 
-export function wishText({ base, values, tumour }: Wish): string {
+export function requestText({ base, values, tumour }: DrawingRequest): string {
   return [...(base === "" ? [] : [partOf(base, values)]), ...(tumour ? [partOf(TUMOUR, tumour)] : [])].join("+");
 }
 
@@ -29,7 +29,7 @@ function read(part: string): { name: string; values: Values } {
   return { name: name.trim(), values: Object.fromEntries(pairs.map(([key, value]) => [key.trim(), value.trim()])) };
 }
 
-export function readWish(text: string): Wish {
+export function readRequest(text: string): DrawingRequest {
   const parts = text.split("+").filter((part) => part.trim() !== "").map(read);
   const base = parts.find(({ name }) => name !== TUMOUR);
   return { base: base?.name ?? "", values: base?.values ?? {}, tumour: parts.find(({ name }) => name === TUMOUR)?.values ?? null };
@@ -56,10 +56,10 @@ export function checked(parameter: PatternParameter, written: string): string | 
 }
 
 /** For people: the labels of all parts. */
-export function wishLabel(text: string, labels: ReadonlyMap<string, string>): string {
-  const { base, tumour } = readWish(text);
+export function requestLabel(text: string, labels: ReadonlyMap<string, string>): string {
+  const { base, tumour } = readRequest(text);
   return [...(base === "" ? [] : [base]), ...(tumour ? [TUMOUR] : [])].map((name) => labels.get(name) ?? name).join(", ");
 }
 
-export const wishLabels = ({ meta }: { meta: Meta | null }): ReadonlyMap<string, string> =>
+export const drawingLabels = ({ meta }: { meta: Meta | null }): ReadonlyMap<string, string> =>
   new Map([...(meta?.patterns ?? []), ...(meta?.drawings ?? [])].map(({ name, label }) => [name, label]));

@@ -4,7 +4,7 @@ export const result = {
   before: "Numbers, drawing and files for download.",
   save: "Download the fitted model",
   files: "Files",
-  doubts: "Check these landmarks",
+  warnings: "Check these landmarks",
   drawing: "Drawing on the scan",
   noDrawing: "No drawing was asked for.",
   downloads: [

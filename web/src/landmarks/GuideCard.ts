@@ -7,7 +7,7 @@ import type { Panel } from "../ui/Panel";
 import { formatMmWhole } from "../ui/units";
 import type { LandmarkActions } from "./actions";
 import { plainLabel, sideOf } from "./picks";
-import { expectedErrorMm, ghostsOf } from "./proposals";
+import { expectedErrorMm, openProposals } from "./proposals";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 
@@ -52,9 +52,9 @@ export function createGuideCard(actions: LandmarkActions): GuideCard {
       setText(side, text.landmarks.sides[where]);
       side.className = `chip side-${where}`;
       light.className = `lit-point side-${where}`;
-      const ghost = ghostsOf(state.proposals, state.picks.present).find((each) => each.name === wanted.name);
-      show(take, ghost !== undefined);
-      if (ghost) take.title = text.proposals.errorHint(formatMmWhole(expectedErrorMm(ghost.confidence)));
+      const proposal = openProposals(state.proposals, state.picks.present).find((each) => each.name === wanted.name);
+      show(take, proposal !== undefined);
+      if (proposal) take.title = text.proposals.errorHint(formatMmWhole(expectedErrorMm(proposal.confidence)));
       setText(latin, wanted.latin);
       setText(definition, wanted.definition);
     },

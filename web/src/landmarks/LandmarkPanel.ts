@@ -10,7 +10,7 @@ import { formatMmWhole } from "../ui/units";
 import type { LandmarkActions } from "./actions";
 import { landmarkExport } from "./LandmarkExport";
 import { onWrongSide, plainLabel, sideOf } from "./picks";
-import { expectedErrorMm, type Ghost, ghostsOf, isLikely } from "./proposals";
+import { expectedErrorMm, isLikely, type OpenProposal, openProposals } from "./proposals";
 import type { ProposalSearch } from "./proposalSearch";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
@@ -57,9 +57,9 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
         return [...made.values()].map((each) => each.element);
       });
       const wrongSide = session.scan ? onWrongSide(session.picks.present, session.scan.frame) : new Set<string>();
-      const ghosts = new Map(ghostsOf(session.proposals, session.picks.present).map((ghost) => [ghost.name, ghost]));
-      for (const [name, each] of made) each.update(session, wrongSide.has(name), ghosts.get(name) ?? null);
-      proposals.update(session, [...ghosts.values()]);
+      const open = new Map(openProposals(session.proposals, session.picks.present).map((proposal) => [proposal.name, proposal]));
+      for (const [name, each] of made) each.update(session, wrongSide.has(name), open.get(name) ?? null);
+      proposals.update(session, [...open.values()]);
       const first = list.find((entry) => wrongSide.has(entry.name));
       setText(warning, first ? text.landmarks.wrongSide(text.landmarks.spoken(first)) : "");
       show(warning, first !== undefined);
@@ -100,7 +100,7 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
   const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, tick, confirm, remove);
   return {
     element,
-    update(state: Shown, isWrong: boolean, ghost: Ghost | null): void {
+    update(state: Shown, isWrong: boolean, proposal: OpenProposal | null): void {
       const isPlaced = entry.name in state.picks.present;
       const isSkipped = state.skipped.has(entry.name) && !isPlaced;
       const isActive = state.active === entry.name;
@@ -111,14 +111,14 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
       element.classList.toggle("is-wrong", isWrong);
       place.setAttribute("aria-pressed", String(isActive));
       show(remove, isPlaced);
-      const mm = ghost ? formatMmWhole(expectedErrorMm(ghost.confidence)) : "";
-      element.classList.toggle("is-proposed", ghost !== null);
-      show(confirm, ghost !== null);
-      confirm.classList.toggle("is-rough", ghost !== null && !isLikely(ghost));
+      const mm = proposal ? formatMmWhole(expectedErrorMm(proposal.confidence)) : "";
+      element.classList.toggle("is-proposed", proposal !== null);
+      show(confirm, proposal !== null);
+      confirm.classList.toggle("is-rough", proposal !== null && !isLikely(proposal));
       setText(words, text.proposals.errorShort(mm));
-      confirm.title = ghost?.on_scan === false ? text.proposals.offScanHint : text.proposals.errorHint(mm);
+      confirm.title = proposal?.on_scan === false ? text.proposals.offScanHint : text.proposals.errorHint(mm);
       confirm.setAttribute("aria-label", `${text.proposals.confirm(text.landmarks.spoken(entry))}, ${text.proposals.error(mm)}`);
-      const missing = ghost ? text.proposals.rowState(mm) : text.landmarks.missing;
+      const missing = proposal ? text.proposals.rowState(mm) : text.landmarks.missing;
       setText(status, isPlaced ? text.landmarks.placed : isSkipped ? text.landmarks.skippedState : missing);
     },
   };
@@ -133,10 +133,10 @@ function makeProposals(actions: LandmarkActions, search: ProposalSearch) {
   const element = el("div", { class: "proposals", hidden: true }, words, take, again);
   return {
     element,
-    update({ proposals }: Shown, ghosts: readonly Ghost[]): void {
+    update({ proposals }: Shown, open: readonly OpenProposal[]): void {
       const isNone = proposals?.state === "none";
-      all = ghosts.map(({ name }) => name);
-      const rough = ghosts.filter((ghost) => !isLikely(ghost)).length;
+      all = open.map(({ name }) => name);
+      const rough = open.filter((proposal) => !isLikely(proposal)).length;
       show(element, proposals?.state === "looking" || isNone || all.length > 0);
       const found = rough > 0 ? `${text.proposals.found(all.length)} ${text.proposals.doubtful(rough)}` : text.proposals.found(all.length);
       setText(words, proposals?.state === "none" ? text.proposals.none(proposals.reason) : proposals?.state === "looking" ? text.proposals.looking : found);

@@ -1,5 +1,5 @@
 // Proposed landmarks as dashed, hollow marks over the picture, with the error that the service expects beside them.
-// Nobody may take them for placed ones; a click on one confirms it.
+// They must not look like placed ones; a click on one confirms it.
 import { Vector3 } from "three";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
@@ -9,13 +9,13 @@ import { isHidden, type Surface } from "../viewer/picking";
 import type { ViewSlice } from "../viewer/state";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { sideOf } from "./picks";
-import { expectedErrorMm, type Ghost, ghostsOf, isLikely, type Proposals } from "./proposals";
+import { expectedErrorMm, isLikely, type OpenProposal, openProposals, type Proposals } from "./proposals";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 
 type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice, "meta" | "step" | "overlay" | "scan" | "picks" | "proposals" | "active">;
 
-const REACH = 14; // pixels from a ghost's middle that still hit it: a target of 28
+const REACH = 14; // pixels from a mark's middle that still hit it: a target of 28
 
 interface Pin {
   readonly name: string;
@@ -36,7 +36,7 @@ export class ProposalPins implements Part<Shown> {
     viewer.beforeFrame.add(() => this.place());
   }
 
-  /** The ghost under page pixels, or null. */
+  /** The proposal under page pixels, or null. */
   at(clientX: number, clientY: number): string | null {
     const box = this.viewer.host.getBoundingClientRect();
     const near = this.pins
@@ -54,7 +54,7 @@ export class ProposalPins implements Part<Shown> {
       this.drawn = { proposals, picks };
       for (const pin of this.pins) pin.element.remove();
       const numbers = new Map(state.meta?.landmarks.map((entry, i) => [entry.name, i + 1]));
-      this.pins = ghostsOf(proposals, picks).map((ghost) => this.make(ghost, numbers.get(ghost.name) ?? 0));
+      this.pins = openProposals(proposals, picks).map((proposal) => this.make(proposal, numbers.get(proposal.name) ?? 0));
     }
     for (const pin of this.pins) {
       pin.element.hidden = !this.isShown;
@@ -63,12 +63,12 @@ export class ProposalPins implements Part<Shown> {
     this.viewer.invalidate();
   }
 
-  private make(ghost: Ghost, number: number): Pin {
-    const mark = el("span", { class: `mark side-${sideOf(ghost.name)}` }, el("span", {}, String(number)));
-    const words = ghost.on_scan ? text.proposals.error(formatMmWhole(expectedErrorMm(ghost.confidence))) : text.proposals.offScan;
-    const element = el("div", { class: `pin ghost note-${sideOf(ghost.name)}${isLikely(ghost) ? "" : " is-rough"}`, "data-proposed": ghost.name }, mark, el("span", { class: "ghost-note" }, words));
+  private make(proposal: OpenProposal, number: number): Pin {
+    const mark = el("span", { class: `mark side-${sideOf(proposal.name)}` }, el("span", {}, String(number)));
+    const words = proposal.on_scan ? text.proposals.error(formatMmWhole(expectedErrorMm(proposal.confidence))) : text.proposals.offScan;
+    const element = el("div", { class: `pin is-proposed note-${sideOf(proposal.name)}${isLikely(proposal) ? "" : " is-rough"}`, "data-proposed": proposal.name }, mark, el("span", { class: "proposal-note" }, words));
     this.viewer.overlay.append(element);
-    return { name: ghost.name, element, point: new Vector3(...ghost.point.map(metresFromMm)), at: null };
+    return { name: proposal.name, element, point: new Vector3(...proposal.point.map(metresFromMm)), at: null };
   }
 
   private place(): void {

@@ -9,7 +9,7 @@ import type { Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { readLandmarks, UnreadableLandmarks } from "./files";
 import { nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
-import { ghostsOf } from "./proposals";
+import { openProposals } from "./proposals";
 import type { LandmarksSlice } from "./state";
 import { straightened } from "./straighten";
 import * as text from "./text";
@@ -107,7 +107,7 @@ export function landmarkActions(store: Store<State>, client: Client, onBegun: ()
     /** Proposals become picks like any other: one step of the history, and they can be placed again. */
     confirm(names: readonly string[]): void {
       const state = store.get();
-      const taken = ghostsOf(state.proposals, state.picks.present).filter(({ name }) => names.includes(name));
+      const taken = openProposals(state.proposals, state.picks.present).filter(({ name }) => names.includes(name));
       if (taken.length === 0) return;
       const picks = { ...state.picks.present, ...Object.fromEntries(taken.map(({ name, point }) => [name, point])) };
       const skipped = new Set([...state.skipped].filter((name) => !(name in picks)));

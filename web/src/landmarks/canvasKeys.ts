@@ -3,13 +3,13 @@
 import type { Vector } from "../api/types";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
-import type { Store } from "../store/store";
+import { only, type Store } from "../store/store";
 import type { Crosshair } from "../viewer/Crosshair";
 import { ARROWS, onCanvasKey } from "../viewer/keys";
 import { pickAt, type Surface } from "../viewer/picking";
 import type { Viewer } from "../viewer/Viewer";
 import type { LandmarkActions } from "./actions";
-import { ghostsOf } from "./proposals";
+import { openProposals } from "./proposals";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 
@@ -20,9 +20,9 @@ export function listenToLandmarkKeys(canvas: HTMLElement, viewer: Viewer, scan: 
   /** Where the wanted landmark is proposed, else in the middle: there the first arrow finds the cross. */
   function begin(active: string): void {
     const { proposals, picks } = store.get();
-    const ghost = ghostsOf(proposals, picks.present).find(({ name }) => name === active);
+    const proposal = openProposals(proposals, picks.present).find(({ name }) => name === active);
     const box = viewer.host.getBoundingClientRect();
-    const at = ghost ? viewer.toPage(ghost.point) : { x: box.left + box.width / 2, y: box.top + box.height / 2 };
+    const at = proposal ? viewer.toPage(proposal.point) : { x: box.left + box.width / 2, y: box.top + box.height / 2 };
     cross.show(at.x, at.y);
   }
 
@@ -67,14 +67,14 @@ export function listenToLandmarkKeys(canvas: HTMLElement, viewer: Viewer, scan: 
   let before: Element | null = null;
   addEventListener("keydown", () => (isByKeys = true), { capture: true });
   addEventListener("pointerdown", () => (isByKeys = false), { capture: true });
-  store.subscribe(({ active, picks }, { active: previous }) => {
-    if (active === previous || !isByKeys) return;
+  store.select(only("active"), ({ active }) => {
+    if (!isByKeys) return;
     if (active === null) {
       if (document.activeElement === canvas) giveBack(before);
     } else {
       if (document.activeElement !== canvas) before = document.activeElement;
       canvas.focus();
-      if (active in picks.present) cross.hide();
+      if (active in store.get().picks.present) cross.hide();
       else begin(active);
     }
   });

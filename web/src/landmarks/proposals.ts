@@ -1,9 +1,9 @@
-// Landmarks that the service proposes on a scan: ghosts until a person confirms them, one by one or all at once.
+// Landmarks that the service proposes on a scan.  They are open until a person confirms them, one by one or all at once.
 import type { ProposedLandmark } from "../api/types";
 import type { Picks } from "./picks";
 
 export type Proposed = Readonly<Record<string, ProposedLandmark>>;
-export type Ghost = ProposedLandmark & { readonly name: string };
+export type OpenProposal = ProposedLandmark & { readonly name: string };
 
 export type Proposals =
   | { readonly state: "looking" }
@@ -19,10 +19,10 @@ export function expectedErrorMm(confidence: number): number {
 }
 
 /** Proposals for landmarks that nobody has placed yet. */
-export function ghostsOf(proposals: Proposals | null, picks: Picks): Ghost[] {
+export function openProposals(proposals: Proposals | null, picks: Picks): OpenProposal[] {
   if (proposals?.state !== "found") return [];
   return Object.entries(proposals.landmarks).flatMap(([name, each]) => (name in picks ? [] : [{ name, ...each }]));
 }
 
 /** Good enough to be confirmed together with others; the rest wants a look of its own. */
-export const isLikely = (ghost: ProposedLandmark): boolean => ghost.on_scan && ghost.confidence >= LIKELY;
+export const isLikely = (proposal: ProposedLandmark): boolean => proposal.on_scan && proposal.confidence >= LIKELY;

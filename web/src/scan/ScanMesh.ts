@@ -24,7 +24,7 @@ export class ScanMesh implements Surface {
 
   constructor(
     private readonly viewer: Viewer,
-    /** Tells when another scan can be picked on, or why it cannot be drawn. */
+    /** Called when another scan can be picked on (null), or with the reason why it cannot be drawn. */
     private readonly onReady: (error: unknown) => void,
   ) {
     viewer.beforeFrame.add(() => {
@@ -96,7 +96,7 @@ export class ScanMesh implements Surface {
       this.stands = frame;
       this.viewer.stand(frame, extent(mesh.geometry.attributes.position!.array, viewFromScan(frame)));
     }
-    // Beside the clay the scan is grey: skin on skin would not tell which is which.
+    // Beside the clay the scan is grey: skin on skin could not be distinguished.
     const hasColours = this.texture !== null || mesh.geometry.hasAttribute("color");
     const own = hasColours && state.showColours && state.scan?.info.colours !== "none" && !(hasModel && state.overlay === "both");
     const material = mesh.material;
@@ -124,7 +124,7 @@ function dress(read: Mesh): Mesh<BufferGeometry, MeshLambertMaterial> {
   if (!geometry.hasAttribute("normal")) geometry.computeVertexNormals();
   geometry.boundsTree = new MeshBVH(geometry, { indirect: true });
   const material = new MeshLambertMaterial({ side: DoubleSide });
-  // Behind the model where both lie on one place: the eye then sees the clay and not a quarrel of the two.
+  // Behind the model where both lie on one place: the eye then sees the clay and no flicker between the two.
   material.polygonOffset = true;
   material.onBeforeCompile = (shader) => {
     shader.fragmentShader = shader.fragmentShader.replace(

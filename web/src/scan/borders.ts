@@ -1,4 +1,4 @@
-// Edges with one triangle only: the rims of the scan's holes.  Drawn darker, they tell "not seen" from "flat".
+// Edges with one triangle only: the rims of the scan's holes.  Drawn darker, they distinguish "not seen" from "flat".
 
 /**
  * Positions (x y z pairs, ready for line segments) of the border edges of an indexed mesh.

@@ -17,17 +17,18 @@ import type { ViewSlice } from "../viewer/state";
 import type { OtherPane } from "../viewer/testHook";
 import { type Part, type Stage, Viewer } from "../viewer/Viewer";
 import { linkedPose, torsoOf } from "./cameras";
-import { isComparing, otherState, type StancesSlice } from "./state";
-
-/** What of the state the pane shows, or follows: then it is brought up to date. */
-const seen = only("meta", "model", "theme", "step", "overlay", "view", "scan", "showColours", "active", "handPose", "showDistances", "stances");
+import { isComparing, otherState, type StancesSlice, type Workspace } from "./state";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice & StancesSlice;
+
+/** What of the state the pane shows, or follows; when something else changes it is not drawn again. */
+const SEEN = ["meta", "model", "theme", "step", "overlay", "view", "scan", "showColours", "active", "handPose", "showDistances", "stances"] as const;
+type Seen = Pick<State, (typeof SEEN)[number]>;
 
 export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, prefersStill: () => boolean, failed: (error: unknown) => void): OtherPane {
   let viewer: Viewer | null = null;
   let scan: ScanMesh | null = null;
-  let parts: Part<State>[] = [];
+  let parts: Part<Seen & Workspace>[] = [];
   let theme: string | null = null;
   let isFollowing = false; // a pose that was taken over is not handed back
   let viewAsked = store.get().view.asked;
@@ -77,7 +78,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
     return made;
   }
 
-  function update(state: State): void {
+  function update(state: Seen): void {
     const other = otherState(state);
     if (!other || !isComparing(state)) return; // what is not to be seen is not drawn either
     try {
@@ -103,8 +104,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
 
   let wasComparing = false;
   let wasLinked = true;
-  store.select(seen, (_, before) => {
-    const state = store.get();
+  store.select(only(...SEEN), (state: Seen, before) => {
     const isSwapped = state.scan !== null && state.scan === before.stances.other?.scan && before.scan === state.stances.other?.scan;
     if (isSwapped && viewer && isComparing(state)) {
       const [mine, its] = [main.pose, viewer.pose];

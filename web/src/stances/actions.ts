@@ -9,7 +9,7 @@ import type { LandmarksSlice } from "../landmarks/state";
 import type { ScanActions } from "../scan/actions";
 import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
-import type { Store } from "../store/store";
+import { only, type Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { loadFit, loadWorkspace } from "./load";
 import { initialStances, isUnfinished, knownScans, measuredFits, rememberScan, stanceNames, stanceOf, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
@@ -101,20 +101,18 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
   }
 
   /** Lines that were shown on the other scan once follow what is drawn. */
-  store.subscribe((state, before) => {
-    if (state.stances === before.stances && state.drawn === before.drawn && state.fit === before.fit) return;
-    const { other, wantsCarried, isCarrying } = state.stances;
+  store.select(only("stances", "drawn", "fit"), ({ stances }) => {
+    const { other, wantsCarried, isCarrying } = stances;
     if (!other || !wantsCarried || isCarrying) return;
-    const mine = workspaceOf(state);
+    const mine = workspaceOf(store.get());
     if (!isOld(mine, other) && !isOld(other, mine)) return;
     clearTimeout(calm);
     calm = setTimeout(() => void carry(), CALM_MS);
   });
 
-  store.subscribe((state, before) => {
-    const { scan } = state;
-    if (!scan || !memory || (scan === before.scan && state.fit === before.fit)) return;
-    rememberScan(memory, { id: scan.info.id, title: scan.title, stance: stanceOf(state), at: new Date().toISOString() });
+  store.select(only("scan", "fit"), ({ scan }) => {
+    if (!scan || !memory) return;
+    rememberScan(memory, { id: scan.info.id, title: scan.title, stance: stanceOf(store.get()), at: new Date().toISOString() });
   });
 
   async function second(bring: () => Promise<boolean>): Promise<void> {

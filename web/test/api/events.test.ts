@@ -27,8 +27,8 @@ class FakeSource implements Source {
 
 function follow() {
   FakeSource.all = [];
-  const story: string[] = [];
-  const note = (kind: string) => (event: { id: number }) => void story.push(`${kind} ${event.id}`);
+  const seen: string[] = [];
+  const note = (kind: string) => (event: { id: number }) => void seen.push(`${kind} ${event.id}`);
   const handlers: Handlers = {
     started: note("started"),
     iterated: note("iterated"),
@@ -44,7 +44,7 @@ function follow() {
     open: (url) => new FakeSource(url),
     later: (action) => waiting.push(action),
   });
-  return { story, waiting, onConnection, stop, source: FakeSource.all[0]! };
+  return { seen, waiting, onConnection, stop, source: FakeSource.all[0]! };
 }
 
 test("an event goes to the handler of its kind with its own body", () => {
@@ -54,23 +54,23 @@ test("an event goes to the handler of its kind with its own body", () => {
 });
 
 test("events come in order, and the stream is closed after the last kind", () => {
-  const { story, source } = follow();
+  const { seen, source } = follow();
   source.say("started", 1);
   source.say("iterated", 2);
   source.say("done", 3);
   source.say("iterated", 4);
-  expect(story).toEqual(["started 1", "iterated 2", "done 3"]);
+  expect(seen).toEqual(["started 1", "iterated 2", "done 3"]);
   expect(source.readyState).toBe(2);
 });
 
-test("an event that is told again after a reconnection counts once", () => {
-  const { story, source } = follow();
+test("an event that is sent again after a reconnection counts once", () => {
+  const { seen, source } = follow();
   source.say("started", 1);
   source.say("iterated", 2);
   source.say("started", 1);
   source.say("iterated", 2);
   source.say("iterated", 3);
-  expect(story).toEqual(["started 1", "iterated 2", "iterated 3"]);
+  expect(seen).toEqual(["started 1", "iterated 2", "iterated 3"]);
 });
 
 test("a break is announced and left to the browser while it tries again by itself", () => {
@@ -82,22 +82,22 @@ test("a break is announced and left to the browser while it tries again by itsel
 });
 
 test("a stream that the browser gave up is opened anew after the last seen event", () => {
-  const { story, waiting, source } = follow();
+  const { seen, waiting, source } = follow();
   source.say("started", 1);
   source.say("iterated", 2);
   source.fail(2);
   waiting[0]!();
   expect(FakeSource.all.map((each) => each.url)).toEqual(["/events", "/events?after=2"]);
   FakeSource.all[1]!.say("iterated", 3);
-  expect(story.at(-1)).toBe("iterated 3");
+  expect(seen.at(-1)).toBe("iterated 3");
 });
 
 test("after stopping nothing is heard and nothing opened", () => {
-  const { story, waiting, source, stop } = follow();
+  const { seen, waiting, source, stop } = follow();
   source.fail(2);
   stop();
   waiting[0]!();
   source.say("started", 1);
-  expect(story).toEqual([]);
+  expect(seen).toEqual([]);
   expect(FakeSource.all.length).toBe(1);
 });

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { initialSession, type Session } from "../../src/app/session";
-import { keepForLater, takeUp } from "../../src/app/unsavedWork";
+import { keepUnsaved, takeUnsaved } from "../../src/app/unsavedWork";
 import { startDrawn } from "../../src/drawing/state";
 import { startHistory } from "../../src/store/history";
 
@@ -17,20 +17,20 @@ const state = { ...initialSession, scan: { info: { id: "s1" } }, picks: startHis
 
 test("after signing in again the page is where it was, with the landmarks that could not be saved, once", () => {
   const here = memory();
-  keepForLater({ ...state, saving: "unsaved" }, "#scan=s1&fit=f1", here);
-  expect(takeUp(here)).toEqual({ hash: "#scan=s1&fit=f1", unsaved: { scan: "s1", picks: { nipple_L: [1, 2, 3] } } });
-  expect(takeUp(here)).toBeNull();
+  keepUnsaved({ ...state, saving: "unsaved" }, "#scan=s1&fit=f1", here);
+  expect(takeUnsaved(here)).toEqual({ hash: "#scan=s1&fit=f1", unsaved: { scan: "s1", picks: { nipple_L: [1, 2, 3] } } });
+  expect(takeUnsaved(here)).toBeNull();
 });
 
 test("lines that could not be saved wait as well", () => {
   const here = memory();
   const line = { name: "Line 1", closed: false, color: "#101010", points: [[0, 0, 0], [2, 0, 0]] as [number, number, number][], corners: [0, 1] };
-  keepForLater({ ...state, drawn: { ...startDrawn([line]), saving: "unsaved" } }, "#scan=s1", here);
-  expect(takeUp(here)).toEqual({ hash: "#scan=s1", unsaved: { scan: "s1", lines: [line] } });
+  keepUnsaved({ ...state, drawn: { ...startDrawn([line]), saving: "unsaved" } }, "#scan=s1", here);
+  expect(takeUnsaved(here)).toEqual({ hash: "#scan=s1", unsaved: { scan: "s1", lines: [line] } });
 });
 
 test("what the service has is not kept in the browser", () => {
   const here = memory();
-  keepForLater(state, "#scan=s1", here);
-  expect(takeUp(here)).toEqual({ hash: "#scan=s1", unsaved: null });
+  keepUnsaved(state, "#scan=s1", here);
+  expect(takeUnsaved(here)).toEqual({ hash: "#scan=s1", unsaved: null });
 });

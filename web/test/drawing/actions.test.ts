@@ -23,7 +23,7 @@ afterEach(() => void vi.useRealTimers());
 async function drawing(answers: Parameters<typeof page>[0] = {}) {
   const made = page({ importExample: async () => ({ ...(await made.client.scan("s1")) }), ...answers });
   await made.actions.scan.takeExample("standing");
-  made.actions.drawing.skinIs(() => skin);
+  made.actions.drawing.setSkin(() => skin);
   made.actions.drawing.take("pen");
   const saved = made.client.saveDrawing as unknown as ReturnType<typeof vi.fn>;
   const names = (): string[] => made.store.get().drawn.lines.present.map(({ name }) => name);

@@ -1,21 +1,21 @@
 // The text that asks the service for a drawing.
 import { expect, test } from "vitest";
 import type { PatternInfo, PatternParameter } from "../../src/api/types";
-import { checked, readWish, startValues, wishLabel, wishText } from "../../src/fit/requestedDrawing";
+import { checked, readRequest, requestLabel, requestText, startValues } from "../../src/fit/requestedDrawing";
 
 const parameter = (part: Partial<PatternParameter>): PatternParameter => ({ name: "areola_mm", label: "New areola", about: "", unit: "mm", default: 42, needed: false, min: 30, max: 55, choices: null, ...part });
 
-test("a wish is written as the service reads it, and read again", () => {
-  const wish = { base: "reduction", values: { side: "L", areola_mm: "45" }, tumour: { side: "R", clock: "10.5", distance_mm: "45", radius_mm: "12" } };
-  expect(wishText(wish)).toBe("reduction:side=L,areola_mm=45+tumour:side=R,clock=10.5,distance_mm=45,radius_mm=12");
-  expect(readWish(wishText(wish))).toEqual(wish);
+test("a request is written as the service reads it, and read again", () => {
+  const request = { base: "reduction", values: { side: "L", areola_mm: "45" }, tumour: { side: "R", clock: "10.5", distance_mm: "45", radius_mm: "12" } };
+  expect(requestText(request)).toBe("reduction:side=L,areola_mm=45+tumour:side=R,clock=10.5,distance_mm=45,radius_mm=12");
+  expect(readRequest(requestText(request))).toEqual(request);
 });
 
 test("defaults are left out, and nothing is asked for by an empty text", () => {
-  expect(wishText({ base: "reduction", values: { limb_mm: "" }, tumour: null })).toBe("reduction");
-  expect(wishText({ base: "", values: {}, tumour: null })).toBe("");
-  expect(readWish("")).toEqual({ base: "", values: {}, tumour: null });
-  expect(readWish("lumpectomy")).toEqual({ base: "lumpectomy", values: {}, tumour: null });
+  expect(requestText({ base: "reduction", values: { limb_mm: "" }, tumour: null })).toBe("reduction");
+  expect(requestText({ base: "", values: {}, tumour: null })).toBe("");
+  expect(readRequest("")).toEqual({ base: "", values: {}, tumour: null });
+  expect(readRequest("lumpectomy")).toEqual({ base: "lumpectomy", values: {}, tumour: null });
 });
 
 test("a value must lie within its bounds; what has a default may be left out", () => {
@@ -35,5 +35,5 @@ test("what is needed starts with a value", () => {
 
 test("people read labels", () => {
   const labels = new Map([["lumpectomy", "Lumpectomy"], ["tumour", "Tumour"]]);
-  expect(wishLabel("lumpectomy+tumour:side=L,clock=1,distance_mm=3,radius_mm=4", labels)).toBe("Lumpectomy, Tumour");
+  expect(requestLabel("lumpectomy+tumour:side=L,clock=1,distance_mm=3,radius_mm=4", labels)).toBe("Lumpectomy, Tumour");
 });

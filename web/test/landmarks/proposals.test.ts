@@ -3,7 +3,7 @@ import { page } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { ProposedLandmark, Vector } from "../../src/api/types";
 import { nextStep } from "../../src/app/nextStep";
-import { expectedErrorMm, ghostsOf } from "../../src/landmarks/proposals";
+import { expectedErrorMm, openProposals } from "../../src/landmarks/proposals";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {
@@ -28,10 +28,10 @@ test("a confidence of one half means 10 mm, certainty means none", () => {
   expect(expectedErrorMm(0.2)).toBeCloseTo(20, 9);
 });
 
-test("proposals come when landmarks are the matter, stay ghosts, and go into no fit", async () => {
+test("proposals come when landmarks are the matter, stay open, and go into no fit", async () => {
   const startFit = vi.fn(async () => Promise.reject(new ApiError("busy", 503)));
   const { store, client, actions } = await found({ startFit });
-  expect(ghostsOf(store.get().proposals, store.get().picks.present).length).toBe(4);
+  expect(openProposals(store.get().proposals, store.get().picks.present).length).toBe(4);
   expect(store.get().picks.present).toEqual({});
   await actions.fit.start();
   expect(startFit).toHaveBeenCalledWith(expect.objectContaining({ landmarks: {} }));
@@ -48,7 +48,7 @@ test("the primary button takes the likely ones only; rough ones and those withou
   expect(nextStep(store.get()).kind).toBe("place");
 });
 
-test("confirming is one step of the history and is saved; undone, the ghosts are back", async () => {
+test("confirming is one step of the history and is saved; undone, the proposals are open again", async () => {
   const { store, client, actions } = await found();
   actions.landmarks.confirm(Object.keys(landmarks));
   expect(Object.keys(store.get().picks.present).length).toBe(4);
@@ -56,7 +56,7 @@ test("confirming is one step of the history and is saved; undone, the ghosts are
   expect(vi.mocked(client.saveLandmarks).mock.lastCall![1].landmarks).toMatchObject({ umbilicus: [0, -200, 0] });
   actions.landmarks.undo();
   expect(store.get().picks.present).toEqual({});
-  expect(ghostsOf(store.get().proposals, {}).length).toBe(4);
+  expect(openProposals(store.get().proposals, {}).length).toBe(4);
 });
 
 test("the wanted landmark's proposal is taken by key, and the next one is wanted", async () => {
@@ -83,7 +83,7 @@ test("while the service still looks, it is asked again after the time that it na
   expect(proposed).toHaveBeenCalledTimes(2);
 });
 
-test("a refusal is told with its reason, not asked again by itself, but on request", async () => {
+test("a refusal is shown with its reason, not asked again by itself, but on request", async () => {
   const proposed = vi.fn().mockRejectedValueOnce(new ApiError("The scan shows no torso.", 422)).mockResolvedValue({ landmarks });
   const { store, actions } = await found({ proposed });
   expect(store.get().proposals).toEqual({ state: "none", reason: "The scan shows no torso." });

@@ -99,7 +99,7 @@ const CARRIED: CarriedDrawing = {
   shapes: [{ name: "Line 1", closed: false, color: INK, points: [[0, 0, 0], [1, 0, 0], [2, 0, 0]], bridged: [false, false, true], distance_from_mm: [1, -3, 2], distance_to_mm: [0.5, 0.5, null] }],
 };
 
-test("the note tells how far both fits are off, and how much lies over holes", () => {
+test("the note says how far both fits are off, and how much lies over holes", () => {
   const note = carriedNote(CARRIED);
   expect(note).toMatchObject({ points: 3, bridged: 1, to: { mean: 0.5, p95: 0.5 } });
   expect(note.from!.mean).toBe(2);

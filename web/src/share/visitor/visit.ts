@@ -1,4 +1,4 @@
-// What a visitor's browser may ask: the secret behind # is posted once, then a cookie of this share alone speaks for it.
+// What a visitor's browser may ask: the secret behind # is posted once, then a cookie of this share alone stands for it.
 // Read only.  Each opened link has an address of its own, at which it can be loaded again as long as the browser runs.
 import * as text from "../text";
 import { ApiError, ask, askJson } from "../../api/client";

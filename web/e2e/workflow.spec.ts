@@ -127,7 +127,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     for (const link of links) expect((await page.request.get(link)).status(), link).toBe(200);
   });
 
-  await test.step("after a reload the same story is told", async () => {
+  await test.step("after a reload the same is shown", async () => {
     await page.reload();
     await hook.ready(page);
     await untilFitted(page);

@@ -1,4 +1,4 @@
-// What happens when something is wrong, and what is one click away.
+// Files that are refused, a browser without WebGL, the example by keys, landmark files.
 import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
 import { hook, SCAN_FILE, test, untilFitted } from "./page";
