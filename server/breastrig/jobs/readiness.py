@@ -10,7 +10,7 @@ from breastrig.jobs.executor import Executor
 from breastrig.storage.storage import Storage
 
 KEPT_S = 2.0
-CHECK_S = 0.2  # a hundred megabytes of rows that the system has in memory
+CHECK_S = 0.1  # thirty megabytes of rows that the system has in memory; the hourly sweep looks at all
 WAIT_S = 5.0  # a new process is there within a second, and the longest transaction takes milliseconds
 
 
@@ -34,7 +34,7 @@ class Readiness:
 
     def _look(self) -> list[str]:
         found = []
-        if not self._storage.database.is_sound(CHECK_S):
+        if self._storage.was_damaged or not self._storage.database.is_sound(CHECK_S):
             found.append("The database cannot be read; its file may be damaged or gone.")
         if not self._storage.database.can_write(WAIT_S):
             found.append("The database cannot be written.")

@@ -107,6 +107,7 @@ class Service:
         with self.storage.exclusive(), swept:
             self.storage.prepare()
             self._clean()
+            self.storage.forget_deleted()  # from here on the database's file holds nearly all, so damage is seen
             self.storage.refill_reserve()
             try:
                 self._readers.warm_up()

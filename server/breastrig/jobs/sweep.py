@@ -12,6 +12,8 @@ import threading
 from collections.abc import Callable
 from datetime import datetime, timedelta
 
+from sqlalchemy.exc import SQLAlchemyError
+
 from breastrig.core import wall_clock
 from breastrig.core.errors import NotRemoved
 from breastrig.storage.deletion import remove_files
@@ -121,7 +123,10 @@ class Sweep:
                 self._try_again()
                 if wall_clock.uptime_s() - looked_at >= LOOK_EVERY_S:
                     looked_at = wall_clock.uptime_s()
+                    self._storage.look_for_damage()
                     self._delete_old()
+            except SQLAlchemyError as error:  # the database is busy or damaged, which others say
+                log.error("old scans cannot be looked for: %s", type(error).__name__)
             except Exception:
                 log.exception("old scans cannot be deleted")
             if self._over.wait(RETRY_EVERY_S):

@@ -109,6 +109,8 @@ class SqliteDatabase(Database):
         deadline = time.monotonic() + limit_s
         address = f"{self._file.absolute().as_uri()}?mode=rw"
         try:
+            with closing(sqlite3.connect(f"{address}&immutable=1", uri=True)) as rows:
+                rows.execute("PRAGMA schema_version").fetchone()  # of the file itself, whatever the log holds
             with closing(sqlite3.connect(address, uri=True, timeout=BUSY_TIMEOUT_S)) as rows:
                 if ours and rows.execute("SELECT id FROM installation").fetchone() is None:
                     return False

@@ -7,6 +7,7 @@ would each carry out the same fits.  Both look first whether the data folder is 
 
 import errno
 import fcntl
+import logging
 import os
 import sqlite3
 from collections.abc import Callable, Collection, Iterator
@@ -30,6 +31,9 @@ from breastrig.storage.open_location import open_database, open_files
 from breastrig.storage.reserve import Reserve
 from breastrig.storage.scratch import sweep_scratch
 
+log = logging.getLogger(__name__)
+
+CHECK_S = 5.0  # a gigabyte of rows that the system has in memory
 FULL = (errno.ENOSPC, errno.EDQUOT)
 Result = TypeVar("Result")
 
@@ -55,6 +59,7 @@ class Storage:
         self.reserve = Reserve(self.folders.reserve)
         self._sqlite = self.location.database is None
         self._forgets_later = False
+        self.was_damaged = False  # when the whole database was looked at last
         self._locks: Locks = self.database if isinstance(self.database, Locks) else FolderLocks(self.folders)
 
     def prepare(self) -> None:
@@ -140,6 +145,12 @@ class Storage:
     def forget_rest(self) -> None:
         if self._forgets_later:
             self.forget_deleted()
+
+    def look_for_damage(self) -> None:
+        """At the whole database, or as much of it as some seconds suffice for."""
+        self.was_damaged = not self.database.is_sound(CHECK_S)
+        if self.was_damaged:
+            log.error("the database is damaged; put a copy of the data folder in its place")
 
     def has_files(self) -> bool:
         """Whether the place for files answers and is still the one that was prepared."""
