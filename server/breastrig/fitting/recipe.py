@@ -66,8 +66,9 @@ class Stage(_Part):
     max_distance: Range  # m
     max_angle: Positive  # rad
     reject_border: bool = True
-    data_sigma: Range  # m, point to plane
-    along_sigma: Range | None = None  # m, point to point; absent: slide freely
+    data_term: Literal["point_to_plane", "point_to_projection"] = "point_to_plane"
+    data_sigma: Range  # m
+    along_sigma: Range | None = None  # m, point to point beside point to plane; absent: slide freely
     landmark_sigma: Range  # m
     landmark_kernel_scale: Range | None = None  # m, beyond it a pick is let go (Geman-McClure); absent: never
     kernel: Literal["none", "huber", "geman_mcclure", "tukey"] = "none"
