@@ -16,7 +16,7 @@ from schemathesis.generation import GenerationMode
 from schemathesis.specs.openapi.checks import content_type_conformance, response_schema_conformance
 
 from breastrig.api.app import openapi_document
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
 
 EXAMPLES = 16
 CHECKS = [not_a_server_error, content_type_conformance]

@@ -8,10 +8,10 @@ from apiflask import APIFlask
 from flask.testing import FlaskClient
 from helpers.problems import problem
 
+from breastrig.api.access.security import HEADERS
 from breastrig.api.config import Config, checked_token, is_loopback
-from breastrig.api.security import HEADERS
 from breastrig.core.errors import BadSettings
-from breastrig.jobs.limits import UploadLimits
+from breastrig.execution.limits import UploadLimits
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 

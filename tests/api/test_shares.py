@@ -15,15 +15,17 @@ from helpers.waiting import ended
 from limits import RateLimitItemPerMinute
 from werkzeug.security import generate_password_hash
 
-from breastrig.api import passcode as passcode_module
-from breastrig.api import rate_limits, share_credential, share_limits
+from breastrig.api import share_limits
+from breastrig.api.access import rate_limits
+from breastrig.api.access.session import COOKIE as SESSION_COOKIE
+from breastrig.api.app_context import KEY, Behind
 from breastrig.api.config import Config
-from breastrig.api.current import KEY, Behind
-from breastrig.api.session import COOKIE as SESSION_COOKIE
+from breastrig.api.routes import passcode as passcode_module
+from breastrig.api.routes import share_credential
 from breastrig.core.glb import split_glb
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
 from breastrig.storage import schema
-from breastrig.storage.shares import note_wrong_passcode
+from breastrig.storage.rows.shares import note_wrong_passcode
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 FILES = ("result.json", "fitted.glb", "fitted.ply", "drawing.json", "distances.bin")

@@ -11,10 +11,10 @@ from flask.testing import FlaskClient
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
 
-from breastrig.api import rate_limits, session
+from breastrig.api.access import rate_limits, session
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 
 TOKEN = "a-token-of-more-than-sixteen-characters"

@@ -7,9 +7,9 @@ import pytest
 import trimesh
 
 from breastrig.core.assets import asset_folder
-from breastrig.jobs.events import Done
-from breastrig.jobs.run_fit import FitJob, run_fit
 from breastrig.scan.landmark_files import read_landmarks
+from breastrig.workflow.events import Done
+from breastrig.workflow.run_fit import FitJob, run_fit
 
 EXAMPLE = asset_folder("example") / "standing"
 PAIRS = ("nipple", "acromion", "midclavicle", "inframammary_fold")

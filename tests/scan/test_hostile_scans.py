@@ -199,7 +199,7 @@ def bomb() -> bytes:
 
 
 def test_a_picture_with_too_many_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
-    import breastrig.scan.texture as texture
+    import breastrig.scan.formats.texture as texture
 
     large = picture("PNG", (400, 300))
     monkeypatch.setattr(texture, "IMAGE_PIXELS", 100_000)
@@ -261,7 +261,7 @@ def test_a_zip_with_the_wrong_things_in_it(files: dict[str, bytes], word: str) -
 
 
 def test_a_zip_with_too_much_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    import breastrig.scan.archive as archive
+    import breastrig.scan.formats.archive as archive
 
     assert "files" in refused(zipped({f"{i}.jpg": b"x" for i in range(21)}), TooLarge)
     assert "times" in refused(zipped({"a.obj": bytes(2_000_000)}), TooLarge)

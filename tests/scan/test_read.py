@@ -11,8 +11,8 @@ from helpers.scan_files import as_bytes, picture, textured_obj, tube, zipped
 from helpers.toy_rig import toy_rig
 
 from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.formats.texture import is_picture
 from breastrig.scan.read import read_scan
-from breastrig.scan.texture import is_picture
 
 
 @pytest.mark.parametrize("kind", ["ply", "obj", "stl", "stl_ascii", "glb"])

@@ -17,16 +17,16 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.single_precision import EXACT_WITHIN
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.scan.archive import COMPANIONS, unpacked
 from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import file_type_of
-from breastrig.scan.glb import glb_pieces
+from breastrig.scan.formats.archive import COMPANIONS, unpacked
+from breastrig.scan.formats.glb import glb_pieces
+from breastrig.scan.formats.ply_obj_stl import SEVERAL, mesh_pieces
+from breastrig.scan.formats.texture import written_anew
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
 from breastrig.scan.piece import Piece, Pieces
-from breastrig.scan.ply_obj_stl import SEVERAL, mesh_pieces
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
-from breastrig.scan.texture import written_anew
 from breastrig.scan.units import decide_unit, extent
 
 BEYOND = 1e30  # no unit has such numbers; their squares are beyond single precision

@@ -21,15 +21,15 @@ from sqlalchemy.exc import DBAPIError
 
 from breastrig.core import wall_clock
 from breastrig.core.errors import BadSettings
-from breastrig.storage.belonging import check_belonging
+from breastrig.core.scratch import sweep_scratch
 from breastrig.storage.data_folder import Standing, claim, refuse_foreign
 from breastrig.storage.files import MARK, ROOT
 from breastrig.storage.folders import Folders, new_id
+from breastrig.storage.installation_id import check_belonging
 from breastrig.storage.location import Location
 from breastrig.storage.locks import FolderLocks, Locks
 from breastrig.storage.open_location import open_database, open_files
 from breastrig.storage.reserve import Reserve
-from breastrig.storage.scratch import sweep_scratch
 
 log = logging.getLogger(__name__)
 
