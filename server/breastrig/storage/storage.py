@@ -111,10 +111,10 @@ class Storage:
         """Makes a new data folder ours.  One for rows that are elsewhere already gets their id."""
         claim(self.root, lambda: (None if self._sqlite else self.database.installation_id()) or new_id(), self._sqlite)
 
-    def _unusable(self, reason: str) -> BadSettings:
+    def _unusable(self, reason: str | None) -> BadSettings:
         return BadSettings(
-            f"The data folder {self.root} cannot be written ({reason}); make room or mend its permissions, or choose "
-            "another with --data."
+            f"The data folder {self.root} cannot be written ({reason or 'for no known reason'}); make room, mend its "
+            "permissions, or choose another with --data."
         )
 
     def with_room(self, write: Callable[[], Result]) -> Result:
@@ -179,16 +179,18 @@ class Storage:
 
         What could not be removed.
         """
-        left = {}
+        left = []
         for place in places:
-            for remove in (lambda: self.folders.remove(self.root / place), lambda: self.files.remove(place)):  # noqa: B023
+            try:
                 try:
-                    remove()
-                except OSError as error:
-                    left[place] = Left(place, self.files.left_of(place), error.strerror or type(error).__name__)
+                    self.folders.remove(self.root / place)
+                finally:
+                    self.files.remove(place)
+            except OSError as error:
+                left.append(Left(place, self.files.left_of(place), error.strerror or type(error).__name__))
         with suppress(OSError):
             sweep_scratch()
-        return list(left.values())
+        return left
 
     def count_unknown(self, known: Collection[str]) -> int:
         """How many files and folders lie where scans and fits are kept, and belong to none of these places."""
