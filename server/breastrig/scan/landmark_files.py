@@ -34,6 +34,7 @@ FORMATS = "a landmark file is JSON, CSV (name,x,y,z), MeshLab .pp or 3D Slicer .
 LIMIT_BYTES = 10_000_000
 LIMIT_POINTS = 1000
 LIMIT_NAME = 100  # characters
+LIMIT_NUMBER = 1e12  # of any unit: a scan may lie 1e7 m from its origin (scan/read.py)
 
 
 def read_landmarks(source: Path | bytes, file_type: str | None = None) -> tuple[dict[str, Array], str | None]:
@@ -215,6 +216,8 @@ def _three_numbers(name: str, place: Any) -> list[float]:
         raise BadLandmarks(f'The landmark "{name}" needs three numbers x, y, z.') from error
     if not all(math.isfinite(value) for value in numbers):
         raise BadLandmarks(f'The landmark "{name}" has a coordinate that is not a finite number; pick it again.')
+    if any(abs(value) > LIMIT_NUMBER for value in numbers):
+        raise BadLandmarks(f'The landmark "{name}" lies far beyond any scan; pick it again.')
     return numbers
 
 
