@@ -295,7 +295,8 @@ def test_a_text_ply_of_even_rows_goes_to_the_library_as_numbers(monkeypatch: pyt
 
 @pytest.mark.parametrize("unit", ["m", "mm"])
 def test_a_scan_far_from_its_origin_says_what_its_numbers_are_worth(unit: str) -> None:
-    rig, factor = toy_rig(), {"m": 1.0, "mm": 1000.0}[unit]
+    rig = toy_rig()
+    factor, step = {"m": (1.0, 0.98), "mm": (1000.0, 1)}[unit]
     single = ply_text(factor * (rig.template + 10_000.0), rig.faces)
     assert read_scan(single.replace(b"float", b"double")).notes == (
         "The scan lies 10,000 m from the origin of its coordinates; results are exact there, "
@@ -304,6 +305,6 @@ def test_a_scan_far_from_its_origin_says_what_its_numbers_are_worth(unit: str) -
     (note,) = read_scan(single).notes
     assert note == (
         "The scan lies 10,000 m from the origin of its coordinates, and its file rounds them "
-        f"to {dict(m='0.98', mm='1')[unit]} mm; move it to the origin before it is exported."
+        f"to {step} mm; move it to the origin before it is exported."
     )
     assert read_scan(ply_text(factor * (rig.template + 50.0), rig.faces)).notes == ()
