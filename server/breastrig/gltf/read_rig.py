@@ -27,6 +27,7 @@ from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, ModelDrawing,
 TRIANGLES = 4
 ORTHONORMAL = 1e-4  # largest deviation of QᵀQ from the identity before a rest frame counts as scaled
 UNIT_SUM = 1e-3  # largest deviation of skin and barycentric weights from 1 before they count as wrong
+SHOWN_NAME = 60  # characters of a file's name in a sentence
 BARYCENTRIC_OUTSIDE = 0.05  # how far a surface point may lie outside its triangle
 
 File = TypeVar("File", bound=FilePart)
@@ -325,11 +326,11 @@ def _parsed(kind: type[File], text: bytes, file: str) -> File:
 
 def _bytes(path: Path) -> bytes:
     try:
-        return path.read_bytes()
-    except OSError as error:
-        raise BadModel(
-            f"The model file {path.name} cannot be read; a model is a .glb with a .json beside it."
-        ) from error
+        if not path.exists() or path.is_file():  # never a pipe or a device, which may have no end
+            return path.read_bytes()
+    except (OSError, ValueError):
+        pass
+    raise BadModel(f"The model file {path.name[:SHOWN_NAME]} cannot be read; a model is a .glb with a .json beside it.")
 
 
 def _reason(error: BaseException) -> str:
