@@ -181,6 +181,6 @@ def _number(word: str) -> int:
 
 def _property(words: list[str]) -> tuple[str, ...]:
     types, kind = (words[1:3], 4) if words[0] == "list" else (words[:1], 2)
-    if len(words) != kind or not set(types) <= set(TYPES):
+    if len(words) != kind or not set(types) <= set(TYPES) or (kind == 4 and TYPES[types[0]][1] == "f"):
         raise ValueError("a property of an unknown type")
     return tuple(words)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import trimesh
+from trimesh.constants import log
 from trimesh.resolvers import Resolver
 
 from breastrig.core.arrays import Array, Integers
@@ -100,11 +101,12 @@ def _obj(data: bytes) -> _Checked:
 
 
 def _stl(data: bytes) -> _Checked:
-    """As it is."""
+    """As it is; a text with plain line ends."""
     if is_binary_stl(data):
         triangles = (len(data) - BINARY_STL_HEADER) // BINARY_STL_TRIANGLE
         _check_sizes(triangles, 0)
         return _Checked(data, triangles)
+    data = data.replace(b"\r", b"\n")
     text = data.lower()
     triangles, ends = text.count(b"endfacet"), text.count(b"endsolid")
     _check_sizes(triangles, 0)
@@ -124,7 +126,6 @@ def _check_sizes(triangles: int, vertices: int) -> None:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """No warnings and no log of the library."""
-    log = logging.getLogger("trimesh")
     nothing = _Nothing()
     log.addFilter(nothing)
     try:
