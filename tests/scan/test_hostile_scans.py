@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from breastrig.scan.ply_obj_stl import MISSING
 from helpers.scan_files import as_bytes, picture, ply_text, textured_obj, tube, zipped
 from helpers.subdivide import subdivided
 from helpers.toy_rig import toy_rig
@@ -23,6 +22,7 @@ import breastrig.scan.read as read
 from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.formats.ply_obj_stl import MISSING
 from breastrig.scan.read import read_scan
 
 FACES = toy_rig().faces

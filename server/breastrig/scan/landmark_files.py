@@ -35,7 +35,6 @@ FORMATS = "a landmark file is JSON, CSV (name,x,y,z), MeshLab .pp or 3D Slicer .
 LIMIT_BYTES = 10_000_000
 LIMIT_POINTS = 1000
 LIMIT_NAME = 100  # characters
-LIMIT_NUMBER = 1e12  # of any unit: a scan may lie 1e7 m from its origin (scan/read.py)
 
 
 def read_landmarks(source: Path | bytes, file_type: str | None = None) -> tuple[dict[str, Array], str | None]:

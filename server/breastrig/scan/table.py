@@ -1,10 +1,10 @@
 """The table under a lying patient, cut away before the fit.
 
-scan/orient.py proposes a plane from a sample of the triangles; here it is laid through all of them, and what is flat
-within the scanner's noise of it, faces as it does or lies below it, is the table.  Skin that rests on the table leaves
-it steeply, so close to the plane the direction decides; a flank may come down to the plane and stays.  Pieces that then
-nowhere rise above the plane are the table's crumbs, its edge, or the floor: what hangs together with the body, such as
-an arm beside a narrow table, is never one of them.
+scan/orient.py proposes a plane from a sample of the triangles; here it is laid through all of them, and what lies
+within the scanner's noise of it and faces as it does is the table.  Skin that rests on the table leaves it steeply, so
+close to the plane the direction decides; a flank may come down to the plane and stays.  Pieces that then nowhere rise
+above the plane are fragments of the table, its edge, or the floor.  What is connected with the body, such as an arm
+beside a narrow table, is never one of them.
 """
 
 import numpy as np
@@ -37,11 +37,11 @@ def table_triangles(vertices: Array, faces: Integers, normal: Array, level: floa
     normal, level, spread = laid
     band = float(np.clip(4.0 * spread, LEAST_BAND, MOST_BAND))
     heights = vertices @ normal - level
-    highest = heights[faces].max(axis=1)
+    lowest, highest = heights[faces].min(axis=1), heights[faces].max(axis=1)
     if areas[highest < -FIRST_BAND].sum() > BEHIND_SHARE * areas.sum():
         return none
     facing = vertex_normals(vertices, faces) @ normal  # of all triangles around a vertex: single ones are noisy
-    table: Booleans = (highest < band) & ((facing[faces].mean(axis=1) > LIKE_TABLE) | (highest < -band))
+    table: Booleans = (lowest > -band) & (highest < band) & (facing[faces].mean(axis=1) > LIKE_TABLE)
     return table | _low_pieces(faces, table, heights, band)
 
 
@@ -68,7 +68,7 @@ def _laid(
 
 
 def _low_pieces(faces: Integers, table: Booleans, heights: Array, band: float) -> Booleans:
-    """(F,) triangles that are not table but hang together with nothing that rises above the band."""
+    """(F,) triangles that are not table but connected with nothing that rises above the band."""
     rest = faces[~table]
     i, j = rest[:, [0, 1, 2]].ravel(), rest[:, [1, 2, 0]].ravel()
     graph = sp.coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(len(heights), len(heights)))
