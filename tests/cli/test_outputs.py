@@ -13,7 +13,7 @@ from helpers.cohort import write_patient
 from breastrig.cli import fit_command, landmarks_command, report_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
-from breastrig.evaluation.page.page import publish
+from breastrig.evaluation.page import publish
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow.fit_files import FIT_FILES
 

@@ -16,7 +16,7 @@ from PIL import Image
 from breastrig.cli import evaluate_command
 from breastrig.cli.main import main
 from breastrig.evaluation.cohort import read_cohort
-from breastrig.evaluation.page.page import publish
+from breastrig.evaluation.page import publish
 from breastrig.evaluation.page.pictures import signed_distances_mm
 from breastrig.evaluation.studies import result_cache as work
 from breastrig.evaluation.studies.case import read_scene

@@ -10,7 +10,7 @@ import json
 from typing import Any
 
 from breastrig.api.access.session import COOKIE
-from breastrig.api.wire.common import common as wire
+from breastrig.api.wire import common as wire
 from breastrig.core.notice import LIMITS_OF_USE
 
 REFERENCE = "#/components/schemas/"

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from breastrig.evaluation.studies.plan import Plan, shape_effects
 from breastrig.evaluation.studies.result_cache import Record, records
-from breastrig.evaluation.tables.accuracy import accuracy as tables
-from breastrig.evaluation.tables.accuracy import studies as study_tables
-from breastrig.evaluation.tables.accuracy import transfer as transfer_tables
-from breastrig.evaluation.tables.accuracy import unseen as unseen_tables
+from breastrig.evaluation.tables import accuracy as tables
+from breastrig.evaluation.tables import studies as study_tables
+from breastrig.evaluation.tables import transfer as transfer_tables
+from breastrig.evaluation.tables import unseen as unseen_tables
 from breastrig.evaluation.tables.table import Table
 from breastrig.gltf.read_rig import read_rig
 

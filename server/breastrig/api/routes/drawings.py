@@ -5,7 +5,7 @@ from flask import request
 
 from breastrig.api.app_context import behind
 from breastrig.api.routes.scans import TAG
-from breastrig.api.wire.common import drawings as wire_drawings
+from breastrig.api.wire import drawings as wire_drawings
 from breastrig.core.errors import BadDrawing, TooLarge
 from breastrig.storage.rows.drawings import get_drawing, put_drawing
 from breastrig.storage.rows.scans import ScanRow, get_scan

@@ -14,7 +14,7 @@ from breastrig.api.access.security import refuse
 from breastrig.api.app_context import behind
 from breastrig.api.environ_keys import READER_GONE
 from breastrig.api.routes.fits import FITS_TAG
-from breastrig.api.wire.common import common as wire
+from breastrig.api.wire import common as wire
 from breastrig.service.follow import Heartbeat, Queued
 from breastrig.storage.rows.events import StoredEvent, events_after
 from breastrig.storage.rows.fits import get_fit

@@ -10,8 +10,8 @@ from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answe
 from breastrig.api.app_context import behind
 from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.trusted_proxy import client_of
-from breastrig.api.wire.common import common as wire
-from breastrig.api.wire.common import files as wire_files
+from breastrig.api.wire import common as wire
+from breastrig.api.wire import files as wire_files
 from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names

@@ -11,7 +11,7 @@ from breastrig.api.access.security import count_guess, has_token, refuse
 from breastrig.api.app_context import behind
 from breastrig.api.config import is_loopback
 from breastrig.api.environ_keys import FORWARDED
-from breastrig.api.wire.common import meta as wire_meta
+from breastrig.api.wire import meta as wire_meta
 
 operations = APIBlueprint(
     "operations", __name__, tag={"name": "operations", "description": "Is the service alive, ready, busy."}

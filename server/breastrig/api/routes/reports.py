@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from breastrig.api.answers import JSON, PDF, PERSONAL, bytes_answer, file_of
 from breastrig.api.app_context import behind
 from breastrig.api.routes.fits import FITS_TAG
-from breastrig.api.wire.common import files as wire_files
+from breastrig.api.wire import files as wire_files
 from breastrig.core.errors import BadSettings, Conflict
 from breastrig.storage.rows.fits import get_fit
 

@@ -9,7 +9,7 @@ from breastrig.api.access.security import refuse
 from breastrig.api.answers import GLB, PERSONAL, file_answer, file_of
 from breastrig.api.app_context import behind
 from breastrig.api.landmark_check import check_landmarks
-from breastrig.api.wire.common import common as wire
+from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.storage.files import MESH, OpenedFile, scan_place
 from breastrig.storage.rows.scans import ScanRow, get_landmarks, get_scan, put_landmarks

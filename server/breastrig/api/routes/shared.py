@@ -16,8 +16,8 @@ from breastrig.api.routes.passcode import check_passcode
 from breastrig.api.routes.scans import mesh_file
 from breastrig.api.routes.share_credential import begin_visit, close_visit, cookie_path, share_of_secret, visited_share
 from breastrig.api.routes.shares import SHARES_TAG
-from breastrig.api.wire.common import files as wire_files
-from breastrig.api.wire.common import shares as wire_shares
+from breastrig.api.wire import files as wire_files
+from breastrig.api.wire import shares as wire_shares
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import NotFound
 from breastrig.storage.files import OpenedFile, fit_place

@@ -8,8 +8,8 @@ from werkzeug.security import generate_password_hash
 from breastrig.api.app_context import behind
 from breastrig.api.routes.share_credential import new_token, token_sha256
 from breastrig.api.share_limits import WRONG_PASSCODES
-from breastrig.api.wire.common import common as wire
-from breastrig.api.wire.common import shares as wire_shares
+from breastrig.api.wire import common as wire
+from breastrig.api.wire import shares as wire_shares
 from breastrig.core.errors import Conflict
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows.fits import get_fit

@@ -3,7 +3,7 @@
 from apiflask import APIBlueprint
 
 from breastrig.api.app_context import behind
-from breastrig.api.wire.common import transfers as wire_transfers
+from breastrig.api.wire import transfers as wire_transfers
 from breastrig.core.errors import Conflict
 from breastrig.storage.rows.fits import get_fit
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.evaluate import Results
-from breastrig.evaluation.page.page import sections, transfer_sections, unseen_sections
+from breastrig.evaluation.page import sections, transfer_sections, unseen_sections
 from breastrig.evaluation.page.section import Section, capital, mm
 from breastrig.evaluation.tables.accuracy import FAMILIES
 from breastrig.evaluation.tables.studies import PICKS
