@@ -61,7 +61,12 @@ class _App(APIFlask):
 
 def _bare_app() -> APIFlask:
     app = _App(
-        "breastrig.api", title="BreastRig", version=__version__, spec_path=None, docs_path=None, static_folder=None
+        "breastrig.api",
+        title="BreastRig",
+        version=__version__,
+        spec_path=None,
+        docs_path=None,
+        static_folder=None,  # type: ignore[arg-type]
     )
     app.config["AUTO_SERVERS"] = False
     app.json.sort_keys = False  # type: ignore[attr-defined]
@@ -86,5 +91,5 @@ def _bare_app() -> APIFlask:
         page,
     ):
         app.register_blueprint(blueprint)
-    app.spec_processor(finish_document)
+    app.spec_processor(finish_document)  # type: ignore[arg-type]
     return app

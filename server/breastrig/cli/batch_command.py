@@ -148,7 +148,7 @@ def _run(batch: Batch, executor: Executor, silent: bool, stop: Event) -> list[Ou
             told += 1
             bar.update()
             if in_lines:
-                line = {"name": outcome.name, "state": outcome.state, "reason": outcome.reason}
+                line: dict[str, object] = {"name": outcome.name, "state": outcome.state, "reason": outcome.reason}
                 line |= {"mean_mm": outcome.numbers.get("mean_mm"), "row": told, "of": len(batch.rows)}
                 print(json.dumps(line), flush=True)
             if outcome.reason is not None:

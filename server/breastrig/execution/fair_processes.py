@@ -11,6 +11,7 @@ from collections.abc import Callable
 from concurrent.futures import Future, InvalidStateError
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from breastrig.core.errors import TooMany
@@ -136,7 +137,7 @@ class FairProcesses:
                     task.set_exception(error)
                 continue
             task.inner = inner
-            inner.add_done_callback(lambda ended, task=task: self._end(task, ended))
+            inner.add_done_callback(partial(self._end, task))
             if task.cancelled():  # between the queue and the process
                 inner.cancel()
 

@@ -40,8 +40,9 @@ def _per_vertex(rig: Rig, observations: Observations) -> Array:
     if focus:
         inside = np.zeros(len(rig.template), dtype=np.bool_)
         inside[np.concatenate(focus)] = True
-        distances = cKDTree(rig.template[inside]).query(rig.template[faces].mean(axis=1))[0]
+        distances = np.array(cKDTree(rig.template[inside]).query(rig.template[faces].mean(axis=1))[0])
         distances[inside[faces].all(axis=1)] = 0.0
         spacing = np.minimum(observations.focus_spacing + observations.growth * distances, spacing)
     share = face_areas(rig.template, faces) / spacing**2 / 3.0
-    return np.bincount(faces.ravel(), weights=np.repeat(share, 3), minlength=len(rig.template))
+    summed = np.bincount(faces.ravel(), weights=np.repeat(share, 3), minlength=len(rig.template))
+    return np.asarray(summed, dtype=np.float64)

@@ -8,7 +8,7 @@ import errno
 import logging
 
 from breastrig.core.errors import FitFailed, NotFound
-from breastrig.execution.processes import Processes
+from breastrig.execution.fair_processes import FairProcesses
 from breastrig.service.single_flight import SingleFlight
 from breastrig.storage.files import MESH, PLAIN_MESH, OpenedFile, scan_place
 from breastrig.storage.rows.scans import get_scan
@@ -23,7 +23,7 @@ log = logging.getLogger(__name__)
 class PlainMeshes:
     """The plain meshes of all scans.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: Processes) -> None:
+    def __init__(self, storage: Storage, processes: FairProcesses) -> None:
         self._storage = storage
         self._processes = processes
         self._flights: SingleFlight[None] = SingleFlight()

@@ -9,11 +9,15 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 
-class Event(BaseModel):
+class EventPart(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class NodePose(Event):
+class Event(EventPart):
+    kind: str
+
+
+class NodePose(EventPart):
     """One glTF node by name; absent fields stay as they are."""
 
     name: str
@@ -23,7 +27,7 @@ class NodePose(Event):
     weights: list[float] | None = Field(None, description="blendshape weights in the model's order (on the mesh node)")
 
 
-class DoubtedPick(Event):
+class DoubtedPick(EventPart):
     """Picked landmarks that the fit did not follow."""
 
     names: list[str] = Field(description="which ones")

@@ -94,7 +94,7 @@ def checked_landmarks(rig: Rig, landmarks_mm: dict[str, list[float]]) -> dict[st
 def _near_the_scan(landmarks: dict[str, Array], target: ScanTarget) -> None:
     if not landmarks:
         return
-    gaps, _ = target.vertex_tree.query(np.array(list(landmarks.values())))
+    gaps = np.atleast_1d(target.vertex_tree.query(np.array(list(landmarks.values())))[0])
     worst = int(np.argmax(gaps))
     if gaps[worst] > FAR_LANDMARK:
         raise BadLandmarks(

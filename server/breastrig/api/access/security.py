@@ -145,7 +145,10 @@ def _limit_body(config: Config) -> Response | None:
     view = current_app.view_functions.get(request.endpoint or "")
     expected = getattr(view, "_spec", {}).get("content_type") if view else None
     takes_body = expected is not None and request.method not in SAFE_METHODS
-    largest = {"application/json": config.json_bytes, "multipart/form-data": config.uploads.file_bytes}
+    largest: dict[str | None, int] = {
+        "application/json": config.json_bytes,
+        "multipart/form-data": config.uploads.file_bytes,
+    }
     request.max_content_length = largest.get(expected, FORM_BYTES) if takes_body else FORM_BYTES
     if request.content_length is not None and request.content_length > request.max_content_length:
         return problem(413, too_large(request.max_content_length))

@@ -6,6 +6,7 @@ same numbers.
 
 import json
 from collections.abc import Iterator
+from typing import Any
 
 from apiflask import APIBlueprint
 from flask import Response, request
@@ -23,6 +24,10 @@ events = APIBlueprint("events", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 RECONNECT_MS = 1000
+STREAM: Any = {
+    "content": {"text/event-stream": {"schema": {"type": "string"}}},
+    "description": "Server-sent events; `data` is the event's JSON",
+}
 
 
 @events.get("/<fit_id>/events")
@@ -30,10 +35,7 @@ RECONNECT_MS = 1000
 @events.doc(
     operation_id="followFit",
     responses={
-        200: {
-            "content": {"text/event-stream": {"schema": {"type": "string"}}},
-            "description": "Server-sent events; `data` is the event's JSON",
-        },
+        200: STREAM,
         204: "The fit has ended and no event is left to send; do not connect again",
         503: "Too many open streams; use events.json",
     },

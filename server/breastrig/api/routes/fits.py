@@ -248,21 +248,22 @@ def fit_links(fit_id: str) -> wire.FitLinks:
 
 def fit_answer(row: FitRow) -> wire.Fit:
     """The stored row as the API shows it."""
-    return wire.Fit(
-        id=row.id,
-        scan=row.scan,
-        state=row.state,
-        queue_position=queue_position(behind().service.storage, row.id) if row.state == "queued" else None,
-        created_at=row.created_at,
-        stance=row.stance,
-        preset=row.preset,
-        drawing=row.drawing,
-        refine=row.refine,
-        start_from=row.start_from,
-        partner=row.partner,
-        last_event=row.last_event,
-        iterations=row.iterations,
-        numbers=row.numbers,
-        reason=row.reason,
-        links=fit_links(row.id),
-    )
+    values = {
+        "id": row.id,
+        "scan": row.scan,
+        "state": row.state,
+        "queue_position": queue_position(behind().service.storage, row.id) if row.state == "queued" else None,
+        "created_at": row.created_at,
+        "stance": row.stance,
+        "preset": row.preset,
+        "drawing": row.drawing,
+        "refine": row.refine,
+        "start_from": row.start_from,
+        "partner": row.partner,
+        "last_event": row.last_event,
+        "iterations": row.iterations,
+        "numbers": row.numbers,
+        "reason": row.reason,
+        "links": fit_links(row.id),
+    }
+    return wire.Fit.model_validate(values)

@@ -4,6 +4,8 @@ None of it says anything about a patient.  /healthz and /readyz answer everyone,
 /metrics answers programs on this machine only, and behind a proxy, which is one of them, whoever brings the token.
 """
 
+from typing import Any
+
 from apiflask import APIBlueprint
 from flask import Response, request
 
@@ -17,7 +19,7 @@ operations = APIBlueprint(
     "operations", __name__, tag={"name": "operations", "description": "Is the service alive, ready, busy."}
 )
 
-METRICS = {"content": {"text/plain": {"schema": {"type": "string"}}}, "description": "Prometheus' text format"}
+METRICS: Any = {"content": {"text/plain": {"schema": {"type": "string"}}}, "description": "Prometheus' text format"}
 
 
 @operations.get("/healthz")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from flask import Blueprint, Response, abort
 from werkzeug.routing import BaseConverter
-from werkzeug.utils import safe_join
+from werkzeug.security import safe_join
 
 from breastrig.api.access.session import in_session
 from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER

@@ -113,18 +113,19 @@ def unlock(fit_id: str, share_id: str) -> wire_shares.Share:
 def share_answer(row: ShareRow) -> wire_shares.Share:
     """The stored row as the owner sees it."""
     place, is_locked = f"/api/fits/{row.fit}/shares/{row.id}", row.is_locked(WRONG_PASSCODES)
-    return wire_shares.Share(
-        id=row.id,
-        created_at=row.created_at,
-        expires_at=row.expires_at,
-        revoked_at=row.revoked_at,
-        is_open=row.is_valid(utc_now()) and not is_locked,
-        is_locked=is_locked,
-        scan=row.scan,
-        has_passcode=row.passcode_hash is not None,
-        openings=row.openings,
-        last_opened_at=row.last_opened_at,
-        wrong_passcodes=row.wrong_passcodes,
-        last_wrong_passcode_at=row.last_wrong_at,
-        links=wire_shares.ShareLinks(self=place, unlock=f"{place}/unlock"),
-    )
+    values = {
+        "id": row.id,
+        "created_at": row.created_at,
+        "expires_at": row.expires_at,
+        "revoked_at": row.revoked_at,
+        "is_open": row.is_valid(utc_now()) and not is_locked,
+        "is_locked": is_locked,
+        "scan": row.scan,
+        "has_passcode": row.passcode_hash is not None,
+        "openings": row.openings,
+        "last_opened_at": row.last_opened_at,
+        "wrong_passcodes": row.wrong_passcodes,
+        "last_wrong_passcode_at": row.last_wrong_at,
+        "links": wire_shares.ShareLinks(self=place, unlock=f"{place}/unlock"),
+    }
+    return wire_shares.Share.model_validate(values)

@@ -152,7 +152,8 @@ class WsgiBridge:
 
     async def _next(self, answer: _Answer, client: str) -> bytes:
         if not answer.streams:
-            return await self._in_turn(client, _fetch, answer)
+            piece: bytes = await self._in_turn(client, _fetch, answer)
+            return piece
         return await asyncio.get_running_loop().run_in_executor(self._streams, _fetch_one, answer)
 
     async def _in_turn(self, client: str, function: Callable[..., Any], *args: Any) -> Any:

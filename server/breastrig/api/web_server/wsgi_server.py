@@ -76,7 +76,7 @@ class WsgiServer:
         self.connections = Connections(limits.connections, lambda address: proxy is not None and proxy.is_at(address))
         self._server = _Uvicorn(
             uvicorn.Config(
-                self._bridge,  # type: ignore[arg-type]
+                self._bridge,
                 http=functools.partial(Connection, connections=self.connections),  # type: ignore[arg-type]
                 ws="none",
                 loop="asyncio",

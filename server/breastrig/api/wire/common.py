@@ -79,7 +79,7 @@ class Scan(Wire):
 class LandmarkFile(Wire):
     """The landmark file of the command line as well; here the unit is always mm."""
 
-    schema_: Literal["breastrig/landmarks@1"] = Field("breastrig/landmarks@1", alias="schema")
+    schema_: Literal["breastrig/landmarks@1"] = Field(default="breastrig/landmarks@1", alias="schema")
     unit: Literal["mm"] = "mm"
     landmarks: dict[Name, Point] = Field(description="millimetres, the scan's own frame", max_length=200)
 

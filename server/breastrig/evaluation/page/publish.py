@@ -7,10 +7,9 @@ from pathlib import Path
 from breastrig import __version__
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.evaluation.evaluate import WORK, Results, all_tables
-from breastrig.evaluation.page import page
 from breastrig.evaluation.page.charts import DARK, LIGHT, as_png, have_plots
 from breastrig.evaluation.page.figures import all_figures
-from breastrig.evaluation.page.page import Circumstances
+from breastrig.evaluation.page.page import Circumstances, page
 from breastrig.evaluation.page.pictures import fit_pictures
 from breastrig.evaluation.page.study_sections import all_sections
 from breastrig.evaluation.page.unseen_sections import unseen_pictures

@@ -118,7 +118,7 @@ def places(rig: Rig, scenes: tuple[Scene, Scene], fit: FittedScan) -> Places:
     lines = [name for name, part in parts for _ in part]
     found = truth_a.query(points)
     both = seen(scenes[0]) & seen(scenes[1])
-    kept = both[truth_a.triangles[found.faces]].all(axis=1)
+    kept = np.asarray(both[truth_a.triangles[found.faces]].all(axis=1))
     at = SurfacePoints(found.faces[kept], found.barycentric[kept])
     on_skin = scenes[0].target.search.query(at.positions(truth_a.vertices, truth_a.triangles)).points
     vertex = cKDTree(fit.vertices).query(on_skin)[1]
@@ -126,7 +126,7 @@ def places(rig: Rig, scenes: tuple[Scene, Scene], fit: FittedScan) -> Places:
     return Places(
         on_skin,
         at.positions(truth_b.vertices, truth_b.triangles),
-        tuple(line for line, keep in zip(lines, kept, strict=True) if keep),
+        tuple(line for line, keep in zip(lines, kept.tolist(), strict=True) if keep),
         np.isin(vertex, breasts),
     )
 
