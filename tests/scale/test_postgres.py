@@ -246,13 +246,28 @@ def test_what_is_wrong_with_a_database_is_said_in_a_sentence(
     password = address.split(":")[2].partition("@")[0]
     for wrong in (address.replace(password, "geheim"), address + "_other", "postgresql://me:geheim@127.0.0.1:1/rig"):
         with pytest.raises(BadSettings, match="The database cannot be reached") as refused:
-            purge_nothing(Location(tmp_path, wrong))
+            purge_nothing(Location(tmp_path / "new", wrong))
+        assert not (tmp_path / "new").exists()
         assert "\n" not in str(refused.value)
         assert password not in str(refused.value)
         assert "geheim" not in str(refused.value)
     monkeypatch.setitem(__import__("sys").modules, "psycopg", None)
     with pytest.raises(BadSettings, match=r"pip install 'breastrig\[postgres\]'"):
         Storage(Location(tmp_path, address))
+
+
+def test_a_new_data_folder_gets_the_id_of_the_rows_and_one_of_other_rows_is_refused(
+    postgres: PostgresServer, storage: Storage, tmp_path: Path
+) -> None:
+    elsewhere = Storage(Location(tmp_path / "elsewhere", storage.location.database))
+    purge_nothing(elsewhere.location)
+    assert (tmp_path / "elsewhere" / "installation").read_text() == storage.database.installation_id()
+    elsewhere.prepare()
+    elsewhere.close()
+    other = Storage(Location(tmp_path / "elsewhere", postgres.new_database()))
+    with pytest.raises(BadSettings, match="belong to another database"):
+        other.prepare()
+    other.close()
 
 
 def purge_nothing(location: Location) -> None:
