@@ -51,6 +51,7 @@ class FairProcesses:
         self._changed = threading.Condition()
         self._waiting: RoundRobin[_Task] = RoundRobin()
         self._running: Counter[str] = Counter()  # tasks in a process, by client
+        self._handed_over: set[_Task] = set()
         self._stopped = False
         self._thread = threading.Thread(target=self._hand_over, name="breastrig-readers", daemon=True)
 
@@ -100,12 +101,12 @@ class FairProcesses:
             while (taken := self._waiting.take()) is not None:
                 left.append(taken[1])
             self._changed.notify_all()
-        for task in left:
-            with suppress(InvalidStateError):  # cancelled at the same moment
-                task.set_exception(RuntimeError("the processes are stopped"))
         if self._thread.is_alive():
             self._thread.join()
         self._processes.stop()
+        for task in (*left, *list(self._handed_over)):  # a pool that stops may forget what it was about to begin
+            with suppress(InvalidStateError):  # it has ended
+                task.set_exception(RuntimeError("the processes are stopped"))
 
     def withdraw(self, task: _Task) -> bool:
         """Ends a task that nobody wants any more; kills its process when it has one."""
@@ -129,10 +130,11 @@ class FairProcesses:
                 assert taken is not None
                 client, task = taken
                 self._running[client] += 1
+                self._handed_over.add(task)
             try:
                 inner = task.call()
             except Exception as error:
-                self._one_less(client)
+                self._one_less(task)
                 with suppress(InvalidStateError):
                     task.set_exception(error)
                 continue
@@ -142,7 +144,7 @@ class FairProcesses:
                 inner.cancel()
 
     def _end(self, task: _Task, ended: "Future[Any]") -> None:
-        self._one_less(task.client)
+        self._one_less(task)
         with suppress(InvalidStateError):
             if ended.cancelled():
                 task.end_cancelled()
@@ -151,8 +153,9 @@ class FairProcesses:
             else:
                 task.set_result(ended.result())
 
-    def _one_less(self, client: str) -> None:
+    def _one_less(self, task: _Task) -> None:
         with self._changed:
-            self._running[client] -= 1
+            self._handed_over.discard(task)
+            self._running[task.client] -= 1
             self._running += Counter()  # forgets clients with none
             self._changed.notify_all()

@@ -16,8 +16,8 @@ from breastrig.api.access.rate_limits import RateLimits
 from breastrig.api.access.session import in_session
 from breastrig.api.config import Config
 from breastrig.api.environ_keys import ADMITTED
+from breastrig.api.errors import SENTENCES, problem
 from breastrig.api.errors import Refused as Refused
-from breastrig.api.errors import problem
 from breastrig.api.errors import refuse as refuse
 from breastrig.api.request_body import too_large
 from breastrig.api.trusted_proxy import client_of
@@ -46,6 +46,7 @@ HEADERS = {
     "X-Robots-Tag": "noindex",
 }
 USUAL_PORTS = {"http": ":80", "https": ":443"}
+NAME_BYTES = 128  # of one part of an address
 FORM_BYTES = 10_000  # of requests whose body is no JSON and no file: a token is shorter
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
@@ -58,6 +59,7 @@ def register_security(app: APIFlask, config: Config, storage: Storage, rates: Ra
         asking_client.set(client_of(request.remote_addr))
         refused = _wrong_host(config) or _foreign_origin() or _wrong_token(config, storage, rates)
         if refused is None:
+            _refuse_long_names()
             _count_upload(rates)
             refused = _limit_body(config)
         return refused
@@ -133,6 +135,12 @@ def has_token(token: str) -> bool:
 def _is_for_visitors() -> bool:
     """Share links bring a credential of their own, which these calls check themselves."""
     return (request.endpoint or "").startswith("shared.")
+
+
+def _refuse_long_names() -> None:
+    """No id, and no file of the page, has so long a name; to the disk it would be an error, not a stranger."""
+    if any(len(part.encode()) > NAME_BYTES for part in request.path.split("/")):
+        raise refuse(404, SENTENCES[404])
 
 
 def _count_upload(rates: RateLimits) -> None:
