@@ -90,7 +90,7 @@ async function open(code: string): Promise<void> {
     asksPasscode = opened === null && (status === 403 || (asksPasscode && (status === 429 || status === 0)));
     show(form, asksPasscode);
     say(asksPasscode && code === "" ? "" : error instanceof Error ? error.message : String(error));
-    if (asksPasscode) passcode.focus();
+    if (asksPasscode) passcode.select(); // a wrong one is typed over
     return;
   }
   show(card, false);

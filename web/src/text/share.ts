@@ -45,7 +45,7 @@ export const shared = {
   opening: "Opening the link …",
   howToOpen: "No link is open here. To see a result, open the link that was sent to you.",
   close: "Close",
-  closed: "The result is closed, and this browser keeps nothing of it. To see it again, open the link that was sent to you.",
+  closed: "The result is closed in this browser; files that were taken away stay where they are. To see it again, open the link that was sent to you.",
   /** "breast_L" → "Breast, patient's left": behind a link the model's own labels are not at hand */
   shape(name: string): string {
     const plain = name.replace(/_[LR]$/, "").replaceAll("_", " ");
