@@ -25,6 +25,10 @@ const words = text.shared;
 const CLOSED = "?closed";
 let opened: SharedResult | null = null;
 let asksPasscode = false;
+const closings = new BroadcastChannel("breastrig-closed"); // the same result in another tab of this browser
+closings.onmessage = ({ data }: MessageEvent<unknown>) => {
+  if (data === opened?.id) location.replace(`/s${CLOSED}`);
+};
 const moment = new Intl.DateTimeFormat("en-GB", { dateStyle: "long", timeStyle: "short" });
 
 const canvas = el("canvas", { class: "view", role: "img", "aria-label": text.view.shared, tabindex: 0 });
@@ -116,6 +120,7 @@ async function close(): Promise<void> {
     show(form, false);
     return say(error instanceof Error ? error.message : String(error));
   }
+  closings.postMessage(opened.id);
   location.replace(`/s${CLOSED}`);
 }
 
