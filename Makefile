@@ -15,8 +15,8 @@ help:
 	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: times as many as in make test)"
 	@echo "make scale   the service on PostgreSQL, S3 and a Dask cluster as well, a killed server and worker among it"
 	@echo "make faults  kill, fill, lock and leave: a table of what became of every fit   (KILLS=20)"
-	@echo "make load    clients that work and viewers on one server: a table of times, memory, errors   (LOAD=\"--seconds 60\")"
-	@echo "make routes  every route with every credential: a table of status codes"
+	@echo "make load    clients that work, viewers, and readers of a large scan through a link: times, memory, errors   (LOAD=\"--seconds 60\")"
+	@echo "make routes  every route with every credential: a table of status codes; two share links in two tabs of one browser"
 	@echo "make clean   remove what make made (data stays)"
 
 serve: page $(VENV)/.stamp-serve
@@ -61,8 +61,10 @@ scale: $(VENV)/.stamp-test
 load: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 PYTHONPATH=tests "$(VENV)/bin/python" -m load $${LOAD}
 
-routes: $(VENV)/.stamp-test
+routes: page web-packages $(VENV)/.stamp-test
 	BREASTRIG_ROUTE_TABLE=1 "$(VENV)/bin/python" -m pytest -q tests/api/test_route_walk.py
+	BREASTRIG_CHROMIUM="$$(sh .ci/chromium.sh)" && export BREASTRIG_CHROMIUM && \
+	    BREASTRIG_ROUNDS="$${ROUNDS:-20}" $(IN_VENV) npm --prefix web run e2e -- two_links
 
 bench: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest tests/benchmarks --benchmark-only --benchmark-columns=min,median,rounds --benchmark-sort=name $${BENCH}

@@ -95,6 +95,7 @@ def test_a_session_ends_when_it_is_left_when_it_is_old_and_when_the_token_change
     assert browser.get("/api/meta").status_code == 200
     left = browser.post("/sign-out")
     assert (left.status_code, left.headers["Location"]) == (303, "/sign-in")
+    assert left.headers["Clear-Site-Data"] == '"cache", "storage"'  # "cookies" would be other programs' too
     problem(browser.get("/api/meta"), 401)
 
 

@@ -208,7 +208,8 @@ def test_visits_of_a_share_and_what_wrong_passcodes_do_to_it(storage: Storage) -
     assert [end_visit(storage, "share-1", "cd" * 32) for _ in range(2)] == [True, False]
     assert share_of_visit(storage, "share-1", "cd" * 32, "2026-01") is None
     for moment in ("2026-03", "2026-04"):
-        note_wrong_passcode(storage, "share-1", moment)
+        assert note_wrong_passcode(storage, "share-1", moment, 2)
+    assert not note_wrong_passcode(storage, "share-1", "2026-05", 2)
     assert not add_opening(storage, "share-1", "2026-05", "ef" * 32, most_wrong=2)
     unlock_share(storage, "fit-1", "share-1")
     assert add_opening(storage, "share-1", "2026-05", "ef" * 32, most_wrong=2)

@@ -76,6 +76,8 @@ test("closing ends the credential, also for a copy of it, and leaves an owner in
     for (const storage of [sessionStorage, localStorage]) storage.setItem("unsaved", "mine");
   });
   const link = await owner.share(fit);
+  const again = await context.newPage();
+  await opened(again, link);
   const shared = await context.newPage();
   await opened(shared, link);
   const place = `/api/shared/${link.id}/result.json`;
@@ -90,6 +92,7 @@ test("closing ends the credential, also for a copy of it, and leaves an owner in
 
   await shared.getByRole("button", { name: "Close" }).click();
   await expect(shared.getByText("The result is closed")).toBeVisible();
+  await expect(again.getByText("The result is closed"), "in the other tab that showed it").toBeVisible();
   expect(shared.url()).toBe(`${owner.base}/s`);
   expect(await status(shared, place)).toBe(401);
   expect(await status(copy, place)).toBe(401);

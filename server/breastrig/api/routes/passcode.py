@@ -39,6 +39,7 @@ def check_passcode(share: ShareRow, passcode: str | None) -> None:
     with _CHECKS:
         is_right = check_password_hash(share.passcode_hash, passcode)
     if not is_right:
-        note_wrong_passcode(here.service.storage, share.id, utc_now())
+        if not note_wrong_passcode(here.service.storage, share.id, utc_now(), WRONG_PASSCODES):
+            raise refuse(423, LOCKED)  # as a right one is answered then: nobody is to learn which it was
         raise refuse(403, "This is not the link's passcode; ask the person who sent it.")
     here.passcode_delays.was_right(share.id, address)

@@ -158,7 +158,12 @@ def show_report(share_id: str) -> Response:
 @shared.get("/<share_id>/mesh.glb")
 @shared.doc(
     operation_id="getSharedMesh",
-    responses={200: file_of(GLB, "The scan, metres"), 403: "The link does not show it", 410: ENDED},
+    responses={
+        200: file_of(GLB, "The scan, metres"),
+        403: "The link does not show it",
+        410: ENDED,
+        503: "Too many large files are being sent; ask again after Retry-After seconds",
+    },
 )
 def show_mesh(share_id: str) -> Response:
     """The scan, when the link shows it; without colours unless the owner chose `full`"""

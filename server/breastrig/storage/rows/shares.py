@@ -89,8 +89,8 @@ def revoke_share(storage: Storage, fit_id: str, share_id: str, now: str) -> None
 def add_opening(storage: Storage, share_id: str, now: str, visit_hmac: str, most_wrong: int) -> bool:
     """Notes the opening with its visit; False when wrong passcodes have locked the link meanwhile.
 
-    Raises NotFound when the share is gone.  Decided with the write lock held, so that of any number of guesses that
-    are checked at the same time no more than `most_wrong` can have an effect.
+    Raises NotFound when the share is gone.  Decided with the write lock held, as in `note_wrong_passcode`, so that of
+    any number of guesses that are checked at the same time no more than `most_wrong` are answered.
     """
     with storage.database.writing() as connection:
         table = schema.shares
@@ -104,11 +104,14 @@ def add_opening(storage: Storage, share_id: str, now: str, visit_hmac: str, most
     return True
 
 
-def note_wrong_passcode(storage: Storage, share_id: str, now: str) -> None:
+def note_wrong_passcode(storage: Storage, share_id: str, now: str, most_wrong: int) -> bool:
+    """Counts it; False, and nothing counted, when others have locked the link meanwhile or it is gone."""
     table = schema.shares
+    wrong = table.c.wrong_passcodes - table.c.forgiven_passcodes
     with storage.database.writing() as connection:
         counted = {"wrong_passcodes": table.c.wrong_passcodes + 1, "last_wrong_at": now}
-        connection.execute(update(table).where(table.c.id == share_id).values(counted))
+        chosen = update(table).where(table.c.id == share_id, wrong < most_wrong)
+        return connection.execute(chosen.values(counted)).rowcount > 0
 
 
 def unlock_share(storage: Storage, fit_id: str, share_id: str) -> None:
