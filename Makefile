@@ -39,7 +39,7 @@ pytest: page $(VENV)/.stamp-test
 	BREASTRIG_POSTGRES="$$(sh .ci/postgres.sh)" && export BREASTRIG_POSTGRES && \
 	    BREASTRIG_NGINX="$$(sh .ci/nginx.sh)" && export BREASTRIG_NGINX && \
 	    OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n auto --maxprocesses=4 --dist loadfile \
-	    --ignore=tests/faults/test_broken_surroundings.py \
+	    --ignore=tests/faults/test_broken_surroundings.py --ignore=tests/faults/test_data_folder.py \
 	    --ignore=tests/scale/test_served_with_options.py # they are in `make faults` and `make scale`
 
 browser: page web-packages $(VENV)/.stamp-test

@@ -17,21 +17,18 @@ from breastrig.storage.files import MARK, ROOT, Files
 from breastrig.storage.folders import new_id
 
 
-def check_belonging(database: Database, root: Path, files: Files, older: bool) -> None:
+def check_belonging(database: Database, root: Path, files: Files, beside: bool) -> None:
     """Raises BadSettings when data folder or files carry another database's id.
 
-    A database without an id takes that of the data folder, unless files are kept there of which it knows nothing: then
-    it is not theirs.  A data folder or store without an id gets the database's; `older`: the database lies in a data
-    folder of a version that wrote none, and so can be no other's.
+    A data folder or store without an id gets the database's.  A database without one takes that of the data folder if
+    it lies `beside` the marker there, unless files are kept of which it knows nothing: then it is not theirs.
     """
     marker = installation_id(root)
     known = database.installation_id()
     if known is None:
-        if not (older or files.is_empty() or _has_scans(database)):
+        if not beside or not (marker is None or files.is_empty() or _has_scans(database)):
             raise _of_another()
-        known = marker or new_id()
-        with database.writing() as connection:
-            connection.execute(insert(schema.installation).values(id=known))
+        known = named(database, marker)
     try:
         if marker is None:
             write_marker(root, known)
@@ -46,6 +43,17 @@ def check_belonging(database: Database, root: Path, files: Files, older: bool) -
     with mark.open() as file:
         if file.read().decode("ascii", "replace") != known:
             raise _of_another()
+
+
+def named(database: Database, name: str | None = None) -> str:
+    """The database's id, given to it now if it has none."""
+    known = database.installation_id()
+    if known is not None:
+        return known
+    given = name or new_id()
+    with database.writing() as connection:
+        connection.execute(insert(schema.installation).values(id=given))
+    return given
 
 
 def _of_another() -> BadSettings:
