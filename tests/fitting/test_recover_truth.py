@@ -13,6 +13,7 @@ from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
+from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 
@@ -163,3 +164,18 @@ def test_without_rays_the_trees_alone_give_the_same_fit(torso: Rig) -> None:
         task = FitTask(torso, scan, start_from_landmarks(torso, landmarks), load_recipe("default"), landmarks)
         surfaces.append(pose(torso, list(fit_iterates(task))[-1].parameters))
     assert np.linalg.norm(surfaces[0] - surfaces[1], axis=1).mean() < 0.5e-3
+
+
+def test_hard_joints_hold_where_others_give_millimetres(torso: Rig) -> None:
+    recipe = load_recipe("default")
+    hard = recipe.model_copy(update={"joints": recipe.joints.model_copy(update={"translation_factor": 0.0})})
+    joints = Joints(torso, torso.joints)
+    gaps = []
+    for each in (recipe, hard):
+        iterates, target, _ = fitted(torso, 1, each)
+        last = iterates[-1].parameters
+        assert iterates[-1].status is Status.CONVERGED
+        assert target.search.query(pose(torso, last), candidates=16).distances.mean() < 0.6e-3
+        gaps.append(float(np.linalg.norm(joints.motion(last).gap, axis=1).max()))
+    assert gaps[0] > 2e-3
+    assert gaps[1] < 5e-6  # what turning further in the last step opened; the step itself leaves none
