@@ -4,7 +4,7 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { type BrowserContext, chromium, expect, type Page, test } from "@playwright/test";
-import { seriousFindings, smallTargets } from "./audit";
+import { overlaps, scrolledAway, seriousFindings, smallTargets } from "./audit";
 import { type Link, Owner } from "./shared";
 
 let owner: Owner;
@@ -58,6 +58,8 @@ test("the secret is in neither the address bar nor the history, and the address 
   expect(page.url()).toBe(place);
   await page.reload();
   await expect(page.getByText("fitted.glb")).toBeVisible();
+  expect(await seriousFindings(page)).toEqual([]);
+  expect([await smallTargets(page), await overlaps(page), await scrolledAway(page)]).toEqual([[], [], []]);
   await page.goBack();
   expect(page.url()).toBe(`${owner.base}/healthz`);
   await page.goForward();

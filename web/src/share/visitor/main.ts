@@ -59,7 +59,7 @@ const shapes = el("ul", { class: "shapes" });
 const files = el("ul", { class: "files" });
 const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, el("h2", {}, resultText.drawing), shapes, el("h2", {}, resultText.files), files);
 const numbers = createNumbersPanel();
-const aside = el("aside", { class: "aside" }, numbers.element);
+const aside = el("aside", { class: "aside", tabindex: 0, "aria-label": text.numbers.title }, numbers.element); // it scrolls by keys too
 const leave = button(words.close, () => void close(), "quiet outlined", "close");
 const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, name), el("span", { class: "scan-title" }, words.title), el("span", { class: "spring" }), leave);
 const footer = el("footer", { class: "footer" }, el("strong", {}, noticeLong));
