@@ -109,7 +109,7 @@ def test_skin_that_rests_on_the_table_stays(sag: float, rng: np.random.Generator
     lowest = body[faces].min(axis=1)
     assert not cut[lowest > 0.012].any()  # of the body
     assert cut[body[faces].max(axis=1) == 0.0].mean() > 0.99  # of the table
-    assert prepared(surface, AUTO).table_triangles == np.count_nonzero(cut)
+    assert prepared(surface, AUTO).table_triangles >= np.count_nonzero(cut)
 
 
 def test_what_lies_below_the_table_goes_unless_it_is_connected_with_the_body(rng: np.random.Generator) -> None:
