@@ -37,7 +37,7 @@ def refused(error: BreastRigError) -> str:
     return "refused"
 
 
-@bounded(60)
+@bounded(10)
 @given(any_body())
 def test_every_body_gets_a_frame_or_a_sentence(what: tuple[str, int, int]) -> None:
     try:
