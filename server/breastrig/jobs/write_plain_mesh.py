@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from breastrig.core.errors import BadScan
+from breastrig.core.output_files import write_private
 from breastrig.gltf.plain_mesh import plain_mesh
-from breastrig.jobs.fit_files import write_whole
 
 
 @dataclass(frozen=True)
@@ -19,6 +19,6 @@ class PlainMeshJob:
 def write_plain_mesh(job: PlainMeshJob) -> None:
     """Raises BadScan with a sentence, OSError when it cannot be read or written."""
     try:
-        write_whole(job.plain, plain_mesh(job.mesh.read_bytes()))
+        write_private(job.plain, plain_mesh(job.mesh.read_bytes()))
     except MemoryError as error:
         raise BadScan("This scan is too large to be shown without its colours; simplify it first.") from error
