@@ -323,7 +323,7 @@ def _project(
     points: Array, kind: Integers, curve: Integers, reference: Surface, border: _Border, search: ClosestPointSearch
 ) -> tuple[Array, Integers, Array]:
     """(points, (V, 3) reference vertices, (V, 3) mixture) after projection on the surface or the border curve."""
-    nearest = search.query(points, candidates=16)
+    nearest = search.query(points)
     index = reference.triangles[nearest.faces].copy()
     share = nearest.barycentric.copy()
     on_border = np.flatnonzero(kind == BORDER)

@@ -75,7 +75,7 @@ def _layer_lying(vertices: Array, faces: Array, wall: Array, fade: Array, tissue
     current = vertices
     volume = _volume(vertices, faces)
     for _ in range(STEPS):
-        found = search.query(current, 8)
+        found = search.query(current)
         normal = np.einsum("mc,mcd->md", found.barycentric, wall_normals[faces[found.faces]])
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
         laplace, mass = _operators(current, faces)

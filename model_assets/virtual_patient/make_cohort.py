@@ -34,8 +34,8 @@ from virtual_patient.women import WOMEN  # noqa: E402
 
 from breastrig.core.notice import LIMITS_OF_USE  # noqa: E402
 from breastrig.geometry.closest_point import ClosestPointSearch  # noqa: E402
-from breastrig.geometry.picture import Layer, Line, Scene, camera, contact_sheet, save_png  # noqa: E402
 from breastrig.geometry.surface_points import SurfacePoints  # noqa: E402
+from breastrig.rendering.picture import Layer, Line, Scene, camera, contact_sheet, save_png  # noqa: E402
 
 Array = np.ndarray
 
@@ -181,7 +181,7 @@ def write(folder: Path, net: Net, patients: list[Patient]) -> None:
     found = []
     for one, (standing, _) in zip(patients, STEP * numbers, strict=True):
         search = ClosestPointSearch(standing, net.faces)
-        found.append(search.query(np.array([one.landmarks[name] for name in names]), 16))
+        found.append(search.query(np.array([one.landmarks[name] for name in names])))
     np.savez_compressed(
         folder / "bodies.npz",
         step_m=np.array(STEP),
@@ -217,7 +217,7 @@ def draw(folder: Path, net: Net, patients: list[Patient]) -> None:
     views = ("front", "three_quarter", "left", "below")
     for one in patients:
         search = ClosestPointSearch(one.standing, net.faces)
-        found = search.query(np.array(list(one.landmarks.values())), 16)
+        found = search.query(np.array(list(one.landmarks.values())))
         points = SurfacePoints(found.faces, found.barycentric)
         pictures = []
         for vertices in (one.standing, one.lying):

@@ -28,13 +28,13 @@ from virtual_patient.skin import SHEET, photographed, skin_colours  # noqa: E402
 from virtual_patient.true_landmarks import true_landmarks  # noqa: E402
 
 from breastrig.core.notice import LIMITS_OF_USE  # noqa: E402
+from breastrig.evaluation.virtual.depth_camera import DepthCamera, View, look_at, take  # noqa: E402
+from breastrig.evaluation.virtual.depth_fusion import fuse, without_small_pieces  # noqa: E402
 from breastrig.geometry.closest_point import ClosestPointSearch  # noqa: E402
 from breastrig.geometry.normals import vertex_normals  # noqa: E402
-from breastrig.geometry.picture import Layer, Line, Scene, camera, contact_sheet, save_png  # noqa: E402
 from breastrig.geometry.rotations import exp_so3  # noqa: E402
 from breastrig.geometry.surface_points import SurfacePoints  # noqa: E402
-from breastrig.scan.depth_camera import DepthCamera, View, look_at, take  # noqa: E402
-from breastrig.scan.depth_fusion import fuse, without_small_pieces  # noqa: E402
+from breastrig.rendering.picture import Layer, Line, Scene, camera, contact_sheet, save_png  # noqa: E402
 
 Array = np.ndarray
 
@@ -185,11 +185,11 @@ def scanned(stance: Stance, random: np.random.Generator) -> tuple[Array, Array, 
     search = ClosestPointSearch(truth.vertices, truth.faces)
     blotches = np.repeat(stance.blind_spots, 6, axis=0)  # of irregular form: six discs each
     blotches[:, :3] += 0.9 * blotches[:, 3:] * random.standard_normal((len(blotches), 3))
-    blotches[:, :3] = search.query(blotches[:, :3], 8).points
+    blotches[:, :3] = search.query(blotches[:, :3]).points
     blotches[:, 3] *= random.uniform(0.4, 1.0, len(blotches))
     images = take(truth.vertices, truth.faces, stance.views, CAMERA, random, blotches)
     vertices, faces = fuse(images, stance.low, stance.high, VOXEL)
-    nearest = search.query(vertices, 8)
+    nearest = search.query(vertices)
     mixed = np.column_stack([truth.colours, truth.kept])[truth.faces[nearest.faces]]
     mixed = np.einsum("mc,mcd->md", nearest.barycentric, mixed)
     inside = (mixed[:, 3] > 0.5)[faces].all(axis=1)

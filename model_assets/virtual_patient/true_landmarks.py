@@ -51,7 +51,7 @@ def true_landmarks(
     high = int(np.linalg.norm(front - notch, axis=1).argmin())
     result["xiphoid"] = front[low]
     result["mid_sternum"] = front[(low + high) // 2]  # the profile's points are evenly spaced
-    found = {name: search.query(place[None], 16) for name, place in result.items()}
+    found = {name: search.query(place[None]) for name, place in result.items()}
     return {name: SurfacePoints(point.faces, point.barycentric) for name, point in found.items()}
 
 

@@ -1,5 +1,6 @@
 """The whole way with the real registration and the packaged model: upload, landmarks, fit, story, files."""
 
+import hashlib
 import io
 import json
 from collections.abc import Iterator
@@ -12,10 +13,10 @@ from helpers.waiting import ended
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
+from breastrig.execution.limits import FitLimits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.service import Service
-from breastrig.storage.fits import get_fit
+from breastrig.service.service import Service
+from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
 
 
@@ -63,14 +64,15 @@ def fitted(service: Service, client: FlaskClient, scan: dict, landmarks: dict, *
 def test_the_model_itself_as_a_scan_in_millimetres_is_fitted(real: tuple[Service, FlaskClient]) -> None:
     service, client = real
     rig = read_rig(default_rig_path())
-    upload = {"file": (io.BytesIO(ply_text(np.round(1000 * rig.template, 4), rig.faces)), "scan.ply")}
-    scan = client.post("/api/scans", data=upload).json
+    data = ply_text(np.round(1000 * rig.template, 4), rig.faces)
+    scan = client.post("/api/scans", data={"file": (io.BytesIO(data), "scan.ply")}).json
     assert scan["unit"] == "mm"
     points = 1000 * rig.landmark_points().positions(rig.template, rig.faces)
     landmarks = {name: point.tolist() for name, point in zip(rig.landmark_names, points, strict=True)}
     result = fitted(service, client, scan, landmarks)
     assert result["surface_distance_mm"]["mean"] < 1.0
     assert result["landmark_distance_mm"]["mean"] < 3.0
+    assert result["scan"]["sha256"] == hashlib.sha256(data).hexdigest()  # the user's own file
     assert client.delete(scan["links"]["self"]).status_code == 204
     assert not list(service.storage.root.glob("*/*"))  # scans, fits and rubbish are empty
 

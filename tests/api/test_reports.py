@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import pypdf
 import pytest
@@ -10,11 +11,11 @@ from helpers.waiting import ended
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.api.wire_files import MeasuresFile
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.report import ReportJob, report_files
-from breastrig.jobs.service import Service
+from breastrig.api.wire.files import MeasuresFile
+from breastrig.execution.limits import FitLimits
+from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
+from breastrig.workflow.report import ReportJob, report_files
 
 Real = tuple[Service, FlaskClient, dict[str, str], dict[str, str]]
 
@@ -55,6 +56,35 @@ def test_the_report_of_a_fit_is_made_once_and_kept_with_it(real: Real) -> None:
     assert again.data == first.data
     unchanged = client.get(f"/api/fits/{fits['standing']}/report.pdf", headers={"If-None-Match": first.headers["ETag"]})
     assert unchanged.status_code == 304
+
+
+def test_visitors_who_ask_for_the_report_at_once_get_one_that_is_made_once(
+    real: Real, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    service, client, _, fits = real
+    kept = service.storage.folders.fit(fits["supine"]) / "report.pdf"
+    assert not kept.exists()
+    token = client.post(f"/api/fits/{fits['supine']}/shares", json={"scan": "plain"}).json["url"].removeprefix("/s#")
+    made, make = [], service.reports._made
+
+    def counted(*args: object) -> bytes:
+        made.append(args)
+        return make(*args)
+
+    monkeypatch.setattr(service.reports, "_made", counted)
+
+    def visit(_number: int) -> bytes:
+        visitor = client.application.test_client()
+        link = visitor.post("/api/shared/open", json={"token": token}).json["links"]["report"]
+        with visitor.get(link) as answer:
+            assert (answer.status_code, answer.mimetype) == (200, "application/pdf")
+            return answer.data
+
+    with ThreadPoolExecutor(6) as pool:
+        contents = list(pool.map(visit, range(6)))
+    assert len(made) == 1
+    assert set(contents) == {kept.read_bytes()}
+    kept.unlink()
 
 
 def test_two_stances_in_one_report_which_is_not_kept(real: Real) -> None:

@@ -15,19 +15,21 @@ from flask.testing import FlaskClient
 from helpers.shares import expire
 from helpers.waiting import ended
 
-from breastrig.api import share_credential
 from breastrig.api.config import Config
-from breastrig.jobs.service import Service
+from breastrig.api.routes import share_credential
+from breastrig.service.service import Service
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 CREDENTIALS = (
-    "no token", "token", "cookie", "signed out", "share", "expired", "revoked", "forged", "another's",
+    "no token", "token", "cookie", "signed out", "share", "closed", "expired", "revoked", "forged", "another's",
+    "renamed",
 )  # fmt: skip
 FULL = ("token", "cookie")
-SHARED = "/api/shared"
-OPEN = f"{SHARED}/open"
+SHARED = "/api/shared/<share_id>"
+OPEN = "/api/shared/open"
 OPEN_TO_ALL = {  # everything outside of /api: health, the sign-in page, the empty pages and their files
-    "/", "/healthz", "/metrics", "/readyz", "/s", "/s/share.js", "/sign-in", "/sign-in/style.css", "/sign-out",
+    "/", "/healthz", "/metrics", "/readyz", "/s", "/s/<share_id>", "/s/share.js", "/sign-in", "/sign-in/style.css",
+    "/sign-out",
 }  # fmt: skip
 NOT_SHOWN = ("mesh.glb", "report.pdf")  # of a share without the scan
 Call = tuple[str, str]  # method, pattern of the route
@@ -72,8 +74,22 @@ def secret(share: dict[str, Any]) -> str:
     return str(share["url"]).removeprefix("/s#")
 
 
+def credential_of(visitor: FlaskClient, share: dict[str, Any]) -> str:
+    """What the browser was given when it opened the share."""
+    cookie = visitor.get_cookie(
+        share_credential.cookie_name(share["id"]), path=share_credential.cookie_path(share["id"])
+    )
+    assert cookie is not None
+    return cookie.value
+
+
+def give(visitor: FlaskClient, name_of: str, path_of: str, value: str) -> None:
+    """A cookie with the name of one share, sent to the addresses of another."""
+    visitor.set_cookie(share_credential.cookie_name(name_of), value, path=share_credential.cookie_path(path_of))
+
+
 def calls_of(app: APIFlask) -> list[Call]:
-    """Every route but the files of the page; deletions at the end, and signing out after them."""
+    """Every route but the files of the page; what ends something at the end, and signing out after it."""
     calls = {
         (method, rule.rule)
         for rule in app.url_map.iter_rules()
@@ -83,7 +99,15 @@ def calls_of(app: APIFlask) -> list[Call]:
     assert len(calls) > 50
     return sorted(
         calls,
-        key=lambda call: (call[1] == "/sign-out", call[0] == "DELETE", call[1].split("/"), call[0] != "PUT", call[0]),
+        key=lambda call: (
+            call[1] == "/sign-out",
+            call[0] == "DELETE",
+            call[1] == OPEN,  # ends the visit that the browser had before
+            call[1].endswith("/close"),
+            call[1].split("/"),
+            call[0] != "PUT",
+            call[0],
+        ),
     )
 
 
@@ -126,11 +150,15 @@ def test_every_route_with_every_credential(
     walks: dict[str, Walk] = {}
     for credential in CREDENTIALS:
         visitor = client_for(replace(config, host="0.0.0.0", token=TOKEN))
-        share = others.share if credential == "another's" else mine.share
+        share = others.share if credential in ("another's", "renamed") else mine.share
         if credential in ("expired", "revoked"):
             share = client.post(f"/api/fits/{mine.fit}/shares", json={}).json
-        if credential in ("share", "expired", "revoked", "another's"):
+        if credential in ("share", "closed", "expired", "revoked", "another's", "renamed"):
             assert visitor.post(OPEN, json={"token": secret(share)}).status_code == 200
+        if credential in ("closed", "another's", "renamed"):
+            value = credential_of(visitor, share)
+        if credential == "closed":
+            assert visitor.post(f"/api/shared/{share['id']}/close").status_code == 204
         if credential in ("cookie", "signed out"):
             assert visitor.post("/sign-in", data={"token": TOKEN}).status_code == 303
         if credential == "signed out":
@@ -142,17 +170,25 @@ def test_every_route_with_every_credential(
         if credential == "revoked":
             client.delete(share["links"]["self"])
         if credential == "forged":
-            visitor.set_cookie(share_credential.COOKIE, f"{secret(share)}x.proof", path=share_credential.PATH)
-        if credential == "another's":
-            answer = visitor.get(f"{SHARED}/result.json")
+            give(visitor, share["id"], mine.share["id"], f"{secret(share)}")
+        if credential == "another's":  # as it is, at addresses that a browser would not send it to
+            give(visitor, share["id"], mine.share["id"], value)
+            answer = visitor.get(f"/api/shared/{others.share['id']}/result.json")
             assert answer.data == client.get(f"/api/fits/{others.fit}/result.json").data
+        if credential == "renamed":
+            give(visitor, mine.share["id"], mine.share["id"], value)
+        if credential == "closed":
+            give(visitor, share["id"], share["id"], value)
         headers = {"Authorization": f"Bearer {TOKEN}"} if credential == "token" else {}
         whose = patient() if credential in FULL else mine
+        if credential in ("expired", "revoked"):
+            whose = replace(whose, share=share)
         walks[credential] = walk(visitor, calls, whose, headers)
         if credential in FULL:
             assert client.get(f"/api/scans/{whose.scan}").status_code == 404  # the walk deletes at its end
     assert client.get(f"/api/fits/{mine.fit}").json["state"] == "done"  # nobody else changed or deleted anything
-    assert client.get(mine.share["links"]["self"]).json["is_open"]
+    for share in (mine.share, others.share):
+        assert client.get(share["links"]["self"]).json["is_open"]
     assert client.get(f"/api/scans/{mine.scan}/landmarks").json["landmarks"] == {}
     keep_route_table(table(calls, walks))
     for credential, found in walks.items():
@@ -167,17 +203,22 @@ def expected(credential: str, call: Call) -> set[int]:
         assert rule in OPEN_TO_ALL, rule
         return {200, 303, 401} if rule == "/sign-in" else {200, 303}
     if rule == OPEN:
-        return {200}
+        return {410} if credential in ("expired", "revoked") else {200}
     if rule == SHARED or rule.startswith(f"{SHARED}/"):
+        if rule.endswith("/close"):
+            return {204} if credential in ("share", "expired", "revoked") else {401}
         opened = {403} if rule.endswith(NOT_SHOWN) else {200}
-        by_share = {"share": opened, "another's": opened, "expired": {410}, "revoked": {410}, "forged": {404}}
-        return by_share.get(credential, {401})
+        return {"share": opened, "expired": {410}, "revoked": {410}}.get(credential, {401})
     if credential not in FULL:
         return {401}
     if method == "DELETE":
         return {204}
     if method != "GET":
-        return {200, 201, 202} if body(call, Patient("", "", {"url": ""}, "")) else {201, 409, 415, 422}
+        return (
+            {200, 201, 202}
+            if rule.endswith("/unlock") or body(call, Patient("", "", {"url": ""}, ""))
+            else {201, 409, 415, 422}
+        )
     return {422} if rule.endswith(("report.pdf", "measures.json")) else {200}  # 422: the fit here is a fake
 
 

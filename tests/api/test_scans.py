@@ -1,3 +1,4 @@
+import hashlib
 import io
 import json
 import re
@@ -7,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from flask.testing import FlaskClient
+from helpers.named_scans import NAME, NAMED
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
 from helpers.scan_files import ply_text
@@ -14,7 +16,8 @@ from helpers.uploads import torso as torso_ply
 from helpers.waiting import until
 
 from breastrig.api.config import Config
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
+from breastrig.storage.rows.scans import get_scan
 
 
 def upload(client: FlaskClient, content: bytes, name: str = "scan.ply", **fields: str):
@@ -50,6 +53,18 @@ def test_no_file_name_is_kept_anywhere(client: FlaskClient, service: Service, to
     upload(client, torso, "Erika Mustermann 1970.ply")
     assert not [path for path in service.storage.root.rglob("*") if "Mustermann" in path.name]
     assert b"Mustermann" not in bytes_below(service.storage.root)
+
+
+@pytest.mark.parametrize("kind", NAMED)
+def test_no_word_of_an_upload_is_kept_anywhere(client: FlaskClient, service: Service, kind: str) -> None:
+    data = NAMED[kind]()
+    answer = upload(client, data, f"scan.{kind.rsplit('.', 1)[-1]}")
+    assert answer.status_code == 201, answer.json
+    place = service.storage.folders.scan(answer.json["id"])
+    assert {path.name for path in place.iterdir()} == {"scan.stored", "mesh.glb"}
+    assert NAME.encode() not in bytes_below(service.storage.root)
+    assert get_scan(service.storage, answer.json["id"]).sha256 == hashlib.sha256(data).hexdigest()
+    assert client.delete(answer.json["links"]["self"]).status_code == 204
 
 
 def test_the_mesh_for_display_is_a_glb_that_the_browser_may_keep(client: FlaskClient, scan_id: str) -> None:

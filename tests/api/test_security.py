@@ -10,12 +10,12 @@ from flask.testing import FlaskClient
 from helpers.problems import problem
 from limits import RateLimitItemPerMinute
 
+from breastrig.api.access.rate_limits import PER_MINUTE
+from breastrig.api.access.security import HEADERS
 from breastrig.api.config import Config, checked_token, is_loopback
-from breastrig.api.rate_limits import PER_MINUTE
-from breastrig.api.security import HEADERS
 from breastrig.core.errors import BadSettings
 from breastrig.core.log_lines import TEXT, JsonLines, TextLines
-from breastrig.jobs.limits import UploadLimits
+from breastrig.execution.limits import UploadLimits
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 

@@ -1,5 +1,6 @@
 """Share links: what they show, what they do not, and when they end."""
 
+import hashlib
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,12 +11,21 @@ from flask.testing import FlaskClient
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
 from helpers.shares import expire
+from helpers.waiting import ended
 from limits import RateLimitItemPerMinute
+from werkzeug.security import generate_password_hash
 
-from breastrig.api import rate_limits, share_credential
+from breastrig.api import share_limits
+from breastrig.api.access import rate_limits
+from breastrig.api.access.session import COOKIE as SESSION_COOKIE
+from breastrig.api.app_context import KEY, Behind
 from breastrig.api.config import Config
+from breastrig.api.routes import passcode as passcode_module
+from breastrig.api.routes import share_credential
 from breastrig.core.glb import split_glb
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
+from breastrig.storage import schema
+from breastrig.storage.rows.shares import note_wrong_passcode
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 FILES = ("result.json", "fitted.glb", "fitted.ply", "drawing.json", "distances.bin")
@@ -40,6 +50,10 @@ def share(client: FlaskClient, fit_id: str) -> Callable[..., dict]:
     return make
 
 
+def behind_of(visitor: FlaskClient) -> Behind:
+    return visitor.application.extensions[KEY]
+
+
 def opened(visitor: FlaskClient, made: dict, **more: str):
     return visitor.post("/api/shared/open", json={"token": made["token"], **more})
 
@@ -53,33 +67,40 @@ def test_a_link_shows_the_result_and_by_default_not_the_scan(
     assert timedelta(days=6.99) < left < timedelta(days=7)
     answer = opened(visitor, made)
     assert answer.status_code == 200
+    place = f"/api/shared/{made['id']}"
     assert answer.json == {
+        "id": made["id"],
         "expires_at": made["expires_at"],
         "links": {
-            "result": "/api/shared/result.json",
-            "fitted_glb": "/api/shared/fitted.glb",
-            "fitted_ply": "/api/shared/fitted.ply",
-            "drawing": "/api/shared/drawing.json",
-            "distances": "/api/shared/distances.bin",
+            "self": place,
+            "result": f"{place}/result.json",
+            "fitted_glb": f"{place}/fitted.glb",
+            "fitted_ply": f"{place}/fitted.ply",
+            "drawing": f"{place}/drawing.json",
+            "distances": f"{place}/distances.bin",
             "report": None,
             "mesh": None,
+            "close": f"{place}/close",
         },
     }
-    assert visitor.get("/api/shared").json == answer.json
+    assert visitor.get(place).json == answer.json
     for name in FILES:
-        found = visitor.get(f"/api/shared/{name}")
+        found = visitor.get(f"{place}/{name}")
         assert found.data == (service.storage.folders.fit(fit_id) / name).read_bytes()
-        assert found.headers["Cache-Control"] == "no-store"
+        assert (found.headers["Cache-Control"], found.headers["Vary"]) == ("no-store", "Cookie")
     for name in ("mesh.glb", "report.pdf"):
-        assert "does not show the scan" in problem(visitor.get(f"/api/shared/{name}"), 403)
+        assert "does not show the scan" in problem(visitor.get(f"{place}/{name}"), 403)
 
 
 @pytest.mark.parametrize("scan", ["plain", "full"])
 def test_the_scan_is_shown_when_the_owner_says_so(
     client: FlaskClient, visitor: FlaskClient, service: Service, scan_id: str, fit_id: str, share, scan: str
 ) -> None:
-    links = opened(visitor, share(scan=scan)).json["links"]
-    assert (links["mesh"], links["report"]) == ("/api/shared/mesh.glb", "/api/shared/report.pdf")
+    made = share(scan=scan)
+    links = opened(visitor, made).json["links"]
+    assert (links["mesh"], links["report"]) == tuple(
+        f"/api/shared/{made['id']}/{name}" for name in ("mesh.glb", "report.pdf")
+    )
     (service.storage.folders.fit(fit_id) / "report.pdf").write_bytes(b"%PDF as it was kept")
     report = visitor.get(links["report"])
     assert (report.data, report.mimetype, report.headers["Cache-Control"]) == (
@@ -87,7 +108,7 @@ def test_the_scan_is_shown_when_the_owner_says_so(
         "application/pdf",
         "no-store",
     )
-    answer = visitor.get("/api/shared/mesh.glb")
+    answer = visitor.get(links["mesh"])
     assert answer.headers["Cache-Control"] == "no-store"
     whole = client.get(f"/api/scans/{scan_id}/mesh.glb").data
     if scan == "full":
@@ -97,21 +118,175 @@ def test_the_scan_is_shown_when_the_owner_says_so(
         assert set(attributes) == {"POSITION", "NORMAL"}
 
 
-def test_the_cookie_goes_to_the_shared_calls_only_and_scripts_cannot_read_it(visitor: FlaskClient, share) -> None:
-    cookie = opened(visitor, share(expires_in_days=1)).headers["Set-Cookie"]
-    for word in ("HttpOnly", "SameSite=Strict", "Path=/api/shared", "Max-Age=43200"):
-        assert word in cookie
-
-
-def test_one_share_opens_no_other_fit(client: FlaskClient, visitor: FlaskClient, service: Service, share) -> None:
+def test_the_cookie_goes_to_its_own_share_only_ends_with_the_browser_and_scripts_cannot_read_it(
+    visitor: FlaskClient, share
+) -> None:
     made = share()
-    assert opened(visitor, made).status_code == 200
-    for name in FILES:
-        for attempt in (f"/api/shared/{name}?fit=nobody", f"/api/shared/../{name}", f"/api/shared/nobody/{name}"):
-            answer = visitor.get(attempt)
-            assert answer.status_code in (200, 401, 404)
-            if answer.status_code == 200:
-                assert answer.data == visitor.get(f"/api/shared/{name}").data
+    cookie, listed = opened(visitor, made).headers.getlist("Set-Cookie")
+    assert cookie.startswith(f"breastrig_share_{made['id']}=")
+    assert f"Path=/api/shared/{made['id']}" in cookie.split("; ")
+    assert "Path=/api/shared/open" in listed.split("; ")
+    for each in (cookie, listed):
+        assert {"HttpOnly", "SameSite=Strict"} < set(each.split("; "))
+        assert "Max-Age" not in each
+        assert "Expires" not in each
+        assert made["token"] not in each
+    assert "Secure" in visitor.post(
+        "/api/shared/open", json={"token": made["token"]}, base_url="https://scans.example"
+    ).headers["Set-Cookie"].split("; ")
+
+
+def cookie_of(visitor: FlaskClient, made: dict) -> str:
+    """The credential that the browser has of a share."""
+    name, path = share_credential.cookie_name(made["id"]), share_credential.cookie_path(made["id"])
+    cookie = visitor.get_cookie(name, path=path)
+    assert cookie is not None
+    return cookie.value
+
+
+def thief_of(visitor: FlaskClient) -> FlaskClient:
+    """Sends the cookies that a test writes into its headers, whatever their paths."""
+    return visitor.application.test_client(use_cookies=False)
+
+
+def with_cookie(made: dict, value: str) -> dict[str, str]:
+    """Headers that bring the value as a share's credential."""
+    return {"Cookie": f"{share_credential.cookie_name(made['id'])}={value}"}
+
+
+def test_two_links_open_in_one_browser_show_each_its_own(
+    client: FlaskClient, visitor: FlaskClient, service: Service, fit_id: str, share
+) -> None:
+    """Both are of the same patient here; the fits differ in their files."""
+    other = client.post("/api/fits", json={"scan": client.get(f"/api/fits/{fit_id}").json["scan"]}).json["id"]
+    assert ended(service, other).state == "done"
+    made = {fit_id: share(), other: client.post(f"/api/fits/{other}/shares", json={}).json}
+    made[other]["token"] = made[other]["url"].removeprefix("/s#")
+    shown = {fit: opened(visitor, one).json["links"] for fit, one in made.items()}
+    for fit, content in ((fit_id, b"the first's"), (other, b"the second's")):
+        (service.storage.folders.fit(fit) / "fitted.ply").write_bytes(content)
+    for _ in range(3):
+        assert visitor.get(shown[fit_id]["fitted_ply"]).data == b"the first's"
+        assert visitor.get(shown[other]["fitted_ply"]).data == b"the second's"
+
+
+def test_a_credential_of_one_share_opens_nothing_of_another(visitor: FlaskClient, share) -> None:
+    mine, others = share(), share()
+    opened(visitor, mine)
+    value = cookie_of(visitor, mine)
+    thief = thief_of(visitor)
+    links = [f"/api/shared/{others['id']}{name}" for name in ("", *(f"/{name}" for name in FILES), "/mesh.glb")]
+    for link in links:
+        for headers in (
+            with_cookie(others, value),
+            with_cookie(mine, value),
+            with_cookie(others, value) | {"X-Forwarded-For": "127.0.0.1"},
+            with_cookie(others, mine["token"]),
+            with_cookie(others, others["token"]),
+            with_cookie(others, ""),
+            with_cookie(others, "é"),
+        ):
+            problem(thief.get(link, headers=headers), 401)
+        problem(visitor.get(link), 401)
+    problem(thief.post(f"{links[0]}/close", headers=with_cookie(others, value)), 401)
+    for made_up in ("open", "nobody", "x" * 1000, "%00", "%ED%A0%80"):
+        problem(thief.get(f"/api/shared/{made_up}", headers=with_cookie(mine, value)), 401)
+    assert thief.get(f"/api/shared/{mine['id']}", headers=with_cookie(mine, value)).status_code == 200
+
+
+def test_an_answer_of_one_share_is_never_taken_for_unchanged_by_another(visitor: FlaskClient, share) -> None:
+    """Both links are of the same fit, so that even the files are the same."""
+    links = [opened(visitor, share()).json["links"]["fitted_ply"] for _ in range(2)]
+    assert len(set(links)) == 2
+    for link in links:
+        assert visitor.get(link).headers["Cache-Control"] == "no-store"
+
+
+def test_closing_ends_the_credential_for_every_copy_of_it_and_signs_nobody_out(visitor: FlaskClient, share) -> None:
+    visitor.post("/sign-in", data={"token": TOKEN})
+    made, other = share(), share()
+    for one in (made, other):
+        opened(visitor, one)
+    value, place = cookie_of(visitor, made), f"/api/shared/{made['id']}"
+    thief = thief_of(visitor)
+    assert thief.get(place, headers=with_cookie(made, value)).status_code == 200
+    problem(thief.post(f"{place}/close"), 401)
+    problem(visitor.post(f"{place}/close", headers={"Origin": "http://evil.example"}), 403)
+    closed = visitor.post(f"{place}/close")
+    assert (closed.status_code, closed.data) == (204, b"")
+    assert closed.headers["Clear-Site-Data"] == '"cache"'  # "cookies" or "storage" would be the owner's too
+    assert visitor.get_cookie(share_credential.cookie_name(made["id"]), path=place) is None
+    problem(visitor.get(place), 401)
+    problem(thief.get(place, headers=with_cookie(made, value)), 401)
+    problem(thief.post(f"{place}/close", headers=with_cookie(made, value)), 401)
+    assert visitor.get(f"/api/shared/{other['id']}").status_code == 200
+    assert visitor.get_cookie(SESSION_COOKIE) is not None
+    assert visitor.get("/api/meta").status_code == 200
+    assert opened(visitor, made).status_code == 200  # the link itself is as it was
+
+
+def test_a_link_that_is_opened_again_leaves_no_earlier_credential(visitor: FlaskClient, share) -> None:
+    made = share()
+    opened(visitor, made)
+    earlier = cookie_of(visitor, made)
+    opened(visitor, made)
+    place = f"/api/shared/{made['id']}"
+    assert visitor.get(place).status_code == 200
+    fresh = thief_of(visitor)
+    problem(fresh.get(place, headers=with_cookie(made, earlier)), 401)
+
+
+def test_a_visit_ends_after_a_working_day(visitor: FlaskClient, share, monkeypatch: pytest.MonkeyPatch) -> None:
+    made = share()
+    opened(visitor, made)
+    monkeypatch.setattr(share_credential, "VISIT_S", 0)
+    assert "open it again" in problem(visitor.get(f"/api/shared/{made['id']}"), 401)
+
+
+def test_a_browser_keeps_the_last_links_it_opened_and_the_oldest_ends(
+    visitor: FlaskClient, share, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(share_credential, "COOKIES", 3)
+    made, values = [share() for _ in range(5)], []
+    for one in made:
+        opened(visitor, one)
+        values.append(cookie_of(visitor, one))
+    kept = [name for name in visitor._cookies if "breastrig_share_" in str(name)]
+    assert len(kept) == 3
+    for one, value, status in zip(made, values, (401, 401, 200, 200, 200), strict=True):
+        place = f"/api/shared/{one['id']}"
+        assert visitor.get(place).status_code == status
+        fresh = thief_of(visitor)
+        assert fresh.get(place, headers=with_cookie(one, value)).status_code == status
+
+
+def test_what_a_request_carries_does_not_grow_with_the_links_that_are_open(visitor: FlaskClient, share) -> None:
+    for _ in range(share_limits.COOKIES + 2):
+        made = share()
+        opened(visitor, made)
+    sent = visitor.get(f"/api/shared/{made['id']}").request.headers["Cookie"]
+    assert sent.count("=") == 1
+    assert len(sent) < 150
+    listed = visitor.get_cookie(share_credential.OPENED_COOKIE, path=share_credential.OPENED_PATH)
+    assert listed is not None
+    assert len(listed.value) < 2000
+
+
+@pytest.mark.parametrize(
+    "listed", ["", "x", "nobody=" + "0" * 64, "a=b.c=d", "; Path=/", "\x7f" * 3000, ".".join(["a=" + "f" * 64] * 99)]
+)
+def test_a_made_up_list_of_open_links_does_no_harm(visitor: FlaskClient, share, listed: str) -> None:
+    made, other = share(), share()
+    opened(visitor, other)
+    answer = thief_of(visitor).post(
+        "/api/shared/open",
+        json={"token": made["token"]},
+        headers={"Cookie": f"{share_credential.OPENED_COOKIE}={listed}"},
+    )
+    assert answer.status_code == 200
+    assert visitor.get(f"/api/shared/{other['id']}").status_code == 200
+    for cookie in answer.headers.getlist("Set-Cookie"):
+        assert cookie.startswith(("breastrig_share_", "breastrig_opened="))
 
 
 def test_an_ended_link_opens_nothing_and_says_why(
@@ -134,24 +309,120 @@ def test_a_passcode_is_asked_for_and_cannot_be_got_round(client: FlaskClient, vi
     assert made["has_passcode"]
     assert "needs a passcode" in problem(opened(visitor, made), 403)
     assert "not the link's passcode" in problem(opened(visitor, made, passcode="4711"), 403)
-    visitor.set_cookie(share_credential.COOKIE, f"{made['token']}.", path=share_credential.PATH)
-    problem(visitor.get("/api/shared"), 401)
+    place = f"/api/shared/{made['id']}"
+    problem(thief_of(visitor).get(place, headers=with_cookie(made, made["token"])), 401)
     assert client.get(made["links"]["self"]).json["openings"] == 0
     assert opened(visitor, made, passcode="4711 please").status_code == 200
-    assert visitor.get("/api/shared/result.json").status_code == 200
+    assert visitor.get(f"{place}/result.json").status_code == 200
 
 
-def test_guessing_is_slowed_down(visitor: FlaskClient, share, monkeypatch: pytest.MonkeyPatch) -> None:
-    made = share(passcode="4711")
-    codes = [
-        visitor.post(
-            "/api/shared/open",
-            json={"token": made["token"], "passcode": f"{guess:04}"},
-            environ_base={"REMOTE_ADDR": f"10.0.0.{guess}"},
-        ).status_code
-        for guess in range(rate_limits.PER_MINUTE["passcode"].amount + 1)
-    ]
-    assert codes == [403] * (len(codes) - 1) + [429]
+def set_passcode(service: Service, made: dict, passcode: str) -> None:
+    """One that is checked quickly, or that new links do not take."""
+    table = schema.shares
+    quick = {"passcode_hash": generate_password_hash(passcode, "pbkdf2:sha256:1")}
+    with service.storage.database.writing() as connection:
+        connection.execute(table.update().where(table.c.id == made["id"]).values(quick))
+
+
+def guess(visitor: FlaskClient, made: dict, passcode: str, address: str = "127.0.0.1"):
+    return visitor.post(
+        "/api/shared/open",
+        json={"token": made["token"], "passcode": passcode},
+        environ_base={"REMOTE_ADDR": address},
+    )
+
+
+def test_wrong_passcodes_keep_the_one_who_guesses_waiting_and_nobody_else(
+    visitor: FlaskClient, share, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, other, moment = share(passcode="the right one"), share(passcode="another one"), [1000.0]
+    monkeypatch.setattr(behind_of(visitor).passcode_delays, "_clock", lambda: moment[0])
+    waits = []
+    for number in range(12):
+        problem(guess(visitor, made, "a wrong one", "10.0.0.9"), 403)
+        if number + 1 < share_limits.FREE_GUESSES:
+            continue
+        answer = guess(visitor, made, "the right one", "10.0.0.9")
+        assert "wrong passcodes" in problem(answer, 429)
+        waits.append(int(answer.headers["Retry-After"]))
+        assert guess(visitor, made, "the right one", "10.0.0.10").status_code == 200
+        assert guess(visitor, other, "another one", "10.0.0.9").status_code == 200
+        moment[0] += waits[-1]
+    assert waits == [1, 2, 4, 8, 16, 32, 60, 60, 60, 60]
+    assert guess(visitor, made, "the right one", "10.0.0.9").status_code == 200
+    problem(guess(visitor, made, "a wrong one", "10.0.0.9"), 403)
+    assert guess(visitor, made, "the right one", "10.0.0.9").status_code == 200  # as good as new after a right one
+
+
+def test_guessing_from_everywhere_locks_out_nobody_until_the_link_is_locked_and_its_owner_sees_and_unlocks_it(
+    client: FlaskClient, visitor: FlaskClient, service: Service, client_for, config: Config, share
+) -> None:
+    made = share(passcode="the right one")
+    set_passcode(service, made, "the right one")
+    inside = client_for(replace(config, host="0.0.0.0", token=TOKEN))
+    assert guess(inside, made, "the right one").status_code == 200
+    for number in range(share_limits.WRONG_PASSCODES):
+        if number in (10, share_limits.WRONG_PASSCODES - 1):
+            assert guess(visitor, made, "the right one", "10.9.9.9").status_code == 200
+        problem(guess(visitor, made, f"wrong one {number}", f"10.0.{number // 250}.{number % 250}"), 403)
+    for passcode, address in (
+        ("wrong again", "10.1.0.1"),
+        ("the right one", "10.9.9.9"),
+        ("the right one", "10.8.0.1"),
+    ):
+        assert "unlock" in problem(guess(visitor, made, passcode, address), 423)
+    assert "unlock" in problem(opened(visitor, made), 423)  # no passcode is asked for that would not be looked at
+    assert inside.get(f"/api/shared/{made['id']}").status_code == 200  # whoever has given it goes on
+    seen = client.get(made["links"]["self"]).json
+    assert (seen["is_open"], seen["is_locked"], seen["wrong_passcodes"]) == (False, True, share_limits.WRONG_PASSCODES)
+    assert seen["created_at"] < seen["last_wrong_passcode_at"]
+    unlocked = client.post(seen["links"]["unlock"]).json
+    assert (unlocked["is_open"], unlocked["is_locked"]) == (True, False)
+    assert unlocked["wrong_passcodes"] == share_limits.WRONG_PASSCODES
+    problem(guess(visitor, made, "wrong again", "10.1.0.2"), 403)
+    assert guess(visitor, made, "the right one", "10.9.9.9").status_code == 200
+    problem(client.post(seen["links"]["unlock"].replace(made["id"], "nobody")), 404)
+
+
+def test_guesses_that_are_checked_at_the_same_time_are_no_more_than_the_limit(
+    client: FlaskClient, visitor: FlaskClient, service: Service, share, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The link is locked between the looking and the answer: then a right guess cannot be told from a wrong one."""
+    answers = []
+    for is_right in (True, False):
+        made = share(passcode="the right one")
+
+        def others_guess(_hash: str, _passcode: str, made: dict = made, is_right: bool = is_right) -> bool:
+            for _ in range(share_limits.WRONG_PASSCODES + 5):
+                note_wrong_passcode(service.storage, made["id"], "2026", share_limits.WRONG_PASSCODES)
+            return is_right
+
+        with monkeypatch.context() as meanwhile:
+            meanwhile.setattr(passcode_module, "check_password_hash", others_guess)
+            answer = guess(visitor, made, "a guess")
+        problem(answer, 423)
+        assert "Set-Cookie" not in answer.headers
+        answers.append((answer.data, dict(answer.headers)))
+        seen = client.get(made["links"]["self"]).json
+        assert (seen["wrong_passcodes"], seen["openings"]) == (share_limits.WRONG_PASSCODES, 0)
+    assert answers[0] == answers[1]
+
+
+def test_the_chance_to_guess_a_passcode_before_the_link_is_locked() -> None:
+    """Digits chosen at random: the numbers in share_limits' docstring."""
+    assert pytest.approx(1e-4) == share_limits.WRONG_PASSCODES / 10**share_limits.PASSCODE_LENGTH
+    assert pytest.approx(1e-2) == share_limits.WRONG_PASSCODES / 10**4
+
+
+def test_a_passcode_that_an_older_version_allowed_still_opens_its_link(
+    client: FlaskClient, visitor: FlaskClient, service: Service, share
+) -> None:
+    made = share(passcode="123456")
+    set_passcode(service, made, "4711")
+    assert guess(visitor, made, "4711").status_code == 200
+
+
+def test_opening_is_slowed_down(visitor: FlaskClient, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(rate_limits.PER_MINUTE, "share", RateLimitItemPerMinute(3))
     codes = [visitor.post("/api/shared/open", json={"token": "x"}).status_code for _ in range(4)]
     assert codes == [404, 404, 404, 429]
@@ -168,8 +439,8 @@ def test_the_owner_sees_when_a_link_was_opened_and_nothing_about_whom(
     assert seen["last_opened_at"] == seen["opened_at"][0] == max(seen["opened_at"])
     assert "url" not in seen
     assert set(seen) == {
-        *("id", "created_at", "expires_at", "revoked_at", "is_open", "scan", "has_passcode"),
-        *("openings", "last_opened_at", "opened_at", "links"),
+        *("id", "created_at", "expires_at", "revoked_at", "is_open", "is_locked", "scan", "has_passcode"),
+        *("openings", "last_opened_at", "opened_at", "wrong_passcodes", "last_wrong_passcode_at", "links"),
     }
 
 
@@ -191,19 +462,21 @@ def test_only_hashes_of_secrets_are_stored_and_delete_removes_them(
     made = share(passcode="xylophone-17")
     opened(visitor, made, passcode="xylophone-17")
     kept = bytes_below(service.storage.root)
-    assert made["token"].encode() not in kept
+    value = cookie_of(visitor, made)
+    for secret in (made["token"], value, hashlib.sha256(value.encode()).hexdigest()):
+        assert secret.encode() not in kept
     assert b"xylophone" not in kept
     assert made["id"].encode() in kept
     client.delete(f"/api/scans/{scan_id}")
     left = bytes_below(service.storage.root)
     assert made["id"].encode() not in left
     assert share_credential.token_sha256(made["token"]).encode() not in left
-    problem(visitor.get("/api/shared/result.json"), 404)
+    problem(visitor.get(f"/api/shared/{made['id']}/result.json"), 401)
 
 
 @pytest.mark.parametrize(
     "wishes",
-    [{"expires_in_days": 0}, {"expires_in_days": 91}, {"passcode": "123"}, {"scan": "some"}, {"fit": "other"}],
+    [{"expires_in_days": 0}, {"expires_in_days": 91}, {"passcode": "12345"}, {"scan": "some"}, {"fit": "other"}],
 )
 def test_a_share_that_cannot_be_meant_is_refused(client: FlaskClient, fit_id: str, wishes: dict) -> None:
     problem(client.post(f"/api/fits/{fit_id}/shares", json=wishes), 422)
@@ -219,8 +492,9 @@ def test_only_results_are_shared(client: FlaskClient, scan_id: str) -> None:
     client.post(running["links"]["cancel"])
 
 
-def test_the_page_of_a_link_holds_nothing_by_itself(visitor: FlaskClient) -> None:
-    answer = visitor.get("/s")
+@pytest.mark.parametrize("place", ["/s", "/s/a-share"])
+def test_the_page_of_a_link_holds_nothing_by_itself(visitor: FlaskClient, place: str) -> None:
+    answer = visitor.get(place)
     assert (answer.status_code, answer.headers["Cache-Control"]) == (200, "no-store")
     html = answer.get_data(as_text=True)
     assert "<script>" not in html

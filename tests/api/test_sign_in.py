@@ -3,16 +3,18 @@
 import io
 import re
 from dataclasses import replace
+from datetime import UTC, datetime, timedelta
 
+import itsdangerous.timed
 import pytest
 from flask.testing import FlaskClient
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
 
-from breastrig.api import rate_limits, session
+from breastrig.api.access import rate_limits, session
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
@@ -93,6 +95,38 @@ def test_a_session_ends_when_it_is_left_when_it_is_old_and_when_the_token_change
     assert browser.get("/api/meta").status_code == 200
     left = browser.post("/sign-out")
     assert (left.status_code, left.headers["Location"]) == (303, "/sign-in")
+    assert left.headers["Clear-Site-Data"] == '"cache", "storage"'  # "cookies" would be other programs' too
+    problem(browser.get("/api/meta"), 401)
+
+
+@pytest.mark.parametrize(("hours", "good"), [(-11.9, True), (-12.1, False), (1.0, True), (11.9, True), (12.1, False)])
+def test_a_clock_that_is_set_back_an_hour_signs_nobody_out_and_no_session_outlives_a_day(
+    hours: float, good: bool, browser: FlaskClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Signed in so many hours from now, as the clock has it."""
+    with monkeypatch.context() as clock:
+        clock.setattr(itsdangerous.timed.time, "time", lambda: now + 3600 * hours)
+        now = datetime.now(UTC).timestamp()
+        sign_in(browser)
+    assert browser.get("/api/meta").status_code == (200 if good else 401)
+
+
+def test_a_session_that_was_left_stays_so_whatever_the_clock_did(
+    browser: FlaskClient, client_for, config: Config, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Somebody else signs out while the clock is weeks ahead, and then it is set right."""
+    colleague = client_for(replace(config, host="0.0.0.0", token=TOKEN))
+    sign_in(browser)
+    cookie = browser.get_cookie(session.COOKIE)
+    assert cookie is not None
+    browser.post("/sign-out")
+    now = datetime.now(UTC) + timedelta(days=40)
+    with monkeypatch.context() as clock:
+        clock.setattr(itsdangerous.timed.time, "time", now.timestamp)
+        clock.setattr(session.wall_clock, "now", lambda: now)
+        sign_in(colleague)
+        colleague.post("/sign-out")
+    browser.set_cookie(session.COOKIE, cookie.value)
     problem(browser.get("/api/meta"), 401)
 
 

@@ -11,10 +11,10 @@ from helpers.waiting import ended
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.correspondence.target import ScanTarget
-from breastrig.jobs.fit_folder import read_fit_folder
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.service import Service
+from breastrig.execution.limits import FitLimits
+from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
+from breastrig.workflow.fit_folder import read_fit_folder
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def test_the_fits_own_drawing_is_shown_on_the_other_scan(
     for shape in drawing["shapes"]:
         points, bridged = goal.metres_per_unit * np.array(shape["points"]), np.array(shape["bridged"])
         assert bridged.mean() < 0.3
-        assert target.search.query(points[~bridged], candidates=16).distances.max() < 0.3e-3
+        assert target.search.query(points[~bridged]).distances.max() < 0.3e-3
         for key in ("distance_from_mm", "distance_to_mm"):
             known = [gap for gap in shape[key] if gap is not None]
             assert len(shape[key]) == len(points)

@@ -24,12 +24,12 @@ from helpers.waiting import until
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.api.connections import ConnectionLimits
 from breastrig.api.request_body import BodyLimits
-from breastrig.api.wsgi_bridge import ThreadLimits
-from breastrig.api.wsgi_server import ServerLimits, WsgiServer, listen
-from breastrig.jobs.asking_client import asking_client
-from breastrig.jobs.service import Service
+from breastrig.api.web_server.connections import ConnectionLimits
+from breastrig.api.web_server.wsgi_bridge import ThreadLimits
+from breastrig.api.web_server.wsgi_server import ServerLimits, WsgiServer, listen
+from breastrig.execution.asking_client import asking_client
+from breastrig.service.service import Service
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 BIG = bytes(range(256)) * 80_000  # 20 MB: more than the system takes for a reader who reads nothing
@@ -140,7 +140,7 @@ def test_idle_connections_hold_no_thread_and_stay_open(serve: Serve) -> None:
 def test_a_low_limit_of_open_files_is_raised_and_what_the_system_refuses_is_left() -> None:
     program = """
 import resource, sys
-from breastrig.api.wsgi_server import _as_many_files_as_allowed
+from breastrig.api.web_server.wsgi_server import _as_many_files_as_allowed
 resource.setrlimit(resource.RLIMIT_NOFILE, (256, 2000))
 print(_as_many_files_as_allowed(1500), resource.getrlimit(resource.RLIMIT_NOFILE)[0])
 print(_as_many_files_as_allowed(9000), resource.getrlimit(resource.RLIMIT_NOFILE)[0])

@@ -13,7 +13,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.drawing_file import parsed_drawing
 from breastrig.drawings.superimposition import gaps
-from breastrig.jobs.fit_folder import FitFolder, read_fit_folder
+from breastrig.workflow.fit_folder import FitFolder, read_fit_folder
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def test_every_point_lies_on_the_other_scan_or_is_bridged(more: tuple[str, ...],
     assert "Research use only" in drawing["notice"]
     for shape in drawing["shapes"]:
         points, bridged = goal.metres_per_unit * np.array(shape["points"]), np.array(shape["bridged"])
-        assert skin(goal).search.query(points[~bridged], candidates=16).distances.max() < 0.3e-3
+        assert skin(goal).search.query(points[~bridged]).distances.max() < 0.3e-3
         assert bridged.mean() < 0.3
         assert len(shape["distance_from_mm"]) == len(shape["distance_to_mm"]) == len(points)
 

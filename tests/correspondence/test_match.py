@@ -64,6 +64,37 @@ def test_without_rays_the_tree_answers_the_same(ball: ScanTarget, rng: np.random
     np.testing.assert_allclose(by_rays.points, by_tree.points, atol=1e-4)
 
 
+def test_what_rays_miss_gets_the_exact_closest_point(rng: np.random.Generator) -> None:
+    """A fan of long triangles closes the ball's cap; normals along the skin make every ray miss."""
+    vertices, faces = sphere(0.1, 4)
+    kept = faces[vertices[faces].mean(axis=1)[:, 2] < 0.085]
+    edges = np.sort(kept[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    pairs, count = np.unique(edges, axis=0, return_counts=True)
+    rim = pairs[count == 1]
+    fan = np.column_stack([rim, np.full(len(rim), len(vertices))])
+    height = vertices[rim][..., 2].min()
+    vertices[np.unique(rim), 2] = height  # the fan is flat
+    target = ScanTarget(np.concatenate([vertices, [[0.0, 0.0, height]]]), np.concatenate([kept, fan]))
+    turns, radii = rng.uniform(0.0, 2.0 * np.pi, 200), rng.uniform(0.005, 0.035, 200)
+    points = np.column_stack([radii * np.cos(turns), radii * np.sin(turns), np.full(200, height + 0.004)])
+    normals = np.tile([1.0, 0.0, 0.0], (200, 1))
+    found = match(target, points, normals, MatchRules("rays", 0.005, max_angle=np.pi, reject_border=False))
+    np.testing.assert_array_equal(found.vertices, np.arange(200))
+    np.testing.assert_allclose(found.distances, 0.004, atol=1e-12)
+
+
+def test_only_what_is_certainly_too_far_is_ruled_out(rng: np.random.Generator) -> None:
+    """Also on triangles that are larger than the reach."""
+    soup = rng.uniform(-0.2, 0.2, (300, 1, 3)) + 10.0 ** rng.uniform(-3, -1, (300, 1, 1)) * rng.normal(size=(300, 3, 3))
+    target = ScanTarget(soup.reshape(-1, 3), np.arange(900).reshape(-1, 3))
+    points = rng.uniform(-1.0, 1.0, (2000, 3))
+    distances = target.search.query(points).distances
+    for reach in (0.003, 0.03, 0.3):
+        ruled_out = np.setdiff1d(np.arange(2000), target.may_be_within(points, reach))
+        assert len(ruled_out)
+        assert (distances[ruled_out] > reach).all()
+
+
 def test_the_surface_inside_a_triangle_is_mixed_from_its_corners(rng: np.random.Generator) -> None:
     target = ScanTarget(*plane(0.2))
     faces, weights = rng.integers(0, len(target.faces), 50), rng.dirichlet(np.ones(3), 50)

@@ -16,6 +16,7 @@ import httpx
 import pytest
 from helpers.fault_table import outcome, wait_for_ends
 from helpers.real_server import alive, children, server
+from helpers.small_disk import fill, small_disk
 from helpers.waiting import until
 
 DIED = "The fit's process ended unexpectedly"
@@ -165,18 +166,11 @@ def test_clients_gone_in_the_middle_of_a_stream_stop_no_fit(running: Running, to
     note("12 clients gone in the middle of a stream", outcome(client, running.data, ids(fits)))
 
 
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount a small disk")
 def test_a_full_disk_fails_fits_with_a_sentence_and_loses_none(
     tmp_path: Path, model: Path, torso: bytes, note: Callable[[str, str], None]
 ) -> None:
-    disk, log = tmp_path / "disk", tmp_path / "log"
-    disk.mkdir()
-    mounted = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", "size=24m", "tmpfs", str(disk)], capture_output=True, check=False
-    )
-    if mounted.returncode:
-        pytest.skip("this machine lets nobody mount a small disk")
-    try:
+    log = tmp_path / "log"
+    with small_disk(tmp_path / "disk", 24) as disk:
         with (
             server(disk / "data", model, log, FAKE_FIT="mostly_patient") as (process, address),
             httpx.Client(base_url=address, timeout=40) as client,
@@ -188,18 +182,14 @@ def test_a_full_disk_fails_fits_with_a_sentence_and_loses_none(
             running = asked(client, torso, 2, preset="paper")  # write events for ten seconds
             waiting = asked(client, torso, 2)
             until(lambda: all(client.get(f["self"]).json()["iterations"] for f in running), "two running fits")
-            ballast = (disk / "ballast").open("wb", buffering=0)
-            with suppress(OSError):
-                while True:
-                    ballast.write(bytes(4096))
+            ballast = fill(disk)
             refused = client.post("/api/scans", files={"file": ("torso.ply", torso)})
             assert refused.status_code in (503, 507)
             assert refused.headers["Content-Type"] == "application/problem+json"
             until(lambda: client.get("/readyz").status_code == 503, "a service that knows")
             assert [client.get(links["result"]).content for links in kept] == before
             time.sleep(2.0)  # until the log of the database has used up what it had
-            ballast.truncate(0)
-            ballast.close()
+            ballast.unlink()
             last = ends(client, running + waiting, log)
             assert [fit["state"] for fit in last[:2]] == ["failed"] * 2
             assert all("stored" in fit["reason"] or "written" in fit["reason"] for fit in last if fit["reason"])
@@ -213,5 +203,3 @@ def test_a_full_disk_fails_fits_with_a_sentence_and_loses_none(
         rows = sqlite3.connect(disk / "data" / "breastrig.sqlite3")
         assert rows.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         rows.close()
-    finally:
-        subprocess.run(["umount", "-l", str(disk)], check=True)

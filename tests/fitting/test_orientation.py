@@ -6,9 +6,13 @@ from helpers.random_pose import random_parameters
 from helpers.subdivide import subdivided
 
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.orientation import start_from_scan, upright_frame
+from breastrig.fitting.orientation import start_from_scan
+from breastrig.fitting.prepare_scan import AUTO, prepared
+from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose
+from breastrig.scan.clean import Surface
 
 
 @pytest.mark.parametrize("all_sides", [False, True])
@@ -22,11 +26,12 @@ def test_a_scan_turned_at_random_is_put_upright(seed: int, all_sides: bool) -> N
     fine, triangles = subdivided(vertices, rig.faces[seen])
     turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     turn *= np.sign(np.linalg.det(turn))
-    frame = upright_frame(rig, fine @ turn.T + rng.normal(size=3), triangles)
-    assert frame.up @ turn[:, 1] > np.cos(np.radians(15))
-    assert frame.front @ turn[:, 2] > np.cos(np.radians(15))
-    assert frame.confidence > 0.2
-    start = start_from_scan(rig, ScanTarget(fine @ turn.T, triangles), frame.fronts)
+    scan = prepared(Surface(fine @ turn.T + rng.normal(size=3), triangles, ()), AUTO)
+    frame = scan_orientation(rig, scan, load_recipe("default"))[0].body_frame()
+    assert frame["up"] @ turn[:, 1] > np.cos(np.radians(15))
+    assert frame["front"] @ turn[:, 2] > np.cos(np.radians(15))
+    assert frame["confidence"] > 0.2
+    start = start_from_scan(rig, ScanTarget(fine @ turn.T, triangles), np.array([frame["front"]]))
     names = rig.landmark_names
     found = rig.landmark_points().positions(pose(rig, start.parameters), rig.faces)
     true = rig.landmark_points().positions(vertices, rig.faces) @ turn.T

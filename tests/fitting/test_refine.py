@@ -21,8 +21,8 @@ def test_a_smooth_hill_that_the_model_lacks_is_reached(height: float) -> None:
     vertices, faces = sphere(0.1, 4)
     fine, triangles = sphere(0.1, 5)
     target = ScanTarget(bumpy(fine, height), triangles)
-    before = target.search.query(vertices, 16).distances
-    after = target.search.query(refined(target, vertices, faces).vertices, 16).distances
+    before = target.search.query(vertices).distances
+    after = target.search.query(refined(target, vertices, faces).vertices).distances
     assert before.max() > 0.005
     assert after.mean() < 0.1e-3
     assert after.max() < 0.5e-3

@@ -83,7 +83,7 @@ def test_on_a_sphere_it_is_the_great_circle() -> None:
     assert np.abs(found - arcs).max() < 1e-4 + (edge / radius) ** 2 / 6 * np.pi * radius
     way = Geodesics(vertices, faces).path(one(50), one(3000))
     assert length(way) == pytest.approx(found[faces[3000]] @ INSIDE, abs=edge / 2)
-    assert ClosestPointSearch(vertices, faces).query(way, 16).distances.max() < 1e-9
+    assert ClosestPointSearch(vertices, faces).query(way).distances.max() < 1e-9
 
 
 def test_a_circle_on_a_plane_is_a_circle() -> None:
@@ -107,7 +107,7 @@ def test_a_circle_on_a_sphere() -> None:
     rim = Geodesics(vertices, faces).circle(50, INSIDE, 0.06)
     arcs = radius * np.arccos(rim @ source / np.linalg.norm(rim, axis=1) / np.linalg.norm(source))
     np.testing.assert_allclose(arcs, 0.06, atol=2e-4)
-    assert ClosestPointSearch(vertices, faces).query(rim, 16).distances.max() < 1e-12
+    assert ClosestPointSearch(vertices, faces).query(rim).distances.max() < 1e-12
 
 
 def test_a_circle_that_meets_the_end_of_the_surface_is_refused() -> None:

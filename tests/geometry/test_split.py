@@ -28,4 +28,4 @@ def test_every_triangle_into_four() -> None:
     assert len(split) == 4 * len(faces)
     assert len(boundary_edges(split)) == 0
     np.testing.assert_allclose(face_areas(grown, split), face_areas(vertices, faces)[owners] / 4.0, rtol=1e-9)
-    assert ClosestPointSearch(vertices, faces).query(grown, 16).distances.max() < 1e-12
+    assert ClosestPointSearch(vertices, faces).query(grown).distances.max() < 1e-12

@@ -44,6 +44,11 @@ def all_files(rig: Rig, folder: Path) -> list[Path]:
         contents[f"iteration_{drawing.name}.gltf"] = iterate_gltf(rig, poses[1], drawing, "model.bin", lines)
         contents[f"fitted_{drawing.name}.glb"] = fitted_glb(rig, poses, [0.0, 0.1, 0.1, 0.3], drawing, {"a": 1})
     colours = rng.integers(0, 256, (len(rig.template), 3)).astype(np.uint8)
+    far = np.array([10_000.5, -300.25, 7_000.125])
+    away = [pose.moved(np.eye(3), far) for pose in poses]
+    contents["lines_far.glb"] = lines_glb([("stroke", rig.template[:5] + far, False, (200, 10, 0))])
+    contents["fitted_far.glb"] = fitted_glb(rig, away, [0.0, 0.1, 0.2, 0.3], rig.drawings[0], {})
+    contents["mesh_far.glb"] = mesh_glb(rig.template + far, rig.faces)
     contents["mesh.glb"] = mesh_glb(rig.template, rig.faces)
     contents["mesh_colours.glb"] = mesh_glb(rig.template, rig.faces, colours=colours)
     contents["mesh_texture.glb"] = mesh_glb(rig.template, rig.faces, uv=rig.uv, texture=picture("PNG"))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from breastrig.core.glb import split_glb
-from breastrig.gltf.accessors import GltfArrays
+from breastrig.core.gltf_arrays import GltfArrays
 from breastrig.gltf.lines_glb import lines_glb
 
 

@@ -9,7 +9,7 @@ from helpers.toy_rig import toy_rig
 from PIL import Image
 
 from breastrig.core.glb import split_glb
-from breastrig.gltf.accessors import GltfArrays
+from breastrig.core.gltf_arrays import GltfArrays
 from breastrig.gltf.mesh_glb import mesh_glb
 
 

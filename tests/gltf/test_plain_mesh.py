@@ -3,7 +3,7 @@ import pytest
 from helpers.scan_files import picture
 
 from breastrig.core.glb import split_glb
-from breastrig.gltf.accessors import GltfArrays
+from breastrig.core.gltf_arrays import GltfArrays
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.plain_mesh import plain_mesh
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.glb import split_glb
-from breastrig.gltf.accessors import GltfArrays
+from breastrig.core.gltf_arrays import GltfArrays
 
 
 class GltfScene:

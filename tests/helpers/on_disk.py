@@ -15,3 +15,9 @@ def bytes_below(root: Path, pattern: str = "**/*") -> bytes:
     """All files below `root` that fit the pattern, one after the other."""
     names = [str(path) for path in sorted(root.glob(pattern)) if path.is_file()]
     return subprocess.run([sys.executable, "-c", READ, *names], capture_output=True, check=True).stdout
+
+
+def overwrite(file: Path, first: int, last: int) -> None:
+    """Damages a file of a database that is open, from a byte to before another."""
+    write = f"file = open({str(file)!r}, 'r+b'); file.seek({first}); file.write(b'\\xa5' * {last - first})"
+    subprocess.run([sys.executable, "-c", write], check=True)

@@ -3,11 +3,21 @@
 import argparse
 import os
 import sys
+from datetime import timedelta
 
 from breastrig.cli import serve_command
+from breastrig.core import wall_clock
 from helpers import fake_fit
 
+
+def set_clock_ahead(days: float) -> None:
+    """As if somebody had set the machine's clock before the start."""
+    now = wall_clock.now
+    wall_clock.now = lambda: now() + timedelta(days=days)
+
+
 if __name__ == "__main__":
+    set_clock_ahead(float(os.environ.get("FAKE_DAYS_AHEAD", "0")))
     parser = argparse.ArgumentParser()
     serve_command.add_parser(parser.add_subparsers())
     runner = getattr(fake_fit, os.environ.get("FAKE_FIT", "mostly_patient"))

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from scipy.optimize import lsq_linear
 
-from breastrig.least_squares.newton import Bounds, Status, assemble, newton_step
-from breastrig.least_squares.problem import Linearisation
+from breastrig.least_squares.newton import Status, assemble, newton_step
+from breastrig.least_squares.problem import HARD, Linearisation
+from breastrig.least_squares.quadratic_program import Bounds
 from breastrig.least_squares.robust import KERNELS
 
 
@@ -44,11 +46,19 @@ def term(rng: np.random.Generator, rows: int = 12, columns: int = 6) -> Linear:
     return Linear(rng.normal(size=(rows, columns)), rng.normal(size=rows), np.zeros(0))
 
 
-def step(terms, constraints, x, lower=-np.inf, upper=np.inf, damping=1e-12):
+def step(terms, constraints, x, lower=-np.inf, upper=np.inf, damping=1e-12, least=None):
     size = x.dof
     bounds = Bounds(np.full(size, lower) - x.values, np.full(size, upper) - x.values)
-    free = np.ones(size, dtype=bool)
-    return newton_step(terms, constraints, x, scaling=np.ones(size), damping=damping, bounds=bounds, free=free)
+    return newton_step(
+        terms,
+        constraints,
+        x,
+        scaling=np.ones(size),
+        damping=damping,
+        least_damping=damping if least is None else least,
+        bounds=bounds,
+        free=np.ones(size, dtype=bool),
+    )
 
 
 def test_small_and_large_terms_add_up_the_same(rng: np.random.Generator) -> None:
@@ -73,7 +83,7 @@ def test_a_hard_constraint_is_met_exactly(rng: np.random.Generator) -> None:
     problem = term(rng)
     hard = Linear(rng.normal(size=(2, 6)), rng.normal(size=2), np.zeros(2))
     done = step([problem], [hard], Flat(np.zeros(6)))
-    np.testing.assert_allclose(hard.residual(done.x), 0.0, atol=1e-8)
+    np.testing.assert_allclose(hard.residual(done.x), 0.0, atol=1e-12)
 
 
 def test_a_compliant_constraint_equals_an_elastic_energy(rng: np.random.Generator) -> None:
@@ -86,15 +96,89 @@ def test_a_compliant_constraint_equals_an_elastic_energy(rng: np.random.Generato
     np.testing.assert_allclose(done.x.values, np.linalg.lstsq(matrix, right, rcond=None)[0], atol=1e-8)
 
 
-def test_bounds_are_kept_and_the_rest_is_optimal_inside_them(rng: np.random.Generator) -> None:
+def test_bounds_are_kept_and_the_rest_is_optimal_inside_them_after_one_step(rng: np.random.Generator) -> None:
     problem = term(rng)
-    x = Flat(np.zeros(6))
-    for _ in range(8):
-        x = step([problem], [], x, -0.1, 0.1).x
-    from scipy.optimize import lsq_linear
+    x = step([problem], [], Flat(np.zeros(6)), -0.1, 0.1).x
+    expected = lsq_linear(problem.matrix, problem.right, (-0.1, 0.1), tol=1e-14).x
+    np.testing.assert_allclose(x.values, expected, atol=1e-9)
 
-    expected = lsq_linear(problem.matrix, problem.right, (-0.1, 0.1)).x
-    np.testing.assert_allclose(x.values, expected, atol=1e-6)
+
+def test_a_joint_pulls_an_unknown_off_its_bound() -> None:
+    """The energy of the first unknown pushes it against its bound at 0; the second one, joined to it, pulls harder."""
+    energy = Linear(np.diag([np.sqrt(0.1), 1.0]), np.array([-np.sqrt(0.1), 1.0]), np.zeros(0))
+    joint = Linear(np.array([[1.0, -1.0]]), np.zeros(1), np.zeros(1))
+    done = step([energy], [joint], Flat(np.zeros(2)), lower=np.array([0.0, -np.inf]))
+    np.testing.assert_allclose(done.x.values, 9.0 / 11.0, atol=1e-9)  # 0.1 (x + 1) + (x − 1) = 0
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_hard_constraint_holds_at_the_bounds_too(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    problem = term(rng)
+    inside = rng.uniform(-0.1, 0.1, 6)
+    rows = rng.normal(size=(2, 6))
+    hard = Linear(rows, rows @ inside, np.zeros(2))
+    done = step([problem], [hard], Flat(np.zeros(6)), -0.1, 0.1)
+    assert (np.abs(np.abs(done.x.values) - 0.1) < 1e-12).any()  # a bound is in the way
+    np.testing.assert_allclose(hard.residual(done.x), 0.0, atol=1e-10)
+
+
+@dataclass(frozen=True, eq=False)
+class Curved:
+    """r = atan(s x), whose full steps overshoot: the larger s, the worse."""
+
+    steepness: float
+    name: str = "curved"
+
+    def residual(self, x: Flat) -> np.ndarray:
+        return np.arctan(self.steepness * x.values)
+
+    def linearise(self, x: Flat) -> Linearisation:
+        slope = self.steepness / (1.0 + (self.steepness * x.values) ** 2)
+        return Linearisation(self.residual(x), np.diag(slope))
+
+
+def test_a_step_that_brings_much_less_than_promised_is_not_taken() -> None:
+    """From 1.38 a full step leads to -1.36: the energy falls by a hundredth of what the model promises."""
+    problem, x = Curved(1.0), Flat(np.array([1.38]))
+    full = x.retract(-problem.residual(x) * (1.0 + x.values**2))
+    before, after = (float(problem.residual(at) @ problem.residual(at)) for at in (x, full))
+    assert 0.9 * before < after < before  # not worse, but hardly better
+    done = step([problem], [], x, damping=1e-3)
+    assert before - 2.0 * done.energy > 0.1 * before
+    assert done.x.values[0] > -1.2
+    assert done.damping == pytest.approx(4e-2)  # rejected once, and a poor step then
+
+
+def test_the_damping_follows_the_gain_ratio() -> None:
+    poor = step([Curved(1.0)], [], Flat(np.array([1.3])), damping=1e-3)  # to -1.16
+    assert poor.damping == pytest.approx(4e-3)
+    good = step([Curved(1.0)], [], Flat(np.array([0.1])), damping=1e-3, least=1e-6)
+    assert good.damping == pytest.approx(1e-3 / 3.0)
+    least = step([Curved(1.0)], [], Flat(np.array([0.1])), damping=1e-3, least=1e-3)
+    assert least.damping == 1e-3
+
+
+def test_meeting_a_hard_constraint_may_cost_energy() -> None:
+    energy, hard = Linear(np.eye(2), np.zeros(2), np.zeros(0)), Linear(np.ones((1, 2)), np.ones(1), np.zeros(1))
+    done = step([energy], [hard], Flat(np.zeros(2)))  # from the energy's minimum
+    assert done.status is Status.RUNNING
+    assert done.energy > 0.0
+    np.testing.assert_allclose(done.x.values, 0.5, atol=1e-9)
+
+
+@pytest.mark.parametrize("compliance", [0.0, HARD])
+def test_a_constraint_of_hardly_any_compliance_is_hard(compliance: float, rng: np.random.Generator) -> None:
+    problem = Linear(1e6 * rng.normal(size=(12, 6)), 1e6 * rng.normal(size=12), np.zeros(0))
+    hard = Linear(rng.normal(size=(2, 6)), rng.normal(size=2), np.full(2, compliance))
+    done = step([problem], [hard], Flat(np.zeros(6)))
+    np.testing.assert_allclose(hard.residual(done.x), 0.0, atol=1e-10)
+
+
+def test_constraints_that_bounds_contradict_end_the_fit_with_a_reason() -> None:
+    hard = Linear(np.ones((1, 2)), np.full(1, 3.0), np.zeros(1))
+    done = step([Linear(np.eye(2), np.zeros(2), np.zeros(0))], [hard], Flat(np.zeros(2)), -1.0, 1.0)
+    assert done.status is Status.STALLED
 
 
 def test_a_number_that_is_not_finite_is_said() -> None:

@@ -7,6 +7,7 @@ import sys
 
 from load.measured import slow_table, table
 from load.run import run
+from load.share_readers import run_share_readers
 from load.slow import SlowClients
 
 if __name__ == "__main__":
@@ -18,6 +19,7 @@ if __name__ == "__main__":
     parser.add_argument("--slow-headers", type=int, default=200)
     parser.add_argument("--slow-bodies", type=int, default=200)
     parser.add_argument("--slow-readers", type=int, default=200)
+    parser.add_argument("--triangles", type=int, default=2_000_000, help="of the scan that is read through a link")
     options = parser.parse_args()
     slow = SlowClients(options.idle, options.slow_headers, options.slow_bodies, options.slow_readers)
     found = run(options.seconds, options.clients, options.viewers, slow)
@@ -33,4 +35,6 @@ if __name__ == "__main__":
         out(f"{at:>12.0f} s  {used.server_mb:>14.0f}{used.tree_mb:>10.0f}{used.threads:>10}{used.processes:>11}\n")
     out(f"\nthe server ended with {found.exit_status}, its log has {len(found.log.splitlines())} lines\n")
     out("".join(f"  {line[:300]}\n" for line in found.log.splitlines()[-5:]))
-    sys.exit(1 if found.measured.errors or found.exit_status else 0)
+    shared = run_share_readers(options.triangles)
+    out("\n" + "\n".join(shared.table()) + "\n")
+    sys.exit(1 if found.measured.errors or found.exit_status or shared.errors else 0)

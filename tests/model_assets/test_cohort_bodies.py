@@ -15,7 +15,7 @@ from breastrig.evaluation.virtual.bodies import Bodies, VirtualBody, VirtualPati
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_normals, vertex_normals
 from breastrig.geometry.rays import RayCaster
-from breastrig.rig.check_torso import LANDMARKS
+from breastrig.rig.validation.torso import LANDMARKS
 
 SKIN_TO_SKIN = 2e-4  # m, where a ray from the skin begins, so that it does not hit its own triangle
 
@@ -124,7 +124,7 @@ def test_landmarks_lie_on_the_skin_and_left_is_left(bodies: Bodies) -> None:
     for _, body in each(bodies):
         marks = body.landmarks
         assert set(marks) == set(LANDMARKS)
-        found = ClosestPointSearch(body.vertices, bodies.faces).query(np.array(list(marks.values())), 16)
+        found = ClosestPointSearch(body.vertices, bodies.faces).query(np.array(list(marks.values())))
         assert found.distances.max() < 1e-6
         for name in ("nipple", "acromion", "midclavicle", "inframammary_fold"):
             assert marks[f"{name}_L"][0] > 0.02

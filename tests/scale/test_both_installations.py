@@ -22,10 +22,10 @@ from sqlalchemy import select
 
 from breastrig.core.errors import BadSettings
 from breastrig.gltf.read_rig import default_rig_path
-from breastrig.jobs.run_fit import run_fit
 from breastrig.storage import schema
-from breastrig.storage.fits import get_fit
+from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
+from breastrig.workflow.run_fit import run_fit
 
 FILES = ("result", "fitted_glb", "fitted_ply", "drawing", "distances")
 KINDS = ["started", *["iterated"] * 4, "done"]
@@ -164,8 +164,14 @@ def test_a_share_opens_until_it_is_revoked(running: Running, scan: dict[str, Any
     shown = visitor.post("/api/shared/open", json={"token": token}).json
     assert visitor.get(shown["links"]["result"]).data == running.client.get(done["links"]["result"]).data
     assert visitor.get(shown["links"]["mesh"]).data == running.client.get(scan["links"]["mesh"]).data
+    plain = running.client.post(done["links"]["shares"], json={"scan": "plain"}).json["url"].removeprefix("/s#")
+    mesh = visitor.get(visitor.post("/api/shared/open", json={"token": plain}).json["links"]["mesh"])
+    assert (mesh.status_code, mesh.data[:4]) == (200, b"glTF")
     assert running.client.delete(share["links"]["self"]).status_code == 204
     assert visitor.get(shown["links"]["result"]).status_code == 410
+    assert visitor.get(shown["links"]["close"]).status_code == 405
+    assert visitor.post(shown["links"]["close"]).status_code == 204
+    assert visitor.get(shown["links"]["result"]).status_code == 401
     assert visitor.post("/api/shared/open", json={"token": token}).status_code == 410
 
 

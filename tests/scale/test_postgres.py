@@ -15,11 +15,21 @@ from breastrig.cli.main import main
 from breastrig.core.errors import BadInput, BadSettings, Conflict
 from breastrig.storage import postgres as database
 from breastrig.storage import schema
-from breastrig.storage.events import append, events_after
-from breastrig.storage.fits import claim_fit, fits_page, get_fit, next_queued, queue_position
+from breastrig.storage.deletion import delete_rows, remove_files
 from breastrig.storage.location import Location
-from breastrig.storage.scans import ScanRow, add_scan, delete_scan, get_landmarks, get_scan, put_landmarks
-from breastrig.storage.shares import ShareRow, add_share, get_share, note_opening
+from breastrig.storage.rows.events import append, events_after
+from breastrig.storage.rows.fits import claim_fit, fits_page, get_fit, next_queued, queue_position
+from breastrig.storage.rows.scans import ScanRow, add_scan, get_landmarks, get_scan, put_landmarks
+from breastrig.storage.rows.shares import (
+    ShareRow,
+    add_opening,
+    add_share,
+    end_visit,
+    get_share,
+    note_wrong_passcode,
+    share_of_visit,
+    unlock_share,
+)
 from breastrig.storage.storage import Storage
 
 FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
@@ -172,15 +182,39 @@ def test_the_queue_and_its_claims(storage: Storage) -> None:
 def test_deleting_a_scan_leaves_no_row(storage: Storage) -> None:
     add_waiting_fit(storage, "scan-1", "fit-1")
     add_share(storage, ShareRow("share-1", "fit-1", "2026", "2027", "none", None), "ab" * 32)
-    for _ in range(2):
-        note_opening(storage, "share-1", "2026")
+    for visit in ("cd" * 32, "ef" * 32):
+        assert add_opening(storage, "share-1", "2026", visit, most_wrong=1)
     assert get_share(storage, "fit-1", "share-1").openings == 2
     put_landmarks(storage, "scan-1", {"nipple_L": [1.0, 2.0, 3.0]})
     append(storage, "fit-1", iterated(0))
-    assert delete_scan(storage, "scan-1") == ["fit-1"]
+    assert delete_rows(storage, "scan-1") == ["fit-1"]
+    assert remove_files(storage, "scan-1") == []
     with storage.database.reading() as connection:
         for table in set(schema.metadata.tables.values()) - {schema.installation}:
             assert connection.execute(select(func.count()).select_from(table)).scalar_one() == 0, table.name
+
+
+def test_visits_of_a_share_and_what_wrong_passcodes_do_to_it(storage: Storage) -> None:
+    add_waiting_fit(storage, "scan-1", "fit-1")
+    for share, token in (("share-1", "ab" * 32), ("share-2", "ba" * 32)):
+        add_share(storage, ShareRow(share, "fit-1", "2026", "2027", "none", None), token)
+    assert add_opening(storage, "share-1", "2026-02", "cd" * 32, most_wrong=2)
+    found = share_of_visit(storage, "share-1", "cd" * 32, "2026-01")
+    assert found is not None
+    assert (found.id, found.openings) == ("share-1", 1)
+    assert share_of_visit(storage, "share-2", "cd" * 32, "2026-01") is None
+    assert share_of_visit(storage, "share-1", "cd" * 32, "2026-02") is None  # too old
+    assert not end_visit(storage, "share-2", "cd" * 32)
+    assert [end_visit(storage, "share-1", "cd" * 32) for _ in range(2)] == [True, False]
+    assert share_of_visit(storage, "share-1", "cd" * 32, "2026-01") is None
+    for moment in ("2026-03", "2026-04"):
+        assert note_wrong_passcode(storage, "share-1", moment, 2)
+    assert not note_wrong_passcode(storage, "share-1", "2026-05", 2)
+    assert not add_opening(storage, "share-1", "2026-05", "ef" * 32, most_wrong=2)
+    unlock_share(storage, "fit-1", "share-1")
+    assert add_opening(storage, "share-1", "2026-05", "ef" * 32, most_wrong=2)
+    row = get_share(storage, "fit-1", "share-1")
+    assert (row.wrong_passcodes, row.last_wrong_at, row.openings, row.is_locked(2)) == (2, "2026-04", 2, False)
 
 
 def test_a_fit_is_held_by_one_and_waited_for(storage: Storage) -> None:
@@ -213,13 +247,28 @@ def test_what_is_wrong_with_a_database_is_said_in_a_sentence(
     password = address.split(":")[2].partition("@")[0]
     for wrong in (address.replace(password, "geheim"), address + "_other", "postgresql://me:geheim@127.0.0.1:1/rig"):
         with pytest.raises(BadSettings, match="The database cannot be reached") as refused:
-            purge_nothing(Location(tmp_path, wrong))
+            purge_nothing(Location(tmp_path / "new", wrong))
+        assert not (tmp_path / "new").exists()
         assert "\n" not in str(refused.value)
         assert password not in str(refused.value)
         assert "geheim" not in str(refused.value)
     monkeypatch.setitem(__import__("sys").modules, "psycopg", None)
     with pytest.raises(BadSettings, match=r"pip install 'breastrig\[postgres\]'"):
         Storage(Location(tmp_path, address))
+
+
+def test_a_new_data_folder_gets_the_id_of_the_rows_and_one_of_other_rows_is_refused(
+    postgres: PostgresServer, storage: Storage, tmp_path: Path
+) -> None:
+    elsewhere = Storage(Location(tmp_path / "elsewhere", storage.location.database))
+    purge_nothing(elsewhere.location)
+    assert (tmp_path / "elsewhere" / "installation").read_text() == storage.database.installation_id()
+    elsewhere.prepare()
+    elsewhere.close()
+    other = Storage(Location(tmp_path / "elsewhere", postgres.new_database()))
+    with pytest.raises(BadSettings, match="belong to another database"):
+        other.prepare()
+    other.close()
 
 
 def purge_nothing(location: Location) -> None:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 from helpers.surfaces import plane, sphere
 
 from breastrig.core.errors import BadScan
@@ -70,3 +71,23 @@ def test_a_scan_of_the_front_faces_its_camera_and_stands() -> None:
     assert frame.stance == "standing"
     assert frame.front[2] > 0.99
     np.testing.assert_allclose(frame.up, [0, 1, 0], atol=0.05)
+
+
+BODIES = {
+    "box": trimesh.creation.box((0.5, 0.5, 0.5)),
+    "finer box": trimesh.creation.box((0.5, 0.5, 0.5)).subdivide().subdivide(),
+    "prism": trimesh.creation.cylinder(0.2, 0.5, sections=8),
+    "cylinder": trimesh.creation.cylinder(0.2, 0.5, sections=64),
+    "cone": trimesh.creation.cone(0.3, 0.6),
+    "ball": trimesh.creation.icosphere(3, 0.3),
+    "hull": trimesh.convex.convex_hull(np.random.default_rng(1).uniform(-0.5, 0.5, (60, 3))),
+}
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("size", [1.0, 4.0])
+def test_a_body_with_flat_sides_that_is_no_torso_gets_a_proposal_and_no_error(body: str, size: float) -> None:
+    mesh = BODIES[body]
+    frame = propose_frame(size * np.asarray(mesh.vertices), np.asarray(mesh.faces))
+    np.testing.assert_allclose(frame.rotation.T @ frame.rotation, np.eye(3), atol=1e-9)
+    assert 0.0 <= frame.confidence <= 1.0

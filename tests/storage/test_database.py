@@ -1,3 +1,5 @@
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -73,3 +75,20 @@ def test_preparing_twice_changes_nothing(storage: Storage, scan_id: str) -> None
 
 def test_only_the_owner_can_look_into_the_data_folder(storage: Storage, tmp_path: Path) -> None:
     assert (tmp_path / "data").stat().st_mode & 0o077 == 0
+
+
+def test_a_look_for_damage_takes_no_lock_away(storage: Storage, scan_id: str) -> None:
+    """Else another process that closes the database would remove the log, and with it what was written last."""
+    look = "import sqlite3, sys; rows = sqlite3.connect(sys.argv[1]); rows.execute('SELECT * FROM scans'); rows.close()"
+    file = storage.root / "breastrig.sqlite3"
+    assert storage.database.is_sound(1.0)
+    subprocess.run([sys.executable, "-c", look, str(file)], check=True)
+    assert file.with_name("breastrig.sqlite3-wal").stat().st_size > 0
+
+
+def test_a_new_database_can_be_read_by_its_owner_alone(tmp_path: Path) -> None:
+    (tmp_path / "open").mkdir(mode=0o755)
+    storage = Storage(tmp_path / "open")
+    storage.prepare()
+    assert [path.stat().st_mode & 0o077 for path in storage.root.glob("breastrig.sqlite3*")] == [0, 0, 0]
+    storage.close()

@@ -8,11 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from breastrig.core import scratch
 from breastrig.core.errors import BadSettings
-from breastrig.storage import scratch
+from breastrig.storage.deletion import delete_rows, finish_deletions
+from breastrig.storage.file_journal import note_making, to_be_removed
 from breastrig.storage.files import Files, fit_place, scan_place
 from breastrig.storage.location import Location
-from breastrig.storage.scans import ScanRow, add_scan
+from breastrig.storage.rows.scans import ScanRow, add_scan, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.storage.store_files import StoreFiles
 
@@ -81,20 +83,45 @@ def test_another_content_has_another_etag(files: Files) -> None:
 def test_removing_leaves_nothing_and_twice_is_no_error(files: Files, tmp_path: Path) -> None:
     keep(files, scan_place("a"), first=b"skin of a")
     keep(files, scan_place("b"), first=b"skin of b")
-    for _ in range(2):
-        files.remove(scan_place("a"), fit_place("nobody"))
+    for place in (scan_place("a"), scan_place("a"), fit_place("nobody")):
+        files.remove(place)
     left = [path.read_bytes() for path in tmp_path.rglob("first")]
     assert left == [b"skin of b"]
     assert files.find(scan_place("a"), "first") is None
 
 
-def test_the_files_of_unknown_scans_and_fits_are_removed(storage: Storage) -> None:
-    for place in (scan_place("known"), scan_place("stranger"), fit_place("known"), fit_place("stranger")):
+def test_files_that_no_row_has_ever_named_are_counted_and_stay(
+    storage: Storage, caplog: pytest.LogCaptureFixture
+) -> None:
+    add_scan(storage, ScanRow("known", "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, {}))
+    for place in (scan_place("known"), scan_place("unknown"), fit_place("unknown")):
         keep(storage.files, place, first=b"one")
-    storage.remove_strangers({scan_place("known"), fit_place("known")})
-    for kind in (scan_place, fit_place):
-        assert storage.files.find(kind("known"), "first") is not None
-        assert storage.files.find(kind("stranger"), "first") is None
+    assert finish_deletions(storage) == []
+    for place in (scan_place("known"), scan_place("unknown"), fit_place("unknown")):
+        assert storage.files.find(place, "first") is not None
+    assert [record.getMessage() for record in caplog.records] == [
+        "2 files or folders among those of scans and fits are none of BreastRig's; they stay"
+    ]
+
+
+def test_what_a_killed_server_was_making_or_removing_is_removed_at_the_next_start(
+    storage: Storage, caplog: pytest.LogCaptureFixture
+) -> None:
+    add_scan(storage, ScanRow("kept", "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, {}))
+    add_scan(storage, ScanRow("deleted", "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, {}))
+    note_making(storage, "upload", [scan_place("upload")])
+    note_making(storage, "kept", [fit_place("asked")])
+    for place in map(scan_place, ("kept", "deleted", "upload")):
+        keep(storage.files, place, first=b"one")
+    keep(storage.files, fit_place("asked"), first=b"one")
+    delete_rows(storage, "deleted")
+    assert finish_deletions(storage) == []
+    for place in (scan_place("upload"), scan_place("deleted"), fit_place("asked")):
+        assert storage.files.find(place, "first") is None
+    assert storage.files.find(scan_place("kept"), "first") is not None
+    assert get_scan(storage, "kept").id == "kept"
+    assert to_be_removed(storage) == {}
+    assert not caplog.records
 
 
 def test_a_draft_that_is_not_kept_is_not_in_the_store(tmp_path: Path, own_scratch: Path) -> None:

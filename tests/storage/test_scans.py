@@ -3,9 +3,10 @@ from helpers.on_disk import bytes_below
 from helpers.rows import add_waiting_fit
 
 from breastrig.core.errors import NotFound
-from breastrig.storage.events import append
-from breastrig.storage.fits import get_fit
-from breastrig.storage.scans import delete_scan, get_landmarks, get_scan, put_landmarks, scan_ids
+from breastrig.storage.deletion import delete_rows, remove_files
+from breastrig.storage.rows.events import append
+from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.rows.scans import get_landmarks, get_scan, put_landmarks, scan_ids
 from breastrig.storage.storage import Storage
 
 
@@ -20,7 +21,7 @@ def test_an_unknown_scan_is_not_found(storage: Storage) -> None:
         get_scan(storage, "nobody")
     with pytest.raises(NotFound, match="no such scan"):
         put_landmarks(storage, "nobody", {})
-    assert delete_scan(storage, "nobody") == []
+    assert delete_rows(storage, "nobody") == []
 
 
 def test_landmarks_replace_those_before(storage: Storage, scan_id: str) -> None:
@@ -34,7 +35,8 @@ def test_deleting_a_scan_leaves_no_row_and_no_byte_of_it(storage: Storage, scan_
     put_landmarks(storage, scan_id, {"a_landmark_with_a_rare_name": [1.0, 2.0, 3.0]})
     add_waiting_fit(storage, scan_id, "fit-1")
     append(storage, "fit-1", {"kind": "failed", "reason": "a reason with a rare word: xylophone"})
-    assert delete_scan(storage, scan_id) == ["fit-1"]
+    assert delete_rows(storage, scan_id) == ["fit-1"]
+    assert remove_files(storage, scan_id) == []
     with pytest.raises(NotFound):
         get_fit(storage, "fit-1")
     left = bytes_below(storage.root, "breastrig.sqlite3*")

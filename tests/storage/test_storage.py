@@ -36,15 +36,19 @@ def test_the_time_says_that_it_is_utc() -> None:
     assert len(utc_now()) == len("2026-01-01T00:00:00.000Z")
 
 
-def test_folders_without_a_row_are_removed(storage: Storage) -> None:
-    for kind, name in (("scans", "known"), ("scans", "stranger"), ("fits", "stranger")):
-        folder = storage.root / kind / name
-        folder.mkdir()
-        (folder / "file").write_bytes(b"x")
-    storage.remove_strangers({"scans/known"})
-    assert os.listdir(storage.root / "scans") == ["known"]
-    assert os.listdir(storage.root / "fits") == []
-    assert os.listdir(storage.root / "rubbish") == []
+def test_removing_a_folder_touches_nothing_else(storage: Storage, tmp_path: Path) -> None:
+    for folder in ("scans/a", "scans/b", "fits/a", "rubbish/a", "rubbish/scans.b"):
+        (storage.root / folder).mkdir()
+        (storage.root / folder / "file").write_bytes(b"x")
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "file").write_bytes(b"x")
+    (storage.root / "scans" / "a" / "link").symlink_to(tmp_path / "elsewhere")
+    (storage.root / "fits" / "link").symlink_to(tmp_path / "elsewhere")
+    assert storage.remove("scans/a", "fits/link", "fits/nobody") == []
+    assert os.listdir(storage.root / "scans") == ["b"]
+    assert os.listdir(storage.root / "fits") == ["a"]
+    assert sorted(os.listdir(storage.root / "rubbish")) == ["a", "scans.b"]
+    assert (tmp_path / "elsewhere" / "file").read_bytes() == b"x"
 
 
 def test_a_folder_that_a_process_writes_into_is_waited_for(storage: Storage) -> None:

@@ -40,11 +40,13 @@ test("a person signs in with the token, and out again", async ({ page }) => {
 });
 
 test("a visitor opens a shared result with its passcode, sees nothing else, and is out when it is revoked", async ({ page }) => {
-  type Links = { links: Record<string, string> };
+  interface Links {
+    links: Record<string, string>;
+  }
   const scan = await ask<Links & { id: string }>("/api/examples/standing", "POST");
   const fit = await ask<Links>("/api/fits", "POST", { scan: scan.id });
   await expect.poll(async () => (await ask<{ state: string }>(fit.links.self!)).state).toBe("done");
-  const share = await ask<Links & { url: string }>(fit.links.shares!, "POST", { passcode: "4711 please" });
+  const share = await ask<Links & { id: string; url: string }>(fit.links.shares!, "POST", { passcode: "4711 please" });
   await page.goto(service.base + share.url);
   await page.getByLabel("Passcode").fill("4711");
   await page.getByRole("button", { name: "Open" }).click();
@@ -57,11 +59,11 @@ test("a visitor opens a shared result with its passcode, sees nothing else, and 
   await page.waitForFunction(() => window.__breastrig?.state().fit != null);
   expect((await hook.picture(page)).colours, "the model is drawn without the scan").toBeGreaterThan(100);
   const status = (path: string): Promise<number> => page.evaluate(async (address) => (await fetch(address)).status, path);
-  expect(await status("/api/shared/result.json")).toBe(200);
-  expect(await status("/api/shared/mesh.glb")).toBe(403);
+  expect(await status(`/api/shared/${share.id}/result.json`)).toBe(200);
+  expect(await status(`/api/shared/${share.id}/mesh.glb`)).toBe(403);
   for (const path of [scan.links.self!, scan.links.mesh!, fit.links.self!, fit.links.result!]) expect(await status(path)).toBe(401);
   await ask(share.links.self!, "DELETE");
-  expect(await status("/api/shared/result.json")).toBe(410);
+  expect(await status(`/api/shared/${share.id}/result.json`)).toBe(410);
 });
 
 test("a link is made in the dialog, opened, counted and revoked; the page signs out", async ({ page, browser }) => {

@@ -51,7 +51,7 @@ export function scrolledAway(page: Page): Promise<string[]> {
 export function overlaps(page: Page): Promise<string[]> {
   return page.evaluate(() => {
     const root = document.querySelector("dialog[open]") ?? document.body;
-    const name = (each: Element): string => (each.getAttribute("aria-label") ?? each.textContent ?? each.id).trim().slice(0, 40) || each.className.toString();
+    const name = (each: Element): string => (each.getAttribute("aria-label") ?? each.textContent).trim().slice(0, 40) || each.className;
     const shown = [...root.querySelectorAll<HTMLElement>("button, a[href], input:not([type=file]), select, summary")].flatMap((each) => {
       if (!each.checkVisibility({ visibilityProperty: true, opacityProperty: true }) || each.matches(".swipe, [aria-hidden=true] *")) return [];
       const box = each.getBoundingClientRect();

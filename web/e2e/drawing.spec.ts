@@ -15,13 +15,26 @@ async function toSurface(page: Page, base: string, points: readonly Vector[]): P
   return Math.max(...points.map((point) => nearest(point.map((mm) => mm / 1000) as Vector, positions, index) * 1000));
 }
 
+interface Accessor {
+  bufferView: number;
+  byteOffset?: number;
+  componentType: number;
+  count: number;
+}
+
+interface Gltf {
+  meshes: { primitives: { attributes: { POSITION: number }; indices: number }[] }[];
+  accessors: Accessor[];
+  bufferViews: { byteOffset?: number }[];
+}
+
 function readGlb(glb: Buffer): { positions: Float32Array; index: Uint32Array | Uint16Array } {
   const jsonLength = glb.readUInt32LE(12);
-  const json = JSON.parse(glb.subarray(20, 20 + jsonLength).toString("utf8"));
+  const json = JSON.parse(glb.subarray(20, 20 + jsonLength).toString("utf8")) as Gltf;
   const start = 20 + jsonLength + 8;
-  const bytes = (accessor: { bufferView: number; byteOffset?: number }): number => start + (json.bufferViews[accessor.bufferView].byteOffset ?? 0) + (accessor.byteOffset ?? 0);
-  const { attributes, indices } = json.meshes[0].primitives[0];
-  const [p, i] = [json.accessors[attributes.POSITION], json.accessors[indices]];
+  const bytes = (accessor: Accessor): number => start + (json.bufferViews[accessor.bufferView]!.byteOffset ?? 0) + (accessor.byteOffset ?? 0);
+  const { attributes, indices } = json.meshes[0]!.primitives[0]!;
+  const [p, i] = [json.accessors[attributes.POSITION]!, json.accessors[indices]!];
   const copy = (at: number, length: number): ArrayBuffer => glb.buffer.slice(glb.byteOffset + at, glb.byteOffset + at + length) as ArrayBuffer;
   const positions = new Float32Array(copy(bytes(p), 12 * p.count));
   const index = i.componentType === 5125 ? new Uint32Array(copy(bytes(i), 4 * i.count)) : new Uint16Array(copy(bytes(i), 2 * i.count));

@@ -41,7 +41,7 @@ async function tabOrder(page: Page): Promise<{ name: string; place: number; isSe
   return stops;
 }
 
-test("from page load to the fitted result without a mouse, and the live region tells how it goes", async ({ page, base, troubles }) => {
+test("from page load to the fitted result without a mouse, and the live region says how it goes", async ({ page, base, troubles }) => {
   const truth = trueLandmarks();
   const status = page.locator("p.visually-hidden[role=status]");
   await page.emulateMedia({ reducedMotion: "reduce" });

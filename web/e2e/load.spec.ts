@@ -6,7 +6,7 @@ import { hook, test } from "./page";
 
 const BOUND_KB = 290; // gzip, all of script and style that the first view asks for; three.js is two thirds of it
 
-test("the page arrives small, from its own service only, cached for good where a name tells the content, and without a jump", async ({ page, base, troubles }) => {
+test("the page arrives small, from its own service only, cached for good where a name stands for the content, and without a jump", async ({ page, base, troubles }) => {
   const sizes: Record<string, number> = {};
   const caching: Record<string, string> = {};
   const failed: string[] = [];

@@ -1,9 +1,9 @@
-// Proposed landmarks: ghosts where the API says, confirmed on the canvas, in the list and all at once; undo brings them back.
+// Proposed landmarks: dashed marks where the API says, confirmed on the canvas, in the list and all at once; undo brings them back.
 import { expect } from "@playwright/test";
-import type { ProposedLandmarks, Vector } from "../src/api/types";
+import type { ProposedLandmarks, Result } from "../src/api/types";
 import { hook, test, untilFitted, untilStill } from "./page";
 
-test("proposals are ghosts until they are confirmed, and then picks like any other", async ({ page, base, troubles }) => {
+test("proposals are dashed until they are confirmed, and then picks like any other", async ({ page, base, troubles }) => {
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
@@ -14,7 +14,7 @@ test("proposals are ghosts until they are confirmed, and then picks like any oth
   const { landmarks } = (await (await page.request.get(base + scan.links.proposed)).json()) as ProposedLandmarks;
   expect(await hook.pickCount(page)).toBe(0);
 
-  await test.step("each ghost stands where the API says, with its error", async () => {
+  await test.step("each mark stands where the API says, with its error", async () => {
     await expect(page.locator("[data-proposed]")).toHaveCount(Object.keys(landmarks).length);
     const canvas = (await page.locator("main canvas.view").boundingBox())!;
     for (const [name, { point }] of Object.entries(landmarks)) {
@@ -25,10 +25,10 @@ test("proposals are ghosts until they are confirmed, and then picks like any oth
     }
   });
 
-  await test.step("a click on a ghost confirms it: the pick is the API's point", async () => {
+  await test.step("a click on a proposal confirms it: the pick is the API's point", async () => {
     const { x, y } = await hook.project(page, landmarks.nipple_L!.point);
     await page.mouse.click(x + 3, y - 3);
-    expect((await hook.pick(page, "nipple_L")) as Vector).toEqual(landmarks.nipple_L!.point);
+    expect(await hook.pick(page, "nipple_L")).toEqual(landmarks.nipple_L!.point);
     await expect(page.locator("[data-proposed=nipple_L]")).toHaveCount(0);
     await page.keyboard.press("z");
     expect(await hook.pickCount(page)).toBe(0);
@@ -37,10 +37,10 @@ test("proposals are ghosts until they are confirmed, and then picks like any oth
 
   await test.step("in the list, one by one", async () => {
     await page.getByRole("button", { name: /^Confirm the proposed nipple, patient's right/ }).press("Enter");
-    expect((await hook.pick(page, "nipple_R")) as Vector).toEqual(landmarks.nipple_R!.point);
+    expect(await hook.pick(page, "nipple_R")).toEqual(landmarks.nipple_R!.point);
   });
 
-  await test.step("the likely ones at once; the service keeps them; the rough ones stay ghosts", async () => {
+  await test.step("the likely ones at once; the service keeps them; the rough ones stay open", async () => {
     await likely.click();
     const wanted = Object.values(landmarks).filter((each) => each.on_scan && each.confidence >= 0.5).length;
     expect(await hook.pickCount(page)).toBe(wanted);
@@ -64,7 +64,7 @@ test("proposals are ghosts until they are confirmed, and then picks like any oth
     await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
     await untilFitted(page);
     const fit = (await hook.fit(page))!;
-    const result = await (await page.request.get(`${base}/api/fits/${fit.id}/result.json`)).json();
+    const result = (await (await page.request.get(`${base}/api/fits/${fit.id}/result.json`)).json()) as Result;
     expect(result.refined).toBe(true);
   });
   expect(troubles).toEqual([]);

@@ -3,8 +3,8 @@
 import { readFileSync } from "node:fs";
 import { expect, type Page } from "@playwright/test";
 import type { Fit, Result } from "../src/api/types";
-import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/state/distances";
-import { formatPercent, formatSignedMm } from "../src/units";
+import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/fit/distances";
+import { formatPercent, formatSignedMm } from "../src/ui/units";
 import { distance, hook, test, untilFitted, untilStill } from "./page";
 
 /** Shares of strongly blue and strongly orange pixels in a part of the stage (0 to 1 across). */

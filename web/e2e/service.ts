@@ -51,8 +51,13 @@ export async function startService(environment: Record<string, string> = {}): Pr
   let hasEnded = false;
   for (const stream of [service.stdout, service.stderr]) stream.on("data", (chunk: Buffer) => (said += chunk.toString()));
   const ended = new Promise<void>((done) => {
-    service.once("error", (error) => ((said += error.message), (hasEnded = true), done()));
-    service.once("exit", () => ((hasEnded = true), done()));
+    const end = (last = ""): void => {
+      said += last;
+      hasEnded = true;
+      done();
+    };
+    service.once("error", (error) => end(error.message));
+    service.once("exit", () => end());
   });
   const stop = async (): Promise<void> => {
     service.kill("SIGTERM");

@@ -15,18 +15,29 @@ export async function holdFits(page: Page): Promise<void> {
   await page.addInitScript((last) => {
     const waiting: (() => void)[] = [];
     let isHeld = true;
-    const listen = EventSource.prototype.addEventListener;
-    EventSource.prototype.addEventListener = function (this: EventSource, kind: string, listener: EventListener) {
+    const source = EventSource.prototype as unknown as { addEventListener: (this: EventSource, kind: string, listener: EventListener) => void };
+    const listen = source.addEventListener;
+    source.addEventListener = function (kind, listener) {
       const later = (event: Event): void => {
         if (isHeld && Number((event as MessageEvent).lastEventId) > last) waiting.push(() => listener(event));
         else listener(event);
       };
       listen.call(this, kind, later);
-    } as typeof listen;
+    };
     // A stream whose end is held back has not broken.
-    const { set } = Object.getOwnPropertyDescriptor(EventSource.prototype, "onerror")!;
-    Object.defineProperty(EventSource.prototype, "onerror", { set(told: EventListener) { set!.call(this, (event: Event) => isHeld || told(event)); } });
-    Object.defineProperty(window, "releaseFit", { value: () => ((isHeld = false), waiting.splice(0).forEach((each) => each())) });
+    const onerror = Object.getOwnPropertyDescriptor(EventSource.prototype, "onerror")!;
+    Object.defineProperty(EventSource.prototype, "onerror", {
+      set(listener: EventListener) {
+        onerror.set!.call(this, (event: Event) => {
+          if (!isHeld) listener(event);
+        });
+      },
+    });
+    const release = (): void => {
+      isHeld = false;
+      for (const each of waiting.splice(0)) each();
+    };
+    Object.defineProperty(window, "releaseFit", { value: release });
   }, HELD_AT);
 }
 

@@ -1,5 +1,5 @@
 // Turns the service's OpenAPI document into src/api/types.gen.ts.  Our own few lines and not a package: the usual
-// generator needs the old TypeScript compiler's interface, which TypeScript 7 no longer has.
+// generator builds on the compiler interface of TypeScript 6, which is kept for ESLint alone.
 //   node scripts/generate-types.mjs          writes the file
 //   node scripts/generate-types.mjs --check  fails when the file is not what would be written
 import { readFileSync, writeFileSync } from "node:fs";

@@ -1,17 +1,18 @@
 // A page without a browser: the real store and actions, a client that answers what the test says.
 import { vi } from "vitest";
-import { createActions } from "../src/actions";
 import type { Client } from "../src/api/client";
 import type { LandmarkDefinition, Scan, Vector } from "../src/api/types";
-import { initialSession, type Session } from "../src/state/session";
-import { createStore } from "../src/state/store";
+import { createActions } from "../src/app/actions";
+import { initialSession, type Session } from "../src/app/session";
+import { createStore } from "../src/store/store";
 
 export const NAMES = ["suprasternal_notch", "nipple_L", "nipple_R", "umbilicus"];
 
 export function scanInfo(id: string): Scan {
   const links = { self: `/api/scans/${id}`, mesh: `/api/scans/${id}/mesh.glb`, landmarks: `/api/scans/${id}/landmarks`, drawing: `/api/scans/${id}/drawing` };
+  const stance = { proposed: "standing", reason: "" };
   const frame = { up: [0, 1, 0] as Vector, front: [0, 0, 1] as Vector, confidence: 1, reason: "" };
-  return { id, unit: "m", frame, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
+  return { id, unit: "m", frame, stance, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
 }
 
 export function fitLinks(id: string) {
@@ -73,4 +74,11 @@ export function page(answers: Partial<Client> = {}) {
     ...answers,
   } as unknown as Client;
   return { store, client, actions: createActions(store, client, () => true) };
+}
+
+/** The same with a scan opened. */
+export async function withScan(...rest: Parameters<typeof page>) {
+  const made = page(...rest);
+  await made.actions.scan.open("s1", null);
+  return made;
 }

@@ -11,11 +11,12 @@ from typing import Any
 from apiflask import APIFlask, HTTPError
 from flask import Response, request
 from pydantic import ValidationError
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import DatabaseError, OperationalError
 from sqlalchemy.exc import TimeoutError as NoConnectionLeft
 from werkzeug.exceptions import HTTPException
 
 from breastrig.core import errors
+from breastrig.storage.sqlite import is_damage
 
 log = logging.getLogger(__name__)
 
@@ -25,6 +26,7 @@ STATUS: tuple[tuple[type[errors.BreastRigError], int], ...] = (  # the first tha
     (errors.TooLarge, 413),
     (errors.TooMany, 429),
     (errors.BadModel, 503),  # the model is the service's own, the caller cannot mend it
+    (errors.NotRemoved, 500),  # what was asked for has not been done, and only who runs the service can help
     (errors.BreastRigError, 422),
 )
 SENTENCES = {
@@ -74,6 +76,7 @@ def register_errors(app: APIFlask) -> None:
     app.register_error_handler(HTTPException, _http_error)
     app.register_error_handler(RecursionError, _too_deep)
     app.register_error_handler(OperationalError, _database_trouble)
+    app.register_error_handler(DatabaseError, _database_damage)
     app.register_error_handler(NoConnectionLeft, _database_trouble)
     app.register_error_handler(OSError, _disk_trouble)
 
@@ -121,6 +124,13 @@ def _database_trouble(error: OperationalError | NoConnectionLeft) -> Response:
     log.error("the database cannot be used: %s", reason)
     detail = "The service cannot store anything at the moment; its disk may be full. Try again later."
     return problem(503, detail, headers={"Retry-After": "10"})
+
+
+def _database_damage(error: DatabaseError) -> Response:
+    if not is_damage(error):
+        raise error
+    log.error("the database is damaged: %s", error.orig)
+    return problem(503, "The service's database is damaged; whoever runs it has to put a copy in its place.")
 
 
 def _disk_trouble(error: OSError) -> Response:

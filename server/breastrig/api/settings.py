@@ -16,8 +16,8 @@ from breastrig.api.config import TOKEN_VARIABLE
 from breastrig.api.request_body import BodyLimits
 from breastrig.api.trusted_proxy import read_trusted_proxy
 from breastrig.core.errors import BadSettings, unknown_name
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.sweep import KEEP_DAYS
+from breastrig.execution.limits import FitLimits
+from breastrig.service.sweep import KEEP_DAYS
 from breastrig.storage.location import Location
 from breastrig.storage.storage import default_data_folder
 
@@ -108,7 +108,7 @@ def read_log_requests(text: str) -> str:
 
 
 def read_folder(text: str) -> Path:
-    if not text:
+    if not text.strip() or "\0" in text:
         raise ValueError("is no place; give a path")
     return Path(text).expanduser().absolute()
 
@@ -207,7 +207,7 @@ def effective_settings(
         try:
             value = setting.read(str(text))
         except ValueError as error:
-            raise BadSettings(f"{name} ({source}): {setting.quote(str(text))} {error}.") from error
+            raise BadSettings(f"{name} ({source}): {setting.quote(str(text)) or 'nothing'} {error}.") from error
         found[name] = Found(value, source, setting.show(value))
     return found
 

@@ -10,26 +10,29 @@ import argparse
 import json
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Event
 
 from tqdm import tqdm
 
+from breastrig.batch.manifest import INPUTS, BadManifest, BatchRow, read_manifest
+from breastrig.batch.run import Batch, exclusive, run_batch
+from breastrig.batch.table import FILE, Outcome, is_table, write_table
+from breastrig.cli.output_options import add_output_options, output_folder
 from breastrig.core.errors import BadSettings
+from breastrig.core.output_files import OutputSet, check_inputs_kept, check_output
+from breastrig.core.scratch import sweep_scratch
+from breastrig.execution.dask_pool import DaskPool
+from breastrig.execution.dask_task import RESOURCE
+from breastrig.execution.executor import Executor
+from breastrig.execution.fork_server import start_fork_server
+from breastrig.execution.limits import FitLimits
+from breastrig.execution.processes import Processes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.jobs.batch import Batch, exclusive, run_batch
-from breastrig.jobs.batch_manifest import BadManifest, read_manifest
-from breastrig.jobs.batch_table import FILE, Outcome, write_table
-from breastrig.jobs.dask_pool import DaskPool
-from breastrig.jobs.dask_task import RESOURCE
-from breastrig.jobs.executor import Executor
-from breastrig.jobs.fork_server import start_fork_server
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.processes import Processes
-from breastrig.jobs.run_fit import run_fit
-from breastrig.storage.scratch import sweep_scratch
+from breastrig.workflow.fit_files import FIT_FILES
+from breastrig.workflow.run_fit import run_fit
 
 SHOWN_FAULTS = 20  # a screenful; a table with more has one cause
 
@@ -53,7 +56,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("manifest", type=Path, metavar="MANIFEST.csv", help="one scan a row")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results")
+    add_output_options(parser, "DIR", "folder for the results")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--jobs", type=int, metavar="N", help="fits at a time (default: one a core, at most 8)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, as in tcp://host:8786")
@@ -68,10 +71,11 @@ def run(options: argparse.Namespace) -> int:
         raise BadSettings("--jobs must be 1 or more.")
     rig = read_rig(default_rig_path())
     try:
-        rows = read_manifest(options.manifest, rig, options.output)
+        rows = read_manifest(options.manifest, rig, options.output, options.force)
     except BadManifest as error:
         return _tell_faults(error.faults)
-    batch = Batch(rows, options.output, rig.sha256, options.again, run_fit)
+    _check_places(options, rows)
+    batch = Batch(rows, options.output, rig.sha256, options.again, run_fit, force=options.force)
     with exclusive(options.output):
         executor = _executor(options)
         try:
@@ -85,6 +89,15 @@ def run(options: argparse.Namespace) -> int:
     if sys.stdout.isatty():
         print(f"{len(outcomes) - failed} of {len(outcomes)} fits are done; {options.output / FILE} has the numbers.")
     return 1 if failed else 0
+
+
+def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow]) -> None:
+    """Raises BadInput when the table of results or a result would replace what must stay."""
+    presets = {Path(row.preset) for row in rows if row.preset.endswith(".toml")}
+    read = [options.manifest, *presets, *(file for row in rows for file in (row.scan, row.landmarks) if file)]
+    check_output(output_folder(options, [OutputSet(Path(), (FILE,), known=is_table)], read))
+    results = (options.output / row.name / name for row in rows for name in (*FIT_FILES, INPUTS))
+    check_inputs_kept(results, read)
 
 
 def _executor(options: argparse.Namespace) -> Executor:
@@ -135,7 +148,7 @@ def _run(batch: Batch, executor: Executor, silent: bool, stop: Event) -> list[Ou
             told += 1
             bar.update()
             if in_lines:
-                line = {"name": outcome.name, "state": outcome.state, "reason": outcome.reason}
+                line: dict[str, object] = {"name": outcome.name, "state": outcome.state, "reason": outcome.reason}
                 line |= {"mean_mm": outcome.numbers.get("mean_mm"), "row": told, "of": len(batch.rows)}
                 print(json.dumps(line), flush=True)
             if outcome.reason is not None:

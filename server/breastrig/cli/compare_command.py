@@ -9,7 +9,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from breastrig.jobs.compare import CompareJob, compare
+from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
+from breastrig.core.output_files import OutputSet, all_or_nothing
+from breastrig.workflow.compare import COMPARE_FILES, COMPARE_RECORD, SCHEMA, CompareJob, compare
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -18,13 +20,16 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument("second", type=Path, metavar="SECOND", help="another one; white")
     parser.add_argument("--on", dest="fit", type=Path, required=True, metavar="OUT", help="the scan's fit")
     parser.add_argument("--model", type=Path, metavar="GLB", help="the rig of the fit, when not the package's")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results")
+    add_output_options(parser, "DIR", "folder for the results")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Measures, draws and writes; returns 0."""
-    document = compare(CompareJob(options.fit, options.first, options.second, options.output, options.model))
+    inputs = [options.first, options.second, *files_of_fit(options.fit), *files_of_model(options.model)]
+    files = OutputSet(Path(), COMPARE_FILES, COMPARE_RECORD, SCHEMA)
+    with all_or_nothing(output_folder(options, [files], inputs)) as out:
+        document = compare(CompareJob(options.fit, options.first, options.second, out, options.model))
     if sys.stdout.isatty():
         for row in document["distances"]:
             print(f"{row['shape']}: mean {row['mean_mm']:.2f}, 95 % {row['p95_mm']:.2f}, max {row['max_mm']:.2f} mm")

@@ -10,14 +10,25 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from breastrig.cli.interruption import raise_if_asked
+from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
 from breastrig.core.errors import BadInput
-from breastrig.evaluation.charts import have_plots
+from breastrig.core.output_files import Output, OutputSet, all_or_nothing, check_output, private_folder
 from breastrig.evaluation.cohort import read_cohort
 from breastrig.evaluation.evaluate import measured
-from breastrig.evaluation.page import Circumstances
-from breastrig.evaluation.plan import QUICK_ROTATIONS, ROTATIONS, Plan
-from breastrig.evaluation.publish import NO_PLOTS, published
-from breastrig.evaluation.tables import console, failures_table
+from breastrig.evaluation.page.charts import have_plots
+from breastrig.evaluation.page.page import Circumstances
+from breastrig.evaluation.page.publish import (
+    NO_PLOTS,
+    RECORD,
+    SCHEMA,
+    is_of_an_evaluation,
+    possible_files,
+    published,
+)
+from breastrig.evaluation.studies.plan import QUICK_ROTATIONS, ROTATIONS, Plan
+from breastrig.evaluation.studies.result_cache import FILES
+from breastrig.evaluation.tables.accuracy import console, failures_table
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path
 
@@ -44,7 +55,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="processes at a time")
     parser.add_argument("--again", action="store_true", help="measure finished work again")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results")
+    add_output_options(parser, "DIR", "folder for the results")
     parser.set_defaults(run=run)
 
 
@@ -59,8 +70,12 @@ def _cohort(options: argparse.Namespace) -> Path:
     folder = Path(options.output) / "cohort"
     if not any(folder.glob("*/*/scan.ply")):
         from breastrig.evaluation.virtual import make_cohort
+        from breastrig.evaluation.virtual.bodies import read_bodies
 
-        folder.mkdir(parents=True, exist_ok=True)
+        names = {patient.name for patient in read_bodies().patients}
+        if folder.is_dir() and any(each.name not in names for each in folder.iterdir()):
+            raise BadInput(f"{folder} holds other things than virtual patients; choose another folder with -o.")
+        private_folder(folder)
         with tqdm(unit="scan", disable=not sys.stderr.isatty(), leave=False, desc="virtual patients") as bar:
 
             def told(what: str) -> None:
@@ -86,20 +101,36 @@ def _plan(options: argparse.Namespace) -> Plan:
     return Plan(read_cohort(_cohort(options)), recipes, model, rotations, options.quick)
 
 
+def _output(options: argparse.Namespace, plan: Plan | None) -> Output:
+    """Where the page and its files go, and what is read as far as it is known yet."""
+    folder = options.output
+    page = OutputSet(
+        Path(), possible_files(folder), RECORD, SCHEMA, varying=True, known=lambda _file: is_of_an_evaluation(folder)
+    )
+    read: list[Path] = [] if plan is None else [case.folder / name for case in plan.cases for name in FILES]
+    presets = [Path(name) for name in options.preset or () if name.endswith(".toml")]
+    return output_folder(options, [page], [*read, *presets, *files_of_model(options.model)])
+
+
 def run(options: argparse.Namespace) -> int:
     """Measures what is not yet measured, writes everything, prints the means; returns 0."""
+    check_output(_output(options, None))
     plan = _plan(options)
-    options.output.mkdir(parents=True, exist_ok=True)
+    output = _output(options, plan)
+    check_output(output)
+    private_folder(options.output)
     with tqdm(unit="fit", disable=not sys.stderr.isatty(), leave=False, smoothing=0.1) as bar:
 
         def progress(total: int, label: str) -> None:
             bar.total = total
             bar.set_postfix_str(label, refresh=False)
             bar.update()
+            raise_if_asked()
 
         results = measured(plan, options.output, options.jobs, options.again, progress)
         about = Circumstances(_command(options), "virtual cohort" if options.virtual else "cohort folder", options.jobs)
-        published(results, about, options.output, lambda what: bar.set_postfix_str(what))
+        with all_or_nothing(output) as out:
+            published(results, about, out, lambda what: bar.set_postfix_str(what))
     print(console(results.records, plan.recipes[0].name))
     failed = len(failures_table(results.records).rows)
     if failed:

@@ -4,18 +4,25 @@ landmarks, lines, regions and caps as named sets of vertices (JSON)."""
 import argparse
 from pathlib import Path
 
-from breastrig.jobs.export_fit import write_export
+from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
+from breastrig.core.output_files import OutputSet, all_or_nothing
+from breastrig.report.exported import SET_FORMAT
+from breastrig.workflow.export_fit import EXPORT_FILES, EXPORT_RECORD, write_export
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     parser = commands.add_parser("export", help="drawing and closed surface for other programs", description=__doc__)
     parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
     parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fit was made with")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the files")
+    add_output_options(parser, "DIR", "folder for the files")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Writes the files; returns 0."""
-    write_export(options.fit, options.output, options.model)
+    inputs = [*files_of_fit(options.fit), *files_of_model(options.model)]
+    with all_or_nothing(
+        output_folder(options, [OutputSet(Path(), EXPORT_FILES, EXPORT_RECORD, SET_FORMAT)], inputs)
+    ) as out:
+        write_export(options.fit, out, options.model)
     return 0

@@ -13,15 +13,20 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
+from breastrig.cli.interruption import raise_if_asked
+from breastrig.cli.output_options import add_output_options, files_of_model, fit_set, output_folder
 from breastrig.core.errors import BadScan, BadSettings
+from breastrig.core.output_files import Output, OutputSet, all_or_nothing, is_ordinary, shown
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import pattern_help, tumour_text
 from breastrig.fitting.coupling import ALIKE, ONE_BODY
-from breastrig.jobs.events import Done, Event, Iterated, Started
-from breastrig.jobs.run_fit import STANCES, FitJob, run_fit
-from breastrig.jobs.run_pair import run_pair
 from breastrig.scan.landmark_files import landmark_confidences, read_landmarks
 from breastrig.scan.read import read_scan
+from breastrig.workflow.events import Done, Event, Iterated, Started
+from breastrig.workflow.run_fit import STANCES, FitJob, run_fit
+from breastrig.workflow.run_pair import PAIR_SCHEMA, run_pair
+
+PAIR = "pair.json"
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -57,7 +62,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )
     parser.add_argument("--refine", action="store_true", help="add a smooth free-form layer where the scan shows skin")
     parser.add_argument("--no-progress", action="store_true", help="no progress bar")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="folder for the results")
+    add_output_options(parser, "OUT", "folder for the results")
     parser.set_defaults(run=run)
 
 
@@ -76,8 +81,8 @@ def _drawing(options: argparse.Namespace) -> str | None:
 
 
 def _job(options: argparse.Namespace, scan: Path, landmarks: Path | None, units: str, stance: str, out: Path) -> FitJob:
-    if not scan.is_file():
-        raise BadScan(f"There is no scan file {scan}; check the name.")
+    if not is_ordinary(scan):
+        raise BadScan(f"There is no scan file {shown(scan)}; check the name.")
     return FitJob(
         scan=scan,
         out=out,
@@ -92,30 +97,46 @@ def _job(options: argparse.Namespace, scan: Path, landmarks: Path | None, units:
     )
 
 
-def _stories(options: argparse.Namespace) -> Iterator[tuple[int, Event]]:
+def _output(options: argparse.Namespace) -> Output:
+    """What will be written, and what is read."""
+    preset = Path(options.preset) if options.preset.endswith(".toml") else None
+    inputs = [options.scan, options.landmarks, options.other, options.with_landmarks, preset]
+    sets = [fit_set(Path())]
+    if options.other is not None:
+        pair = OutputSet(Path(), (PAIR,), PAIR, PAIR_SCHEMA)
+        sets = [fit_set(Path("first")), fit_set(Path("second")), pair]
+    return output_folder(options, sets, [*inputs, *files_of_model(options.model)])
+
+
+def _stories(options: argparse.Namespace, out: Path) -> Iterator[tuple[int, Event]]:
     """(0, or 1 for the second scan; its next event)."""
     first = options.scan, options.landmarks, options.units, options.stance
     if options.other is None:
-        given = options.with_landmarks or options.alike
-        if given or (options.with_units, options.with_stance) != ("auto", "auto"):
-            raise BadSettings("--with-landmarks, --with-units, --with-stance and --alike need --with SCAN_B.")
-        yield from ((0, event) for event in run_fit(_job(options, *first, options.output)))
+        yield from ((0, event) for event in run_fit(_job(options, *first, out)))
         return
     second = options.other, options.with_landmarks, options.with_units, options.with_stance
     yield from run_pair(
-        _job(options, *first, options.output / "first"),
-        _job(options, *second, options.output / "second"),
-        options.output / "pair.json",
+        _job(options, *first, out / "first"),
+        _job(options, *second, out / "second"),
+        out / PAIR,
         ALIKE if options.alike else ONE_BODY,
     )
 
 
 def run(options: argparse.Namespace) -> int:
     """Fits and writes; returns 0."""
+    given = options.with_landmarks or options.alike or (options.with_units, options.with_stance) != ("auto", "auto")
+    if options.other is None and given:
+        raise BadSettings("--with-landmarks, --with-units, --with-stance and --alike need --with SCAN_B.")
     results: dict[int, dict[str, Any]] = {}
     quiet = options.no_progress or not sys.stderr.isatty()
-    with threadpool_limits(1), tqdm(disable=quiet, unit="step", leave=False) as bar:
-        for which, event in _stories(options):
+    with (
+        threadpool_limits(1),
+        all_or_nothing(_output(options)) as out,
+        tqdm(disable=quiet, unit="step", leave=False) as bar,
+    ):
+        for which, event in _stories(options, out):
+            raise_if_asked()
             if isinstance(event, Started):
                 bar.reset(event.iterations_limit)
             elif isinstance(event, Iterated):

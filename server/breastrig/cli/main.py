@@ -1,16 +1,19 @@
-"""`breastrig` and its commands.  Exit codes: 0 done, 1 the fit failed, 2 bad input or usage.
+"""`breastrig` and its commands.  Exit codes: 0 done, 1 the fit failed, 2 bad input or usage, 130 stopped by Ctrl-C.
 
 Only the module of the command that is called is imported: all of them together take seconds.
 """
 
 import argparse
 import importlib
+import os
 import sys
 from collections.abc import Sequence
 
 from breastrig import __version__
+from breastrig.cli import interruption
 from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.notice import LIMITS_OF_USE, RESEARCH_USE_ONLY
+from breastrig.core.output_files import shown
 
 COMMANDS = (
     "fit",
@@ -53,8 +56,10 @@ def _needed(words: Sequence[str]) -> Sequence[str]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs one command; every expected error is one line on stderr."""
     words = sys.argv[1:] if arguments is None else arguments
-    options = parser(_needed(words)).parse_args(words)
+    before = os.umask(0o077)  # results show patients: whatever a command writes is for its user alone
     try:
+        options = parser(_needed(words)).parse_args(words)
+        interruption.work_begins()
         return int(options.run(options))
     except BreastRigError as error:
         print(f"breastrig: {error}", file=sys.stderr)
@@ -63,8 +68,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     except KeyboardInterrupt:
         print("breastrig: stopped.", file=sys.stderr)
-        return 130
+        return interruption.exit_code()
+    except OSError as error:
+        if error.filename is None:
+            raise
+        print(f"breastrig: {shown(str(error.filename))} cannot be used ({error.strerror}).", file=sys.stderr)
+        return 2
+    finally:
+        os.umask(before)
 
 
 if __name__ == "__main__":
+    interruption.watch()
     sys.exit(main())

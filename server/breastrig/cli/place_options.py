@@ -3,7 +3,6 @@
 import argparse
 import os
 from collections.abc import Callable
-from pathlib import Path
 
 from breastrig.api.settings import SETTINGS, effective_settings, location_of, settings_file
 from breastrig.storage.location import Location
@@ -14,7 +13,9 @@ PLACES = ("data", "database", "files")
 
 def add_place_options(parser: argparse.ArgumentParser) -> None:
     shown = str(default_data_folder()).replace(os.path.expanduser("~"), "~", 1)  # as a person would write it
-    parser.add_argument("--data", type=Path, metavar="DIR", help=f"where scans and fits are kept (default {shown})")
+    parser.add_argument(
+        "--data", type=checked("data"), metavar="DIR", help=f"where scans and fits are kept (default {shown})"
+    )
     parser.add_argument(
         "--database",
         type=checked("database"),
@@ -40,7 +41,7 @@ def checked(name: str) -> Callable[[str], str]:
         try:
             setting.read(text)
         except ValueError as error:
-            raise argparse.ArgumentTypeError(f"{setting.quote(text)} {error}") from error
+            raise argparse.ArgumentTypeError(f"{setting.quote(text) or 'nothing'} {error}") from error
         return text
 
     return check

@@ -5,7 +5,10 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from breastrig.jobs.report import ReportJob, write_report
+from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
+from breastrig.core.output_files import OutputSet, all_or_nothing
+from breastrig.report.document import SCHEMA
+from breastrig.workflow.report import REPORT_FILES, REPORT_RECORD, ReportJob, write_report
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -17,14 +20,17 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "--with", dest="other", type=Path, metavar="OUT_B", help="fit of the same patient in another stance"
     )
     parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fits were made with")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the three files")
+    add_output_options(parser, "DIR", "folder for the three files")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Writes report.json, measures.csv and report.pdf; returns 0."""
-    with threadpool_limits(1):
-        write_report(ReportJob(*_stances(options), options.model), options.output)
+    fit, other = _stances(options)
+    inputs = [*files_of_fit(fit), *files_of_fit(other), *files_of_model(options.model)]
+    files = OutputSet(Path(), REPORT_FILES, REPORT_RECORD, SCHEMA)
+    with threadpool_limits(1), all_or_nothing(output_folder(options, [files], inputs)) as out:
+        write_report(ReportJob(fit, other, options.model), out)
     return 0
 
 

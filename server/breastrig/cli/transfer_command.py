@@ -11,9 +11,10 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from breastrig.core.errors import BadInput
-from breastrig.jobs.fit_files import json_bytes, write_whole
-from breastrig.jobs.transfer import TransferJob, drawing_document, transfer
+from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
+from breastrig.core.output_files import all_or_nothing, write_private
+from breastrig.workflow.fit_files import json_bytes
+from breastrig.workflow.transfer import TransferJob, drawing_document, transfer
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -25,21 +26,20 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "--other-patient", action="store_true", help="the scans are of two patients: same place instead of same skin"
     )
     parser.add_argument("--model", type=Path, metavar="GLB", help="the rig of both fits, when not the package's")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="drawing on scan B, JSON")
+    add_output_options(parser, "FILE", "drawing on scan B, JSON")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Carries and writes; returns 0."""
-    drawing = None if options.drawing is None else drawing_document(options.drawing)
-    job = TransferJob(options.from_fit, options.to_fit, drawing, options.other_patient, options.model)
-    with threadpool_limits(1):
-        document = transfer(job)
-    try:
-        options.output.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(options.output, json_bytes(document))
-    except OSError as error:
-        raise BadInput(f"{options.output} cannot be written ({error.strerror}); choose another place.") from error
+    fits = [*files_of_fit(options.from_fit), *files_of_fit(options.to_fit)]
+    inputs = [options.drawing, *fits, *files_of_model(options.model)]
+    with threadpool_limits(1), all_or_nothing(output_file(options, inputs)) as out:
+        drawing = None if options.drawing is None else drawing_document(options.drawing)
+        document = transfer(
+            TransferJob(options.from_fit, options.to_fit, drawing, options.other_patient, options.model)
+        )
+        write_private(out / options.output.name, json_bytes(document))
     bridged = sum(sum(shape["bridged"]) for shape in document["shapes"])
     count = sum(len(shape["points"]) for shape in document["shapes"])
     if sys.stdout.isatty():

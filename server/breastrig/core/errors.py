@@ -11,11 +11,14 @@
     │   ├── Conflict             the thing is not in a state that allows this
     │   ├── TooLarge             over a stated limit
     │   └── TooMany              too much at once; it works later
-    └── FitFailed                the input was fine, the registration was not
+    ├── FitFailed                the input was fine, the registration was not
+    └── NotRemoved               a scan was deleted, and files of it are left
 
 Each message is one sentence for a person: what is wrong, then what to do.  Only `api` and `cli` turn
 an error into a status or exit code.
 """
+
+SHOWN = 100  # characters of a wrong word that are repeated
 
 
 class BreastRigError(Exception):
@@ -74,6 +77,21 @@ class FitFailed(BreastRigError):
     """The registration ended without a usable result; the message names the reason."""
 
 
+class NotRemoved(BreastRigError):
+    """A scan was deleted, and files of so many places, its own and those of its fits, could not be removed."""
+
+    def __init__(self, places: int) -> None:
+        super().__init__(
+            f"The scan is deleted and can be seen no more, but {places} of the folders with its files could not be "
+            "removed; the service goes on trying, and on its machine `breastrig purge` says what is in the way."
+        )
+        self.places = places
+
+    def __reduce__(self) -> tuple[type["NotRemoved"], tuple[int]]:
+        return NotRemoved, (self.places,)
+
+
 def unknown_name(what: str, name: str, known: tuple[str, ...]) -> str:
     """One sentence that names the wrong word and the right ones."""
+    name = name if len(name) <= SHOWN else name[: SHOWN - 3] + "..."
     return f'"{name}" is not a {what}; known are: {", ".join(known)}.'

@@ -3,3 +3,11 @@
 METRES_PER_UNIT = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 UNIT_NAMES = {"m": "metres", "dm": "decimetres", "cm": "centimetres", "mm": "millimetres", "in": "inches"}
 UNIT_CHOICES = ("auto", *METRES_PER_UNIT)
+BEYOND = 1e9  # in any unit; a coordinate that is larger is a mistake, and its square still a number
+
+
+def distance_text(metres: float) -> str:
+    """A distance for a sentence: millimetres, as far as anyone reads such numbers."""
+    if metres < 10.0:
+        return f"{1e3 * metres:.0f} mm"
+    return f"{metres:,.0f} m" if metres < 1e6 else "more than 1,000 km"

@@ -41,7 +41,7 @@ class FittedSkin:
 
     def nearest(self, points: Array) -> SurfacePoints:
         """The skin's closest points to (M, 3) m points."""
-        found = self._search.query(points, candidates=16)
+        found = self._search.query(points)
         return SurfacePoints(found.faces, found.barycentric)
 
     def at(self, points: SurfacePoints) -> Array:

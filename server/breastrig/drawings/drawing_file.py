@@ -6,14 +6,14 @@ sentence.
 
 import json
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadDrawing
-from breastrig.core.units import METRES_PER_UNIT
+from breastrig.core.units import BEYOND, METRES_PER_UNIT
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape, Rig
 
@@ -45,6 +45,9 @@ class _Part(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True)
 
 
+_Coordinate = Annotated[FiniteFloat, Field(ge=-BEYOND, le=BEYOND)]
+
+
 class _SurfacePoint(_Part):
     face: int = Field(ge=0)
     barycentric: list[FiniteFloat] = Field(min_length=3, max_length=3)
@@ -55,7 +58,7 @@ class _Shape(_Part):
     label: str = Field("", max_length=200)
     closed: bool = False
     color: str = Field("#101010", pattern=r"^#[0-9a-fA-F]{6}$")
-    points: list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]] | None = None
+    points: list[tuple[_Coordinate, _Coordinate, _Coordinate]] | None = None
     bridged: list[bool] | None = None
     surface_points: list[_SurfacePoint] | None = None
 

@@ -10,16 +10,17 @@ rims, and is marked as bridged.  Beside each point stands how far the two fits w
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.carry import FittedScan, SkinMap
 from breastrig.drawings.drawing_file import ScanShape
-from breastrig.drawings.given_line import on_the_skin
-from breastrig.drawings.on_scan import settled
+from breastrig.drawings.prepare_polyline import on_the_skin
+from breastrig.drawings.project_drawing import Strand, settled
+from breastrig.drawings.skin_map import FittedScan, SkinMap
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
@@ -28,8 +29,8 @@ from breastrig.scan.clean import Surface
 
 STEP = 0.002  # m, for the tangents of a way; it bends over centimetres
 ROUNDS = 3  # to find the place of the model over which a scan's point stands; the third moves it by micrometres
-NEAREST_SKIN = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3, candidates=16)
-ALONG_THE_NORMAL = MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3, candidates=16)
+NEAREST_SKIN = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3)
+ALONG_THE_NORMAL = MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3)
 
 Way = Callable[[Array, Array], tuple[Array, Array]]  # (M, 3) points and normals on A -> near B's skin, and normals
 
@@ -54,28 +55,26 @@ def transferred(
 
     Raises BadDrawing for a point off A's skin that is not said to be bridged, and for fits off their scans.
     """
-    lines = [on_the_skin(rig, a, shape) for shape in shapes]
+    lines = on_the_skin(rig, a, shapes)
     points = np.concatenate([line.points for line in lines])
     skipped = np.concatenate([line.bridged for line in lines])
     near, facing, there, bridged = _carried(rig, a, b, points, other_patient, skipped)
-    first = 0
-    for line in lines:  # a line is smoother than its points alone, and does not step onto an arm
-        part = slice(first, first + len(line.points))
-        first = part.stop
-        moved, out, met, smooth = near[part], facing[part], ~bridged[part], np.zeros(len(line.points), dtype=np.bool_)
-        there[part], met = settled(b.target, moved, out, there[part] - moved, met, smooth, line.closed)
-        bridged[part] = ~met
+    ends = np.cumsum([0, *(len(line.points) for line in lines)]).tolist()
+    parts = [slice(a, b) for a, b in pairwise(ends)]
+    smooth = np.zeros(len(points), dtype=np.bool_)
+    strands = [  # a line is smoother than its points alone, and does not step onto an arm
+        Strand(near[part], facing[part], there[part] - near[part], ~bridged[part], smooth[part], line.closed)
+        for line, part in zip(lines, parts, strict=True)
+    ]
+    for part, (on_b, met) in zip(parts, settled(b.target, strands), strict=True):
+        there[part], bridged[part] = on_b, ~met
     models = [ClosestPointSearch(each.vertices, rig.faces) for each in (a, b)]
-    gaps = [model.query(each, candidates=16).distances for model, each in zip(models, (points, there), strict=True)]
+    gaps = [model.query(each).distances for model, each in zip(models, (points, there), strict=True)]
     gaps[0][skipped], gaps[1][bridged] = np.nan, np.nan
-    result, first = [], 0
-    for line in lines:
-        part = slice(first, first + len(line.points))
-        first = part.stop
-        result.append(
-            CarriedShape(line.name, line.closed, line.color, there[part], bridged[part], gaps[0][part], gaps[1][part])
-        )
-    return tuple(result)
+    return tuple(
+        CarriedShape(line.name, line.closed, line.color, there[part], bridged[part], gaps[0][part], gaps[1][part])
+        for line, part in zip(lines, parts, strict=True)
+    )
 
 
 def points_carried(
@@ -97,11 +96,11 @@ def _carried(
 
     `bridged` (M,) says which points are not on A's skin.
     """
-    on_a = a.target.search.query(points, candidates=16)
+    on_a = a.target.search.query(points)
     normals = _unit(a.target.surface_at(on_a.faces, on_a.barycentric)[1])
     model = ClosestPointSearch(a.vertices, rig.faces)
     if bridged.any():  # without skin the model says which way is out
-        beside = model.query(points[bridged], candidates=16)
+        beside = model.query(points[bridged])
         out = SurfacePoints(beside.faces, beside.barycentric).positions(
             vertex_normals(a.vertices, rig.faces), rig.faces
         )
@@ -144,7 +143,7 @@ def _by_the_model(rig: Rig, a: FittedScan, b: FittedScan, model: ClosestPointSea
     def way(points: Array, _normals: Array) -> tuple[Array, Array]:
         asked = points
         for _ in range(ROUNDS):
-            found = model.query(asked, candidates=16)
+            found = model.query(asked)
             places = SurfacePoints(found.faces, found.barycentric)
             normals = _unit(places.positions(turned, rig.faces))
             gap = points - found.points

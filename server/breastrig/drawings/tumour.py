@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from breastrig.core.errors import BadDrawing
+from breastrig.core.units import distance_text
 from breastrig.drawings.clock import SIDES, FittedSkin, angle_of, circle_around, on_clock
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape
@@ -74,7 +75,7 @@ class PickedTumour(BaseModel):
         at = skin.at(centre)[0]
         gap = float(np.linalg.norm(at - place))
         if gap > OFF_SKIN:
-            raise BadDrawing(f"The tumour's centre is {1e3 * gap:.0f} mm off the skin; check its frame and unit.")
+            raise BadDrawing(f"The tumour's centre is {distance_text(gap)} off the skin; check its frame and unit.")
         left = float((at - skin.vertices.mean(axis=0)) @ skin.axes[:, 0]) > 0.0
         return (circle(skin, centre, 1e-3 * self.radius_mm, "L" if left else "R"),)
 

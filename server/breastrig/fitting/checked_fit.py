@@ -5,7 +5,7 @@ limit the one without which the others agree best is let go, and the fit goes on
 remaining picks agree with each other.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from breastrig.fitting.fit import fit_iterates
@@ -45,13 +45,16 @@ def contradicted(task: FitTask, x: RigParameters) -> str | None:
     return min(suspects, key=disagreement, default=None)
 
 
-def checked_iterates(task: FitTask) -> Iterator[FitIterate]:
-    """As fit_iterates; iterates after a pick was let go name it in `not_followed`."""
+def checked_iterates(task: FitTask, begun: Sequence[FitIterate] = ()) -> Iterator[FitIterate]:
+    """As fit_iterates; iterates after a pick was let go name it in `not_followed`.
+
+    `begun` are all iterates of fit_iterates(task) where they are known already: the fit goes on from there.
+    """
     let_go: tuple[str, ...] = ()
     most = min(int(MOST * len(task.landmarks)), len(task.landmarks) - MIN_LANDMARKS)
     iteration, elapsed = 0, 0.0
     while True:
-        for iterate in fit_iterates(task):
+        for iterate in begun or fit_iterates(task):
             told = replace(
                 iterate,
                 iteration=iteration + iterate.iteration,
@@ -66,16 +69,16 @@ def checked_iterates(task: FitTask) -> Iterator[FitIterate]:
             yield told
             return
         yield replace(told, status=Status.RUNNING)
-        let_go = (*let_go, name)
+        let_go, begun = (*let_go, name), ()
         iteration, elapsed = told.iteration, told.elapsed_s
         remaining = {other: place for other, place in task.landmarks.items() if other != name}
         task = replace(task, start=iterate.parameters, landmarks=remaining)
 
 
-def agreeing_picks(task: FitTask) -> tuple[FitTask, tuple[str, ...]]:
-    """The task without the picks that all else contradicts, and their names, found by a fit of its own."""
+def agreeing_picks(task: FitTask, begun: Sequence[FitIterate] = ()) -> tuple[FitTask, tuple[str, ...]]:
+    """The task without the picks that all else contradicts, and their names, found by a fit of its own (or `begun`)."""
     if not task.landmarks:
         return task, ()
-    *_, last = checked_iterates(task)
+    *_, last = checked_iterates(task, begun)
     kept = {name: place for name, place in task.landmarks.items() if name not in last.not_followed}
     return replace(task, landmarks=kept), last.not_followed

@@ -5,11 +5,10 @@ consume it, and whoever stops consuming cancels the fit.  Nothing here prints, s
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
-from breastrig.fitting.bounds import free_unknowns, onto_simplex, step_bounds
+from breastrig.fitting.bounds import allowed_start, free_unknowns, step_bounds
 from breastrig.fitting.stance_fit import StanceFit, Stillness, mean_distance, stage_progress
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.least_squares.newton import Status, newton_step
@@ -20,11 +19,12 @@ __all__ = ["FitIterate", "FitTask", "fit_iterates"]
 def fit_iterates(task: FitTask) -> Iterator[FitIterate]:
     """Yields the start as iteration 0, then one iterate a step; the last one's status says why it stopped."""
     recipe, fit, stillness = task.recipe, StanceFit(task), Stillness(task.recipe.stop)
-    x, energy, iteration = task.start, np.nan, 0
+    x, energy, iteration = allowed_start(task), np.nan, 0
     for stage in recipe.stages:
         free = free_unknowns(task, stage, x.dof)
         last_stage = stage is recipe.stages[-1]
         stillness.new_stage()
+        damping = recipe.damping
         for step_number in range(stage.iterations):
             progress = stage_progress(stage, step_number)
             matches = fit.matches(stage, progress, x)
@@ -41,16 +41,15 @@ def fit_iterates(task: FitTask) -> Iterator[FitIterate]:
                 fit.held,
                 x,
                 scaling=fit.scaling,
-                damping=recipe.damping,
+                damping=damping,
+                least_damping=recipe.damping,
                 bounds=step_bounds(task, x),
                 free=free,
             )
             if step.status is Status.NOT_FINITE:
                 yield fit.iterate(iteration, stage, x, energy, matches, Status.NOT_FINITE)
                 return
-            x, energy = step.x, step.energy
-            if recipe.shapes.constraint == "simplex":
-                x = replace(x, weights=onto_simplex(x.weights))
+            x, energy, damping = step.x, step.energy, step.damping
             iteration += 1
             if step.status is Status.STALLED and last_stage:
                 yield fit.iterate(iteration, stage, x, energy, matches, Status.STALLED)

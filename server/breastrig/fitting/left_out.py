@@ -20,6 +20,7 @@ from breastrig.energies.landmarks import Landmarks
 from breastrig.fitting.stance_fit import StanceFit
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.newton import assemble
+from breastrig.least_squares.problem import HARD
 from breastrig.rig.parameters import RigParameters
 
 FLOOR = 1e-6  # of an unknown's natural size: keeps directions that nothing holds out of the inverse
@@ -34,7 +35,7 @@ class LeftOut:
         picks = next(term for term in terms if isinstance(term, Landmarks))
         system = assemble(terms, fit.held, x)
         held = system.constraint_jacobian
-        hessian = system.hessian + held.T @ (held / np.maximum(system.compliance, 1e-9)[:, None])
+        hessian = system.hessian + held.T @ (held / np.maximum(system.compliance, HARD)[:, None])
         lin = picks.linearise(x)
         self.names = tuple(task.landmarks)
         count = len(self.names)

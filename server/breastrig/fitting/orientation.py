@@ -9,6 +9,7 @@ A scan that shows all sides has no known front: then all six directions of its a
 torsos are found so, bodies with head and thighs not always: their margin is small.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,17 +18,13 @@ from scipy.spatial import cKDTree
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.landmark_check import MIN_LANDMARKS, start_from_landmarks
-from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.similarities import Similarities, nearest_similarities
 from breastrig.fitting.similarity import Similarity, similar_parameters
-from breastrig.fitting.stance import found_stance
-from breastrig.fitting.task import FitTask
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
-from breastrig.scan.orient import Frame, propose_frame
 
 CAP = 0.05  # m; beyond it a distance says only "elsewhere"
 REACH = 0.08  # m; how far a step looks for skin
@@ -48,6 +45,7 @@ class Start:
     """A rest pose on a scan."""
 
     parameters: RigParameters
+    similarity: Similarity  # of the rest pose
     rotation: Array  # (3, 3) columns: the body's left, up and front in the scan's axes
     score: float  # m, mean capped distance both ways; smaller is better
     margin: float  # how much worse the best try in another turn is, as a share of the score
@@ -121,40 +119,35 @@ def start_from_scan(rig: Rig, target: ScanTarget, fronts: Array) -> Start:
     best = fine.one(first)
     other = scores[np.einsum("tij,ij->t", found.rotations, best.rotation) < 1.0 + 2.0 * np.cos(0.7)]
     margin = float(other.min()) / max(float(scores.min()), 1e-9) - 1.0 if len(other) else 1.0
-    return Start(similar_parameters(rig, best), best.rotation, float(fine_scores[first]), margin)
+    return Start(similar_parameters(rig, best), best, best.rotation, float(fine_scores[first]), margin)
 
 
-def best_start(rig: Rig, target: ScanTarget, landmarks: dict[str, Array], fronts: Array) -> RigParameters:
+def best_start(
+    rig: Rig,
+    target: ScanTarget,
+    landmarks: dict[str, Array],
+    fronts: Callable[[], Array],
+    known: Similarity | None = None,
+) -> RigParameters:
     """The start for these landmarks ((3,) m by name) on a scan whose front is about one of (N, 3) directions.
+
+    `known` is what start_from_scan has found for the scan before; it and `fronts` are needed only where landmarks do
+    not say enough.
 
     Six and more landmarks place the body alone.  Three to five may lie nearly on a line (the breastbone, both
     collar bones and the notch) and leave a turn open: then the scan's own start is taken, if the landmarks agree.
     """
+
+    def from_scan() -> RigParameters:
+        return start_from_scan(rig, target, fronts()).parameters if known is None else similar_parameters(rig, known)
+
     if len(landmarks) < MIN_LANDMARKS:
-        return start_from_scan(rig, target, fronts).parameters
+        return from_scan()
     by_landmarks = start_from_landmarks(rig, landmarks)
     if len(landmarks) >= SURE_LANDMARKS:
         return by_landmarks
-    by_scan = start_from_scan(rig, target, fronts).parameters
+    by_scan = from_scan()
     names = tuple(landmarks)
     places = rig.landmark_points(names).positions(pose(rig, by_scan), rig.faces)
     gaps = np.linalg.norm(places - np.array([landmarks[name] for name in names]), axis=1)
     return by_scan if gaps.mean() < AGREED else by_landmarks
-
-
-def upright_frame(rig: Rig, vertices: Array, faces: Integers) -> Frame:
-    """The frame of scan/orient.py with up and front as the model found them, for (V, 3) m and (F, 3)."""
-    centre = vertices.mean(axis=0)
-    target = ScanTarget(vertices - centre, faces)
-    seen = propose_frame(target.vertices, faces)
-    start = start_from_scan(rig, target, seen.fronts)
-    stance, reason = found_stance(FitTask(rig, target, start.parameters, load_recipe("default"), {}), seen)
-    return Frame(
-        up=start.rotation[:, 1],
-        front=start.rotation[:, 2],
-        confidence=round(float(np.clip(5.0 * start.margin, 0.0, 1.0)), 2),
-        reason="This is how the model fits best; turn the view if it is wrong.",
-        stance=stance,
-        stance_reason=reason,
-        fronts=start.rotation[:, 2][None],
-    )

@@ -6,7 +6,7 @@ and priors are the single fit's.  The body's priors count once for each stance, 
 with itself gives the single fit.
 
 Mean error in mm of points carried by the fitted models alone, there and back, over chest and breasts
-(evaluation/two_stances.py; exact landmarks / landmarks clicked 5 mm off):
+(evaluation/studies/two_stances.py; exact landmarks / landmarks clicked 5 mm off):
 
                                               apart         ONE_BODY       ALIKE
     two independent virtual patients          7.4 /  7.6    13.5 / 13.8    6.9 / 6.8
@@ -30,12 +30,12 @@ from functools import partial
 import numpy as np
 
 from breastrig.core.errors import BadSettings
-from breastrig.fitting.bounds import free_unknowns, onto_simplex, step_bounds
+from breastrig.fitting.bounds import allowed_start, free_unknowns, step_bounds
 from breastrig.fitting.coupling import ONE_BODY, Coupling, Springs
 from breastrig.fitting.shared_body import SharedBody, TwoStances
 from breastrig.fitting.stance_fit import StanceFit, Stillness, mean_distance, stage_progress
 from breastrig.fitting.task import FitIterate, FitTask
-from breastrig.least_squares.newton import Status, assemble, damped_step, energy
+from breastrig.least_squares.newton import Status, Value, assemble, damped_step, value
 from breastrig.least_squares.problem import ResidualTerm
 from breastrig.rig.parameters import RigParameters
 
@@ -59,11 +59,9 @@ def _checked(first: FitTask, second: FitTask) -> None:
         raise BadSettings("Two stances are fitted together with one preset; give the same preset for both.")
 
 
-def _energy(
-    fits: tuple[StanceFit, StanceFit], terms: tuple[Terms, Terms], springs: Springs, point: TwoStances
-) -> float:
-    own = energy(terms[0], fits[0].held, point.first), energy(terms[1], fits[1].held, point.second)
-    return own[0] + own[1] + springs.energy(point)
+def _value(fits: tuple[StanceFit, StanceFit], terms: tuple[Terms, Terms], springs: Springs, point: TwoStances) -> Value:
+    own = value(terms[0], fits[0].held, point.first), value(terms[1], fits[1].held, point.second)
+    return own[0] + own[1] + Value(springs.energy(point))
 
 
 def fit_pair_iterates(first: FitTask, second: FitTask, coupling: Coupling = ONE_BODY) -> Iterator[PairIterate]:
@@ -77,7 +75,7 @@ def fit_pair_iterates(first: FitTask, second: FitTask, coupling: Coupling = ONE_
     fits = StanceFit(first), StanceFit(second)
     stillness = Stillness(recipe.stop), Stillness(recipe.stop)
     scaling = layout.added(fits[0].scaling, fits[1].scaling)
-    state, total, iteration = layout.agreed(first.start, second.start), np.nan, 0
+    state, total, iteration = layout.agreed(allowed_start(first), allowed_start(second)), np.nan, 0
 
     def iterate(status: Status) -> PairIterate:
         one = fits[0].iterate(iteration, stage, state.first, total, matches[0], status)
@@ -87,6 +85,7 @@ def fit_pair_iterates(first: FitTask, second: FitTask, coupling: Coupling = ONE_
     for stage in recipe.stages:
         free = layout.free(free_unknowns(first, stage, first.start.dof))
         last_stage = stage is recipe.stages[-1]
+        damping = recipe.damping
         for rule in stillness:
             rule.new_stage()
         for step_number in range(stage.iterations):
@@ -110,19 +109,18 @@ def fit_pair_iterates(first: FitTask, second: FitTask, coupling: Coupling = ONE_
             apart = assemble(one, fits[0].held, state.first), assemble(other, fits[1].held, state.second)
             step = damped_step(
                 springs.added_to(layout.system(*apart), state),
-                partial(_energy, fits, (one, other), springs),
+                partial(_value, fits, (one, other), springs),
                 state,
                 scaling=scaling,
-                damping=recipe.damping,
+                damping=damping,
+                least_damping=recipe.damping,
                 bounds=layout.bounds(step_bounds(first, state.first), step_bounds(second, state.second)),
                 free=free,
             )
             if step.status is Status.NOT_FINITE:
                 yield iterate(Status.NOT_FINITE)
                 return
-            state, total = step.x, step.energy
-            if recipe.shapes.constraint == "simplex":
-                state = state.with_weights(onto_simplex(state.first.weights), onto_simplex(state.second.weights))
+            state, total, damping = step.x, step.energy, step.damping
             iteration += 1
             if step.status is Status.STALLED and last_stage:
                 yield iterate(Status.STALLED)

@@ -6,21 +6,19 @@ navel of a slim belly) slide.  It is halved where the scan shows no skin, and it
 orientation was not clear.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import MatchRules, match
-from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.orientation import start_from_scan
+from breastrig.fitting.fit import FitIterate, fit_iterates
+from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.stance import found_stance
+from breastrig.fitting.scan_orientation import ScanOrientation, orientation_task, scan_orientation
 from breastrig.geometry.normals import vertex_normals
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
-from breastrig.scan.orient import Frame
 
 EXPECTED_ERROR = {  # m, mean over the ten dev scans; names without their side
     "suprasternal_notch": 0.009,
@@ -36,7 +34,7 @@ UNKNOWN_ERROR = 0.02  # m, for landmarks of other rigs
 USEFUL = 0.01  # m; a proposal this far off still saves the user a search: confidence one half
 LEAST = 0.01  # confidence; 0.1 m off, which no longer pulls at anything
 CLEAR_MARGIN = 0.1  # of start_from_scan; the dev scans have 0.08 to 0.19
-ON_SKIN = MatchRules(method="tree", max_distance=0.015, max_angle=np.pi / 3, candidates=16)
+ON_SKIN = MatchRules(method="tree", max_distance=0.015, max_angle=np.pi / 3)
 
 
 def expected_error(confidence: float) -> float:
@@ -53,19 +51,24 @@ class Proposal:
     on_scan: bool  # on skin that the scan shows
 
 
-def propose_landmarks(rig: Rig, target: ScanTarget, frame: Frame, recipe: Recipe) -> dict[str, Proposal]:
-    """All landmarks of the rig on a scan whose front is about known."""
-    start = start_from_scan(rig, target, frame.fronts)
-    task = FitTask(rig, target, start.parameters, recipe, {})
-    *_, last = fit_iterates(replace(task, stance=found_stance(task, frame)[0]))
+def propose_landmarks(
+    rig: Rig, scan: PreparedScan, recipe: Recipe, orientation: ScanOrientation | None = None
+) -> dict[str, Proposal]:
+    """All landmarks of the rig on a scan; `orientation` when it is known already."""
+    begun: tuple[FitIterate, ...] = ()
+    if orientation is None:
+        orientation, task, begun = scan_orientation(rig, scan, recipe)
+    else:
+        task = orientation_task(rig, scan, orientation, recipe)
+    *_, last = begun or fit_iterates(task)
     vertices = pose(rig, last.parameters)
     points = rig.landmark_points()
     places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))
-    found = match(target, places, normals / np.linalg.norm(normals, axis=1, keepdims=True), ON_SKIN)
+    found = match(scan.target, places, normals / np.linalg.norm(normals, axis=1, keepdims=True), ON_SKIN)
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True
     places[found.vertices] = found.points
-    clear = float(np.clip(start.margin / CLEAR_MARGIN, 0.0, 1.0))
+    clear = float(np.clip(orientation.margin / CLEAR_MARGIN, 0.0, 1.0))
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
         error = EXPECTED_ERROR.get(name.removesuffix("_L").removesuffix("_R"), UNKNOWN_ERROR)

@@ -9,9 +9,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from breastrig.core.errors import BadSettings, unknown_name
+from breastrig.core.output_files import is_ordinary, shown
 
 Positive = Annotated[float, Field(gt=0.0)]
 Range = tuple[Positive, Positive]
@@ -24,6 +25,13 @@ class _Part(BaseModel):
 class Stop(_Part):
     distance_change_m: Positive  # converged when the mean distance changes by less than this
     patience: Annotated[int, Field(ge=1)]  # so many iterations in a row
+
+
+class Observations(_Part):
+    spacing: Positive  # m on the skin between observations that tell something new of each other
+    focus: tuple[str, ...] = ()  # regions of the rig, where it is narrower; those that the rig lacks are left out
+    focus_spacing: Positive = 1.0  # m, in these regions, at most `spacing`
+    growth: Annotated[float, Field(ge=0.0)] = 0.0  # of the spacing, m for each m of distance from the regions
 
 
 class Joints(_Part):
@@ -58,8 +66,9 @@ class Stage(_Part):
     max_distance: Range  # m
     max_angle: Positive  # rad
     reject_border: bool = True
-    data_sigma: Range  # m, point to plane
-    along_sigma: Range | None = None  # m, point to point; absent: slide freely
+    data_term: Literal["point_to_plane", "point_to_projection"] = "point_to_plane"
+    data_sigma: Range  # m
+    along_sigma: Range | None = None  # m, point to point beside point to plane; absent: slide freely
     landmark_sigma: Range  # m
     landmark_kernel_scale: Range | None = None  # m, beyond it a pick is let go (Geman-McClure); absent: never
     kernel: Literal["none", "huber", "geman_mcclure", "tukey"] = "none"
@@ -67,12 +76,19 @@ class Stage(_Part):
     free_shapes: tuple[Literal["body", "soft", "gravity"], ...] = ("body", "soft", "gravity")
     free_scales: bool = True
 
+    @model_validator(mode="after")
+    def _one_data_term(self) -> "Stage":
+        if self.data_term != "point_to_plane" and self.along_sigma is not None:
+            raise ValueError(f"along_sigma stands beside point_to_plane only, not beside {self.data_term}")
+        return self
+
 
 class Recipe(_Part):
     name: str
     description: str
     damping: Positive  # in units of the priors' information
     stop: Stop
+    observations: Observations | None = None  # absent: each vertex of the model is one observation
     joints: Joints
     scales: Scales
     shapes: Shapes
@@ -98,10 +114,13 @@ def load_recipe(name_or_file: str | Path) -> Recipe:
     """A preset by name, or a TOML file of the same form; BadSettings says what is wrong with it."""
     if str(name_or_file) in preset_names():
         text = (resources.files("breastrig.fitting") / "presets" / f"{name_or_file}.toml").read_text("utf-8")
-    elif Path(name_or_file).suffix == ".toml" and Path(name_or_file).is_file():
-        text = Path(name_or_file).read_text("utf-8")
+    elif Path(name_or_file).suffix == ".toml" and is_ordinary(Path(name_or_file)):
+        try:
+            text = Path(name_or_file).read_text("utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise BadSettings(f"The preset {shown(name_or_file)} cannot be read; check the file.") from error
     else:
-        raise BadSettings(unknown_name("preset", str(name_or_file), preset_names()))
+        raise BadSettings(unknown_name("preset", shown(name_or_file), preset_names()))
     try:
         return Recipe.model_validate(tomllib.loads(text))
     except (tomllib.TOMLDecodeError, ValidationError) as error:

@@ -12,7 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.least_squares.newton import Bounds, System
+from breastrig.least_squares.newton import System
+from breastrig.least_squares.quadratic_program import Bounds
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
 
@@ -83,13 +84,14 @@ class SharedBody:
         lower[:own], upper[:own] = first.lower, first.upper
         lower[self.second] = np.maximum(lower[self.second], second.lower)
         upper[self.second] = np.minimum(upper[self.second], second.upper)
-        rows = []
-        for equalities, places in ((first.equalities, np.arange(own)), (second.equalities, self.second)):
-            if equalities is not None:
-                row = np.zeros((len(equalities), size))
-                row[:, places] = equalities
+        rows, limits = [], []
+        for one, places in ((first, np.arange(own)), (second, self.second)):
+            if one.rows is not None and one.row_limits is not None:
+                row = np.zeros((len(one.rows), size))
+                row[:, places] = one.rows
                 rows.append(row)
-        return Bounds(lower, upper, np.concatenate(rows) if rows else None)
+                limits.append(one.row_limits)
+        return Bounds(lower, upper, np.concatenate(rows), np.concatenate(limits)) if rows else Bounds(lower, upper)
 
     def free(self, own: Booleans) -> Booleans:
         """(N,) of the (P,) entries that a stage lets move in either stance."""
@@ -126,14 +128,4 @@ class TwoStances:
         """The point reached along the (N,) tangent `step`."""
         return TwoStances(
             self.first.retract(step[: self.first.dof]), self.second.retract(step[self.layout.second]), self.layout
-        )
-
-    def with_weights(self, first: Array, second: Array) -> "TwoStances":
-        """Other (S,) shape weights; where they differ in a shared body, the smaller one is taken for both."""
-        own = ~self.layout.body_shapes | (not self.layout.exact)
-        body = np.where(own, 0.0, np.minimum(first, second))
-        return TwoStances(
-            replace(self.first, weights=body + own * first),
-            replace(self.second, weights=body + own * second),
-            self.layout,
         )

@@ -9,6 +9,7 @@ from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.energies.landmarks import Landmarks
 from breastrig.energies.point_to_plane import PointToPlane
 from breastrig.energies.point_to_point import PointToPoint
+from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import Range, Stage
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.problem import ResidualTerm
@@ -33,16 +34,31 @@ def stage_matches(task: FitTask, stage: Stage, progress: float, vertices: Array,
     return replace(found, vertices=chosen[found.vertices])
 
 
+def projected(matches: Correspondences, vertices: Array) -> Correspondences:
+    """The matches with each scan point moved along its tangent plane until it lies on its normal through the vertex.
+
+    vertices: (V, 3) m, all of the model.
+    """
+    own = vertices[matches.vertices]
+    heights = np.einsum("mi,mi->m", matches.normals, matches.points - own)
+    return replace(matches, points=own + heights[:, None] * matches.normals)
+
+
 def scan_terms(
     task: FitTask, stage: Stage, progress: float, vertices: Array, matches: Correspondences
 ) -> list[ResidualTerm[RigParameters]]:
     """The terms that the scan and its landmarks give for the model's (V, 3) vertices (m)."""
-    weights = KERNELS[stage.kernel](matches.distances / along(stage.kernel_scale, progress))
+    counts = observation_weights(task.rig, task.recipe.observations, stage.every)[matches.vertices]
+    weights = counts * KERNELS[stage.kernel](matches.distances / along(stage.kernel_scale, progress))
     data_sigma = along(stage.data_sigma, progress)
-    data: ResidualTerm[RigParameters] = PointToPlane(task.rig, matches, weights, data_sigma)
-    if stage.along_sigma is not None:
+    data: ResidualTerm[RigParameters]
+    if stage.data_term == "point_to_projection":
+        data = PointToPoint(task.rig, projected(matches, vertices), weights, data_sigma)
+    elif stage.along_sigma is not None:
         data = PointToPoint(task.rig, matches, weights, along(stage.along_sigma, progress), data_sigma)
-    terms = [data]
+    else:
+        data = PointToPlane(task.rig, matches, weights, data_sigma)
+    terms: list[ResidualTerm[RigParameters]] = [data]
     if task.landmarks:
         names = tuple(task.landmarks)
         unsure = np.array([task.landmark_errors.get(name, 0.0) for name in names])

@@ -7,7 +7,7 @@ hardly do), so both are weighed together.  On 24 scans of 11 virtual patients, t
 ones scored -12.4 to -4.5 and lying ones 2.4 to 24.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -38,21 +38,30 @@ def _arm_angles(rig: Rig, x: RigParameters) -> Array:
     return np.array(angles)
 
 
-def _last(task: FitTask) -> FitIterate:
-    *_, last = fit_iterates(task)
-    return last
+@dataclass(frozen=True, eq=False)
+class FoundStance:
+    """A stance, why, and the fit that showed it: all iterates of the task in it, none where no fit was needed."""
+
+    stance: str  # standing | supine
+    reason: str
+    iterates: tuple[FitIterate, ...] = ()
 
 
-def found_stance(task: FitTask, frame: Frame) -> tuple[str, str]:
-    """(standing | supine, why), for a task whose start is right and whose stance does not matter yet."""
+def found_stance(task: FitTask, frame: Frame) -> FoundStance:
+    """For a task whose start is right and whose stance does not matter yet.
+
+    Whoever fits the task next goes on from the iterates, so that nothing is fitted twice.
+    """
     if frame.stance == "supine" or not any(shape.kind == "gravity" for shape in task.rig.shapes):
-        return frame.stance, frame.stance_reason
-    standing = _last(replace(task, stance="standing"))
-    arms = _arm_angles(task.rig, standing.parameters)
+        return FoundStance(frame.stance, frame.stance_reason)
+    standing = tuple(fit_iterates(replace(task, stance="standing")))
+    arms = _arm_angles(task.rig, standing[-1].parameters)
     if not len(arms) or arms.mean() < ARMS_HANGING:
-        return "standing", "There is no table in the scan, and the arms hang."
-    supine = _last(replace(task, stance="supine"))
-    score = standing.energy - supine.energy + PER_RADIAN * (arms.mean() - ARMS_BETWEEN)
+        return FoundStance("standing", "There is no table in the scan, and the arms hang.", standing)
+    supine = tuple(fit_iterates(replace(task, stance="supine")))
+    score = standing[-1].energy - supine[-1].energy + PER_RADIAN * (arms.mean() - ARMS_BETWEEN)
     if score > 0.0:
-        return "supine", "There is no table in the scan, but breasts and arms are as in a lying patient."
-    return "standing", "There is no table in the scan, and breasts and arms are as in a standing patient."
+        reason = "There is no table in the scan, but breasts and arms are as in a lying patient."
+        return FoundStance("supine", reason, supine)
+    reason = "There is no table in the scan, and breasts and arms are as in a standing patient."
+    return FoundStance("standing", reason, standing)

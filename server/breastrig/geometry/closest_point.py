@@ -1,16 +1,29 @@
-"""Exact closest points on triangles, and a search for them with a k-d tree over triangle centroids.
+"""Exact closest points on triangles and on whole meshes.
 
-SciPy's tree proposes the k nearest centroids, the exact projection (Ericson, Real-Time Collision Detection,
-2005, section 5.1.5) decides.  With k = 4 about 1 % of the answers are more than 0.1 mm off, with 16 none
-(80,000 triangles of a body scan), so the fit uses 4 and the report 16.
+One triangle is projected on by the cases of Ericson (Real-Time Collision Detection, 2005, section 5.1.5).  A mesh is
+searched with libigl's tree of bounding boxes: branch and bound, so the answer is exact whatever the sizes of the
+triangles.  A k-d tree that proposes the nearest centroids is not: where a fan closes a hole, the nearest centroids
+belong to small triangles beside the large one that the point lies on.
+
+What libigl 2.6 does that a caller would not expect, and what is done about it here:
+
+* from 1,000 points on it starts as many threads as there are cores, which breaks the rule of one thread a fit: points
+  are handed over in smaller portions, which it searches in the caller's thread;
+* a triangle whose corners are different points on one line is measured wrongly: it is handed over as its longest edge;
+* a point that is not finite, or absurdly far, is answered with whatever the memory held: such points are not asked for;
+* it checks neither indices nor coordinates: both are checked first.
 """
 
 from dataclasses import dataclass
 
+import igl
 import numpy as np
-from scipy.spatial import cKDTree
 
-from breastrig.core.arrays import Array, Integers
+from breastrig.core.arrays import Array, Booleans, Integers
+
+PORTION = 999  # points; libigl searches up to 1,000 at once without starting threads
+FLAT = 1e-16  # (height / longest edge)² under which a triangle counts as its longest edge, 0.1 nm off on one of 10 mm
+FARTHEST = 1e100  # m; beyond it squares overflow
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +37,10 @@ class ClosestPoints:
 
 
 def closest_barycentric(points: Array, corners: Array) -> Array:
-    """(M, 3) barycentric coordinates of the point of triangle (M, 3, 3) that is closest to (M, 3) points."""
+    """(M, 3) barycentric coordinates of the point of triangle (M, 3, 3) that is closest to (M, 3) points.
+
+    A triangle without area is the longest of its edges.
+    """
     a, b, c = np.ascontiguousarray(corners.transpose(1, 2, 0))  # (3, M) each: sums along M are several times faster
     ab, ac, ap = b - a, c - a, points.T - a
 
@@ -32,19 +48,18 @@ def closest_barycentric(points: Array, corners: Array) -> Array:
         return np.asarray(u[0] * v[0] + u[1] * v[1] + u[2] * v[2])
 
     def ratio(top: Array, bottom: Array) -> Array:
-        return np.asarray(np.clip(top / np.where(np.abs(bottom) < 1e-30, 1.0, bottom), 0.0, 1.0))
+        return np.asarray(np.clip(top / np.where(bottom == 0.0, 1.0, bottom), 0.0, 1.0))
 
     d1, d2 = dot(ab, ap), dot(ac, ap)
     ab2, ac2, abac = dot(ab, ab), dot(ac, ac), dot(ab, ac)
     # projections on the plane, then clamped to the nearest edge or corner where outside; the last one counts
     d3, d4, d5, d6 = d1 - ab2, d2 - abac, d1 - abac, d2 - ac2
     va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
-    total = va + vb + vc
-    flat = np.abs(total) < 1e-30
-    total[flat] = 1.0
-    at_b, at_c = vb / total, vc / total
-    at_b[flat] = at_c[flat] = 0.0
     b_to_c, c_to_b = d4 - d3, d5 - d6
+    flat = _flat(np.array([ab2, b_to_c + c_to_b, ac2]), ab, ac)
+    total = va + vb + vc
+    total[total == 0.0] = 1.0  # only where flat
+    at_b, at_c = vb / total, vc / total
     for beyond, weight_b, weight_c in (
         ((va <= 0) & (b_to_c >= 0) & (c_to_b >= 0), None, ratio(b_to_c, b_to_c + c_to_b)),
         ((vb <= 0) & (d2 >= 0) & (d6 <= 0), 0.0, ratio(d2, ac2)),
@@ -55,47 +70,102 @@ def closest_barycentric(points: Array, corners: Array) -> Array:
     ):
         np.copyto(at_c, weight_c, where=beyond)
         np.copyto(at_b, 1.0 - at_c if weight_b is None else weight_b, where=beyond)
-    return np.stack([1.0 - at_b - at_c, at_b, at_c], axis=1)
+    found = np.stack([1.0 - at_b - at_c, at_b, at_c], axis=1)
+    if flat.any():
+        found[flat] = _on_longest_edge(points[flat], corners[flat])
+    return found
 
 
 class ClosestPointSearch:
-    """Closest points on one fixed mesh of (V, 3) vertices (m) and (F, 3) triangles."""
+    """Closest points on one fixed mesh of (V, 3) vertices (m) and (F, 3) triangles.
+
+    Raises ValueError when a vertex is not finite or a triangle names one that is not there.
+    """
 
     def __init__(self, vertices: Array, triangles: Integers) -> None:
-        self.vertices, self.triangles = vertices, triangles
-        self._corners = vertices[triangles]
-        a, b, c = self._corners.transpose(1, 0, 2)  # by hand: reductions over three numbers are slow
-        centroids = (a + b + c) / 3.0
-        arms = self._corners - centroids[:, None]
-        spans = np.sqrt(np.einsum("fci,fci->fc", arms, arms)).max(axis=1)
-        self.largest_reach = float(np.percentile(spans, 99))  # m, from a centroid to its corners; a few are freaks
-        self._tree = cKDTree(centroids, balanced_tree=False, compact_nodes=False)
+        self.vertices = np.ascontiguousarray(vertices, dtype=np.float64)
+        self.triangles = np.ascontiguousarray(triangles, dtype=np.int64)
+        if self.vertices.ndim != 2 or self.vertices.shape[1] != 3 or not _near(self.vertices).all():
+            raise ValueError("Vertices must be finite and of shape (V, 3).")
+        if self.triangles.ndim != 2 or self.triangles.shape[1] != 3:
+            raise ValueError("Triangles must be of shape (F, 3).")
+        if len(self.triangles) and not 0 <= self.triangles.min() <= self.triangles.max() < len(self.vertices):
+            raise ValueError("A triangle names a vertex that is not there.")
+        self._elements = _without_flat(self.vertices, self.triangles)
+        self._tree = igl.AABB()
+        if len(self.triangles):
+            self._tree.init(self.vertices, self._elements)
 
-    def query(self, points: Array, candidates: int = 4, reach: float = np.inf) -> ClosestPoints:
-        """The closest point for each of (M, 3) points, the best of `candidates` nearest triangles.
+    def query(self, points: Array, reach: float = np.inf) -> ClosestPoints:
+        """The closest point for each of (M, 3) points (m).
 
-        Points without a centroid within `reach` (m) get face -1 and distance inf: asking for less is faster.
+        Points that are farther than `reach` (m), or not finite, get face -1, distance inf and themselves.
         """
-        k = min(candidates, len(self.triangles))
+        points = np.ascontiguousarray(points, dtype=np.float64)
         result = ClosestPoints(
             np.full(len(points), -1, dtype=np.int64),
             np.zeros((len(points), 3)),
             points.copy(),
             np.full(len(points), np.inf),
         )
-        _, near = self._tree.query(points, k=k, distance_upper_bound=reach)
-        near = np.asarray(near).reshape(len(points), k)
-        hit = np.flatnonzero(near[:, 0] < len(self.triangles))
-        near = near[hit]
-        near = np.where(near < len(self.triangles), near, near[:, :1])  # fewer than k within reach: the first again
-        corners = self._corners[near.ravel()]
-        barycentric = closest_barycentric(np.repeat(points[hit], k, axis=0), corners)
-        found = np.einsum("mc,mcd->md", barycentric, corners).reshape(-1, k, 3)
-        gaps = ((found - points[hit][:, None]) ** 2).sum(axis=2)
-        best = gaps.argmin(axis=1)
-        rows = np.arange(len(hit))
-        result.faces[hit] = near[rows, best]
-        result.barycentric[hit] = barycentric.reshape(-1, k, 3)[rows, best]
-        result.points[hit] = found[rows, best]
-        result.distances[hit] = np.sqrt(gaps[rows, best])
+        asked = np.flatnonzero(_near(points)) if len(self.triangles) else np.zeros(0, dtype=np.int64)
+        for first in range(0, len(asked), PORTION):
+            rows = asked[first : first + PORTION]
+            square, faces, _ = self._tree.squared_distance(self.vertices, self._elements, points[rows])
+            near = square <= reach * reach
+            rows, faces = rows[near], faces[near]
+            corners = self.vertices[self.triangles[faces]]
+            barycentric = closest_barycentric(points[rows], corners)
+            found = np.einsum("mc,mcd->md", barycentric, corners)
+            result.faces[rows], result.barycentric[rows], result.points[rows] = faces, barycentric, found
+            result.distances[rows] = np.sqrt(((found - points[rows]) ** 2).sum(axis=1))
         return result
+
+
+def _near(points: Array) -> Booleans:
+    """(M,) finite and not absurdly far."""
+    return np.asarray((np.abs(points) < FARTHEST).all(axis=1))  # nan is not less
+
+
+def _flat(squares: Array, ab: Array, ac: Array) -> Booleans:
+    """(M,) of triangles with (3, M) squared edges, two of them (3, M): no area beside the longest edge."""
+    area = sum((ab[i] * ac[j] - ab[j] * ac[i]) ** 2 for i, j in ((1, 2), (2, 0), (0, 1)))
+    return np.asarray(area <= FLAT * squares.max(axis=0) ** 2)
+
+
+def _longest_edges(corners: Array) -> tuple[Array, Integers]:
+    """((3, M) squared lengths, (M,) corner at which the longest begins) of the edges of triangles (M, 3, 3)."""
+    ends = np.roll(corners, -1, axis=1) - corners
+    squares = np.einsum("mci,mci->cm", ends, ends)
+    return squares, squares.argmax(axis=0)
+
+
+def _on_longest_edge(points: Array, corners: Array) -> Array:
+    """(M, 3) barycentric coordinates of the closest point of the longest edge."""
+    _, first = _longest_edges(corners)
+    rows, second = np.arange(len(points)), (first + 1) % 3
+    start = corners[rows, first]
+    along = corners[rows, second] - start
+    square = np.einsum("mi,mi->m", along, along)
+    share = np.einsum("mi,mi->m", points - start, along) / np.where(square == 0.0, 1.0, square)
+    share = np.clip(share, 0.0, 1.0)
+    found = np.zeros((len(points), 3))
+    found[rows, second] = share
+    found[rows, first] = 1.0 - share
+    return found
+
+
+def _without_flat(vertices: Array, triangles: Integers) -> Integers:
+    """(F, 3) the triangles, those without area as their longest edge (a b b), which libigl measures as such."""
+    if not len(triangles):
+        return triangles
+    a, b, c = vertices[triangles].transpose(1, 2, 0)
+    squares = np.array([((v - u) ** 2).sum(axis=0) for u, v in ((a, b), (b, c), (c, a))])
+    flat = np.flatnonzero(_flat(squares, b - a, c - a))
+    if not len(flat):
+        return triangles
+    first = squares[:, flat].argmax(axis=0)
+    second = (first + 1) % 3
+    result = triangles.copy()
+    result[flat] = np.stack([triangles[flat, first], triangles[flat, second], triangles[flat, second]], axis=1)
+    return result

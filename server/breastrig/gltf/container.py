@@ -14,6 +14,7 @@ import pygltflib
 from pygltflib import GLTF2
 
 from breastrig import __version__
+from breastrig.core.arrays import Array
 from breastrig.core.glb import pack_glb
 from breastrig.core.notice import LIMITS_OF_USE
 
@@ -40,6 +41,11 @@ def new_document(extras: dict[str, Any] | None = None) -> GLTF2:
     document.scene = 0
     document.scenes = [pygltflib.Scene(nodes=[])]
     return document
+
+
+def moved_to(place: Array) -> list[float] | None:
+    """A node's translation to a (3,) m place; nothing at the origin."""
+    return [float(value) for value in place] if place.any() else None
 
 
 def append(items: list[Any], item: Any) -> int:

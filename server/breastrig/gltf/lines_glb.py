@@ -6,11 +6,13 @@ Line strips, not ribbons (ribbon.py): this is for programs that compute with the
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import pygltflib
 from pygltflib import GLTF2, Attributes
 
 from breastrig.core.arrays import Array
-from breastrig.gltf.container import BufferWriter, Node, append, new_document, to_glb
+from breastrig.core.single_precision import far_place
+from breastrig.gltf.container import BufferWriter, Node, append, moved_to, new_document, to_glb
 from breastrig.gltf.skinned import as_float32
 
 LINE_STRIP, POINTS, LINE_LOOP = 3, 0, 2  # glTF's modes
@@ -25,17 +27,18 @@ def lines_glb(
     buffer = BufferWriter(document)
     if lines:
         document.extensionsUsed = [UNLIT]
+    place = far_place(np.concatenate([np.zeros((0, 3)), *(points for _, points, _, _ in lines)]))
     for name, points, is_closed, colour in lines:
         mode = POINTS if len(points) == 1 else LINE_LOOP if is_closed else LINE_STRIP
         primitive = pygltflib.Primitive(
             attributes=Attributes(
-                POSITION=buffer.add(as_float32(points), target=pygltflib.ARRAY_BUFFER, bounds=True),
+                POSITION=buffer.add(as_float32(points - place), target=pygltflib.ARRAY_BUFFER, bounds=True),
             ),
             mode=mode,
             material=_pen(document, colour),
         )
         mesh = append(document.meshes, pygltflib.Mesh(name=name, primitives=[primitive]))
-        document.scenes[0].nodes.append(append(document.nodes, Node(name=name, mesh=mesh)))
+        document.scenes[0].nodes.append(append(document.nodes, Node(name=name, mesh=mesh, translation=moved_to(place))))
     return to_glb(document, buffer)
 
 

@@ -2,7 +2,7 @@
 
 Colours and textures of scans are sRGB; glTF takes vertex colours as linear light, so they are converted, with
 16 bits where 8 would show bands.  Texture coordinates come with their origin at the lower left (as in OBJ)
-and are turned over for glTF.
+and are turned over for glTF.  A mesh far from the origin lies around its own middle, where its node moves it to.
 """
 
 from typing import Any
@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from pygltflib import GLTF2, Attributes
 
 from breastrig.core.arrays import Array, Integers
+from breastrig.core.single_precision import far_place
 from breastrig.geometry.normals import vertex_normals
-from breastrig.gltf.container import BufferWriter, Node, append, new_document, to_glb
+from breastrig.gltf.container import BufferWriter, Node, append, moved_to, new_document, to_glb
 from breastrig.gltf.skinned import as_float32
 
 GREY = [0.55, 0.57, 0.60, 1.0]  # linear RGB of a cool matte grey
@@ -40,9 +41,10 @@ def mesh_glb(
     document = new_document(extras)
     buffer = BufferWriter(document)
     on_vertices = pygltflib.ARRAY_BUFFER
+    place = far_place(vertices)
     unit = vertex_normals(vertices, faces) if normals is None else normals
     attributes = Attributes(
-        POSITION=buffer.add(as_float32(vertices), target=on_vertices, bounds=True),
+        POSITION=buffer.add(as_float32(vertices - place), target=on_vertices, bounds=True),
         NORMAL=buffer.add(as_float32(unit), target=on_vertices),
     )
     material = _matte(GREY)
@@ -59,7 +61,7 @@ def mesh_glb(
         material=append(document.materials, material),
     )
     mesh = append(document.meshes, pygltflib.Mesh(name="mesh", primitives=[primitive]))
-    document.scenes[0].nodes = [append(document.nodes, Node(name="mesh", mesh=mesh))]
+    document.scenes[0].nodes = [append(document.nodes, Node(name="mesh", mesh=mesh, translation=moved_to(place)))]
     return to_glb(document, buffer)
 
 

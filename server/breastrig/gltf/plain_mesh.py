@@ -3,8 +3,10 @@
 Skin colour, tattoos and birthmarks can tell who a person is; the shape tells less.
 """
 
+import numpy as np
+
 from breastrig.core.glb import split_glb
-from breastrig.gltf.accessors import GltfArrays
+from breastrig.core.gltf_arrays import GltfArrays
 from breastrig.gltf.mesh_glb import mesh_glb
 
 
@@ -15,4 +17,5 @@ def plain_mesh(glb: bytes) -> bytes:
     primitive = document["meshes"][0]["primitives"][0]
     attributes = primitive["attributes"]
     faces = arrays.read(primitive["indices"]).reshape(-1, 3)
-    return mesh_glb(arrays.read(attributes["POSITION"]), faces, arrays.read(attributes["NORMAL"]))
+    place = np.array(document["nodes"][0].get("translation", [0.0, 0.0, 0.0]))
+    return mesh_glb(arrays.read(attributes["POSITION"]) + place, faces, arrays.read(attributes["NORMAL"]))

@@ -19,12 +19,14 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadModel
 from breastrig.core.glb import split_glb
+from breastrig.core.gltf_arrays import GltfArrays, entry
+from breastrig.core.output_files import read_ordinary, shown
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.gltf.accessors import GltfArrays, entry
 from breastrig.gltf.side_file import DrawingFile, FilePart, RigFile, SurfacePointEntry
 from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, ModelDrawing, Rig, Shape
 
 TRIANGLES = 4
+MODEL_BYTES = 500_000_000  # the torso has 2.5 million
 ORTHONORMAL = 1e-4  # largest deviation of QᵀQ from the identity before a rest frame counts as scaled
 UNIT_SUM = 1e-3  # largest deviation of skin and barycentric weights from 1 before they count as wrong
 BARYCENTRIC_OUTSIDE = 0.05  # how far a surface point may lie outside its triangle
@@ -325,10 +327,15 @@ def _parsed(kind: type[File], text: bytes, file: str) -> File:
 
 def _bytes(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        content = read_ordinary(path, MODEL_BYTES)
+        if len(content) > MODEL_BYTES:
+            raise BadModel(
+                f"The model file {shown(path.name)} is larger than {MODEL_BYTES // 10**6} MB; this is no rig."
+            )
+        return content
     except OSError as error:
         raise BadModel(
-            f"The model file {path.name} cannot be read; a model is a .glb with a .json beside it."
+            f"The model file {shown(path.name)} cannot be read; a model is a .glb with a .json beside it."
         ) from error
 
 

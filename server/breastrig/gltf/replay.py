@@ -3,7 +3,8 @@
 The nodes stand in the last pose, in which the drawing is exact, so a viewer that ignores animations shows the
 result.  The animation has one
 key for each iterate; keys are at least KEY_SPACING apart, because a fit is faster than the eye, and the true
-times are kept in the animation's extras.
+times are kept in the animation's extras.  Far from the origin the bones hang on a node that stands there, so that
+neither the animation's keys nor what a viewer multiplies with single precision loses the place.
 """
 
 from collections.abc import Sequence
@@ -15,13 +16,15 @@ from numpy.typing import NDArray
 from pygltflib import GLTF2
 
 from breastrig.core.arrays import Array
-from breastrig.gltf.container import BufferWriter, append, new_document, to_glb
+from breastrig.core.single_precision import far_place
+from breastrig.gltf.container import BufferWriter, Node, append, moved_to, new_document, to_glb
 from breastrig.gltf.drawing_node import add_drawing, positions_exact_in
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, set_pose
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 
+FAR_FRAME = "scan_place"
 KEY_SPACING = 0.06  # s, the pace at which the page plays iterations at most
 
 
@@ -39,11 +42,23 @@ def fitted_glb(
     document = new_document(extras)
     buffer = BufferWriter(document)
     skinned = add_skinned_rig(document, buffer, rig)
+    place = far_place(iterates[-1].translations)
+    if place.any():
+        iterates = [iterate.moved(np.eye(3), -place) for iterate in iterates]
+        _hang_bones(document, skinned, place)
     if drawing is not None:
         add_drawing(document, buffer, skinned, rig, drawing, positions_exact_in(rig, drawing, iterates[-1]))
     set_pose(document, skinned, rig, iterates[-1])
     document.animations = [_animation(document, buffer, skinned, rig, iterates, np.asarray(times_s, np.float64))]
     return to_glb(document, buffer)
+
+
+def _hang_bones(document: GLTF2, skinned: SkinnedNodes, place: Array) -> None:
+    """Puts a node at the (3,) m place between the scene and the root bone."""
+    mesh, bone = document.scenes[0].nodes
+    frame = append(document.nodes, Node(name=FAR_FRAME, children=[bone], translation=moved_to(place)))
+    document.scenes[0].nodes = [mesh, frame]
+    document.skins[skinned.skin].skeleton = frame
 
 
 def _animation(

@@ -30,7 +30,6 @@ from breastrig.rig.skinning import bone_matrices, posed
 WIDTH = 0.002  # m, a surgical marker's line
 LIFT = 0.0005  # m, above the skin, so that line and skin do not fight for the same pixel
 STEP = 0.004  # m, longest stretch of a ribbon: half an edge of the mesh on the breasts
-CANDIDATES = 16  # triangles looked at for each closest point; see geometry/closest_point.py
 SAME_PLACE = 1e-6  # m
 
 
@@ -91,12 +90,12 @@ def _ribbon(rig: Rig, shape: DrawnShape) -> Ribbon | None:
     line = _dense(shape.points.positions(rig.template, rig.faces), shape.closed)
     if len(line) < 2:
         return None
-    middle = skin.search.query(line, CANDIDATES)
+    middle = skin.search.query(line)
     facing = _facing(SurfacePoints(middle.faces, middle.barycentric), skin.normals, rig.faces)
     side = np.cross(facing, _tangents(middle.points, shape.closed))
     side *= 0.5 * WIDTH / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-12)
     edges = np.stack([middle.points + side, middle.points - side], axis=1).reshape(-1, 3)
-    found = skin.search.query(edges, CANDIDATES)
+    found = skin.search.query(edges)
     points = SurfacePoints(found.faces, found.barycentric)
     corners = rig.faces[points.faces]
     joints, weights = joints_and_weights(np.einsum("mc,mcb->mb", points.barycentric, rig.skin_weights[corners]))

@@ -1,9 +1,13 @@
 """One regularised (damped) Gauss-Newton step with constraints and bounds.
 
-The step solves the compliant saddle system of problem.py with H = JᵀJ + μ D: Cholesky of H, then the small
-Schur complement C H⁻¹ Cᵀ + K for the multipliers (136 + 48 unknowns: 0.5 ms; a dense LDLᵀ of the whole
-system took three times as long).  Bounds are kept by an active set: a variable at its bound which the energy
-pushes outwards is fixed, the rest is solved again (Bertsekas, Projected Newton methods, 1982).
+The step d minimises the damped quadratic model within the bounds (quadratic_program.py):
+
+    m(d) = E + gᵀd + ½ dᵀ (H + μ D) d,    H = JᵀJ + Cᵀ K⁻¹ C,    hard constraints: C d = −c
+
+It is taken when the energy falls by a fair share of what the model without damping promises (the gain ratio); the
+ratio also says how far the model is to be trusted next time, which is the damping μ (Marquardt 1963; Nocedal and
+Wright, Numerical Optimization, 2006, algorithms 4.1 and 18.3).  Where there are hard constraints, ν Σ|c| is added
+to the energy that must fall, with ν above the largest multiplier, so that meeting them may cost energy.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,7 +19,16 @@ import numpy as np
 import scipy.linalg as sla
 
 from breastrig.core.arrays import Array, Booleans
-from breastrig.least_squares.problem import Constraint, Linearisation, ResidualTerm
+from breastrig.least_squares.problem import HARD, Constraint, Linearisation, ResidualTerm
+from breastrig.least_squares.quadratic_program import Bounds, minimiser
+
+ACCEPTED = 0.1  # gain ratio of a step that is taken; below it the model is wrong, not merely rough
+POOR, GOOD = 0.25, 0.75  # gain ratios below and above which the damping changes (Nocedal and Wright, algorithm 4.1)
+STRONGER, WEAKER = 4.0, 1.0 / 3.0  # changes of the damping after a poor and a good step
+AFTER_REJECTION = 10.0  # change of the damping when a step is not taken ...
+ATTEMPTS = 8  # ... so often: from the smallest damping of a preset to steps of a thousandth of a standard deviation
+PENALTY = 2.0  # times the largest multiplier: any value above 1 makes the step a descent direction
+ROUNDING = 1e-12  # of the energy; a smaller promise cannot be checked
 
 
 class Status(Enum):
@@ -42,25 +55,27 @@ class Point(Protocol):
 P = TypeVar("P", bound=Point)
 
 
-@dataclass(frozen=True, eq=False)
-class Bounds:
-    """Bounds of the additive tangent entries, as room left from the current point."""
+@dataclass(frozen=True)
+class Value:
+    """What is to become small at a point."""
 
-    lower: Array  # (P,) smallest allowed step entry, -inf where free
-    upper: Array  # (P,) largest allowed step entry
-    equalities: Array | None = None  # (E, P) directions along which the step must be 0 (active simplex)
+    energy: float  # ½ Σ|r|² + ½ Σ c²/compliance, without the hard constraints
+    violation: float = 0.0  # Σ|c| of the hard constraints
+
+    def __add__(self, other: "Value") -> "Value":
+        return Value(self.energy + other.energy, self.violation + other.violation)
 
 
 @dataclass(frozen=True, eq=False)
 class System:
     """Gauss-Newton's quadratic model at one point."""
 
-    hessian: Array  # (P, P) JᵀJ
-    gradient: Array  # (P,) Jᵀr
+    hessian: Array  # (P, P) JᵀJ of the terms
+    gradient: Array  # (P,) Jᵀr of the terms
     constraint_jacobian: Array  # (C, P)
     constraint: Array  # (C,)
     compliance: Array  # (C,)
-    energy: float
+    energy: float  # as in Value
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,88 +84,91 @@ class Step(Generic[P]):
 
     x: P
     energy: float
-    damping: float
+    damping: float  # to begin the next step with
     status: Status
 
 
-def energy(terms: Sequence[ResidualTerm[P]], constraints: Sequence[Constraint[P]], x: P) -> float:
-    """½ Σ|r|² + ½ Σ g²/compliance; hard constraints (compliance 0) are weighed as one part in a thousand."""
-    total = sum(float(r @ r) for r in (term.residual(x) for term in terms))
-    for constraint in constraints:
-        g = constraint.residual(x)
-        total += float(g @ (g / np.maximum(constraint.compliance, 1e-6)))
-    return 0.5 * total
+def _value(residuals: Sequence[Array], constraints: Array, compliance: Array) -> Value:
+    hard = compliance <= HARD
+    elastic = constraints[~hard]
+    total = sum(float(r @ r) for r in residuals) + float(elastic @ (elastic / compliance[~hard]))
+    return Value(0.5 * total, float(np.abs(constraints[hard]).sum()))
+
+
+def _joined(parts: Sequence[Array]) -> Array:
+    return np.concatenate([np.zeros(0), *parts])
+
+
+def value(terms: Sequence[ResidualTerm[P]], constraints: Sequence[Constraint[P]], x: P) -> Value:
+    """Energy and violation at x."""
+    violations = _joined([constraint.residual(x) for constraint in constraints])
+    compliance = _joined([constraint.compliance for constraint in constraints])
+    return _value([term.residual(x) for term in terms], violations, compliance)
 
 
 def assemble(terms: Sequence[ResidualTerm[P]], constraints: Sequence[Constraint[P]], x: P) -> System:
     """JᵀJ and Jᵀr of all terms, and the stacked constraints."""
     size = x.dof
-    hessian, gradient, total = np.zeros((size, size)), np.zeros(size), 0.0
+    hessian, gradient = np.zeros((size, size)), np.zeros(size)
     parts = [term.linearise(x) for term in terms]
     small = [part for part in parts if len(part.residual) < size]  # one product for all priors instead of one each
     stacked = Linearisation(
-        np.concatenate([np.zeros(0)] + [part.residual for part in small]),
+        _joined([part.residual for part in small]),
         np.concatenate([np.zeros((0, size))] + [part.jacobian for part in small]),
     )
     for lin in [stacked] + [part for part in parts if len(part.residual) >= size]:
         hessian += lin.jacobian.T @ lin.jacobian
         gradient += lin.jacobian.T @ lin.residual
-        total += float(lin.residual @ lin.residual)
     lins = [constraint.linearise(x) for constraint in constraints]
-    compliance = np.concatenate([np.zeros(0)] + [constraint.compliance for constraint in constraints])
-    g = np.concatenate([np.zeros(0)] + [lin.residual for lin in lins])
-    total += float(g @ (g / np.maximum(compliance, 1e-6)))
+    compliance = _joined([constraint.compliance for constraint in constraints])
+    violations = _joined([lin.residual for lin in lins])
     jacobian = np.concatenate([np.zeros((0, size))] + [lin.jacobian for lin in lins])
-    return System(hessian, gradient, jacobian, g, compliance, 0.5 * total)
+    at_x = _value([part.residual for part in parts], violations, compliance)
+    return System(hessian, gradient, jacobian, violations, compliance, at_x.energy)
 
 
-def _positive_solve(matrix: Array, right: Array) -> Array:
-    """matrix⁻¹ right by Cholesky; LinAlgError when `matrix` is not positive definite.
+@dataclass(frozen=True, eq=False)
+class _Model:
+    """The quadratic model in the unknowns that may move, its elastic constraints added to the energy."""
 
-    LAPACK itself: SciPy's wrappers take longer to check 136 unknowns than to solve for them.
-    """
-    if not len(matrix):
-        return right
-    _, solution, info = sla.lapack.dposv(matrix, right, lower=1)
-    if info > 0:
-        raise sla.LinAlgError("The matrix is not positive definite.")
-    return np.asarray(solution)
+    hessian: Array  # (N, N)
+    gradient: Array  # (N,)
+    hard_jacobian: Array  # (E, N)
+    hard: Array  # (E,)
+
+    @staticmethod
+    def of(system: System, free: Booleans) -> "_Model":
+        hard = system.compliance <= HARD
+        root = 1.0 / np.sqrt(system.compliance[~hard])
+        elastic = system.constraint_jacobian[~hard] * root[:, None]
+        hessian = system.hessian + elastic.T @ elastic
+        gradient = system.gradient + elastic.T @ (system.constraint[~hard] * root)
+        rows = system.constraint_jacobian[hard]
+        if not free.all():
+            hessian, gradient, rows = hessian[free][:, free], gradient[free], rows[:, free]
+        return _Model(hessian, gradient, rows, system.constraint[hard])
+
+    def step(self, damping: Array, bounds: Bounds) -> tuple[Array, Array]:
+        """((N,) the damped step within the bounds, (E,) multipliers of the hard constraints); damping: (N,) μ D."""
+        damped = self.hessian.copy()
+        damped.flat[:: len(damped) + 1] += damping
+        return minimiser(damped, self.gradient, bounds, self.hard_jacobian, -self.hard)
+
+    def promise(self, step: Array) -> float:
+        """By how much the energy falls if the model is right."""
+        return -float(self.gradient @ step + 0.5 * step @ (self.hessian @ step))
+
+    def violation(self, step: Array) -> float:
+        """Σ|c| after the step if the model is right."""
+        return float(np.abs(self.hard + self.hard_jacobian @ step).sum())
 
 
-def _solve_free(system: System, hessian: Array, free: Booleans, fixed_step: Array, extra: Array) -> Array:
-    """(P,) the step with the entries outside `free` held at `fixed_step`."""
-    inside = np.flatnonzero(free)
-    jacobian = np.concatenate([system.constraint_jacobian, extra])
-    compliance = np.concatenate([system.compliance, np.zeros(len(extra))])
-    g = np.concatenate([system.constraint, np.zeros(len(extra))]) + jacobian @ fixed_step
-    gradient = (system.gradient + hessian @ fixed_step)[inside]
-    c = jacobian[:, inside]
-    reduced = hessian if free.all() else hessian[inside][:, inside]  # four times faster than np.ix_
-    solved = _positive_solve(reduced, np.column_stack([gradient, c.T]))
-    schur = c @ solved[:, 1:] + np.diag(compliance + 1e-12)
-    multipliers = _positive_solve(schur, g - c @ solved[:, 0]) if len(g) else g
-    step = fixed_step.copy()
-    step[inside] = -solved[:, 0] - solved[:, 1:] @ multipliers
-    return step
-
-
-def solve_step(system: System, scaling: Array, damping: float, bounds: Bounds, free: Booleans) -> Array:
-    """(P,) the damped constrained step inside the bounds; entries outside `free` stay 0."""
-    hessian = system.hessian + np.diag(damping * scaling)
-    extra = np.zeros((0, len(free))) if bounds.equalities is None else bounds.equalities
-    fixed = np.zeros(len(free))
-    movable = free.copy()
-    at_wall = ((bounds.lower >= 0.0) & (system.gradient > 0.0)) | ((bounds.upper <= 0.0) & (system.gradient < 0.0))
-    movable &= ~at_wall
-    step = fixed
-    for _ in range(6):
-        step = _solve_free(system, hessian, movable, fixed, extra)
-        outside = movable & ((step < bounds.lower) | (step > bounds.upper))
-        if not outside.any():
-            break
-        fixed = np.where(outside, np.clip(step, bounds.lower, bounds.upper), fixed)
-        movable &= ~outside
-    return np.asarray(np.where(free, np.clip(step, bounds.lower, bounds.upper), 0.0))
+def _movable(bounds: Bounds, free: Booleans) -> Bounds:
+    """The bounds of the unknowns that may move."""
+    if free.all():
+        return bounds
+    rows = None if bounds.rows is None else bounds.rows[:, free]
+    return Bounds(bounds.lower[free], bounds.upper[free], rows, bounds.row_limits)
 
 
 def newton_step(
@@ -160,21 +178,23 @@ def newton_step(
     *,
     scaling: Array,
     damping: float,
+    least_damping: float,
     bounds: Bounds,
     free: Booleans,
-    attempts: int = 5,
+    attempts: int = ATTEMPTS,
 ) -> Step[P]:
-    """One step from x: raises the damping until the energy of the same terms falls, at most `attempts` times.
+    """One step from x, at most `attempts` tries; entries outside `free` (P,) stay where they are.
 
     scaling: (P,) inverse square of each unknown's natural size, so that damping 1 is one standard deviation.
+    damping: of the first try, from the step before; least_damping: how far a good model may lower it.
     """
-    system = assemble(terms, constraints, x)
     return damped_step(
-        system,
-        lambda candidate: energy(terms, constraints, candidate),
+        assemble(terms, constraints, x),
+        lambda candidate: value(terms, constraints, candidate),
         x,
         scaling=scaling,
         damping=damping,
+        least_damping=least_damping,
         bounds=bounds,
         free=free,
         attempts=attempts,
@@ -183,26 +203,40 @@ def newton_step(
 
 def damped_step(
     system: System,
-    energy_at: Callable[[P], float],
+    value_at: Callable[[P], Value],
     x: P,
     *,
     scaling: Array,
     damping: float,
+    least_damping: float,
     bounds: Bounds,
     free: Booleans,
-    attempts: int = 5,
+    attempts: int = ATTEMPTS,
 ) -> Step[P]:
     """The same for a system that is already assembled at x."""
     if not (np.isfinite(system.energy) and np.isfinite(system.hessian).all()):
         return Step(x, system.energy, damping, Status.NOT_FINITE)
+    model, room = _Model.of(system, free), _movable(bounds, free)
+    before = Value(system.energy, float(np.abs(model.hard).sum()))
+    tried = damping
     for _ in range(attempts):
         try:
-            candidate = x.retract(solve_step(system, scaling, damping, bounds, free))
+            moves, multipliers = model.step(tried * scaling[free], room)
         except sla.LinAlgError:
-            damping *= 10.0
+            tried *= AFTER_REJECTION
             continue
-        after = energy_at(candidate)
-        if after <= system.energy:
-            return Step(candidate, after, damping, Status.RUNNING)
-        damping *= 10.0
+        step = np.zeros(len(free))
+        step[free] = moves
+        candidate = x.retract(step)
+        after = value_at(candidate)
+        penalty = PENALTY * float(np.abs(multipliers).max(initial=0.0))
+        promised = model.promise(moves) + penalty * (before.violation - model.violation(moves))
+        gained = before.energy - after.energy + penalty * (before.violation - after.violation)
+        if abs(promised) <= ROUNDING * before.energy and np.isfinite(after.energy):
+            return Step(candidate, after.energy, tried, Status.RUNNING)
+        ratio = gained / promised if promised > 0.0 else -np.inf
+        if ratio >= ACCEPTED:
+            change = STRONGER if ratio < POOR else WEAKER if ratio > GOOD else 1.0
+            return Step(candidate, after.energy, max(change * tried, least_damping), Status.RUNNING)
+        tried *= AFTER_REJECTION
     return Step(x, system.energy, damping, Status.STALLED)

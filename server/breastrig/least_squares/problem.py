@@ -6,14 +6,17 @@ deviation.  Constraints g(x) are held in compliant form with Lagrange multiplier
     [ H   Cᵀ ] [ d ]     [ −∇E ]
     [ C  −K  ] [ λ ]  =  [ −g  ]        K = diag(compliance); 0 is a hard constraint
 
-which for K > 0 equals adding ½ gᵀ K⁻¹ g to the energy, yet stays well conditioned as K -> 0
-(Tournier et al., Stable constrained dynamics, 2015; reference 30 of the paper).
+which for K > 0 equals adding ½ gᵀ K⁻¹ g to the energy (Tournier et al., Stable constrained dynamics, 2015;
+reference 30 of the paper).  Where K is at most HARD the division would drown the rest in rounding: there the
+constraint is an equation of the step, met whatever it costs.
 """
 
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from breastrig.core.arrays import Array
+
+HARD = 1e-10  # m² or rad²; nobody can tell a joint that gives 0.01 mm or 0.01 mrad from one that gives nothing
 
 X_contra = TypeVar("X_contra", contravariant=True)
 
@@ -47,7 +50,7 @@ class Constraint(Protocol[X_contra]):
 
     @property
     def compliance(self) -> Array:
-        """(C,) in the square of the equation's unit."""
+        """(C,) in the square of the equation's unit; HARD and less is a hard constraint."""
 
     def residual(self, x: X_contra) -> Array:
         """(C,) the violation g."""

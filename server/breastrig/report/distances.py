@@ -1,8 +1,8 @@
 """The numbers of a fit (paragraph 4 of the specification), in millimetres.
 
 `surface_distance` is the paper's quantity: from each model vertex with an accepted pair to the scan.
-`scan_to_model` looks the other way, from each scan point inside the model's reach.  Both use the exact search
-(16 candidates), not the fit's fast one.
+`scan_to_model` looks the other way, from each scan point inside the model's reach.  Both use the exact search, not
+the rays of the fit.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_normals, vertex_normals
 
-ACCEPTED = MatchRules(method="tree", max_distance=0.05, max_angle=np.pi / 3, candidates=16)
+ACCEPTED = MatchRules(method="tree", max_distance=0.05, max_angle=np.pi / 3)
 REACH = 0.05  # m; scan points farther from the model belong to something that the model does not have
 MAX_SCAN_POINTS = 20_000  # a larger scan is sampled evenly: the mean changes by less than 0.01 mm
 
@@ -50,7 +50,7 @@ def surface_distances(target: ScanTarget, vertices: Array, faces: Integers) -> S
     model[accepted.vertices] = accepted.distances
     stride = max(1, len(target.vertices) // MAX_SCAN_POINTS)
     points, normals = target.vertices[::stride], target.normals[::stride]
-    closest = ClosestPointSearch(vertices, faces).query(points, candidates=16)
+    closest = ClosestPointSearch(vertices, faces).query(points)
     on_rim = boundary_vertices(faces, len(vertices))[faces[closest.faces]]
     inside = (closest.barycentric * on_rim).sum(axis=1) < 0.999  # beyond an opening of the model: out of reach
     agree = np.einsum("mi,mi->m", face_normals(vertices, faces)[closest.faces], normals) > np.cos(ACCEPTED.max_angle)

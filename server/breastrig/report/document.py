@@ -10,6 +10,7 @@ from breastrig.report.row import Row
 from breastrig.report.stance import Stance
 from breastrig.report.table import flat_rows
 
+SCHEMA = "breastrig/report@1"
 FROM_RESULT = (
     "stance", "stance_reason", "preset", "refined", "scan", "model", "converged", "stop_reason", "iterations",
     "surface_distance_mm", "scan_to_model_mm", "landmark_distance_mm", "landmarks_not_followed", "notes", "versions",
@@ -37,7 +38,7 @@ def stance_names(kinds: Sequence[str]) -> list[str]:
 def report_document(stances: Sequence[Reported]) -> dict[str, object]:
     """The document breastrig/report@1."""
     return {
-        "schema": "breastrig/report@1",
+        "schema": SCHEMA,
         "notice": LIMITS_OF_USE,
         "breastrig": __version__,
         "stances": [

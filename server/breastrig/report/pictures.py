@@ -7,7 +7,7 @@ import numpy as np
 from PIL import Image
 
 from breastrig.core.arrays import Array
-from breastrig.geometry.picture import Camera, Colour, Layer, Line, Picture, Scene, camera, diverging_colours
+from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera, diverging_colours
 from breastrig.report.body_frame import body_frame
 from breastrig.report.stance import Stance
 
@@ -30,7 +30,7 @@ def views_of(stance: Stance, names: Sequence[str], aspect: float, height: float 
 
 def scan_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
     """The scan in grey with the drawing on it; parts that the scan did not see, but the model carries, are dotted."""
-    apart = stance.search.query(stance.scan_vertices, candidates=4).distances
+    apart = stance.search.query(stance.scan_vertices).distances
     share = np.clip((apart - BODY_REACH[0]) / (BODY_REACH[1] - BODY_REACH[0]), 0.0, 1.0)[:, None]
     colours = (1.0 - share) * np.asarray(SCAN_GREY) + share * np.asarray(PALE)
     scene = Scene([Layer(stance.scan_vertices, stance.scan_faces, colours)])

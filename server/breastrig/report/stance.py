@@ -53,7 +53,7 @@ class Stance:
 
     def on_model(self, points: Array) -> SurfacePoints:
         """The points of the fitted surface closest to (M, 3) m points."""
-        found = self.search.query(points, candidates=16)
+        found = self.search.query(points)
         return SurfacePoints(found.faces, found.barycentric)
 
     def shape(self, *names: str) -> DrawnShape | None:

@@ -141,13 +141,13 @@ def _distance_to_line(points: Array, line: Array) -> Array:
     index = np.arange(len(line))
     after = (index + 1) % len(line)
     segments = np.stack([index, after, after], axis=1)  # triangles without area: their closest point is the segment's
-    return ClosestPointSearch(line, segments).query(points, candidates=8).distances
+    return ClosestPointSearch(line, segments).query(points).distances
 
 
 def _within(rig: Rig, outline: DrawnShape, nipple: str) -> Booleans:
     """(V,) the vertices of the template inside the outline: those on the nipple's side of it that hang together."""
     line = resampled(outline.points.positions(rig.template, rig.faces), SPACING, closed=True)
-    on = ClosestPointSearch(rig.template, rig.faces).query(line, candidates=16)
+    on = ClosestPointSearch(rig.template, rig.faces).query(line)
     facing = np.einsum("mc,mcd->md", on.barycentric, vertex_normals(rig.template, rig.faces)[rig.faces[on.faces]])
     inwards = np.cross(facing, np.roll(line, -1, axis=0) - np.roll(line, 1, axis=0))
     tip = rig.landmark_points((nipple,)).positions(rig.template, rig.faces)[0]

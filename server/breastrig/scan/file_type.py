@@ -27,9 +27,9 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
         return "ply"
     if start.startswith((b"PK\x03\x04", b"PK\x05\x06")):
         return "zip"
-    if _is_binary_stl(data) or (re.match(rb"\s*solid\b", start, re.IGNORECASE) and b"facet" in start):
+    if is_binary_stl(data) or (re.match(rb"\s*solid\b", start, re.IGNORECASE) and b"facet" in start):
         return "stl"
-    if b"\0" not in start and re.search(rb"(?m)^[ \t]*v[ \t]+[-+.\d]", data):
+    if b"\0" not in start and re.search(rb"(?:^|[\r\n])[ \t]*v[ \t]+[-+.\d]", data):
         return "obj"
     if re.match(rb"\s*\{", start) and b'"asset"' in data:
         raise BadScan("This is a .gltf, which keeps its data in other files; export the scan as one .glb.")
@@ -40,6 +40,7 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
     raise BadScan(f"This is not a PLY, OBJ, STL, GLB or zip file; {EXPORT}.")
 
 
-def _is_binary_stl(data: bytes) -> bool:
+def is_binary_stl(data: bytes) -> bool:
+    """Whether the length is just what the number of triangles asks for."""
     count = int.from_bytes(data[BINARY_STL_HEADER - 4 : BINARY_STL_HEADER], "little")
     return len(data) == BINARY_STL_HEADER + BINARY_STL_TRIANGLE * count and len(data) >= BINARY_STL_HEADER

@@ -21,7 +21,8 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadLandmarks
-from breastrig.core.units import METRES_PER_UNIT
+from breastrig.core.output_files import read_ordinary, shown
+from breastrig.core.units import BEYOND, METRES_PER_UNIT
 
 SCHEMA = "breastrig/landmarks@1"
 SLICER_SCHEMA = (
@@ -99,14 +100,13 @@ def write_landmarks(path: Path, places: Mapping[str, Array], unit: str | None = 
 
 def _text(source: Path | bytes) -> str:
     try:
-        size = len(source) if isinstance(source, bytes) else source.stat().st_size
-        if size > LIMIT_BYTES:
+        data = source if isinstance(source, bytes) else read_ordinary(source, LIMIT_BYTES)
+        if len(data) > LIMIT_BYTES:
             raise BadLandmarks(f"This landmark file is larger than {LIMIT_BYTES // 10**6} MB; {FORMATS}.")
-        data = source if isinstance(source, bytes) else source.read_bytes()
         return data.decode("utf-8-sig")
     except OSError as error:
         raise BadLandmarks(
-            f"The landmark file {source!s} cannot be read ({error.strerror}); check the name."
+            f"The landmark file {shown(str(source))} cannot be read ({error.strerror}); check the name."
         ) from error
     except UnicodeDecodeError as error:
         raise BadLandmarks(f"This landmark file is not text; {FORMATS}.") from error
@@ -215,6 +215,8 @@ def _three_numbers(name: str, place: Any) -> list[float]:
         raise BadLandmarks(f'The landmark "{name}" needs three numbers x, y, z.') from error
     if not all(math.isfinite(value) for value in numbers):
         raise BadLandmarks(f'The landmark "{name}" has a coordinate that is not a finite number; pick it again.')
+    if max(map(abs, numbers)) > BEYOND:
+        raise BadLandmarks(f'The landmark "{name}" has a coordinate beyond all reason; check the file and its unit.')
     return numbers
 
 

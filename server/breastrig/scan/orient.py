@@ -30,6 +30,7 @@ class Frame:
     stance: str  # standing | supine
     stance_reason: str
     fronts: Array  # (N, 3) unit, where the front may be: one direction, or six when the scan shows all sides
+    table: tuple[Array, float] | None = None  # (3,) unit normal of a table behind the body, and its height along it (m)
 
     @property
     def rotation(self) -> Array:
@@ -73,6 +74,8 @@ def table_plane(centres: Array, normals: Array, areas: Array) -> tuple[Array, fl
             flat = np.linalg.eigh((offsets * weights).T @ offsets)[1][:, 0]
             normal = flat if flat @ normal > 0.0 else -flat
             facing = normals @ normal > 0.94
+            if not facing.any():  # no plane after all: curved parts turned the guess away from themselves
+                break
         if not facing.any():
             continue
         level, share = _peak(centres[facing] @ normal, areas[facing])
@@ -123,4 +126,5 @@ def propose_frame(vertices: Array, faces: Integers) -> Frame:
     if seen_around:  # a torso is wide, high and flat: its front lies along one of its axes
         _, _, axes = np.linalg.svd((centres - centres.mean(axis=0)) * np.sqrt(areas)[:, None], full_matrices=False)
         fronts = np.concatenate([axes, -axes])
-    return Frame(up, front, round(confidence, 2), reason, stance, stance_reason, fronts)
+    plane = None if table is None else table[:2]
+    return Frame(up, front, round(confidence, 2), reason, stance, stance_reason, fronts, plane)

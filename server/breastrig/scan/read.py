@@ -1,45 +1,53 @@
 """A scan file -> Scan.  The door through which strangers' bytes come in.
 
-The kind of file is decided from its bytes, limits are checked on the file's own numbers before a library
-allocates anything, no other file or address is ever opened, and whatever goes wrong inside a library becomes
-one plain sentence.  trimesh does the parsing (without its clean-up); what it gives back is checked again.
+The kind of file is decided from its bytes, limits are checked on the file's own numbers before anything of that size
+is allocated, no other file or address is ever opened, and whatever goes wrong inside a library becomes one plain
+sentence.  What comes out is checked again, whatever file it came in.
 """
 
 import hashlib
-import re
-import warnings
+import stat
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import trimesh
-from numpy.typing import NDArray
-from trimesh.resolvers import Resolver
 
-from breastrig.core.arrays import Array, Integers
-from breastrig.core.errors import BadInput, BadScan, TooLarge
+from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.errors import BadScan, TooLarge
+from breastrig.core.single_precision import EXACT_WITHIN
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.scan.archive import COMPANIONS, unpacked
 from breastrig.scan.clean import MIN_TRIANGLES
-from breastrig.scan.file_type import BINARY_STL_HEADER, BINARY_STL_TRIANGLE, file_type_of
-from breastrig.scan.glb_guard import HIDDEN_COLOURS, guarded
-from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES, VERTICES
+from breastrig.scan.file_type import file_type_of
+from breastrig.scan.formats.archive import COMPANIONS, unpacked
+from breastrig.scan.formats.glb import glb_pieces
+from breastrig.scan.formats.ply_obj_stl import SEVERAL, mesh_pieces
+from breastrig.scan.formats.texture import written_anew
+from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
+from breastrig.scan.piece import Piece, Pieces
 from breastrig.scan.scan import Scan
-from breastrig.scan.texture import is_picture, written_anew
+from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
 
 BEYOND = 1e30  # no unit has such numbers; their squares are beyond single precision
-PLY_HEADER_BYTES = 100_000  # a header that is longer than this is none
+FARTHEST = 1e7  # m from the origin; coordinates of the Earth reach 6.4e6 m, and double precision is 2e-9 m there
+STRAY = 1e3  # m from the scan's middle; no scanner sees so far, and single precision begins to tell
+SHOWN_NAME = 60  # characters of a file's name in a sentence
 
 
 def read_scan(source: Path | bytes, file_type: str | None = None, units: str = "auto", texture: bool = True) -> Scan:
     """Reads PLY, OBJ, STL, GLB or a zip of one of them with its MTL and pictures.
 
-    `file_type` is the name's ending, only used to word errors; `units` is auto or m, dm, cm, mm, in;
-    `texture=False` saves the time of decoding the pictures.  Raises BadScan, TooLarge (over a limit) or
-    BadSettings (no such unit), each with one sentence.
+    `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
+    `units` is auto or m, dm, cm, mm, in; `texture=False` saves the time of decoding the pictures.  Raises BadScan,
+    TooLarge (over a limit) or BadSettings (no such unit), each with one sentence.
     """
+    if file_type == STORED and isinstance(source, Path):
+        scan = read_stored(source, texture)
+        unit, reason = decide_unit(_extent(scan.vertices, scan.faces) / scan.metres_per_unit, units)
+        metres = METRES_PER_UNIT[unit]
+        vertices = scan.vertices if unit == scan.unit else scan.vertices * (metres / scan.metres_per_unit)
+        return replace(scan, vertices=vertices, unit=unit, metres_per_unit=metres, unit_reason=reason)
     data = _bytes(source)
     siblings: Mapping[str, bytes] = {}
     if file_type is None and isinstance(source, Path):
@@ -54,69 +62,30 @@ def read_scan(source: Path | bytes, file_type: str | None = None, units: str = "
             raise BadScan("This zip holds another zip; pack the mesh itself.")
     elif found in ("obj", "ply") and isinstance(source, Path) and texture:
         siblings = _Siblings(source.parent)
-    parts = _parsed(mesh, found, siblings, texture)
-    _check(parts)
-    unit, reason = decide_unit(extent(parts.vertices[np.unique(parts.faces[:, 0])]), units)
+    pieces = (
+        glb_pieces(mesh, texture) if found == "glb" else mesh_pieces(mesh, found, siblings if texture else {}, texture)
+    )
+    whole, notes = _joined(pieces)
+    _check(whole, pieces.has_points)
+    unit, reason = decide_unit(_extent(whole.vertices, whole.faces), units)
     metres = METRES_PER_UNIT[unit]
+    whole, strays = _placed(whole, metres)
+    jpeg = None if whole.picture is None else written_anew(whole.picture)
+    if whole.picture is not None and jpeg is None:
+        notes += ("The texture is damaged and was left out.",)
     return Scan(
-        vertices=parts.vertices * metres,
-        faces=parts.faces,
+        vertices=whole.vertices * metres,
+        faces=whole.faces,
         unit=unit,
         metres_per_unit=metres,
         unit_reason=reason,
         sha256=hashlib.sha256(data).hexdigest(),
-        notes=tuple(parts.notes),
-        colours=parts.colours,
-        uv=parts.uv if parts.texture is not None else None,
-        texture=parts.texture,
+        notes=(*notes, *strays, *_far_away(whole.vertices, metres)),
+        colours=whole.colours if jpeg is None else None,
+        uv=None if jpeg is None else whole.uv,
+        texture=jpeg,
+        picture=None if jpeg is None else whole.picture,
     )
-
-
-class _Parts:
-    """What parsing collects."""
-
-    def __init__(self) -> None:
-        self.vertices: Array = np.zeros((0, 3))
-        self.faces: Integers = np.zeros((0, 3), np.int64)
-        self.colours: NDArray[np.uint8] | None = None
-        self.uv: Array | None = None
-        self.texture: bytes | None = None
-        self.notes: list[str] = []
-        self.has_points = False
-
-
-class _Files(Resolver):  # type: ignore[misc]
-    """The only files that a mesh can name: those beside it in the same zip or folder, by their plain names."""
-
-    def __init__(self, files: Mapping[str, bytes]) -> None:
-        self._files = files
-        self._names = {name.lower(): name for name in files}
-        self.delivered = False  # a picture was asked for and given
-        self.refused = False  # a picture that is none was asked for
-        self.too_large: TooLarge | None = None  # kept, because the library swallows what is raised here
-
-    def get(self, key: str) -> bytes:
-        name = str(key).strip().replace("\\", "/").rsplit("/", 1)[-1].lower()
-        content = self._files[self._names[name]]
-        if name.endswith(".mtl"):
-            return content
-        try:
-            if is_picture(content):
-                self.delivered = True
-                return content
-        except TooLarge as error:
-            self.too_large = error
-        self.refused = True
-        raise KeyError(name)
-
-    def keys(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def write(self, name: str, data: Any) -> None:
-        raise NotImplementedError
-
-    def namespaced(self, namespace: str) -> "_Files":
-        return self
 
 
 class _Siblings(Mapping[str, bytes]):
@@ -140,161 +109,110 @@ class _Siblings(Mapping[str, bytes]):
 
 
 def _bytes(source: Path | bytes) -> bytes:
+    if isinstance(source, bytes):
+        _check_size(len(source))
+        return source
+    shown = source.name if len(source.name) <= SHOWN_NAME else f"{source.name[:SHOWN_NAME]}..."
     try:
-        size = len(source) if isinstance(source, bytes) else source.stat().st_size
-        if size > FILE_BYTES:
-            raise TooLarge(f"This file has {size // MEBIBYTE:,} MB, more than the {FILE_BYTES // MEBIBYTE} MB allowed.")
-        return source if isinstance(source, bytes) else source.read_bytes()
-    except OSError as error:
-        raise BadScan(f"The file {source!s} cannot be read ({error.strerror}); check the name.") from error
+        facts = source.stat()
+        if not stat.S_ISREG(facts.st_mode):
+            raise BadScan(f"What is called {shown} is no ordinary file; give a scan file.")
+        _check_size(facts.st_size)
+        return source.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = (isinstance(error, OSError) and error.strerror) or "no such name is possible"
+        raise BadScan(f"The file {shown} cannot be read ({reason}); check the name.") from error
 
 
-def _parsed(data: bytes, kind: str, files: Mapping[str, bytes], texture: bool) -> _Parts:
-    parts = _Parts()
-    if kind == "glb":
-        data, notes = guarded(data)
-        parts.notes += notes
-    else:
-        _check_announced_sizes(data, kind)
-    resolver = _Files(files if texture else {})
-    try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")
-            stream = trimesh.util.wrap_as_stream(data)
-            scene = trimesh.load_scene(stream, file_type=kind, resolver=resolver, process=False)
-            # where there is no picture the library makes one up, so what it has is believed only if we gave it
-            _collect(scene, parts, textured=texture and (resolver.delivered or kind == "glb"))
-    except MemoryError as error:
-        raise TooLarge("Reading this scan needs more memory than there is; simplify it first.") from error
-    except BadInput:
-        raise
-    except Exception as error:  # a parser fed by strangers can raise anything
-        raise _damaged(kind) from error
-    if resolver.too_large is not None:
-        raise resolver.too_large
-    if resolver.refused:
-        parts.notes.append("The texture is neither JPEG nor PNG, or damaged, and was left out.")
-    if kind == "stl" and len(parts.faces):
-        parts.vertices, parts.faces = _corners_joined(parts.vertices, parts.faces)
-    return parts
+def _check_size(size: int) -> None:
+    if size > FILE_BYTES:
+        raise TooLarge(f"This file has {size // MEBIBYTE:,} MB, more than the {FILE_BYTES // MEBIBYTE} MB allowed.")
 
 
-def _damaged(kind: str) -> BadScan:
-    return BadScan(f"This {kind.upper()} file is damaged or cut off and cannot be read; export it again.")
+def _joined(found: Pieces) -> tuple[Piece, tuple[str, ...]]:
+    """All pieces as one, with the colours or the picture that they share, and what there is to say."""
+    pieces = found.pieces
+    if not pieces:
+        return Piece(np.zeros((0, 3)), np.zeros((0, 3), np.int64)), found.notes
+    offsets = np.cumsum([0, *(len(piece.vertices) for piece in pieces[:-1])])
+    vertices = np.concatenate([piece.vertices for piece in pieces])
+    faces = np.concatenate([piece.faces + offset for piece, offset in zip(pieces, offsets, strict=True)])
+    notes, colours, uv, picture = found.notes, None, None, None
+    painted = [piece.uv for piece in pieces if piece.uv is not None and piece.picture is not None]
+    if len(painted) == len(pieces):
+        first = pieces[0].picture
+        if any(piece.picture is not first and piece.picture != first for piece in pieces):
+            notes += (SEVERAL,)
+        elif np.isfinite(uv := np.concatenate(painted)).all():
+            picture = first
+    coloured = [piece.colours for piece in pieces if piece.colours is not None]
+    if len(coloured) == len(pieces):
+        colours = np.concatenate(coloured)
+    return Piece(vertices, faces, colours, None if picture is None else uv, picture), notes
 
 
-def _check_announced_sizes(data: bytes, kind: str) -> None:
-    """Sizes that the file itself announces, before anything of that size is allocated."""
-    triangles = vertices = 0
-    if kind == "ply":
-        header = data[:PLY_HEADER_BYTES].split(b"end_header", 1)
-        if len(header) == 1:
-            raise _damaged(kind)
-        announced = {name: int(count[:18]) for name, count in re.findall(rb"element\s+(\w+)\s+(\d+)", header[0])}
-        triangles, vertices = announced.get(b"face", 0), max(announced.values(), default=0)
-        if len(data) - len(header[0]) < sum(announced.values()):  # each entry takes a byte at least
-            raise _damaged(kind)
-    elif kind == "obj":
-        triangles, vertices = data.count(b"\nf"), data.count(b"\nv ")
-    elif kind == "stl":
-        triangles = (len(data) - BINARY_STL_HEADER) // BINARY_STL_TRIANGLE
-        if data.lstrip()[:5].lower() == b"solid":
-            triangles = min(triangles, data.lower().count(b"endfacet") or triangles)
-    if triangles > TRIANGLES or vertices > VERTICES:
-        raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
-
-
-def _collect(scene: trimesh.Scene, parts: _Parts, textured: bool) -> None:
-    """Joins the scene's meshes, each where its node puts it, with the colours or the texture that all share."""
-    meshes = []
-    order = {name: index for index, name in enumerate(scene.geometry)}
-    placed = [(order[scene.graph[node][1]], str(node), scene.graph[node]) for node in scene.graph.nodes_geometry]
-    for _, _, (transform, name) in sorted(placed, key=lambda place: place[:2]):  # the library's own order varies
-        mesh = scene.geometry[name]
-        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
-            meshes.append((mesh, np.asarray(transform, np.float64)))
-        elif hasattr(mesh, "vertices") and len(mesh.vertices):
-            parts.has_points = True
-    if not meshes:
-        return
-    vertices, faces, offset = [], [], 0
-    for mesh, transform in meshes:
-        own = np.asarray(mesh.vertices, np.float64)
-        triangles = np.asarray(mesh.faces, np.int64)
-        if triangles.min() < 0 or triangles.max() >= len(own):
-            raise BadScan("The triangles of this scan name vertices that do not exist; export it again.")
-        if not np.array_equal(transform, np.eye(4)):
-            own = own @ transform[:3, :3].T + transform[:3, 3]
-            if np.linalg.det(transform[:3, :3]) < 0:
-                triangles = triangles[:, ::-1]
-        vertices.append(own)
-        faces.append(triangles + offset)
-        offset += len(own)
-    parts.vertices, parts.faces = np.concatenate(vertices), np.concatenate(faces)
-    visuals = [mesh.visual for mesh, _ in meshes]
-    linear = [mesh.vertex_attributes.get(HIDDEN_COLOURS) for mesh, _ in meshes]
-    if textured and all(visual.kind == "texture" for visual in visuals):
-        _collect_texture(visuals, parts)
-    if parts.texture is None and all(colours is not None for colours in linear):
-        parts.colours = np.concatenate([_srgb(np.asarray(colours)) for colours in linear])
-    elif parts.texture is None and all(visual.kind == "vertex" for visual in visuals):
-        parts.colours = np.concatenate([np.asarray(visual.vertex_colors)[:, :3] for visual in visuals])
-
-
-def _collect_texture(visuals: list[Any], parts: _Parts) -> None:
-    """Keeps the texture when one picture serves all meshes; scanner apps split a mesh but not its picture."""
-    pictures: list[Any] = [
-        getattr(visual.material, "baseColorTexture", None) or getattr(visual.material, "image", None)
-        for visual in visuals
-    ]
-    if any(picture is None or visual.uv is None for picture, visual in zip(pictures, visuals, strict=True)):
-        return
-    if len({id(picture) for picture in pictures}) > 1 and len({picture.tobytes() for picture in pictures}) > 1:
-        parts.notes.append("The scan has several textures and is shown without them.")
-        return
-    uv = np.concatenate([np.asarray(visual.uv, np.float64)[:, :2] for visual in visuals])
-    if len(uv) != len(parts.vertices) or not np.isfinite(uv).all():
-        return
-    parts.texture = written_anew(pictures[0])
-    parts.uv = uv
-    if parts.texture is None:
-        parts.notes.append("The texture is damaged and was left out.")
-
-
-def _srgb(linear: NDArray[Any]) -> NDArray[np.uint8]:
-    """(V, 3) sRGB of linear light as glTF stores it: floats from 0 to 1, or whole numbers up to their maximum."""
-    full = 1.0 if linear.dtype.kind == "f" else float(np.iinfo(linear.dtype).max)
-    light = np.clip(np.nan_to_num(linear[:, :3].astype(np.float64) / full), 0.0, 1.0)
-    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
-    return np.asarray(np.round(255.0 * encoded).astype(np.uint8))
-
-
-def _corners_joined(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
-    """An STL repeats each corner for each triangle; equal ones become one again (exactly equal, float32)."""
-    with np.errstate(over="ignore"):  # ASCII may hold larger numbers; no torso has them, which _check says
-        single = vertices.astype(np.float32) + np.float32(0.0)
-    exact = single.view(np.uint32).astype(np.uint64)
-    first_two = (exact[:, 0] << np.uint64(32)) | exact[:, 1]
-    order = np.lexsort((exact[:, 2], first_two))
-    starts = np.ones(len(order), np.bool_)
-    starts[1:] = (first_two[order][1:] != first_two[order][:-1]) | (exact[order, 2][1:] != exact[order, 2][:-1])
-    group = np.zeros(len(order), np.int64)
-    group[order] = np.cumsum(starts) - 1
-    return vertices[order[starts]], group[faces]
-
-
-def _check(parts: _Parts) -> None:
+def _check(whole: Piece, has_points: bool) -> None:
     """What every scan must be, whatever file it came in."""
-    if not len(parts.faces):
-        what = "only points" if parts.has_points else "no triangles"
+    if not len(whole.faces):
+        what = "only points" if has_points else "no triangles"
         raise BadScan(f"This scan has {what}; export it as a triangle mesh.")
-    sound = (np.abs(parts.vertices) < BEYOND).all(axis=1)  # false for what is no number, too
+    if whole.faces.min() < 0 or whole.faces.max() >= len(whole.vertices):
+        raise BadScan("The triangles of this scan name vertices that do not exist; export it again.")
+    sound = (np.abs(whole.vertices) < BEYOND).all(axis=1)  # false for what is no number, too
     if not sound.all():
         bad = int((~sound).sum())
         which = "One vertex of this scan is" if bad == 1 else f"{bad:,} vertices of this scan are"
         raise BadScan(f"{which} not finite or far beyond all reason; repair the mesh or export it again.")
-    if len(parts.faces) > TRIANGLES:
+    if len(whole.faces) > TRIANGLES:
         raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
-    if len(parts.faces) < MIN_TRIANGLES:
-        count = "1 triangle" if len(parts.faces) == 1 else f"{len(parts.faces)} triangles"
+    if len(whole.faces) < MIN_TRIANGLES:
+        count = "1 triangle" if len(whole.faces) == 1 else f"{len(whole.faces)} triangles"
         raise BadScan(f"This scan has only {count}, too few to show a torso; export the whole mesh.")
+
+
+def _extent(vertices: Array, faces: Integers) -> float:
+    """How far the triangles reach, in the vertices' unit."""
+    used = np.zeros(len(vertices), np.bool_)
+    used[faces[:, 0]] = True
+    return extent(vertices[used])
+
+
+def _placed(whole: Piece, metres: float) -> tuple[Piece, tuple[str, ...]]:
+    """The scan without unused points far away, and a note of them; BadScan when a triangle lies out of all reach."""
+    used = np.zeros(len(whole.vertices), np.bool_)
+    used[whole.faces] = True
+    middle = np.median(whole.vertices[used], axis=0)
+    if metres * float(np.abs(middle).max()) > FARTHEST:
+        raise BadScan(
+            f"This scan lies {metres * float(np.linalg.norm(middle)):.3g} m from the origin of its coordinates, "
+            "where numbers are too coarse for it; move it to the origin before it is exported."
+        )
+    astray: Booleans = np.any(metres * np.abs(whole.vertices - middle) > STRAY, axis=1)
+    if not astray.any():
+        return whole, ()
+    if (astray & used).any():
+        count = int((astray & used).sum())
+        which = "One vertex of this scan lies" if count == 1 else f"{count:,} vertices of this scan lie"
+        raise BadScan(f"{which} more than {STRAY / 1e3:g} km from the rest; repair the mesh or export it again.")
+    number = np.cumsum(used) - 1
+    kept = replace(
+        whole,
+        vertices=whole.vertices[used],
+        faces=number[whole.faces],
+        colours=None if whole.colours is None else whole.colours[used],
+        uv=None if whole.uv is None else whole.uv[used],
+    )
+    return kept, ("Points far away that no triangle uses were left out.",)
+
+
+def _far_away(vertices: Array, metres: float) -> tuple[str, ...]:
+    """What a place far from the origin does to numbers in single precision: the file's own, or those for display."""
+    reach = float(np.abs(vertices).max())
+    if metres * reach <= EXACT_WITHIN:
+        return ()
+    where = f"The scan lies {metres * reach:,.0f} m from the origin of its coordinates"
+    if np.array_equal(vertices, vertices.astype(np.float32)):
+        step = 1e3 * metres * float(np.spacing(np.float32(reach)))
+        return (f"{where}, and its file rounds them to {step:.2g} mm; move it to the origin before it is exported.",)
+    step = 1e3 * float(np.spacing(np.float32(metres * reach)))
+    return (f"{where}; results are exact there, but pictures of it may be rounded to {step:.2g} mm.",)

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, ClassVar
 
-from sqlalchemy import Connection, Engine
+from sqlalchemy import Connection, Engine, inspect
 
 from breastrig.storage.migrate import to_this_version
 
@@ -36,6 +36,13 @@ class Database(ABC):
         with self.writing() as connection:
             to_this_version(connection)
 
+    def installation_id(self) -> str | None:
+        """None in a database that is new, or of a version without."""
+        with self.reading() as connection:
+            if not inspect(connection).has_table("installation"):
+                return None
+            return connection.exec_driver_sql("SELECT id FROM installation").scalar_one_or_none()
+
     @contextmanager
     def reading(self) -> Iterator[Connection]:
         """A transaction that sees one state of the database and changes nothing."""
@@ -43,8 +50,11 @@ class Database(ABC):
             yield connection
 
     @abstractmethod
-    def writing(self) -> AbstractContextManager[Connection]:
-        """A transaction that holds the write lock from its start; commits at the end, or undoes all on an error."""
+    def writing(self, durable: bool = False) -> AbstractContextManager[Connection]:
+        """A transaction that holds the write lock from its start; commits at the end, or undoes all on an error.
+
+        What a `durable` one has written is on the disk when it ends, so that it outlives a power failure.
+        """
 
     @abstractmethod
     def exclusive(self) -> AbstractContextManager[None]:
@@ -55,8 +65,16 @@ class Database(ABC):
         """Whether a transaction can be committed, waiting so long for others."""
 
     @abstractmethod
-    def forget_deleted(self) -> None:
-        """Gives up what deleted rows still take, as far as the database can."""
+    def is_sound(self, limit_s: float) -> bool:
+        """Whether rows can be read; looks for damage no longer than that."""
+
+    @abstractmethod
+    def forget_deleted(self) -> bool:
+        """Gives up what deleted rows still take, as far as the database can; False when it has to be done later."""
+
+    def lacks_room(self, error: Exception) -> bool:
+        """Whether it was met because the disk of the data folder is full."""
+        return False
 
     def close(self) -> None:
         self.engine.dispose()

@@ -30,7 +30,7 @@ class DiskFiles:
         self._folders = folders
 
     def create(self) -> None:
-        self._folders.empty_rubbish()
+        pass
 
     def make(self, place: str) -> None:
         self._folders.make(self._folder(place))
@@ -64,11 +64,14 @@ class DiskFiles:
     def is_empty(self) -> bool:
         return self._folders.are_empty()
 
-    def remove(self, *places: str) -> None:
-        self._folders.remove(*(self._folder(place) for place in places))
+    def remove(self, place: str) -> None:
+        self._folders.remove(self._folder(place))
 
-    def remove_strangers(self, known: Collection[str]) -> None:
-        self._folders.remove_strangers(known)
+    def left_of(self, place: str) -> str:
+        return str(self._folders.left_of(self._folder(place)))
+
+    def count_unknown(self, known: Collection[str]) -> int:
+        return self._folders.count_unknown(known)
 
     def _folder(self, place: str) -> Path:
         return self._folders.root / place

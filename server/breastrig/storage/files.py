@@ -22,11 +22,14 @@ def fit_place(fit_id: str) -> str:
 
 
 def upload_name(file_type: str) -> str:
-    """The uploaded bytes' name in their scan's place."""
+    """The name of the scan itself in its place."""
     return f"scan.{file_type}"
 
 
 MESH = "mesh.glb"  # the scan for display
+ROOT = ""  # the place of the mark, which says whose all these files are
+MARK = "installation"  # its name; what it holds is the installation's id
+PLAIN_MESH = "plain.glb"  # the same without its colours, made when a share link first needs it
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,9 @@ class OpenedFile:
 class Draft(Protocol):
     """A folder to write into, whose files are nobody's until they are kept."""
 
-    folder: Path
+    @property
+    def folder(self) -> Path:
+        """This block's own."""
 
     def keep(self) -> None:
         """Puts the folder's files where others find them.  Raises OSError."""
@@ -55,7 +60,10 @@ class Files(Protocol):
     """May be used from any thread."""
 
     def create(self) -> None:
-        """What has to be there before anything is kept.  Raises BadSettings."""
+        """What has to be there before anything is kept.
+
+        Raises BadSettings, also when others keep files there; then nothing was written.
+        """
 
     def make(self, place: str) -> None:
         """Before anything is put there."""
@@ -78,8 +86,14 @@ class Files(Protocol):
     def is_empty(self) -> bool:
         """Whether no scan and no fit is kept."""
 
-    def remove(self, *places: str) -> None:
-        """Removes the places with all they hold; one that is not there is no error."""
+    def remove(self, place: str) -> None:
+        """Removes the place with all it holds; one that is not there is no error.
 
-    def remove_strangers(self, known: Collection[str]) -> None:
-        """Removes every other place: what a killed upload or fit left behind."""
+        Raises OSError when something is left of it.
+        """
+
+    def left_of(self, place: str) -> str:
+        """For people: where that is which could not be removed."""
+
+    def count_unknown(self, known: Collection[str]) -> int:
+        """How many scans and fits seem to be kept that are not among these places; nobody removes them."""

@@ -1,10 +1,14 @@
 """The files of scans and fits: one folder each, named by an unguessable id, below the data folder.
 
+    data/installation           says that the folder is BreastRig's (see `data_folder`)
     data/breastrig.sqlite3      rows, unless they are elsewhere (see `location`)
-    data/scans/ID/              scan.ply, .obj, ... (the bytes as uploaded), mesh.glb (for display)
+    data/scans/ID/              scan.ply, .obj, ... (the bytes as uploaded), mesh.glb (for display),
+                                plain.glb (the same without colours, for share links)
     data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json,
                                 distances.bin, fit.log.jsonl
-    data/rubbish/               on its way out: a folder is first moved here, so that no path into it works any more
+    data/rubbish/KIND.ID        on its way out: a folder is first moved here, so that no path into it works any more
+    data/reserve                space that a full disk has left for deleting (see `reserve`)
+    data/lock                   held by the server
 
 Original file names are never stored.
 """
@@ -13,10 +17,13 @@ import fcntl
 import os
 import secrets
 import shutil
+import threading
 import time
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from breastrig.storage.data_folder import LOCK_FILE, PLACES, RESERVE_FILE, RUBBISH
 
 
 def new_id() -> str:
@@ -29,6 +36,7 @@ class Folders:
 
     def __init__(self, root: Path) -> None:
         self.root = root
+        self._removing = threading.Lock()  # who finds a folder half removed would not know whether it will be gone
 
     def create(self) -> None:
         for folder in (self.root, self._scans, self._fits, self._rubbish):
@@ -36,7 +44,11 @@ class Folders:
 
     @property
     def lock(self) -> Path:
-        return self.root / "lock"
+        return self.root / LOCK_FILE
+
+    @property
+    def reserve(self) -> Path:
+        return self.root / RESERVE_FILE
 
     @property
     def _scans(self) -> Path:
@@ -48,7 +60,7 @@ class Folders:
 
     @property
     def _rubbish(self) -> Path:
-        return self.root / "rubbish"
+        return self.root / RUBBISH
 
     def scan(self, scan_id: str) -> Path:
         return self._scans / scan_id
@@ -97,24 +109,49 @@ class Folders:
         finally:
             os.close(handle)
 
-    def remove(self, *folders: Path) -> None:
-        """Removes the folders with all they hold; a folder that is not there is no error."""
-        for folder in folders:
-            try:
-                os.replace(folder, self._rubbish / secrets.token_urlsafe(16))
-            except FileNotFoundError:
-                continue
-        self.empty_rubbish()
+    def remove(self, folder: Path) -> None:
+        """Removes the folder with all it holds; one that is not there is no error.
 
-    def empty_rubbish(self) -> None:
-        for folder in self._rubbish.iterdir():
-            shutil.rmtree(folder, ignore_errors=True)  # another thread may be at the same folder
+        Raises OSError when something is left of it.
+        """
+        moved = self._moved(folder)
+        errors = []
+        with self._removing:
+            with suppress(OSError):  # there is no room for another name, or something is mounted there
+                os.replace(folder, moved)
+            for one in (moved, folder):
+                try:
+                    _remove_tree(one)
+                except OSError as error:
+                    errors.append(error)
+        if errors:
+            raise errors[0]
+
+    def left_of(self, folder: Path) -> Path:
+        """Where that is which `remove` could not remove."""
+        moved = self._moved(folder)
+        return moved if os.path.lexists(moved) else folder
 
     def are_empty(self) -> bool:
         """Whether there is no folder of a scan or fit."""
-        return not any(True for kind in (self._scans, self._fits) for _ in kind.iterdir())
+        return not any(os.listdir(kind) for kind in (self._scans, self._fits))
 
-    def remove_strangers(self, known: Collection[str]) -> None:
-        """Removes every folder of a scan or fit that is not among `known` (as scans/ID, fits/ID)."""
-        found = (folder for kind in (self._scans, self._fits) for folder in kind.iterdir())
-        self.remove(*(folder for folder in found if folder.relative_to(self.root).as_posix() not in known))
+    def count_unknown(self, known: Collection[str]) -> int:
+        """How many entries are neither of the places `known` (as scans/ID, fits/ID) nor such ones on their way out."""
+        ours = {self.root / place for place in known}
+        ours |= {self._moved(folder) for folder in ours}
+        return sum(entry not in ours for kind in (*PLACES, RUBBISH) for entry in (self.root / kind).iterdir())
+
+    def _moved(self, folder: Path) -> Path:
+        """The folder's name on its way out: known from the place alone, so that nothing else is removed for it."""
+        return self._rubbish / f"{folder.parent.name}.{folder.name}"
+
+
+def _remove_tree(path: Path) -> None:
+    """Removes as much as can be removed, never what a link leads to.  Raises OSError when something is left."""
+    if path.is_symlink() or not path.is_dir():
+        path.unlink(missing_ok=True)
+        return
+    shutil.rmtree(path, ignore_errors=True)
+    if os.path.lexists(path):
+        shutil.rmtree(path)  # once more, to hear what is in the way

@@ -3,14 +3,13 @@
 What only large installations have installed is imported when it is needed.
 """
 
+from breastrig.storage.data_folder import SQLITE_FILE
 from breastrig.storage.database import Database
 from breastrig.storage.disk_files import DiskFiles
 from breastrig.storage.files import Files
 from breastrig.storage.folders import Folders
 from breastrig.storage.location import Location
 from breastrig.storage.sqlite import SqliteDatabase
-
-SQLITE_FILE = "breastrig.sqlite3"  # in the data folder
 
 
 def open_database(location: Location) -> Database:

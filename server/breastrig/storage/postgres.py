@@ -52,7 +52,8 @@ class PostgresDatabase(Database):
         event.listen(self.engine, "handle_error", _refuse_bad_values)
 
     @contextmanager
-    def writing(self) -> Iterator[Connection]:
+    def writing(self, durable: bool = False) -> Iterator[Connection]:
+        """All are durable, unless the server has been set up otherwise."""
         with self.engine.begin() as connection:
             connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": WRITER})
             yield connection
@@ -79,11 +80,19 @@ class PostgresDatabase(Database):
             return False
         return True
 
-    def forget_deleted(self) -> None:
+    def is_sound(self, limit_s: float) -> bool:
+        """PostgreSQL watches over its own files."""
+        try:
+            return self.installation_id() is not None
+        except SQLAlchemyError:
+            return False
+
+    def forget_deleted(self) -> bool:
         """Gives the space of deleted rows free; their bytes stay in the server's files until others overwrite them."""
         with self._lone.connect() as connection:
             for table in metadata.sorted_tables:
                 connection.exec_driver_sql(f"VACUUM (SKIP_LOCKED) {table.name}")
+        return True
 
     @contextmanager
     def held(self, fit_id: str) -> Iterator[None]:

@@ -29,7 +29,7 @@ scans = Table(
     metadata,
     Column("id", String(32), primary_key=True),
     Column("created_at", String(32), nullable=False),  # ISO 8601, UTC
-    Column("file_type", String(8), nullable=False),  # ply, obj, stl, glb or zip
+    Column("file_type", String(8), nullable=False),  # stored; of earlier versions ply, obj, stl, glb, zip
     Column("sha256", String(64), nullable=False),  # of the uploaded bytes
     Column("facts", Text, nullable=False),  # JSON, what reading found
 )
@@ -100,6 +100,9 @@ shares = Table(
     Column("revoked_at", String(32)),
     Column("scan", String(8), nullable=False),  # none, plain, full
     Column("passcode_hash", String(300)),  # salted scrypt
+    Column("wrong_passcodes", Integer, nullable=False, server_default="0"),  # since the link was made
+    Column("last_wrong_at", String(32)),
+    Column("forgiven_passcodes", Integer, nullable=False, server_default="0"),  # of them, by opening the link again
 )
 
 openings = Table(  # when a share was opened; not by whom and not what was looked at
@@ -108,6 +111,7 @@ openings = Table(  # when a share was opened; not by whom and not what was looke
     Column("id", Integer, primary_key=True, autoincrement=True),
     Column("share", String(32), ForeignKey("shares.id", ondelete="CASCADE"), nullable=False, index=True),
     Column("opened_at", String(32), nullable=False),
+    Column("visit_hmac", String(64), index=True),  # of the browser's credential; null once the visitor has closed it
 )
 
 ended_sessions = Table(  # browsers that signed out before their cookie was too old
@@ -135,4 +139,19 @@ installation = Table(  # one row: the name that the files carry too
     "installation",
     metadata,
     Column("id", String(32), primary_key=True),
+)
+
+file_journal = Table(  # places that may hold files and have no row: being made, or to be removed
+    "file_journal",
+    metadata,
+    Column("place", String(64), primary_key=True),  # scans/ID or fits/ID
+    Column("scan", String(32), nullable=False, index=True),  # no foreign key: its row may be gone, or not yet be there
+    Column("removing", Boolean, nullable=False),
+)
+
+expiring_scans = Table(  # scans whose deletion by age has been announced
+    "expiring_scans",
+    metadata,
+    Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
+    Column("announced_at", String(32), nullable=False),
 )

@@ -8,21 +8,30 @@ Nothing in a process that has the database open may open its files in another wa
 closing such a file POSIX drops the process's locks, and other processes then remove the log under its feet.
 """
 
+import sqlite3
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Connection, create_engine, event
 from sqlalchemy.exc import SQLAlchemyError
 
+from breastrig.core.errors import BadSettings
 from breastrig.storage.database import BUSY_TIMEOUT_S, Database
+
+START_CHECK_S = 5.0  # a gigabyte of rows that the system has in memory takes as long
+CHECK_EVERY = 10_000  # of SQLite's instructions, about a millisecond
+DAMAGED = ("SQLITE_CORRUPT", "SQLITE_NOTADB")  # how the names of these errors begin
+NO_ROOM = ("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_CANTOPEN")  # the disk is full, or a file beside it cannot be made
 
 
 class SqliteDatabase(Database):
     """The file may not be there yet."""
 
     def __init__(self, file: Path) -> None:
+        self._file = file
         super().__init__(
             create_engine(
                 f"sqlite:///{file}",
@@ -33,10 +42,30 @@ class SqliteDatabase(Database):
         event.listen(self.engine, "connect", _set_up_connection)
         event.listen(self.engine, "begin", _begin)
 
+    def bring_up_to_date(self) -> None:
+        """Raises BadSettings also when the file is damaged or no database."""
+        if self._file.is_file() and self._file.stat().st_size:
+            if not self._check(START_CHECK_S, ours=False):
+                raise BadSettings(
+                    f"The database {self._file} is damaged; put a copy of the data folder in its place, or choose "
+                    "another with --data."
+                )
+        else:
+            self._file.touch(mode=0o600)  # SQLite would let others read it
+        super().bring_up_to_date()
+
     @contextmanager
-    def writing(self) -> Iterator[Connection]:
-        with self.engine.connect().execution_options(breastrig_writes=True) as connection, connection.begin():
-            yield connection
+    def writing(self, durable: bool = False) -> Iterator[Connection]:
+        with self.engine.connect().execution_options(breastrig_writes=True) as connection:
+            driver: Any = connection.connection.driver_connection
+            if durable:
+                driver.execute("PRAGMA synchronous = FULL")
+            try:
+                with connection.begin():
+                    yield connection
+            finally:
+                if durable:
+                    driver.execute("PRAGMA synchronous = NORMAL")
 
     @contextmanager
     def exclusive(self) -> Iterator[None]:
@@ -57,10 +86,53 @@ class SqliteDatabase(Database):
             return False
         return True
 
-    def forget_deleted(self) -> None:
+    def is_sound(self, limit_s: float) -> bool:
+        try:
+            return self._check(limit_s, ours=True)
+        except sqlite3.Error:
+            return False
+
+    def forget_deleted(self) -> bool:
         """Empties the write-ahead log, so that no deleted row is left in any file."""
         with self.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
-            connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)")
+            busy, *_ = connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)").one()
+        return not busy
+
+    def lacks_room(self, error: Exception) -> bool:
+        return _name(error).startswith(NO_ROOM)
+
+    def _check(self, limit_s: float, ours: bool) -> bool:
+        """Whether the file is sound as far as can be seen in that time; `ours`: and holds our tables.
+
+        With a connection of its own, as the others remember pages that they have read.  Raises sqlite3.Error.
+        """
+        deadline = time.monotonic() + limit_s
+        address = f"{self._file.absolute().as_uri()}?mode=rw"
+        try:
+            with closing(sqlite3.connect(f"{address}&immutable=1", uri=True)) as rows:
+                rows.execute("PRAGMA schema_version").fetchone()  # of the file itself, whatever the log holds
+            with closing(sqlite3.connect(address, uri=True, timeout=BUSY_TIMEOUT_S)) as rows:
+                if ours and rows.execute("SELECT id FROM installation").fetchone() is None:
+                    return False
+                rows.set_progress_handler(lambda: time.monotonic() > deadline, CHECK_EVERY)
+                return bool(rows.execute("PRAGMA quick_check(1)").fetchone() == ("ok",))
+        except sqlite3.DatabaseError as error:
+            name = _name(error)
+            if name == "SQLITE_INTERRUPT" or name.startswith("SQLITE_BUSY"):
+                return True  # nothing was found so far
+            if is_damage(error):
+                return False
+            raise
+
+
+def is_damage(error: Exception) -> bool:
+    """Whether it was met because the database's file is damaged."""
+    return _name(error).startswith(DAMAGED)
+
+
+def _name(error: Exception) -> str:
+    """SQLite's name for an error, also for one that SQLAlchemy has wrapped; empty for others."""
+    return str(getattr(getattr(error, "orig", error), "sqlite_errorname", ""))
 
 
 def _set_up_connection(connection: Any, _record: Any) -> None:

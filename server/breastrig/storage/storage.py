@@ -2,23 +2,49 @@
 
 `Storage(location)` is cheap and holds no lock; every process opens its own.  The server alone calls `prepare`,
 which creates what is missing, and holds `exclusive` as long as it runs, because two servers on one data folder
-would each carry out the same fits.
+would each carry out the same fits.  Both look first whether the data folder is BreastRig's (see `data_folder`).
 """
 
+import errno
 import fcntl
+import logging
 import os
-from collections.abc import Collection, Iterator
-from contextlib import AbstractContextManager, contextmanager
+import sqlite3
+from collections.abc import Callable, Collection, Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import TypeVar
 
+from sqlalchemy.exc import DBAPIError
+
+from breastrig.core import wall_clock
 from breastrig.core.errors import BadSettings
-from breastrig.storage.belonging import MARK, ROOT, check_belonging
-from breastrig.storage.folders import Folders
+from breastrig.core.scratch import sweep_scratch
+from breastrig.storage.data_folder import claim, refuse_foreign
+from breastrig.storage.files import MARK, ROOT
+from breastrig.storage.folders import Folders, new_id
+from breastrig.storage.installation_id import check_belonging, named
 from breastrig.storage.location import Location
 from breastrig.storage.locks import FolderLocks, Locks
 from breastrig.storage.open_location import open_database, open_files
-from breastrig.storage.scratch import sweep_scratch
+from breastrig.storage.reserve import Reserve
+
+log = logging.getLogger(__name__)
+
+CHECK_S = 5.0  # a gigabyte of rows that the system has in memory
+FULL = (errno.ENOSPC, errno.EDQUOT)
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True)
+class Left:
+    """Files that could not be removed."""
+
+    place: str
+    where: str  # for people
+    reason: str
 
 
 class Storage:
@@ -30,39 +56,107 @@ class Storage:
         self.folders = Folders(self.root)
         self.database = open_database(self.location)
         self.files = open_files(self.location, self.folders)
+        self.reserve = Reserve(self.folders.reserve)
+        self._sqlite = self.location.database is None
+        self._forgets_later = False
+        self.was_damaged = False  # when the whole database was looked at last
         self._locks: Locks = self.database if isinstance(self.database, Locks) else FolderLocks(self.folders)
 
     def prepare(self) -> None:
         """Creates folders and tables, or brings older tables up to date.
 
-        Raises BadSettings when the place cannot be written, was written by a newer version, or when the files are
-        another database's.
+        Raises BadSettings when the data folder or the place for files is somebody else's or another database's, cannot
+        be written, is damaged, or was written by a newer version.
         """
+        self._claim()
         try:
-            self.folders.create()
+            self.with_room(self.folders.create)
+            self.with_room(self.database.bring_up_to_date)
+            self.files.create()
+            self.with_room(lambda: check_belonging(self.database, self.root, self.files, self._sqlite))
         except OSError as error:
-            raise BadSettings(
-                f"The data folder {self.root} cannot be created ({error.strerror}); choose another with --data."
-            ) from error
-        self.database.bring_up_to_date()
-        self.files.create()
-        check_belonging(self.database, self.files, beside=self.location == Location(self.root))
+            raise self._unusable(error.strerror) from error
+        except (DBAPIError, sqlite3.Error) as error:
+            if not self._sqlite:
+                raise
+            raise self._unusable(str(getattr(error, "orig", error))) from error
 
     @contextmanager
     def exclusive(self) -> Iterator[None]:
-        """Holds rows and files for this server.  Raises BadSettings when another server holds them."""
-        handle = os.open(self.folders.lock, os.O_RDWR | os.O_CREAT, 0o600)
-        try:
+        """Holds rows and files for this server.
+
+        Raises BadSettings when another server holds them, and when the data folder is somebody else's.
+        """
+        refuse_foreign(self.root, self._sqlite)
+        with self.database.exclusive():
+            self._claim()
             try:
-                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError as error:
-                raise BadSettings(
-                    f"Another BreastRig server uses the data folder {self.root}; stop it or choose another with --data."
-                ) from error
-            with self.database.exclusive():
+                handle = self.with_room(lambda: os.open(self.folders.lock, os.O_RDWR | os.O_CREAT, 0o600))
+            except OSError as error:
+                raise self._unusable(error.strerror) from error
+            try:
+                try:
+                    fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except BlockingIOError as error:
+                    raise BadSettings(
+                        f"Another BreastRig server uses the data folder {self.root}; stop it or choose another with "
+                        "--data."
+                    ) from error
                 yield
-        finally:
-            os.close(handle)
+            finally:
+                os.close(handle)
+
+    def _claim(self) -> None:
+        """Makes a new data folder ours: with the id of the rows, if they are elsewhere."""
+        claim(self.root, self._id_of_rows, self._sqlite)
+
+    def _id_of_rows(self) -> str:
+        """A new one for those that are to be in the data folder, where nothing comes before the marker."""
+        if self._sqlite:
+            return new_id()
+        self.database.bring_up_to_date()
+        return named(self.database)
+
+    def _unusable(self, reason: str | None) -> BadSettings:
+        return BadSettings(
+            f"The data folder {self.root} cannot be written ({reason or 'for no known reason'}); make room, mend its "
+            "permissions, or choose another with --data."
+        )
+
+    def with_room(self, write: Callable[[], Result]) -> Result:
+        """Writes what must not fail for a full disk, giving up the reserve part by part; it may be called repeatedly.
+
+        Raises what `write` raises once there is no reserve left.
+        """
+        while True:
+            try:
+                return write()
+            except (OSError, DBAPIError, sqlite3.Error) as error:
+                if not self.lacks_room(error) or not self.reserve.release():
+                    raise
+
+    def lacks_room(self, error: Exception) -> bool:
+        """Whether it was met because the disk of the data folder is full."""
+        return (isinstance(error, OSError) and error.errno in FULL) or self.database.lacks_room(error)
+
+    def refill_reserve(self) -> None:
+        """Sets space aside for the deletion that comes when the disk is full."""
+        if self._sqlite:
+            self.reserve.refill()
+
+    def forget_deleted(self) -> None:
+        """Gives up what deleted rows still take, now or at the next call of `forget_rest`."""
+        self._forgets_later = not self.with_room(self.database.forget_deleted)
+
+    def forget_rest(self) -> None:
+        if self._forgets_later:
+            self.forget_deleted()
+
+    def look_for_damage(self) -> None:
+        """At the whole database, or as much of it as some seconds suffice for."""
+        self.was_damaged = not self.database.is_sound(CHECK_S)
+        if self.was_damaged:
+            log.error("the database is damaged; put a copy of the data folder in its place")
 
     def has_files(self) -> bool:
         """Whether the place for files answers and is still the one that was prepared."""
@@ -86,17 +180,28 @@ class Storage:
         """Whether nobody carries the fit out any more, waiting for that a little."""
         return self._locks.wait_until_free(fit_id, timeout_s)
 
-    def remove(self, *places: str) -> None:
-        """Removes the files of scans and fits (`files.scan_place`, `files.fit_place`); none there is no error."""
-        self.files.remove(*places)
-        self.folders.remove(*(self.root / place for place in places))
-        sweep_scratch()
+    def remove(self, *places: str) -> list[Left]:
+        """Removes the files of scans and fits (`files.scan_place`, `files.fit_place`); none there is no error.
 
-    def remove_strangers(self, known: Collection[str]) -> None:
-        """Removes the files of all other places: what a killed upload or fit left behind."""
-        self.files.remove_strangers(known)
-        self.folders.remove_strangers(known)
-        sweep_scratch()
+        What could not be removed.
+        """
+        left = []
+        for place in places:
+            try:
+                try:
+                    self.folders.remove(self.root / place)
+                finally:
+                    self.files.remove(place)
+            except OSError as error:
+                left.append(Left(place, self.files.left_of(place), error.strerror or type(error).__name__))
+        with suppress(OSError):
+            sweep_scratch()
+        return left
+
+    def count_unknown(self, known: Collection[str]) -> int:
+        """How many files and folders lie where scans and fits are kept, and belong to none of these places."""
+        here = self.folders.count_unknown(known)
+        return here if self.location.files is None else here + self.files.count_unknown(known)
 
     def close(self) -> None:
         self.database.close()
@@ -109,7 +214,7 @@ def iso_utc(moment: datetime) -> str:
 
 def utc_now() -> str:
     """The time as `iso_utc`."""
-    return iso_utc(datetime.now(UTC))
+    return iso_utc(wall_clock.now())
 
 
 def default_data_folder() -> Path:

@@ -16,10 +16,11 @@ from pathlib import Path
 from typing import IO, Any
 
 from breastrig.core.errors import BadSettings
-from breastrig.storage.files import OpenedFile
-from breastrig.storage.scratch import scratch_folder
+from breastrig.core.scratch import scratch_folder
+from breastrig.storage.data_folder import PLACES
+from breastrig.storage.files import MARK, OpenedFile
 
-KINDS = ("scans", "fits")
+PROBE = ".writable"  # written and removed again at each start
 BLOCK_BYTES = 2**20  # fetched ahead while a file is answered
 
 
@@ -60,9 +61,16 @@ class StoreFiles:
 
     def create(self) -> None:
         try:
-            probe = self._path(".writable")
+            if self._is_of_others():
+                raise BadSettings(
+                    f"{self._url} holds files but no mark of BreastRig, so it is left as it is; choose an empty place "
+                    "with --files."
+                )
+            probe = self._path(PROBE)
             self._fs.pipe_file(probe, b"")
             self._fs.rm_file(probe)
+        except BadSettings:
+            raise
         except Exception as error:  # each kind of store has errors of its own
             said = str(error).strip().splitlines()[0].rstrip(".") if str(error).strip() else type(error).__name__
             raise BadSettings(
@@ -99,16 +107,26 @@ class StoreFiles:
             self._fs.pipe_file(self._path(place, name), content)
 
     def is_empty(self) -> bool:
-        return not any(self._names(kind) for kind in KINDS)
+        return not any(self._names(kind) for kind in PLACES)
 
-    def remove(self, *places: str) -> None:
-        for place in places:
-            with _as_os_errors(), suppress(FileNotFoundError):
-                self._fs.rm(self._path(place), recursive=True)
+    def remove(self, place: str) -> None:
+        with _as_os_errors(), suppress(FileNotFoundError):
+            self._fs.rm(self._path(place), recursive=True)
 
-    def remove_strangers(self, known: Collection[str]) -> None:
-        places = {f"{kind}/{name}" for kind in KINDS for name in self._names(kind)}
-        self.remove(*(places - set(known)))
+    def left_of(self, place: str) -> str:
+        return f"{self._url}/{place}"
+
+    def count_unknown(self, known: Collection[str]) -> int:
+        return len({f"{kind}/{name}" for kind in PLACES for name in self._names(kind)} - set(known))
+
+    def _is_of_others(self) -> bool:
+        """Whether there is something, but not our mark.  Raises what the store raises."""
+        try:
+            found = self._fs.ls(self._root, detail=False, refresh=True)
+        except FileNotFoundError:
+            return False
+        paths = {path.rstrip("/") for path in found} - {self._root, self._path(PROBE)}
+        return bool(paths) and self._path(MARK) not in paths
 
     def _fetch(self, place: str, names: Collection[str] | None, folder: Path) -> None:
         with _as_os_errors():

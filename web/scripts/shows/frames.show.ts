@@ -40,11 +40,11 @@ for (const triangles of SIZES) {
       ([left, top, width, height, count]) => {
         let hits = 0;
         const begun = performance.now();
-        for (let i = 0; i < count!; i += 1) {
-          const at = [left! + width! * (0.35 + 0.3 * ((i * 0.618) % 1)), top! + height! * (0.25 + 0.5 * ((i * 0.414) % 1))] as const;
+        for (let i = 0; i < count; i += 1) {
+          const at = [left + width * (0.35 + 0.3 * ((i * 0.618) % 1)), top + height * (0.25 + 0.5 * ((i * 0.414) % 1))] as const;
           if (window.__breastrig!.pickAt(...at)) hits += 1;
         }
-        return { ms: (performance.now() - begun) / count!, hits };
+        return { ms: (performance.now() - begun) / count, hits };
       },
       [box.x, box.y, box.width, box.height, PICKS] as const,
     );

@@ -1,5 +1,5 @@
 // One function per route.  Whatever goes wrong becomes an ApiError whose message a person can act on.
-import { text } from "../text";
+import * as text from "./text";
 import type {
   CarriedDrawing,
   DrawingFile,
@@ -18,6 +18,7 @@ import type {
   ProposedLandmarks,
   Result,
   Scan,
+  Share,
   ShareMade,
   SharePage,
   ShareRequest,
@@ -50,7 +51,7 @@ function problemOf(status: number, body: string): ApiError {
   } catch {
     // not JSON: a proxy or a crash answered, and its page would help nobody
   }
-  return new ApiError(status === 413 ? text.errors.tooLarge : text.errors.refused(status), status);
+  return new ApiError(status === 413 ? text.tooLarge : text.refused(status), status);
 }
 
 export async function ask(path: string, request: RequestInit = {}): Promise<Response> {
@@ -58,7 +59,7 @@ export async function ask(path: string, request: RequestInit = {}): Promise<Resp
   try {
     answer = await fetch(path, request);
   } catch {
-    throw new ApiError(text.errors.noService, 0);
+    throw new ApiError(text.noService, 0);
   }
   if (answer.status === 401) whenSignedOut();
   if (!answer.ok) throw problemOf(answer.status, await answer.text());
@@ -98,7 +99,7 @@ export const client = {
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
   cancel: (link: string) => askJson<Fit>(link, "POST"),
   /** All events so far; `link` is that of the stream. */
-  async story(link: string): Promise<EventRecord[]> {
+  async allEvents(link: string): Promise<EventRecord[]> {
     const events: EventRecord[] = [];
     for (let next: string | null = `${link}.json?limit=1000`; next !== null; ) {
       const page: EventPage = await askJson<EventPage>(next);
@@ -118,20 +119,25 @@ export const client = {
   measures: (link: string, other: string | null) => askJson<MeasuresFile>(other === null ? link : `${link}?with=${id(other)}`),
   shares: (link: string) => askJson<SharePage>(link),
   makeShare: (link: string, request: ShareRequest) => askJson<ShareMade>(link, "POST", request),
-  revokeShare: async (link: string) => void (await ask(link, { method: "DELETE" })),
+  unlockShare: (link: string) => askJson<Share>(link, "POST"),
+  revokeShare: async (link: string): Promise<void> => {
+    await ask(link, { method: "DELETE" });
+  },
   /** Whether there is a session to end: the sign-in page then offers to. */
   async isSignedIn(): Promise<boolean> {
     const page = new DOMParser().parseFromString(await (await ask("/sign-in")).text(), "text/html");
     return page.querySelector('form[action="/sign-out"]') !== null;
   },
-  signOut: async () => void (await ask("/sign-out", { method: "POST" })),
+  signOut: async (): Promise<void> => {
+    await ask("/sign-out", { method: "POST" });
+  },
   bytes,
   upload,
 };
 
 export type Client = typeof client;
 
-/** Sends a scan; `progress` gets the share that has left this machine (fetch cannot tell, hence XMLHttpRequest). */
+/** Sends a scan; `progress` gets the share that has left this machine (fetch does not report it, hence XMLHttpRequest). */
 function upload(file: File, units: UnitChoice, progress: (share: number) => void): Promise<Scan> {
   return new Promise((resolve, reject) => {
     const form = new FormData();
@@ -147,7 +153,7 @@ function upload(file: File, units: UnitChoice, progress: (share: number) => void
       else if (request.status === 401) whenSignedOut();
       else reject(problemOf(request.status, request.responseText));
     };
-    request.onerror = () => reject(new ApiError(text.errors.noService, 0));
+    request.onerror = () => reject(new ApiError(text.noService, 0));
     request.send(form);
   });
 }

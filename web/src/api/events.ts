@@ -42,7 +42,7 @@ export interface Following {
 
 /** Follows the events behind `url` until the last; the returned function stops at once. */
 export function followFit(url: string, following: Following): () => void {
-  const open = following.open ?? ((address) => new EventSource(address) as Source);
+  const open: (address: string) => Source = following.open ?? ((address) => new EventSource(address));
   const later = following.later ?? ((action, ms) => void setTimeout(action, ms));
   let seen = 0;
   let isOver = false;
@@ -68,12 +68,12 @@ export function followFit(url: string, following: Following): () => void {
     for (const kind of KINDS) current.addEventListener(kind, (message) => receive(kind, message));
   };
 
-  const receive = <K extends Kind>(kind: K, message: MessageEvent<string>): void => {
+  const receive = (kind: Kind, message: MessageEvent<string>): void => {
     const id = Number(message.lastEventId);
-    if (isOver || id <= seen) return; // told again after a reconnection
+    if (isOver || id <= seen) return; // sent again after a reconnection
     seen = id;
     if (IS_LAST[kind]) stop();
-    dispatch(following.handlers, { kind, id, body: JSON.parse(message.data) as Bodies[K] } as FitEvent<K>);
+    dispatch(following.handlers, { kind, id, body: JSON.parse(message.data) as Bodies[Kind] } as FitEvent);
   };
 
   connect();

@@ -574,38 +574,49 @@ export type ScanUpload = {
 };
 
 export type Share = {
-  /** for the owner; it opens nothing */
+  /** stands in the addresses of the owner and of visitors; it opens nothing */
   id: string;
   /** ISO 8601, UTC */
   created_at: string;
   expires_at: string;
   revoked_at: string | null;
-  /** neither expired nor revoked */
+  /** neither expired nor revoked nor locked */
   is_open: boolean;
+  /** so many wrong passcodes were given that it takes none until it is unlocked */
+  is_locked: boolean;
   scan: "none" | "plain" | "full";
   has_passcode: boolean;
   openings: number;
   last_opened_at: string | null;
+  /** given in all, whoever gave them */
+  wrong_passcodes: number;
+  last_wrong_passcode_at: string | null;
   links: ShareLinks;
 };
 
 export type ShareLinks = {
   self: string;
+  unlock: string;
 };
 
 export type ShareMade = {
-  /** for the owner; it opens nothing */
+  /** stands in the addresses of the owner and of visitors; it opens nothing */
   id: string;
   /** ISO 8601, UTC */
   created_at: string;
   expires_at: string;
   revoked_at: string | null;
-  /** neither expired nor revoked */
+  /** neither expired nor revoked nor locked */
   is_open: boolean;
+  /** so many wrong passcodes were given that it takes none until it is unlocked */
+  is_locked: boolean;
   scan: "none" | "plain" | "full";
   has_passcode: boolean;
   openings: number;
   last_opened_at: string | null;
+  /** given in all, whoever gave them */
+  wrong_passcodes: number;
+  last_wrong_passcode_at: string | null;
   links: ShareLinks;
   /** address of the page with the secret behind #; it is told only once */
   url: string;
@@ -633,24 +644,30 @@ export type ShareRequest = {
 };
 
 export type ShareWithOpenings = {
-  /** for the owner; it opens nothing */
+  /** stands in the addresses of the owner and of visitors; it opens nothing */
   id: string;
   /** ISO 8601, UTC */
   created_at: string;
   expires_at: string;
   revoked_at: string | null;
-  /** neither expired nor revoked */
+  /** neither expired nor revoked nor locked */
   is_open: boolean;
+  /** so many wrong passcodes were given that it takes none until it is unlocked */
+  is_locked: boolean;
   scan: "none" | "plain" | "full";
   has_passcode: boolean;
   openings: number;
   last_opened_at: string | null;
+  /** given in all, whoever gave them */
+  wrong_passcodes: number;
+  last_wrong_passcode_at: string | null;
   links: ShareLinks;
   /** the last openings, the newest first; nothing about who */
   opened_at: string[];
 };
 
 export type SharedLinks = {
+  self: string;
   result: string;
   fitted_glb: string;
   fitted_ply: string;
@@ -660,9 +677,12 @@ export type SharedLinks = {
   report: string | null;
   /** null when the link does not show the scan */
   mesh: string | null;
+  close: string;
 };
 
 export type SharedResult = {
+  /** of the share; it opens nothing */
+  id: string;
   expires_at: string;
   links: SharedLinks;
 };

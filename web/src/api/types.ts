@@ -46,7 +46,9 @@ export type LandmarkDefinition = wire.LandmarkInfo;
 export type ModelShape = wire.ModelDrawnShape;
 export type Result = wire.ResultFile;
 export type Ended = Pick<wire.Failed, "reason">;
-export type Done = { result: Result };
+export interface Done {
+  result: Result;
+}
 /** The side file has more; the page needs where the model's landmarks are, and how far its parts and shapes go. */
 export type ModelSide = wire.ModelSide & {
   landmarks: (LandmarkDefinition & wire.SurfacePoint)[];

@@ -1,14 +1,15 @@
 // The corners of the chosen line as marks over the picture, and the first click of a line that has no second one yet.
 import { Vector3 } from "three";
 import type { Vector } from "../api/types";
-import { el } from "../dom";
-import type { Session } from "../state/session";
-import { metresFromMm } from "../units";
-import { isHidden } from "../viewer/picking";
-import type { ScanMesh } from "../viewer/ScanMesh";
+import type { PageSlice } from "../store/page";
+import { el } from "../ui/dom";
+import { metresFromMm } from "../ui/units";
+import { isHidden, type Surface } from "../viewer/picking";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { cornerAt } from "./edits";
-import { lineNamed } from "./lines";
+import { type DrawingSlice, lineNamed } from "./state";
+
+type Shown = Pick<PageSlice & DrawingSlice, "step" | "drawn">;
 
 const REACH = 12; // pixels from a mark's middle that still hold it: a target of 24
 
@@ -18,19 +19,19 @@ interface Pin {
   at: { x: number; y: number } | null;
 }
 
-export class CornerPins implements Part {
+export class CornerPins implements Part<Shown> {
   private pins: Pin[] = [];
   private drawn: unknown = null;
   private held: { corner: number; point: Vector } | null = null;
 
   constructor(
     private readonly viewer: Viewer,
-    private readonly scan: ScanMesh,
+    private readonly scan: Surface,
   ) {
     viewer.beforeFrame.add(() => this.place());
   }
 
-  update(state: Session): void {
+  update(state: Shown): void {
     const { drawn } = state;
     const line = drawn.tool === "points" ? lineNamed(drawn, drawn.chosen) : drawn.tool === "pen" ? lineNamed(drawn, drawn.open) : null;
     const source = state.step === "drawing" ? (line ?? drawn.start) : null;

@@ -1,16 +1,19 @@
 // The surgeon's lines on the scan: black with a white outline; dashed over holes.  What was carried here from the other
 // stance is drawn the same way, since it is the same hand's.
 import type { Vector } from "../api/types";
-import type { Session } from "../state/session";
-import { isUnit, metresFromMm, mmFrom } from "../units";
+import { isUnit, metresFromMm, mmFrom } from "../ui/units";
 import { FatLines, type Polyline } from "../viewer/FatLines";
-import type { ScanMesh } from "../viewer/ScanMesh";
+import type { Surface } from "../viewer/picking";
+import type { ViewSlice } from "../viewer/state";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { bridgedAt } from "./edits";
-import { type DrawnState, type Layer, layerKey, type OwnLine } from "./lines";
+import type { OwnLine } from "./lines";
+import { type DrawingSlice, type DrawnState, type Layer, layerKey } from "./state";
 import { BRIDGE_MM } from "./strokes";
 
-export class OwnLines implements Part {
+type Shown = Pick<ViewSlice & DrawingSlice, "overlay" | "drawn">;
+
+export class OwnLines implements Part<Shown> {
   private readonly own = new FatLines();
   private readonly carried = new FatLines();
   private readonly live = new FatLines(); // apart, so that a moving hand writes one line and not all
@@ -21,7 +24,7 @@ export class OwnLines implements Part {
 
   constructor(
     private readonly viewer: Viewer,
-    private readonly scan: ScanMesh,
+    private readonly scan: Pick<Surface, "mesh">,
   ) {
     viewer.body.add(this.own.group, this.carried.group, this.live.group);
     viewer.beforeFrame.add(() => {
@@ -29,7 +32,7 @@ export class OwnLines implements Part {
     });
   }
 
-  update(state: Session): void {
+  update(state: Shown): void {
     const { palette } = this.viewer;
     for (const each of [this.own, this.carried, this.live]) each.paint(palette.ink, palette["ink-outline"]);
     this.state = state.drawn;

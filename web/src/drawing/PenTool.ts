@@ -1,16 +1,16 @@
 // The hand on the canvas while a tool is taken: a drag draws, a short click sets a corner, a corner is dragged over the skin.
 // The first button, a pen or one finger draw; the second button and two fingers turn the body.
-import type { Actions } from "../actions";
 import type { Vector } from "../api/types";
-import type { Session } from "../state/session";
-import type { Store } from "../state/store";
-import { pickAt } from "../viewer/picking";
-import type { ScanMesh } from "../viewer/ScanMesh";
+import type { PageSlice } from "../store/page";
+import type { Store } from "../store/store";
+import { pickAt, type Surface } from "../viewer/picking";
 import type { Viewer } from "../viewer/Viewer";
+import type { DrawingActions } from "./actions";
 import type { CornerPins } from "./CornerPins";
 import { cornerMoved } from "./edits";
-import { gap, lineNamed } from "./lines";
+import { gap } from "./lines";
 import type { OwnLines } from "./OwnLines";
+import { type DrawingSlice, lineNamed } from "./state";
 
 const STILL = 6; // pixels; less is a click
 const NEAR_LINE = 12; // pixels from a line that still choose it
@@ -24,7 +24,7 @@ interface Held {
   hits: Vector[];
 }
 
-export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: ScanMesh, own: OwnLines, pins: CornerPins, store: Store<Session>, { drawing }: Pick<Actions, "drawing">): void {
+export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, own: OwnLines, pins: CornerPins, store: Store<PageSlice & DrawingSlice>, drawing: DrawingActions): void {
   let held: Held | null = null;
   let pointers = 0;
   const isDrawing = (): boolean => store.get().step === "drawing" && store.get().drawn.tool !== "none";
@@ -76,7 +76,7 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: ScanMesh,
       return;
     }
     if (drawn.tool !== "pen") return;
-    const all = event.getCoalescedEvents?.() ?? [];
+    const all = (event as Partial<Pick<PointerEvent, "getCoalescedEvents">>).getCoalescedEvents?.() ?? []; // older Safaris have none
     for (const each of all.length > 0 ? all : [event]) {
       const hit = point(each);
       if (hit) now.hits.push(hit);
@@ -86,8 +86,8 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: ScanMesh,
 
   canvas.addEventListener("pointerdown", (event) => {
     pointers += 1;
-    if (pointers > 1) return letGo(); // two fingers turn
-    if (!isDrawing() || event.button !== 0) return;
+    if (pointers > 1) letGo(); // two fingers turn
+    if (pointers > 1 || !isDrawing() || event.button !== 0) return;
     const { tool } = store.get().drawn;
     const corner = tool === "points" ? pins.at(event.clientX, event.clientY) : null;
     const first = tool === "pen" ? point(event) : null;
@@ -118,9 +118,12 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: ScanMesh,
     letGo();
   });
 
-  store.subscribe((state) => {
-    const isOn = isDrawing();
-    viewer.isDrawing = isOn;
-    canvas.classList.toggle("is-drawing", isOn && state.drawn.tool !== "points");
-  });
+  store.select(
+    ({ step, drawn: { tool } }) => ({ step, tool }),
+    ({ tool }) => {
+      const isOn = isDrawing();
+      viewer.isDrawing = isOn;
+      canvas.classList.toggle("is-drawing", isOn && tool !== "points");
+    },
+  );
 }

@@ -1,40 +1,47 @@
 // Drawing on the scan: each change is one step of the undo history and is saved with the scan soon after.
 import type { Client } from "../api/client";
 import type { Scan, Vector } from "../api/types";
-import { messageOf, withProblem } from "../actions/problems";
-import { record, redo, undo } from "../state/history";
-import type { Session } from "../state/session";
-import type { Store } from "../state/store";
-import { text } from "../text";
-import { formatMmWhole } from "../units";
+import type { LandmarksSlice } from "../landmarks/state";
+import { landmarks as landmarkText } from "../landmarks/text";
+import type { ScanSlice } from "../scan/state";
+import { record, redo, undo } from "../store/history";
+import type { PageSlice } from "../store/page";
+import { messageOf, withProblem } from "../store/problems";
+import type { Store } from "../store/store";
+import { formatMmWhole } from "../ui/units";
+import type { ViewSlice } from "../viewer/state";
 import { closedUp, cornerAdded, cornerMoved, cornerRemoved, extended, lineAlong, lineThrough, openedUp } from "./edits";
 import { readDrawing, toDrawing, UnreadableDrawing } from "./files";
-import { type DrawnState, freeName, gap, INK, layerKey, type Layer, lineNamed, nextName, type OwnLine, type Tool, TUMOUR_INK, withLine, withoutLine } from "./lines";
+import { freeName, gap, INK, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines";
 import type { Skin } from "./skin";
+import { type DrawingSlice, type DrawnState, type Layer, layerKey, lineNamed, type Tool } from "./state";
 import { circle, freehand } from "./strokes";
+import * as text from "./text";
+
+type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & DrawingSlice;
 
 const PAUSE_MS = 400; // a run of quick strokes is one save
 const CLOSES_MM = 8; // a click, or a stroke's end, so near to the line's start closes it
 const RADIUS_MM = { least: 1, most: 80 }; // what the model's own tumour circle takes as well
 
-export function drawingActions(store: Store<Session>, client: Client) {
+export function drawingActions(store: Store<State>, client: Client) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let waiting: { scan: Scan; lines: readonly OwnLine[] } | null = null;
   let skin: () => Skin | null = () => null; // the view has the mesh
 
   const drawn = (): DrawnState => store.get().drawn;
   const lines = (): readonly OwnLine[] => drawn().lines.present;
-  const put = (part: Partial<DrawnState>, more: Partial<Session> = {}): void => store.set((state) => ({ ...more, drawn: { ...state.drawn, ...part } }));
+  const put = (part: Partial<DrawnState>, more: Partial<State> = {}): void => store.set((state) => ({ ...more, drawn: { ...state.drawn, ...part } }));
 
   /** What is shown about saving concerns the scan on the screen; another one is saved all the same. */
   async function save(scan: Scan, saved: readonly OwnLine[]): Promise<void> {
-    const tell = (part: (state: Session) => Partial<Session>): void => store.set((state) => (state.scan?.info.id === scan.id ? part(state) : {}));
-    tell((state) => ({ drawn: { ...state.drawn, saving: "saving" } }));
+    const show = (part: (state: State) => Partial<State>): void => store.set((state) => (state.scan?.info.id === scan.id ? part(state) : {}));
+    show((state) => ({ drawn: { ...state.drawn, saving: "saving" } }));
     try {
       await client.saveDrawing(scan, toDrawing(saved));
-      tell((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, saving: "saved" }, ...withProblem(state, "drawing", null) } : {}));
+      show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, saving: "saved" }, ...withProblem(state, "drawing", null) } : {}));
     } catch (error) {
-      tell((state) => ({ drawn: { ...state.drawn, saving: "unsaved" }, ...withProblem(state, "drawing", messageOf(error)) }));
+      show((state) => ({ drawn: { ...state.drawn, saving: "unsaved" }, ...withProblem(state, "drawing", messageOf(error)) }));
     }
   }
 
@@ -74,11 +81,11 @@ export function drawingActions(store: Store<Session>, client: Client) {
   const words = text.drawing;
 
   return {
-    /** Told by the view: how to reach the surface of the scan on the screen. */
-    skinIs: (now: () => Skin | null): void => void (skin = now),
+    /** Set by the view: how to reach the surface of the scan on the screen. */
+    setSkin: (now: () => Skin | null): void => void (skin = now),
     skin: (): Skin | null => skin(),
 
-    take(tool: Tool): void {
+    take: (tool: Tool): void => {
       const chosen = tool === "points" ? (drawn().chosen ?? lines().at(-1)?.name ?? null) : drawn().chosen;
       store.set((state) => ({
         step: tool === "none" ? state.step : "drawing",
@@ -89,7 +96,7 @@ export function drawingActions(store: Store<Session>, client: Client) {
       }));
     },
 
-    /** A short click of the pen: the first corner, the next one, or the one that closes the ring. */
+    /** A short click of the pen: the first corner, the next one, or the one that closes the line. */
     click(at: Vector): void {
       const on = skin();
       if (!on) return;
@@ -106,19 +113,19 @@ export function drawingActions(store: Store<Session>, client: Client) {
       } else put({ start: at, chosen: null, corner: null }, { announcement: words.announceCorner(1) });
     },
 
-    /** A stroke of the pen; one that comes back to its start is a ring. */
+    /** A stroke of the pen; one that comes back to its start is closed. */
     stroke(hits: readonly Vector[]): void {
       const on = skin();
       if (!on || hits.length < 2) return;
       let points = freehand(on, hits);
       if (points.length < 2) return;
-      const isRing = points.length > 12 && gap(points[0]!, points.at(-1)!) < CLOSES_MM;
-      if (isRing) points = freehand(on, [...points, points[0]!]).slice(0, -1);
+      const isClosed = points.length > 12 && gap(points[0]!, points.at(-1)!) < CLOSES_MM;
+      if (isClosed) points = freehand(on, [...points, points[0]!]).slice(0, -1);
       const name = nextName(lines(), words.stem);
-      add(lineAlong(name, INK, points, isRing), words.announceDrawn(name));
+      add(lineAlong(name, INK, points, isClosed), words.announceDrawn(name));
     },
 
-    /** The clicked line is as it shall be. */
+    /** The clicked line is complete. */
     finish: (): void => put({ start: null, open: null }),
 
     close(name: string): void {
@@ -186,13 +193,13 @@ export function drawingActions(store: Store<Session>, client: Client) {
     undo(): void {
       if (drawn().start) return put({ start: null });
       if (drawn().lines.past.length === 0) return;
-      put({ lines: undo(drawn().lines), corner: null }, { announcement: text.landmarks.announceUndone });
+      put({ lines: undo(drawn().lines), corner: null }, { announcement: landmarkText.announceUndone });
       this.tidy();
     },
 
     redo(): void {
       if (drawn().lines.future.length === 0) return;
-      put({ lines: redo(drawn().lines), start: null, corner: null }, { announcement: text.landmarks.announceRedone });
+      put({ lines: redo(drawn().lines), start: null, corner: null }, { announcement: landmarkText.announceRedone });
       this.tidy();
     },
 
@@ -235,3 +242,5 @@ export function drawingActions(store: Store<Session>, client: Client) {
     flush,
   };
 }
+
+export type DrawingActions = ReturnType<typeof drawingActions>;

@@ -10,8 +10,8 @@ const EVEN_ROUNDS = 12; // of a binomial of width 2: evens out over some ten mil
 type Part = readonly Vector[];
 
 export function partsOf({ points, corners, closed }: OwnLine): Part[] {
-  const parts = corners.slice(1).map((to, i) => points.slice(corners[i]!, to + 1));
-  if (closed && corners.length > 0) parts.push([...points.slice(corners.at(-1)!), ...points.slice(0, corners[0]! + 1)]);
+  const parts = corners.slice(1).map((to, i) => points.slice(corners[i], to + 1));
+  if (closed && corners.length > 0) parts.push([...points.slice(corners.at(-1)), ...points.slice(0, corners[0]! + 1)]);
   return parts;
 }
 
@@ -48,7 +48,7 @@ export function closedUp(skin: Skin, line: OwnLine): OwnLine {
   return joined(line, [...partsOf(line), way(skin, line.points.at(-1)!, line.points[0]!)], true);
 }
 
-/** The ring is opened again: its last part goes. */
+/** A closed line is opened again: its last part goes. */
 export const openedUp = (line: OwnLine): OwnLine => (line.closed && line.corners.length > 2 ? joined(line, partsOf(line).slice(0, -1), false) : line);
 
 /** The corner goes to `to`; both parts beside it follow on the skin, the less the farther away. */
@@ -58,7 +58,7 @@ export function cornerMoved(skin: Skin, line: OwnLine, corner: number, to: Vecto
   const parts = partsOf(line);
   const before = corner > 0 ? corner - 1 : line.closed ? parts.length - 1 : -1;
   const after = corner < parts.length ? corner : -1;
-  if (before === after) return line; // a ring with a single corner: nothing that could follow
+  if (before === after) return line; // closed with a single corner: nothing that could follow
   if (before >= 0) parts[before] = follow(skin, parts[before]!, shift, false);
   if (after >= 0) parts[after] = follow(skin, parts[after]!, shift, true);
   return joined(line, parts);

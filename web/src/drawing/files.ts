@@ -1,6 +1,6 @@
 // The own drawing as breastrig/drawing@1: what the service keeps, and what is read and written as a file here.
 import type { OwnDrawing, Unit, Vector } from "../api/types";
-import { isUnit, mmFrom } from "../units";
+import { isUnit, mmFrom, unknownUnit } from "../ui/units";
 import { lineAlong } from "./edits";
 import { freeName, INK, type OwnLine } from "./lines";
 
@@ -33,14 +33,14 @@ function checkedPoint(point: unknown, name: string, unit: Unit): Vector {
 
 /** Lines of a drawing file, in millimetres; throws UnreadableDrawing with one plain sentence. */
 export function readDrawing(text: string, scanUnit: Unit): OwnLine[] {
-  let file: { unit?: unknown; shapes?: unknown };
+  let file: { unit?: unknown; shapes?: unknown } | null;
   try {
     file = JSON.parse(text) as typeof file;
   } catch {
     throw new UnreadableDrawing("The file is not valid JSON: export the drawing again.");
   }
   const unit = file?.unit ?? scanUnit;
-  if (!isUnit(unit)) throw new UnreadableDrawing(`The unit “${String(unit)}” is not known: use m, dm, cm, mm or in.`);
+  if (!isUnit(unit)) throw new UnreadableDrawing(unknownUnit(unit));
   if (!Array.isArray(file?.shapes)) throw new UnreadableDrawing("The file holds no “shapes”: choose a drawing of BreastRig, such as drawing.json.");
   const lines: OwnLine[] = [];
   for (const shape of file.shapes as Record<string, unknown>[]) {

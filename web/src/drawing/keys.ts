@@ -1,9 +1,11 @@
 // Keys of the step "drawing"; they go before the page's own.
-import type { Actions } from "../actions";
-import type { Session } from "../state/session";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
+import type { DrawingActions } from "./actions";
+import type { DrawingSlice } from "./state";
 
 /** Does what the key stands for; false leaves it to the page. */
-export function drawingKey(state: Session, event: KeyboardEvent, { drawing }: Pick<Actions, "drawing">): boolean {
+export function drawingKey(state: Pick<PageSlice & ScanSlice & DrawingSlice, "step" | "scan" | "drawn">, event: KeyboardEvent, drawing: DrawingActions): boolean {
   const { drawn } = state;
   if (state.step !== "drawing" || !state.scan) return false;
   const key = event.key.toLowerCase();

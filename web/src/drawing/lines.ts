@@ -1,7 +1,6 @@
 // The surgeon's own lines as plain values.  Each point lies on the scan's skin, about two millimetres from the next;
 // some of them are corners, which a person may move.  Points are millimetres in the scan's own axes.
-import type { CarriedDrawing, Vector } from "../api/types";
-import { type History, startHistory } from "../state/history";
+import type { Vector } from "../api/types";
 
 export interface OwnLine {
   /** unique in the drawing: it is what the line is known by */
@@ -13,52 +12,8 @@ export interface OwnLine {
   readonly corners: readonly number[];
 }
 
-export type Tool = "none" | "pen" | "points" | "tumour";
-export const TOOLS: readonly Tool[] = ["none", "pen", "points", "tumour"];
-
-/** A drawing of the other stance, as the service carried it to this scan. */
-export interface Carried {
-  readonly from: string; // what the other stance is called
-  readonly fromFit: string;
-  readonly toFit: string;
-  readonly source: readonly OwnLine[]; // that it was made of; another one makes it old
-  readonly drawing: CarriedDrawing;
-}
-
-/** What is drawn on one scan, and what the hand does there. */
-export interface DrawnState {
-  readonly lines: History<readonly OwnLine[]>;
-  readonly saving: "saved" | "saving" | "unsaved";
-  readonly tool: Tool;
-  readonly start: Vector | null; // first click of a line that has no second one yet
-  readonly open: string | null; // the line that the next click continues
-  readonly chosen: string | null; // the line whose points are shown
-  readonly corner: number | null; // which of its corners: index into corners
-  readonly radiusMm: number; // of the next tumour circle
-  readonly hidden: ReadonlySet<string>; // layerKey of lines that are switched off
-  readonly carried: Carried | null;
-}
-
-export type Layer = "reference" | "own" | "carried";
-export const layerKey = (layer: Layer, name: string): string => `${layer}/${name}`;
-
 export const INK = "#101010";
 export const TUMOUR_INK = "#c53030";
-
-export function startDrawn(lines: readonly OwnLine[] = []): DrawnState {
-  return {
-    lines: startHistory(lines),
-    saving: "saved",
-    tool: "none",
-    start: null,
-    open: null,
-    chosen: null,
-    corner: null,
-    radiusMm: 15,
-    hidden: new Set(),
-    carried: null,
-  };
-}
 
 /** `wanted`, or `wanted 2`, `wanted 3` … : the first that no other line has. */
 export function freeName(lines: readonly OwnLine[], wanted: string): string {
@@ -76,9 +31,6 @@ export function nextName(lines: readonly OwnLine[], stem: string): string {
   while (taken.has(`${stem} ${number}`)) number += 1;
   return `${stem} ${number}`;
 }
-
-export const lineNamed = (state: DrawnState, name: string | null): OwnLine | null =>
-  state.lines.present.find((line) => line.name === name) ?? null;
 
 export const withLine = (lines: readonly OwnLine[], name: string, change: (line: OwnLine) => OwnLine): readonly OwnLine[] =>
   lines.map((line) => (line.name === name ? change(line) : line));

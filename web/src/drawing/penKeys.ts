@@ -1,25 +1,24 @@
 // Drawing without a pointer, while the view has the focus: arrows move a cross on the body and Enter is the click there;
 // with a point chosen they move the point along the skin.
-import type { Actions } from "../actions";
-import type { Session } from "../state/session";
-import type { Store } from "../state/store";
-import { text } from "../text";
+import { landmarks as landmarkText } from "../landmarks/text";
+import type { PageSlice } from "../store/page";
+import type { Store } from "../store/store";
 import type { Crosshair } from "../viewer/Crosshair";
-import { pickAt } from "../viewer/picking";
-import type { ScanMesh } from "../viewer/ScanMesh";
+import { ARROWS, onCanvasKey } from "../viewer/keys";
+import { pickAt, type Surface } from "../viewer/picking";
 import type { Viewer } from "../viewer/Viewer";
+import type { DrawingActions } from "./actions";
 import { cornerAt } from "./edits";
-import { gap, lineNamed } from "./lines";
+import { gap } from "./lines";
+import { type DrawingSlice, lineNamed } from "./state";
 
-const ARROWS: Record<string, readonly [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-const FAST = 5; // times as far with Shift
 const CROSS_PX = 6;
 const SAME_MM = 1; // Enter twice on one place ends the line
 
-export function listenToPenKeys(canvas: HTMLElement, viewer: Viewer, scan: ScanMesh, cross: Crosshair, store: Store<Session>, { drawing, page }: Pick<Actions, "drawing" | "page">): void {
+export function listenToPenKeys(canvas: HTMLElement, viewer: Viewer, scan: Surface, cross: Crosshair, store: Store<PageSlice & DrawingSlice>, drawing: DrawingActions): void {
   function setCorner(): boolean {
     const { hit } = cross;
-    if (!hit) return page.announce(text.landmarks.noSkin), true;
+    if (!hit) return store.set({ announcement: landmarkText.noSkin }), true;
     const { drawn } = store.get();
     const last = lineNamed(drawn, drawn.open)?.points.at(-1) ?? drawn.start;
     if (drawn.tool === "tumour") drawing.tumour(hit.point);
@@ -49,9 +48,5 @@ export function listenToPenKeys(canvas: HTMLElement, viewer: Viewer, scan: ScanM
     return true;
   }
 
-  canvas.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || !press(event.key, event.shiftKey ? FAST : 1)) return;
-    event.preventDefault();
-    event.stopImmediatePropagation(); // the view's own keys would turn the body
-  });
+  onCanvasKey(canvas, press);
 }

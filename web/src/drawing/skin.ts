@@ -3,7 +3,7 @@
 import { type BufferGeometry, DoubleSide, Ray, Vector3 } from "three";
 import type { MeshBVH } from "three-mesh-bvh";
 import type { Vector } from "../api/types";
-import { metresFromMm, mmFromMetres } from "../units";
+import { metresFromMm, mmFromMetres } from "../ui/units";
 
 export interface OnSkin {
   readonly point: Vector;

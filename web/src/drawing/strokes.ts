@@ -1,6 +1,6 @@
 // Lines on the skin: the shortest-looking way between two places, even spacing, circles, and what follows a moved corner.
 import type { Vector } from "../api/types";
-import { cross, dot } from "../state/frame";
+import { cross, dot } from "../viewer/frame";
 import { gap } from "./lines";
 import type { Skin } from "./skin";
 
@@ -138,7 +138,7 @@ export function cornersOf(points: readonly Vector[], closed: boolean): number[] 
     split(at, to);
   };
   if (closed) {
-    const middle = Math.round(last / 2); // a ring has no chord: two halves have
+    const middle = Math.round(last / 2); // a closed line has no chord: its two halves have
     found.add(middle);
     split(0, middle);
     split(middle, last);

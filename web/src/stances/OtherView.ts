@@ -1,35 +1,35 @@
 // The pane of the stance that waits: a view of its own, made when it is first wanted, whose camera goes with the other's.
-import { Matrix4 } from "three";
+import type { Matrix4 } from "three";
 import { OwnLines } from "../drawing/OwnLines";
-import type { Session } from "../state/session";
-import type { Store } from "../state/store";
-import { Drawings } from "../viewer/Drawings";
-import { FittedSurface } from "../viewer/FittedSurface";
-import { LandmarkPins } from "../viewer/LandmarkPins";
-import { ScanMesh } from "../viewer/ScanMesh";
+import { ReferenceLines } from "../drawing/ReferenceLines";
+import type { DrawingSlice } from "../drawing/state";
+import { FittedSurface } from "../fit/FittedSurface";
+import { type FitSlice, hasModelShown } from "../fit/state";
+import { TorsoModel } from "../fit/TorsoModel";
+import { LandmarkPins } from "../landmarks/LandmarkPins";
+import type { LandmarksSlice } from "../landmarks/state";
+import { ScanMesh } from "../scan/ScanMesh";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
+import { only, type Store } from "../store/store";
 import { SideLetters } from "../viewer/SideLetters";
-import { TorsoModel } from "../viewer/TorsoModel";
-import { type Part, Viewer } from "../viewer/Viewer";
+import type { ViewSlice } from "../viewer/state";
+import type { OtherPane } from "../viewer/testHook";
+import { type Part, type Stage, Viewer } from "../viewer/Viewer";
 import { linkedPose, torsoOf } from "./cameras";
-import { isComparing, otherSession } from "./state";
+import { isComparing, otherState, type StancesSlice, type Workspace } from "./state";
 
-export interface OtherStage {
-  readonly host: HTMLElement;
-  readonly canvas: HTMLCanvasElement;
-  readonly overlay: HTMLElement;
-}
+type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice & StancesSlice;
 
-/** What browser tests may know of the second pane. */
-export interface OtherHook {
-  isReady(): boolean;
-  viewer(): Viewer | null;
-}
+/** What of the state the pane shows, or follows; when something else changes it is not drawn again. */
+const SEEN = ["meta", "model", "theme", "step", "overlay", "view", "scan", "showColours", "active", "handPose", "showDistances", "stances"] as const;
+type Seen = Pick<State, (typeof SEEN)[number]>;
 
-export function openOtherView(store: Store<Session>, main: Viewer, stage: OtherStage, prefersStill: () => boolean, failed: (error: unknown) => void): OtherHook {
+export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, prefersStill: () => boolean, failed: (error: unknown) => void): OtherPane {
   let viewer: Viewer | null = null;
   let scan: ScanMesh | null = null;
-  let parts: Part[] = [];
-  let theme: Session["theme"] | null = null;
+  let parts: Part<Seen & Workspace>[] = [];
+  let theme: string | null = null;
   let isFollowing = false; // a pose that was taken over is not handed back
   let viewAsked = store.get().view.asked;
 
@@ -59,7 +59,16 @@ export function openOtherView(store: Store<Session>, main: Viewer, stage: OtherS
     scan = new ScanMesh(made, ready);
     const torso = new TorsoModel(made, ready);
     const fitted = new FittedSurface(made, ready);
-    parts = [scan, torso, fitted, new Drawings(made, scan, torso, fitted), new OwnLines(made, scan), new LandmarkPins(made, scan), new SideLetters(made)];
+    const [body, pins] = [scan, new LandmarkPins(made, scan)];
+    parts = [
+      { update: (state) => body.update(state, hasModelShown(state)) },
+      torso,
+      fitted,
+      new ReferenceLines(made, scan, torso, fitted),
+      new OwnLines(made, scan),
+      { update: (state) => pins.update(state, state.drawn.tool === "none") },
+      new SideLetters(made),
+    ];
     main.turned.add(() => follow(main, made));
     made.turned.add(() => made.isHeld && follow(made, main));
     stage.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault()); // asks the browser to bring it back
@@ -69,9 +78,9 @@ export function openOtherView(store: Store<Session>, main: Viewer, stage: OtherS
     return made;
   }
 
-  function update(state: Session): void {
-    const session = otherSession(state);
-    if (!session || !isComparing(state)) return; // what is not to be seen is not drawn either
+  function update(state: Seen): void {
+    const other = otherState(state);
+    if (!other || !isComparing(state)) return; // what is not to be seen is not drawn either
     try {
       viewer ??= make();
     } catch (error) {
@@ -83,7 +92,7 @@ export function openOtherView(store: Store<Session>, main: Viewer, stage: OtherS
     }
     for (const part of parts) {
       try {
-        part.update(session);
+        part.update(other);
       } catch (error) {
         queueMicrotask(() => reportError(error));
       }
@@ -95,7 +104,7 @@ export function openOtherView(store: Store<Session>, main: Viewer, stage: OtherS
 
   let wasComparing = false;
   let wasLinked = true;
-  store.subscribe((state, before) => {
+  store.select(only(...SEEN), (state: Seen, before) => {
     const isSwapped = state.scan !== null && state.scan === before.stances.other?.scan && before.scan === state.stances.other?.scan;
     if (isSwapped && viewer && isComparing(state)) {
       const [mine, its] = [main.pose, viewer.pose];

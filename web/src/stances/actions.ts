@@ -1,39 +1,43 @@
 // The second stance: bring it, change over, compare, carry drawings across, measure both.
-import type { fitActions } from "../actions/fit";
-import { messageOf, withProblem } from "../actions/problems";
-import type { scanActions } from "../actions/scan";
 import type { Client } from "../api/client";
 import type { Frame } from "../api/types";
 import { toDrawing } from "../drawing/files";
-import type { Carried } from "../drawing/lines";
-import type { Place } from "../state/address";
-import type { Session } from "../state/session";
-import type { Store } from "../state/store";
-import { text } from "../text";
-import { loadFit, loadSlice } from "./load";
-import { initialStances, isUnfinished, knownScans, measuredFits, rememberScan, type Slice, sliceOf, stanceNames, stanceOf, type StancesState } from "./state";
+import type { Carried } from "../drawing/state";
+import type { FitActions } from "../fit/actions";
+import type { FitSlice } from "../fit/state";
+import type { LandmarksSlice } from "../landmarks/state";
+import type { ScanActions } from "../scan/actions";
+import type { PageSlice } from "../store/page";
+import { messageOf, withProblem } from "../store/problems";
+import { only, type Store } from "../store/store";
+import type { ViewSlice } from "../viewer/state";
+import { loadFit, loadWorkspace } from "./load";
+import { initialStances, isUnfinished, knownScans, measuredFits, rememberScan, stanceNames, stanceOf, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
+import * as text from "./text";
 
 const WATCH_MS = 1000; // a fit that goes on while its scan waits is looked after so often
 const CALM_MS = 700; // after the last stroke the carried lines follow
 
+type State = PageSlice & ViewSlice & Workspace & LandmarksSlice & FitSlice & StancesSlice;
+
 /** What of the page's other actions a second stance needs. */
 interface Others {
-  readonly scan: Pick<ReturnType<typeof scanActions>, "upload" | "takeExample" | "open">;
-  readonly fit: Pick<ReturnType<typeof fitActions>, "stop" | "open">;
+  readonly scan: Pick<ScanActions, "upload" | "takeExample" | "open">;
+  readonly fit: Pick<FitActions, "stop" | "open">;
   readonly landmarks: { flush(): Promise<void> };
   readonly drawing: { flush(): Promise<void> };
 }
 
-export function stancesActions(store: Store<Session>, client: Client, others: Others, memory: Storage | null) {
+export function stancesActions(store: Store<State>, client: Client, others: Others, memory: Storage | null) {
   let watch: ReturnType<typeof setTimeout> | undefined;
   let calm: ReturnType<typeof setTimeout> | undefined;
 
-  const put = (part: Partial<StancesState>, more: Partial<Session> = {}): void => store.set((state) => ({ ...more, stances: { ...state.stances, ...part } }));
+  const put = (part: Partial<StancesState>, more: Partial<State> = {}): void => store.set((state) => ({ ...more, stances: { ...state.stances, ...part } }));
   const fail = (error: unknown): void => store.set((state) => withProblem(state, "stances", messageOf(error)));
-  const flush = async (): Promise<void> => void (await Promise.all([others.landmarks.flush(), others.drawing.flush()]));
+  const flush = (): Promise<unknown> => Promise.all([others.landmarks.flush(), others.drawing.flush()]);
 
   /** Changes the stance that waits, when it still is this one. */
-  function change(scan: string, part: (slice: Slice) => Partial<Slice>): void {
+  function change(scan: string, part: (workspace: Workspace) => Partial<Workspace>): void {
     store.set((state) => {
       const { other } = state.stances;
       return other?.scan?.info.id === scan ? { stances: { ...state.stances, other: { ...other, ...part(other) } } } : {};
@@ -52,21 +56,21 @@ export function stancesActions(store: Store<Session>, client: Client, others: Ot
         .then(async ({ state }) => {
           if (state === "queued" || state === "running") return;
           const loaded = await loadFit(client, fit.id, fit.picks);
-          change(scan.info.id, (slice) => (slice.fit?.id === fit.id ? { fit: loaded } : {}));
+          change(scan.info.id, (workspace) => (workspace.fit?.id === fit.id ? { fit: loaded } : {}));
         }, fail)
         .finally(lookAfter);
     }, WATCH_MS);
   }
 
   /** The drawing of one, on the scan of the other. */
-  async function carried(from: Slice, to: Slice, name: string): Promise<Carried | null> {
+  async function carried(from: Workspace, to: Workspace, name: string): Promise<Carried | null> {
     const source = from.drawn.lines.present;
     if (from.fit?.state !== "done" || to.fit?.state !== "done" || source.length === 0) return null;
     const drawing = await client.transfer({ from_fit: from.fit.id, to_fit: to.fit.id, drawing: toDrawing(source) });
     return { from: name, fromFit: from.fit.id, toFit: to.fit.id, source, drawing };
   }
 
-  const isOld = (from: Slice, to: Slice): boolean =>
+  const isOld = (from: Workspace, to: Workspace): boolean =>
     to.drawn.carried === null
       ? from.drawn.lines.present.length > 0
       : to.drawn.carried.source !== from.drawn.lines.present || to.drawn.carried.fromFit !== from.fit?.id || to.drawn.carried.toFit !== to.fit?.id;
@@ -75,7 +79,7 @@ export function stancesActions(store: Store<Session>, client: Client, others: Ot
     const state = store.get();
     const { other, isCarrying } = state.stances;
     if (!other || isCarrying || state.fit?.state !== "done" || other.fit?.state !== "done") return;
-    const mine = sliceOf(state);
+    const mine = workspaceOf(state);
     const [myName, itsName] = stanceNames(state);
     put({ isCarrying: true, wantsCarried: true }, withProblem(state, "stances", null));
     try {
@@ -83,10 +87,10 @@ export function stancesActions(store: Store<Session>, client: Client, others: Ot
         isOld(mine, other) ? carried(mine, other, myName) : other.drawn.carried,
         isOld(other, mine) ? carried(other, mine, itsName) : mine.drawn.carried,
       ]);
-      const place = (scan: string | undefined, layer: Carried | null) => (now: Slice): Slice => (now.scan?.info.id === scan ? { ...now, drawn: { ...now.drawn, carried: layer } } : now);
+      const place = (scan: string | undefined, layer: Carried | null) => (now: Workspace): Workspace => (now.scan?.info.id === scan ? { ...now, drawn: { ...now.drawn, carried: layer } } : now);
       store.set((now) => {
-        const put = (slice: Slice): Slice => place(mine.scan?.info.id, here)(place(other.scan?.info.id, there)(slice));
-        const { drawn } = put(sliceOf(now));
+        const put = (workspace: Workspace): Workspace => place(mine.scan?.info.id, here)(place(other.scan?.info.id, there)(workspace));
+        const { drawn } = put(workspaceOf(now));
         const waiting = now.stances.other && put(now.stances.other);
         return { drawn: { ...now.drawn, carried: drawn.carried }, stances: { ...now.stances, other: waiting, isCarrying: false }, announcement: text.stances.announceCarried(itsName) };
       });
@@ -97,24 +101,22 @@ export function stancesActions(store: Store<Session>, client: Client, others: Ot
   }
 
   /** Lines that were shown on the other scan once follow what is drawn. */
-  store.subscribe((state, before) => {
-    if (state.stances === before.stances && state.drawn === before.drawn && state.fit === before.fit) return;
-    const { other, wantsCarried, isCarrying } = state.stances;
+  store.select(only("stances", "drawn", "fit"), ({ stances }) => {
+    const { other, wantsCarried, isCarrying } = stances;
     if (!other || !wantsCarried || isCarrying) return;
-    const mine = sliceOf(state);
+    const mine = workspaceOf(store.get());
     if (!isOld(mine, other) && !isOld(other, mine)) return;
     clearTimeout(calm);
     calm = setTimeout(() => void carry(), CALM_MS);
   });
 
-  store.subscribe((state, before) => {
-    const { scan } = state;
-    if (!scan || !memory || (scan === before.scan && state.fit === before.fit)) return;
-    rememberScan(memory, { id: scan.info.id, title: scan.title, stance: stanceOf(state), at: new Date().toISOString() });
+  store.select(only("scan", "fit"), ({ scan }) => {
+    if (!scan || !memory) return;
+    rememberScan(memory, { id: scan.info.id, title: scan.title, stance: stanceOf(store.get()), at: new Date().toISOString() });
   });
 
   async function second(bring: () => Promise<boolean>): Promise<void> {
-    const kept = sliceOf(store.get());
+    const kept = workspaceOf(store.get());
     put({ isBringing: true }, withProblem(store.get(), "stances", null));
     await flush();
     const isThere = await bring();
@@ -134,9 +136,9 @@ export function stancesActions(store: Store<Session>, client: Client, others: Ot
     takeKnown: (id: string): Promise<void> => second(() => others.scan.open(id, null)),
 
     /** From the address: the one that waits, as it was. */
-    async restore(scan: string, fit: string | null, own: Frame | null, { isSecond, isComparing, isCarried }: Pick<Place, "isSecond" | "isComparing" | "isCarried">): Promise<void> {
+    async restore(scan: string, fit: string | null, own: Frame | null, { isSecond, isComparing, isCarried }: { isSecond: boolean; isComparing: boolean; isCarried: boolean }): Promise<void> {
       try {
-        const other = await loadSlice(client, scan, fit, own);
+        const other = await loadWorkspace(client, scan, fit, own);
         put({ other, isSecond, isComparing, wantsCarried: isCarried });
         lookAfter();
       } catch (error) {
@@ -156,7 +158,7 @@ export function stancesActions(store: Store<Session>, client: Client, others: Ot
       const [, name] = stanceNames(state);
       store.set({
         ...other,
-        stances: { ...state.stances, other: sliceOf(state), isSecond: !state.stances.isSecond },
+        stances: { ...state.stances, other: workspaceOf(state), isSecond: !state.stances.isSecond },
         active: null,
         isStarting: false,
         announcement: text.stances.announceSwapped(name),
@@ -188,7 +190,10 @@ export function stancesActions(store: Store<Session>, client: Client, others: Ot
     async measures(isOpen: boolean): Promise<void> {
       const state = store.get();
       const fits = isOpen ? measuredFits(state) : null;
-      if (!fits) return put({ measures: { ...state.stances.measures, isOpen: false } });
+      if (!fits) {
+        put({ measures: { ...state.stances.measures, isOpen: false } });
+        return;
+      }
       const [first, then] = fits;
       const of = `${first.id} ${then?.id ?? ""}`;
       const known = state.stances.measures.of === of ? state.stances.measures.file : null;
@@ -204,3 +209,5 @@ export function stancesActions(store: Store<Session>, client: Client, others: Ot
     },
   };
 }
+
+export type StancesActions = ReturnType<typeof stancesActions>;

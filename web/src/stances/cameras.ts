@@ -1,12 +1,11 @@
-// Two cameras that look at two bodies from the same side: the pose of one, told in its torso's frame, is the other's.
+// Two cameras that look at two bodies from the same side: the pose of one, expressed in its torso's frame, is the other's.
 // All matrices are rigid and in metres; a torso's frame has the patient's left, up and front as axes.
 import { Matrix4, Vector3 } from "three";
-import { picksOf } from "../actions/scan";
 import type { Frame, Vector } from "../api/types";
-import { leftOf } from "../state/frame";
-import { frameFromPicks, type Picks } from "../state/landmarks";
-import { metresFromMm } from "../units";
-import type { Slice } from "./state";
+import { frameFromPicks, type Picks, picksOf } from "../landmarks/picks";
+import { metresFromMm } from "../ui/units";
+import { leftOf } from "../viewer/frame";
+import type { Workspace } from "./state";
 
 export interface Pose {
   readonly eye: Vector3;
@@ -30,7 +29,7 @@ export function torsoFromLandmarks(picks: Picks): Matrix4 | null {
 }
 
 /** By the fitted landmarks, or by those that were placed. */
-export function torsoOf({ fit, picks }: Pick<Slice, "fit" | "picks">): Matrix4 | null {
+export function torsoOf({ fit, picks }: Pick<Workspace, "fit" | "picks">): Matrix4 | null {
   const fitted = fit?.result ? torsoFromLandmarks(picksOf({ landmarks: fit.result.landmarks, unit: fit.result.scan.unit })) : null;
   return fitted ?? torsoFromLandmarks(picks.present);
 }

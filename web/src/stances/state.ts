@@ -1,9 +1,17 @@
 // Two stances of one patient: the page works on one, the other one waits with all that belongs to it.
 import type { MeasuresFile } from "../api/types";
-import type { FitState, Session } from "../state/session";
+import type { DrawingSlice } from "../drawing/state";
+import type { FitSlice, FitState } from "../fit/state";
+import type { LandmarksSlice } from "../landmarks/state";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
+import { isBeside, type ViewSlice } from "../viewer/state";
 
 /** What belongs to one scan, and goes away and comes back with it. */
-export type Slice = Pick<Session, "scan" | "picks" | "drawn" | "proposals" | "skipped" | "saving" | "stance" | "fit">;
+export type Workspace = Pick<
+  ScanSlice & LandmarksSlice & FitSlice & DrawingSlice,
+  "scan" | "picks" | "proposals" | "skipped" | "saving" | "stance" | "fit" | "drawn"
+>;
 
 /** A scan that was open in this tab. */
 export interface KnownScan {
@@ -14,7 +22,7 @@ export interface KnownScan {
 }
 
 export interface StancesState {
-  readonly other: Slice | null;
+  readonly other: Workspace | null;
   readonly isSecond: boolean; // the page works on the one that came second: it stands to the right
   readonly isComparing: boolean;
   readonly isLinked: boolean; // turning one turns the other
@@ -25,6 +33,12 @@ export interface StancesState {
   readonly wantsCarried: boolean; // the person asked for it once: it is kept up to date
   readonly measures: { readonly isOpen: boolean; readonly isBusy: boolean; readonly of: string; readonly file: MeasuresFile | null };
 }
+
+export interface StancesSlice {
+  readonly stances: StancesState;
+}
+
+type Stances = Workspace & StancesSlice;
 
 export const initialStances: StancesState = {
   other: null,
@@ -40,19 +54,19 @@ export const initialStances: StancesState = {
 };
 
 /** What the page has of its scan, as it may wait: a replay is at its end. */
-export function sliceOf({ scan, picks, drawn, proposals, skipped, saving, stance, fit }: Session): Slice {
+export function workspaceOf({ scan, picks, drawn, proposals, skipped, saving, stance, fit }: Workspace): Workspace {
   const resting = fit && { ...fit, shown: fit.iterations.length - 1, playing: false };
   return { scan, picks, drawn: { ...drawn, tool: "none", start: null, open: null, corner: null }, proposals, skipped, saving, stance, fit: resting };
 }
 
 /** standing or supine: as fitted, as asked for, or as the service proposes. */
-export function stanceOf(slice: Pick<Slice, "fit" | "stance" | "scan">): "standing" | "supine" {
-  const asked = slice.stance === "auto" ? null : slice.stance;
-  return slice.fit?.result?.stance ?? asked ?? slice.scan?.info.stance?.proposed ?? "standing";
+export function stanceOf(workspace: Pick<Workspace, "fit" | "stance" | "scan">): "standing" | "supine" {
+  const asked = workspace.stance === "auto" ? null : workspace.stance;
+  return workspace.fit?.result?.stance ?? asked ?? workspace.scan?.info.stance.proposed ?? "standing";
 }
 
 /** What the two are called, the one that the page works on first; two of a kind are numbered as they stand. */
-export function stanceNames(state: Session): [string, string] {
+export function stanceNames(state: Pick<Stances, "scan" | "stance" | "fit" | "stances">): [string, string] {
   const { other, isSecond } = state.stances;
   const [mine, its] = [stanceOf(state), other ? stanceOf(other) : ""];
   if (mine !== its) return [mine, its];
@@ -60,14 +74,14 @@ export function stanceNames(state: Session): [string, string] {
 }
 
 /** The fits to measure: the first that came, and the second one when it is done as well. */
-export function measuredFits({ fit, stances }: Session): [FitState, FitState | null] | null {
+export function measuredFits({ fit, stances }: Pick<Stances, "fit" | "stances">): [FitState, FitState | null] | null {
   if (fit?.state !== "done") return null;
   const its = stances.other?.fit?.state === "done" ? stances.other.fit : null;
   return its && stances.isSecond ? [its, fit] : [fit, its];
 }
 
 /** What the scan is called that a drawing could be shown on now, and is not yet; null otherwise. */
-export function canCarryTo(state: Session): string | null {
+export function canCarryTo(state: Pick<Stances, "scan" | "stance" | "fit" | "drawn" | "stances">): string | null {
   const { other, isCarrying } = state.stances;
   if (!other || isCarrying || state.fit?.state !== "done" || other.fit?.state !== "done" || state.drawn.carried || other.drawn.carried) return null;
   const [mine, its] = stanceNames(state);
@@ -76,13 +90,14 @@ export function canCarryTo(state: Session): string | null {
 }
 
 /** Both stances are on the stage.  While landmarks are placed there is one, with its instructions. */
-export const isComparing = (state: Session): boolean => state.stances.isComparing && state.stances.other !== null && state.scan !== null && state.active === null;
+export const isComparing = (state: Pick<ScanSlice & LandmarksSlice & StancesSlice, "scan" | "active" | "stances">): boolean =>
+  state.stances.isComparing && state.stances.other !== null && state.scan !== null && state.active === null;
 
-/** The session as the other pane shows it. */
-export function otherSession(state: Session): Session | null {
+/** The state as the other pane shows it. */
+export function otherState<State extends Pick<PageSlice & ViewSlice & LandmarksSlice & StancesSlice, "step" | "overlay" | "active" | "stances">>(state: State): (State & Workspace) | null {
   const { other } = state.stances;
   if (!other) return null;
-  const overlay = state.overlay === "beside" || state.overlay === "swipe" ? "both" : state.overlay;
+  const overlay = isBeside(state.overlay) ? "both" : state.overlay;
   return { ...state, ...other, overlay, active: null, step: state.step === "drawing" ? "drawing" : "result" };
 }
 
@@ -97,7 +112,7 @@ type Memory = Pick<Storage, "getItem" | "setItem">;
 export function knownScans(memory: Memory): KnownScan[] {
   try {
     const read = JSON.parse(memory.getItem(KEY) ?? "[]") as unknown;
-    return Array.isArray(read) ? (read as KnownScan[]).filter((each) => typeof each?.id === "string") : [];
+    return Array.isArray(read) ? (read as (Partial<KnownScan> | null)[]).filter((each): each is KnownScan => typeof each?.id === "string") : [];
   } catch {
     return [];
   }

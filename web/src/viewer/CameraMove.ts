@@ -1,5 +1,5 @@
 // Moves the camera to a new place within 300 ms, round the body and not through it; a touch of the view ends it.
-import { type PerspectiveCamera, Spherical, Vector3 } from "three";
+import { type PerspectiveCamera, Spherical, type Vector3 } from "three";
 import type { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 const LASTS_MS = 300;

@@ -1,31 +1,24 @@
 // A cross on the picture that stands for the pointer where there is none: moved by arrow keys, or held above a finger.
-import { el } from "../dom";
-import type { Session } from "../state/session";
+import { el } from "../ui/dom";
 import type { Loupe } from "./Loupe";
-import { type Hit, pickAt } from "./picking";
-import type { ScanMesh } from "./ScanMesh";
-import type { Part, Viewer } from "./Viewer";
+import { type Hit, pickAt, type Surface } from "./picking";
+import type { Viewer } from "./Viewer";
 
 interface Place {
   x: number;
   y: number;
 }
 
-export class Crosshair implements Part {
+export class Crosshair {
   private readonly element = el("div", { class: "crosshair reticle", hidden: true });
   private at: Place | null = null; // page pixels
 
   constructor(
     private readonly viewer: Viewer,
-    private readonly scan: ScanMesh,
+    private readonly scan: Surface,
     private readonly loupe: Loupe,
   ) {
     viewer.overlay.append(this.element);
-  }
-
-  /** It serves the placing of landmarks and the tools that draw. */
-  update({ active, drawn }: Session): void {
-    if (active === null && (drawn.tool === "none" || drawn.tool === "points")) this.hide();
   }
 
   get isShown(): boolean {

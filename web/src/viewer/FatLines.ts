@@ -24,7 +24,7 @@ export function segments(lines: readonly Polyline[], wantBridged: boolean): Floa
     const count = points.length / 3;
     for (let i = 0; i < (isClosed ? count : count - 1); i += 1) {
       const next = (i + 1) % count;
-      const isBridged = Boolean(bridged?.[i] || bridged?.[next]);
+      const isBridged = bridged !== null && (bridged[i]! || bridged[next]!);
       if (isBridged === wantBridged) out.push(...points.subarray(3 * i, 3 * i + 3), ...points.subarray(3 * next, 3 * next + 3));
     }
   }
@@ -81,7 +81,7 @@ export class FatLines {
 /** Reuses the buffer while the number of segments stays, as it does from iteration to iteration. */
 function write(strand: LineSegments2, points: Float32Array): void {
   const start = strand.geometry.attributes.instanceStart as { data?: { array: Float32Array; needsUpdate: boolean } } | undefined;
-  if (start?.data && start.data.array.length === points.length) {
+  if (start?.data?.array.length === points.length) {
     start.data.array.set(points);
     start.data.needsUpdate = true;
   } else {

@@ -1,17 +1,15 @@
 // A magnifier beside the pointer while a landmark is being placed, with a reticle where the click would land.
 import { PerspectiveCamera } from "three";
-import { el } from "../dom";
-import type { Session } from "../state/session";
-import { pickAt } from "./picking";
-import type { ScanMesh } from "./ScanMesh";
+import { el } from "../ui/dom";
+import { pickAt, type Surface } from "./picking";
 import { Snapshot } from "./Snapshot";
-import type { Part, Viewer } from "./Viewer";
+import type { Viewer } from "./Viewer";
 
 const SIZE = 132; // pixels on the screen, as in the style sheet
 const ZOOM = 4;
 const AWAY = 34; // pixels from the pointer to the loupe's edge
 
-export class Loupe implements Part {
+export class Loupe {
   private readonly canvas = el("canvas", { "aria-hidden": "true" });
   private readonly element = el("div", { class: "loupe", hidden: true }, this.canvas, el("span", { class: "reticle" }));
   private readonly camera = new PerspectiveCamera();
@@ -22,7 +20,7 @@ export class Loupe implements Part {
 
   constructor(
     private readonly viewer: Viewer,
-    private readonly scan: ScanMesh,
+    private readonly scan: Surface,
     canvas: HTMLCanvasElement,
   ) {
     this.snapshot = new Snapshot(viewer.renderer, SIZE * Math.min(window.devicePixelRatio, 2));
@@ -36,8 +34,9 @@ export class Loupe implements Part {
     canvas.addEventListener("wheel", () => this.ask(null), { passive: true });
   }
 
-  update(state: Session): void {
-    this.isArmed = state.active !== null;
+  /** Whether it follows the pointer: while something is to be placed. */
+  arm(isArmed: boolean): void {
+    this.isArmed = isArmed;
     this.ask(this.pointer);
   }
 

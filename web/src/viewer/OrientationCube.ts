@@ -2,32 +2,31 @@
 // DOM and CSS instead of 3D: its letters stay sharp, and it needs no second picture.  The buttons below the body do the
 // same for keys and screen readers, hence the cube is hidden from them.
 import { Matrix4 } from "three";
-import type { Actions } from "../actions";
-import { el } from "../dom";
-import type { Session, ViewName } from "../state/session";
-import { text } from "../text";
+import { el } from "../ui/dom";
+import type { ViewName } from "./state";
+import * as text from "./text";
 import type { Part, Viewer } from "./Viewer";
 
 const SIDES: readonly ViewName[] = ["front", "back", "left", "right", "top"];
 
-export class OrientationCube implements Part {
+export class OrientationCube implements Part<{ readonly scan: object | null; readonly loading: object | null }> {
   private readonly cube = el("div", { class: "cube-body" }, ...SIDES.map((side) => this.face(side)), el("span", { class: "cube-face is-bottom" }));
   private readonly element = el("div", { class: "cube", "aria-hidden": "true", hidden: true }, this.cube);
 
   constructor(
     private readonly viewer: Viewer,
-    private readonly actions: Pick<Actions, "page">,
+    private readonly lookFrom: (side: ViewName) => void,
   ) {
     viewer.overlay.append(this.element);
     viewer.beforeFrame.add(() => this.turn());
   }
 
-  update(state: Session): void {
-    this.element.hidden = state.scan === null || state.loading !== null;
+  update({ scan, loading }: { readonly scan: object | null; readonly loading: object | null }): void {
+    this.element.hidden = scan === null || loading !== null;
   }
 
   private face(side: ViewName): HTMLElement {
-    const pressed = (): void => this.actions.page.view(side);
+    const pressed = (): void => this.lookFrom(side);
     return el("button", { type: "button", tabindex: -1, class: `cube-face is-${side}`, title: text.view.hints[side], onclick: pressed }, text.view.faces[side]);
   }
 

@@ -1,13 +1,12 @@
 // L and R beside the body, on the patient's own sides, turning with it: nobody has to think whose left is meant.
 import { Vector3 } from "three";
-import { el } from "../dom";
-import type { Session } from "../state/session";
-import { text } from "../text";
+import { el } from "../ui/dom";
+import * as text from "./text";
 import type { Part, Viewer } from "./Viewer";
 
 const AWAY = 46; // pixels beside the body: room for the words
 
-export class SideLetters implements Part {
+export class SideLetters implements Part<{ readonly scan: object | null }> {
   private readonly letters = ([0, 1] as const).flatMap((pane) => ([1, -1] as const).map((side) => ({
     side,
     pane, // of two beside each other
@@ -23,8 +22,8 @@ export class SideLetters implements Part {
     viewer.beforeFrame.add(() => this.place());
   }
 
-  update(state: Session): void {
-    for (const { element } of this.letters) element.hidden = state.scan === null;
+  update({ scan }: { readonly scan: object | null }): void {
+    for (const { element } of this.letters) element.hidden = scan === null;
   }
 
   private place(): void {

@@ -1,6 +1,6 @@
 // Draws a scene into an ordinary 2D canvas through a render target: for the loupe and the little picture of the
 // model, which need pixels of their own without another WebGL context.
-import { type Camera, Color, type Object3D, Scene, SRGBColorSpace, type WebGLRenderer, WebGLRenderTarget } from "three";
+import { type Camera, Color, type Object3D, type Scene, SRGBColorSpace, type WebGLRenderer, WebGLRenderTarget } from "three";
 
 export class Snapshot {
   private readonly target: WebGLRenderTarget;

@@ -1,19 +1,27 @@
 // The one WebGL view: renderer, camera, controls and a loop that draws only when something changed.
 // `body` is the scan's own frame (metres); it is turned so that the patient stands upright and faces +Z, hence the
 // camera always has +Y up and "from the front" means the same for every scan.
-import { Box3, Group, Matrix4, MOUSE, TOUCH, type Object3D, PerspectiveCamera, Scene, Spherical, Vector2, Vector3, WebGLRenderer } from "three";
+import { type Box3, Group, Matrix4, MOUSE, type Object3D, PerspectiveCamera, Scene, Spherical, TOUCH, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Frame, Vector } from "../api/types";
-import { leftOf } from "../state/frame";
-import type { Session, ViewName } from "../state/session";
-import { metresFromMm } from "../units";
+import { metresFromMm } from "../ui/units";
 import { CameraMove } from "./CameraMove";
+import { leftOf } from "./frame";
 import { addLights } from "./lights";
 import { type Palette, readPalette } from "./palette";
+import type { ViewName } from "./state";
 
-/** One visible thing. */
-export interface Part {
-  update(state: Session): void;
+/** Where the view stands on the page. */
+export interface Stage {
+  readonly host: HTMLElement;
+  readonly canvas: HTMLCanvasElement;
+  /** over the canvas: for marks and letters, which are DOM and always sharp */
+  readonly overlay: HTMLElement;
+}
+
+/** One visible thing, brought up to date with the parts of the state that it shows. */
+export interface Part<State> {
+  update(state: State): void;
 }
 
 /** One picture of all; two pictures beside each other; one picture, cut by a line into scan and model. */
@@ -80,7 +88,7 @@ export class Viewer {
     this.controls.maxDistance = 8;
     this.controls.addEventListener("change", () => {
       this.invalidate();
-      for (const told of this.turned) told();
+      for (const listener of this.turned) listener();
     });
     this.controls.addEventListener("start", () => (this.isHeld = true));
     this.controls.addEventListener("end", () => (this.isHeld = false));

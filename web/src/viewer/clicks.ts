@@ -1,4 +1,4 @@
-// Tells a click from the start of a turn of the view: pressed and released within six pixels, one pointer, left button.
+// A click, as against the start of a turn of the view: pressed and released within six pixels, one pointer, left button.
 
 const STILL = 6; // pixels
 

@@ -11,7 +11,7 @@ export function extent(positions: ArrayLike<number>, turn: Matrix4): Box3 {
   const axes: [number[], number[], number[]] = [[], [], []];
   const point = new Vector3();
   for (let i = 0; i < count; i += step) {
-    point.set(positions[3 * i]!, positions[3 * i + 1]!, positions[3 * i + 2]!).applyMatrix4(turn);
+    point.set(positions[3 * i]!, positions[3 * i + 1]!, positions[3 * i + 2]).applyMatrix4(turn);
     axes[0].push(point.x);
     axes[1].push(point.y);
     axes[2].push(point.z);

@@ -24,10 +24,11 @@ export function disposeTree(root: Object3D): void {
   root.removeFromParent();
   root.traverse((node) => {
     if (!(node instanceof Mesh)) return;
-    node.geometry.dispose();
-    for (const material of [node.material].flat()) {
-      (material as { map?: { dispose(): void } | null }).map?.dispose();
-      material.dispose();
+    const { geometry, material } = node as Mesh;
+    geometry.dispose();
+    for (const each of [material].flat()) {
+      (each as { map?: { dispose(): void } | null }).map?.dispose();
+      each.dispose();
     }
   });
 }

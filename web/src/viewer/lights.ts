@@ -1,6 +1,6 @@
 // Light travels with the eye: key from the upper left, a soft fill, a gentle rim.  The back of the body is then as
 // well lit as its front, and relief reads the same from every side.
-import { DirectionalLight, HemisphereLight, type Camera, type Object3D } from "three";
+import { type Camera, DirectionalLight, HemisphereLight, type Object3D } from "three";
 
 function lamp(camera: Camera, intensity: number, x: number, y: number, z: number): void {
   const light = new DirectionalLight(0xffffff, intensity);

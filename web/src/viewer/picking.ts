@@ -1,9 +1,15 @@
 // From a place on the screen to a point on the scan: pointer → ray → BVH → triangle.
-import { type BufferGeometry, type Mesh, Raycaster, Triangle, Vector3 } from "three";
+import { type Mesh, Raycaster, Triangle, Vector3 } from "three";
 import type { Vector } from "../api/types";
-import { mmFromMetres } from "../units";
-import type { ScanMesh } from "./ScanMesh";
+import { mmFromMetres } from "../ui/units";
 import type { Viewer } from "./Viewer";
+
+/** What can be pointed at: a mesh with its BVH, in the axes of the scan; null until it is there. */
+export interface Surface {
+  readonly mesh: Mesh | null;
+  /** Unit vector out of the surface nearest to a point (scan's frame, metres). */
+  normalAt(point: Vector3): Vector3 | null;
+}
 
 export interface Hit {
   /** scan's frame, millimetres, as landmarks are stored */
@@ -15,7 +21,7 @@ const raycaster = new Raycaster();
 raycaster.firstHitOnly = true;
 
 /** `clientX`, `clientY` as in pointer events; null beside the scan. */
-export function pickAt(viewer: Viewer, scan: ScanMesh, clientX: number, clientY: number): Hit | null {
+export function pickAt(viewer: Viewer, scan: Surface, clientX: number, clientY: number): Hit | null {
   if (!scan.mesh) return null;
   const at = viewer.toCamera(clientX, clientY, "scan");
   if (!at) return null;
@@ -34,7 +40,7 @@ export interface SurfaceHit {
 }
 
 /** What of the fitted surface lies under page pixels; null beside it. */
-export function surfaceAt(viewer: Viewer, surface: Mesh<BufferGeometry> | null, clientX: number, clientY: number): SurfaceHit | null {
+export function surfaceAt(viewer: Viewer, surface: Mesh | null, clientX: number, clientY: number): SurfaceHit | null {
   const at = viewer.toCamera(clientX, clientY, "model");
   if (!surface?.visible || !at) return null;
   viewer.scene.updateMatrixWorld();
@@ -54,7 +60,7 @@ const SLACK = 0.006; // metres that a point may lie under the surface and still 
  * True when the scan stands between the eye and the point (scan's frame, metres), or when the skin there looks away:
  * through the holes of a scan its far side would seem near.
  */
-export function isHidden(viewer: Viewer, scan: ScanMesh, point: Vector3, normal: Vector3 | null): boolean {
+export function isHidden(viewer: Viewer, scan: Surface, point: Vector3, normal: Vector3 | null): boolean {
   if (!scan.mesh) return false;
   const target = viewer.body.localToWorld(point.clone());
   const away = target.sub(viewer.camera.position);

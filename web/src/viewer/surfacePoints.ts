@@ -1,5 +1,6 @@
 // A point on a mesh as (face, barycentric): where it is, and which way the surface looks there, for any posed vertices.
-import { Vector3 } from "three";
+import { type BufferGeometry, Vector3 } from "three";
+import type { MeshBVH } from "three-mesh-bvh";
 import type { SurfacePoint } from "../api/types";
 
 export type VertexAt = (vertex: number, target: Vector3) => Vector3;
@@ -23,4 +24,13 @@ export function surfacePosition(
   const [u, v, w] = point.barycentric;
   position.set(0, 0, 0).addScaledVector(a, u).addScaledVector(b, v).addScaledVector(c, w);
   normal.crossVectors(b.sub(a), c.sub(a)).normalize();
+}
+
+/** Unit normal of the triangle nearest to a point, of a geometry that has its BVH. */
+export function nearestNormal(geometry: BufferGeometry, point: Vector3): Vector3 | null {
+  const face = (geometry.boundsTree as MeshBVH | undefined)?.closestPointToPoint(point)?.faceIndex;
+  if (face === undefined) return null;
+  const { index, attributes } = geometry;
+  const [a, b, c] = [0, 1, 2].map((corner) => new Vector3().fromBufferAttribute(attributes.position!, index!.getX(3 * face + corner)));
+  return b!.sub(a!).cross(c!.sub(a!)).normalize();
 }

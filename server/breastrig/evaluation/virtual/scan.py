@@ -6,10 +6,10 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.evaluation.virtual.bodies import Bodies, VirtualBody, closed
+from breastrig.evaluation.virtual.depth_camera import take
+from breastrig.evaluation.virtual.depth_fusion import fuse, without_small_pieces
 from breastrig.evaluation.virtual.session import plan_session, table_top
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.scan.depth_camera import take
-from breastrig.scan.depth_fusion import fuse, without_small_pieces
 
 VOXEL = 0.0055  # m, the resolution of tablet scanning programs at body size
 SMALLEST_PIECE = 80  # triangles; smaller ones are what scanning programs throw away
@@ -36,7 +36,7 @@ def scan_body(bodies: Bodies, body: VirtualBody, random: np.random.Generator) ->
         kept = np.concatenate([kept, np.ones(len(top), dtype=np.bool_)])
     images = take(vertices, faces, session.views, session.camera, random, session.blind_spots)
     seen, triangles = fuse(images, session.low, session.high, VOXEL)
-    nearest = ClosestPointSearch(vertices, faces).query(seen, 8)
+    nearest = ClosestPointSearch(vertices, faces).query(seen)
     share = np.einsum("mc,mc->m", nearest.barycentric, kept[faces[nearest.faces]].astype(np.float64))
     inside = (share > 0.5)[triangles].all(axis=1)
     seen, triangles, used = without_small_pieces(seen, triangles[inside], SMALLEST_PIECE)

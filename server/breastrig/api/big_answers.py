@@ -1,0 +1,153 @@
+"""Large files to visitors: read from the disk as they are sent, and only so many at once.
+
+Whoever has a link may ask for the scan as often and read it as slowly as they like.  An answer here holds an open file
+and no memory; how many are under way is bounded in all, for each share and for each address, and who comes then is
+asked to come again.  A reader that takes nothing holds its place only until another one needs it: its file then ends
+early, which the connection shows as an answer that was cut off.
+"""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import IO
+
+from flask import Response, request
+from werkzeug.wsgi import wrap_file
+
+from breastrig.api.access.security import refuse
+from breastrig.api.answers import file_answer
+from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STALLED_S
+from breastrig.core.errors import NotFound
+from breastrig.storage.files import OpenedFile
+
+CHUNK_BYTES = 2**16
+BUSY = f"Too many large files are being sent at the moment; try again in {BIG_RETRY_S} s."
+
+
+@dataclass(eq=False)
+class Place:
+    """One answer under way."""
+
+    share_id: str
+    address: str
+    moved_at: float  # of the clock: when it was last read from
+    is_cut: bool = False
+
+
+@dataclass(eq=False)
+class BigAnswers:
+    """The places of all answers under way.  May be called from any thread; `clock` gives seconds."""
+
+    clock: Callable[[], float] = time.monotonic
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+    _places: set[Place] = field(default_factory=set)
+
+    def take(self, share_id: str, address: str) -> Place | None:
+        """A place, to be given back with `leave`; None when there is none."""
+        with self._lock:
+            for hinders in self._full(share_id, address):
+                stalled = min(hinders, key=lambda place: place.moved_at)
+                if self.clock() - stalled.moved_at < STALLED_S:
+                    return None
+                stalled.is_cut = True
+                self._places.discard(stalled)
+            place = Place(share_id, address, self.clock())
+            self._places.add(place)
+            return place
+
+    def _full(self, share_id: str, address: str) -> Iterator[list[Place]]:
+        """The groups that have no place left for such an answer."""
+        for most, fits in (
+            (BIG_ANSWERS_EACH, lambda place: place.share_id == share_id),
+            (BIG_ANSWERS_EACH, lambda place: place.address == address),
+            (BIG_ANSWERS, lambda place: True),
+        ):
+            group = [place for place in self._places if fits(place)]
+            if len(group) >= most:
+                yield group
+
+    def leave(self, place: Place) -> None:
+        with self._lock:
+            self._places.discard(place)
+
+    @property
+    def under_way(self) -> int:
+        return len(self._places)
+
+
+class _Part:
+    """Some bytes of a file, as a file of their own; gives its place back when it is closed."""
+
+    def __init__(self, file: IO[bytes], start: int, length: int, place: Place, answers: BigAnswers) -> None:
+        self._file, self._start, self._length = file, start, length
+        self._place, self._answers = place, answers
+        self._at = 0
+
+    def read(self, size: int = -1) -> bytes:
+        """Raises ConnectionAbortedError once the place was given to another reader."""
+        if self._place.is_cut:
+            raise ConnectionAbortedError("a reader took nothing for too long, and another one needed its place")
+        left = self._length - self._at
+        wanted = left if size < 0 else min(size, left)
+        if wanted <= 0:
+            return b""
+        self._file.seek(self._start + self._at)
+        content = self._file.read(wanted)
+        self._at += len(content)
+        self._place.moved_at = self._answers.clock()
+        return content
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        self._at = offset + (0, self._at, self._length)[whence]
+        return self._at
+
+    def tell(self) -> int:
+        return self._at
+
+    def seekable(self) -> bool:
+        return True
+
+    def close(self) -> None:
+        self._answers.leave(self._place)
+        self._file.close()
+
+
+def big_answer(answers: BigAnswers, share_id: str, file: OpenedFile, media_type: str, caching: str) -> Response:
+    """As `file_answer`, within the bounds when the file is large.  Raises 503 beyond them, NotFound when it is gone."""
+    if file.size < BIG_BYTES:
+        return file_answer(file, media_type, caching)
+    response = Response(b"", mimetype=media_type, headers={"Cache-Control": caching})
+    response.set_etag(file.etag)
+    response.content_length = file.size
+    response.make_conditional(request, accept_ranges=True, complete_length=file.size)
+    if request.method == "HEAD" or response.status_code == 304:
+        return response
+    start, length = 0, file.size
+    if response.status_code == 206:
+        start, length = response.content_range.start or 0, response.content_length or 0
+    place = answers.take(share_id, request.remote_addr or "unknown")
+    if place is None:
+        raise refuse(503, BUSY, {"Retry-After": str(BIG_RETRY_S)})
+    with _given_back_on_error(answers, place):
+        part = _Part(_opened(file), start, length, place, answers)
+        response.response = wrap_file(request.environ, part, CHUNK_BYTES)  # type: ignore[arg-type]
+        response.direct_passthrough = True
+    return response
+
+
+@contextmanager
+def _given_back_on_error(answers: BigAnswers, place: Place) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        answers.leave(place)
+        raise
+
+
+def _opened(file: OpenedFile) -> IO[bytes]:
+    try:
+        return file.open()
+    except FileNotFoundError as error:
+        raise NotFound("This file has just been deleted.") from error

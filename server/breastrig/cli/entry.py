@@ -1,0 +1,17 @@
+"""What the installed program `breastrig` starts: watches for Ctrl-C before anything else is imported."""
+
+import sys
+
+from breastrig.cli.interruption import watch
+
+
+def entry() -> None:
+    """Runs the command of the process's arguments and leaves with its exit code."""
+    watch()
+    from breastrig.cli.main import main
+
+    sys.exit(main())
+
+
+if __name__ == "__main__":
+    entry()

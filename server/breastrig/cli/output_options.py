@@ -1,0 +1,45 @@
+"""What every command that writes results has in common: -o, --force, and which files are never written over."""
+
+import argparse
+from collections.abc import Iterable
+from pathlib import Path
+
+from breastrig.cli.interruption import raise_if_asked
+from breastrig.core.output_files import Output, OutputSet, single_file
+from breastrig.workflow.fit_files import FIT_FILES, RESULT, RESULT_SCHEMA
+
+
+def add_output_options(parser: argparse.ArgumentParser, metavar: str, what: str) -> None:
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar=metavar, help=what)
+    parser.add_argument(
+        "--force", action="store_true", help="replace files that BreastRig did not write; never what the command reads"
+    )
+
+
+def fit_set(folder: Path) -> OutputSet:
+    """The files of a fit."""
+    return OutputSet(folder, FIT_FILES, RESULT, RESULT_SCHEMA)
+
+
+def output_folder(options: argparse.Namespace, sets: Iterable[OutputSet], inputs: Iterable[Path | None]) -> Output:
+    """The command's folder for results; `inputs` that were not given are None."""
+    return Output(options.output, tuple(sets), _given(inputs), options.force, raise_if_asked)
+
+
+def output_file(options: argparse.Namespace, inputs: Iterable[Path | None]) -> Output:
+    """The command's one file."""
+    return single_file(options.output, _given(inputs), options.force, raise_if_asked)
+
+
+def files_of_fit(folder: Path | None) -> list[Path]:
+    """What a command reads of a fit's folder, or should not lose: the fit as a whole."""
+    return [] if folder is None else [folder / name for name in FIT_FILES]
+
+
+def files_of_model(model: Path | None) -> list[Path]:
+    """A rig and its side file."""
+    return [] if model is None else [model, model.with_suffix(".json")]
+
+
+def _given(files: Iterable[Path | None]) -> tuple[Path, ...]:
+    return tuple(file for file in files if file is not None)

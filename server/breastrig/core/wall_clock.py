@@ -1,0 +1,14 @@
+"""The time of day, and a time that nobody can set: deleting by age asks both."""
+
+import time
+from datetime import UTC, datetime
+
+
+def now() -> datetime:
+    """What the machine takes for the time, in UTC.  It may be wrong, and it may jump."""
+    return datetime.now(UTC)
+
+
+def uptime_s() -> float:
+    """Seconds since any moment in the past; goes on while the machine sleeps, where the system can tell."""
+    return time.clock_gettime(getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC))

@@ -1,0 +1,196 @@
+"""A drawing of the model, carried by the fitted model and laid on the scan.
+
+Each polyline is resampled evenly on the posed model; its ends and marked corners stay points of it.  Every point is
+shot along the model's normal, both ways; the nearer hit on skin that faces the same way wins, else the closest such
+point.  What is kept is the *gap* from the model to the skin, for the drawing itself is smooth and only the gaps
+carry the scanner's noise:
+
+* a gap beyond TRUSTED counts only where it grows steadily from trusted neighbours: through a hole the ray may meet
+  an arm or the table behind, and those come with a step;
+* where no gap is known the scan has a hole: it is bridged along the model, the gaps fading from border to border;
+* gaps are smoothed along the line and the points put back on the skin, a few times: smoothing the points themselves
+  would shrink circles and cut corners.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.correspondence.match import MatchRules, match
+from breastrig.correspondence.target import ScanTarget
+from breastrig.geometry.curves import resampled
+from breastrig.geometry.normals import vertex_normals
+from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
+
+SPACING = 0.003  # m; finer than a pen, coarser than the noise
+ROUND = 24  # points at least on a closed line, however small: a marked nipple is a circle, not a hexagon
+ON_SKIN = (
+    MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3),
+    MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3),
+)
+TRUSTED = 0.010  # m, a gap that a good fit shows anywhere; arms and tables are farther behind
+STEP = 0.003  # m, by which a larger gap may differ from its neighbour's: a slope of 45 degrees at SPACING
+FADE = 0.05  # m, over which a gap fades beyond the last known one of an open line
+ROUNDS = 6  # of smoothing: the gaps' noise falls to a third, waves longer than 30 mm stay
+SLIP = 0.004  # m, the farthest that a smoothed point may be put back; farther is another sheet
+
+
+@dataclass(frozen=True, eq=False)
+class ScanLine:
+    """One polyline on the scan."""
+
+    name: str
+    closed: bool
+    color: str
+    points: Array  # (M, 3) m
+    bridged: Booleans  # (M,) lies off the skin because the scan has a hole there
+
+
+def on_scan(rig: Rig, vertices: Array, drawing: ModelDrawing, target: ScanTarget) -> tuple[ScanLine, ...]:
+    """The drawing on the scan, for (V, 3) m posed vertices in the target's frame."""
+    normals = vertex_normals(vertices, rig.faces)
+    return tuple(_laid(rig, vertices, normals, shape, target) for shape in drawing.shapes)
+
+
+def _laid(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape, target: ScanTarget) -> ScanLine:
+    at = shape.points.positions(vertices, rig.faces)
+    facing = shape.points.positions(normals, rig.faces)
+    even, fixed = _evenly(np.concatenate([at, facing], axis=1), shape.corners, shape.closed)
+    base = even[:, :3]
+    directions = even[:, 3:] / np.maximum(np.linalg.norm(even[:, 3:], axis=1, keepdims=True), 1e-12)
+    gaps, known = _gaps(target, base, directions)
+    ((points, known),) = settled(target, [Strand(base, directions, gaps, known, fixed, shape.closed)])
+    gaps = points - base
+    # on the scan the spacing is no longer quite even
+    again, fixed = _evenly(
+        np.concatenate([base + gaps, directions, ~known[:, None]], axis=1),
+        tuple(np.flatnonzero(fixed).tolist()),
+        shape.closed,
+    )
+    directions = again[:, 3:6] / np.maximum(np.linalg.norm(again[:, 3:6], axis=1, keepdims=True), 1e-12)
+    points, known = _put_back(target, again[:, :3], directions, again[:, 6] < 1e-9)
+    return ScanLine(shape.name, shape.closed, shape.color, points, ~known)
+
+
+@dataclass(frozen=True, eq=False)
+class Strand:
+    """A line near the skin."""
+
+    base: Array  # (M, 3) m
+    directions: Array  # (M, 3) unit, out of the skin
+    gaps: Array  # (M, 3) m, from the line to the skin
+    known: Booleans  # (M,) where there is skin
+    fixed: Booleans  # (M,) points that are not smoothed
+    closed: bool
+
+
+def settled(target: ScanTarget, strands: Sequence[Strand]) -> list[tuple[Array, Booleans]]:
+    """For each line (M, 3) m points on the skin, and which of its points lie there.
+
+    All lines go through the rounds together: asking for the skin below them once costs less than line by line.
+    """
+    known = [
+        each.known & _steady(np.einsum("mi,mi->m", each.gaps, each.directions), each.known, each.closed)
+        for each in strands
+    ]
+    gaps = [_bridged(each.base, each.gaps, here, each.closed) for each, here in zip(strands, known, strict=True)]
+    ends = np.cumsum([len(each.base) for each in strands])[:-1]
+    base, directions = (np.concatenate([getattr(s, name) for s in strands]) for name in ("base", "directions"))
+    there = np.concatenate(known)
+    for _ in range(ROUNDS):
+        smooth = [_smoothed(gap, each.fixed, each.closed) for gap, each in zip(gaps, strands, strict=True)]
+        points, there = _put_back(target, base + np.concatenate(smooth), directions, there)
+        gaps = np.split(points - base, ends)
+    return list(zip(np.split(points, ends), np.split(there, ends), strict=True))
+
+
+def _evenly(line: Array, corners: tuple[int, ...], closed: bool) -> tuple[Array, Booleans]:
+    """The (M, D) line resampled between its corners, and which points are corners or ends."""
+    if len(line) < 2:
+        return line, np.ones(len(line), dtype=np.bool_)
+    stops = sorted({corner for corner in corners if 0 <= corner < len(line)})
+    if closed and not stops:
+        around = np.linalg.norm(np.roll(line[:, :3], -1, axis=0) - line[:, :3], axis=1).sum()
+        even = resampled(line, min(SPACING, float(around) / ROUND), True)
+        return even, np.zeros(len(even), dtype=np.bool_)
+    if closed:
+        line = np.concatenate([line[stops[0] :], line[: stops[0] + 1]])
+        stops = [stop - stops[0] for stop in stops]
+    stops = sorted({0, *stops, len(line) - 1})
+    pieces = [resampled(line[a : b + 1], SPACING, False) for a, b in pairwise(stops)]
+    even = np.concatenate([*(piece[:-1] for piece in pieces), pieces[-1][-1:]])
+    fixed = np.zeros(len(even), dtype=np.bool_)
+    fixed[np.cumsum([0, *(len(piece) - 1 for piece in pieces)])] = True
+    return (even[:-1], fixed[:-1]) if closed else (even, fixed)
+
+
+def _gaps(target: ScanTarget, base: Array, directions: Array) -> tuple[Array, Booleans]:
+    """(M, 3) m from the model to the skin, and where one was found."""
+    gaps = np.zeros_like(base)
+    missing = np.arange(len(base))
+    for rules in ON_SKIN:
+        found = match(target, base[missing], directions[missing], rules)
+        hit = missing[found.vertices]
+        gaps[hit] = found.points - base[hit]
+        missing = np.delete(missing, found.vertices)
+    known = np.ones(len(base), dtype=np.bool_)
+    known[missing] = False
+    return gaps, known
+
+
+def _steady(heights: Array, known: Booleans, closed: bool) -> Booleans:
+    """(M,) known gaps that are small, or that are reached from small ones without a hole or a step."""
+    good = known & (np.abs(heights) <= TRUSTED)
+    while True:
+        grown = good.copy()
+        for way in (1, -1):
+            reached = np.roll(good, way) & known & (np.abs(heights - np.roll(heights, way)) <= STEP)
+            if not closed:
+                reached[0 if way == 1 else -1] = False
+            grown |= reached
+        if (grown == good).all():
+            return good
+        good = grown
+
+
+def _bridged(base: Array, gaps: Array, known: Booleans, closed: bool) -> Array:
+    """(M, 3) m: unknown gaps between those at the borders of their hole, by the length along the model."""
+    if known.all() or not known.any():
+        return np.where(known[:, None], gaps, 0.0)
+    steps = np.linalg.norm(np.roll(base, -1, axis=0) - base, axis=1)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    at, places, values = along[:-1], along[:-1][known], gaps[known]
+    if closed:
+        places = np.concatenate([places - along[-1], places, places + along[-1]])
+        values = np.tile(values, (3, 1))
+    filled = np.stack([np.interp(at, places, values[:, axis]) for axis in range(3)], axis=1)
+    beyond = np.maximum(np.maximum(places[0] - at, at - places[-1]), 0.0)
+    return np.where(known[:, None], gaps, filled * np.clip(1.0 - beyond / FADE, 0.0, 1.0)[:, None])
+
+
+def _smoothed(gaps: Array, fixed: Booleans, closed: bool) -> Array:
+    """One round of averaging with the neighbours; fixed points stay."""
+    if len(gaps) < 3:
+        return gaps
+    middle = 0.5 * gaps + 0.25 * (np.roll(gaps, 1, axis=0) + np.roll(gaps, -1, axis=0))
+    keep = fixed.copy()
+    if not closed:
+        keep[[0, -1]] = True
+    return np.where(keep[:, None], gaps, middle)
+
+
+def _put_back(target: ScanTarget, points: Array, directions: Array, known: Booleans) -> tuple[Array, Booleans]:
+    """Known points on the skin again; those that would have to slip too far or turn over are no longer known."""
+    points, known = points.copy(), known.copy()
+    rows: Integers = np.flatnonzero(known)
+    if len(rows) == 0:
+        return points, known
+    found = target.search.query(points[rows])
+    _, normals, _ = target.surface_at(found.faces, found.barycentric)
+    good = (found.distances <= SLIP) & (np.einsum("mi,mi->m", normals, directions[rows]) > 0.0)
+    points[rows[good]] = found.points[good]
+    known[rows[~good]] = False
+    return points, known

@@ -1,0 +1,59 @@
+"""A cleaned scan made ready for a fit: the table under a lying patient cut away, moved to its middle, to be indexed.
+
+Upload, proposals, fits and evaluations all come through here, so that they look at the same skin.  What the upload has
+found of the scan's directions is handed on with the scan and not looked for again.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.correspondence.target import ScanTarget
+from breastrig.scan.clean import MIN_TRIANGLES, Surface, compact, without_fragments
+from breastrig.scan.orient import Frame, propose_frame
+from breastrig.scan.table import table_triangles
+
+AUTO = "auto"  # the stance is to be found
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedScan:
+    """What is fitted to."""
+
+    surface: Surface  # in the scan's own frame, table included
+    target: ScanTarget  # without the table, shifted by `centre`
+    centre: Array  # (3,) m
+    table_triangles: int  # how many were cut away as table
+    known_frame: Frame | None = None
+
+    @cached_property
+    def frame(self) -> Frame:
+        """Front and stance as they are seen on the whole scan."""
+        return self.known_frame or propose_frame(self.surface.vertices, self.surface.faces)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """One sentence for each thing that was done."""
+        if not self.table_triangles:
+            return self.surface.notes
+        return (*self.surface.notes, f"{self.table_triangles} triangles of the table under the patient were left out.")
+
+
+def prepared(surface: Surface, stance: str, frame: Frame | None = None) -> PreparedScan:
+    """The scan of a patient in this stance (auto | standing | supine); `frame` when it is known already.
+
+    A table is looked for unless she stands; one that is seen behind the body says that she lies.
+    """
+    vertices, faces, cut = surface.vertices, surface.faces, 0
+    if stance != "standing":
+        frame = frame or propose_frame(vertices, faces)
+        if frame.table is not None:
+            table = table_triangles(vertices, faces, *frame.table)
+            if table.any() and np.count_nonzero(~table) >= MIN_TRIANGLES:
+                kept, _ = without_fragments(vertices, faces[~table])  # what curled up at the table's edge
+                cut = len(faces) - len(kept)
+                vertices, faces = compact(vertices, kept)
+    centre = vertices.mean(axis=0)
+    return PreparedScan(surface, ScanTarget(vertices - centre, faces), centre, cut, frame)

@@ -1,0 +1,116 @@
+"""How a patient lies in her scan, found from the scan alone: once, at the upload, then known to proposals and fits.
+
+In the scan's own frame, so that it holds wherever a fit puts its origin, and as plain numbers, so that it is kept with
+the scan.  The place of the model's rest pose belongs to one model; another one has to look anew.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.fitting.orientation import start_from_scan
+from breastrig.fitting.prepare_scan import PreparedScan
+from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.similarity import Similarity, similar_parameters
+from breastrig.fitting.stance import found_stance
+from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.rig.model import Rig
+from breastrig.scan.orient import Frame
+
+SURE_MARGIN = 0.2  # of start_from_scan; the dev scans have 0.08 to 0.19
+
+
+@dataclass(frozen=True, eq=False)
+class ScanOrientation:
+    """Of one scan, for one model."""
+
+    model_sha256: str
+    frame: Frame  # as seen on the scan, before the model was tried
+    start: Similarity  # of the model's rest pose in the scan's frame (m)
+    margin: float  # see fitting/orientation.py: how clear the start is
+    stance: str  # standing | supine
+    stance_reason: str
+
+    def start_around(self, centre: Array) -> Similarity:
+        """The start in a frame whose origin is at (3,) `centre` m of the scan's."""
+        return replace(self.start, translation=self.start.translation - centre)
+
+    def body_frame(self) -> dict[str, Any]:
+        """Up and front of the body as the model found them, for the page's camera."""
+        return {
+            "up": self.start.rotation[:, 1].tolist(),
+            "front": self.start.rotation[:, 2].tolist(),
+            "confidence": round(float(np.clip(self.margin / SURE_MARGIN, 0.0, 1.0)), 2),
+            "reason": "This is how the model fits best; turn the view if it is wrong.",
+        }
+
+    def facts(self) -> dict[str, Any]:
+        """Plain values, ready for JSON."""
+        frame, table = self.frame, self.frame.table
+        return {
+            "model_sha256": self.model_sha256,
+            "seen": {
+                "up": frame.up.tolist(),
+                "front": frame.front.tolist(),
+                "confidence": frame.confidence,
+                "reason": frame.reason,
+                "stance": frame.stance,
+                "stance_reason": frame.stance_reason,
+                "fronts": frame.fronts.tolist(),
+                "table": None if table is None else {"normal": table[0].tolist(), "height_m": table[1]},
+            },
+            "start": {
+                "scale": self.start.scale,
+                "rotation": self.start.rotation.tolist(),
+                "translation_m": self.start.translation.tolist(),
+            },
+            "margin": self.margin,
+            "stance": self.stance,
+            "stance_reason": self.stance_reason,
+        }
+
+
+def orientation_from(facts: dict[str, Any] | None, rig: Rig) -> ScanOrientation | None:
+    """What `facts` has stored; None where nothing is stored, or it was found with another model."""
+    if facts is None or facts["model_sha256"] != rig.sha256:
+        return None
+    seen, start = facts["seen"], facts["start"]
+    table = seen["table"]
+    return ScanOrientation(
+        model_sha256=facts["model_sha256"],
+        frame=Frame(
+            up=np.array(seen["up"]),
+            front=np.array(seen["front"]),
+            confidence=seen["confidence"],
+            reason=seen["reason"],
+            stance=seen["stance"],
+            stance_reason=seen["stance_reason"],
+            fronts=np.array(seen["fronts"]),
+            table=None if table is None else (np.array(table["normal"]), table["height_m"]),
+        ),
+        start=Similarity(start["scale"], np.array(start["rotation"]), np.array(start["translation_m"])),
+        margin=facts["margin"],
+        stance=facts["stance"],
+        stance_reason=facts["stance_reason"],
+    )
+
+
+def scan_orientation(
+    rig: Rig, scan: PreparedScan, recipe: Recipe
+) -> tuple[ScanOrientation, FitTask, tuple[FitIterate, ...]]:
+    """The orientation, the task of fitting the scan without landmarks, and its iterates where the stance took a fit."""
+    start = start_from_scan(rig, scan.target, scan.frame.fronts)
+    task = FitTask(rig, scan.target, start.parameters, recipe, {})
+    found = found_stance(task, scan.frame)
+    similarity = start.similarity
+    in_scan = replace(similarity, translation=similarity.translation + scan.centre)
+    orientation = ScanOrientation(rig.sha256, scan.frame, in_scan, start.margin, found.stance, found.reason)
+    return orientation, replace(task, stance=found.stance), found.iterates
+
+
+def orientation_task(rig: Rig, scan: PreparedScan, orientation: ScanOrientation, recipe: Recipe) -> FitTask:
+    """The task of fitting the scan without landmarks from where it was found to lie."""
+    start = similar_parameters(rig, orientation.start_around(scan.centre))
+    return FitTask(rig, scan.target, start, recipe, {}, stance=orientation.stance)

@@ -1,0 +1,138 @@
+"""Pictures inside scans: only JPEG and PNG, never too large, kept without what is not picture.
+
+A picture can say where and when it was taken, by which camera, and carry a second picture of the room.  Of a JPEG
+or PNG the parts that make its pixels are kept, byte for byte, and nothing else; colour profiles go too, which glTF
+says are to be ignored, and so does the camera's word on which side is up: texture coordinates count the pixels as they
+are stored.
+"""
+
+import io
+import re
+import struct
+import warnings
+
+from PIL import Image
+
+from breastrig.core.errors import TooLarge
+from breastrig.scan.limits import IMAGE_PIXELS, JPEG_PASSES, TEXTURE_SIDE
+
+FORMATS = ("JPEG", "PNG")
+JPEG_MARK, PNG_MARK = b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n"
+MARKS = (JPEG_MARK, PNG_MARK)
+QUALITY = 90  # JPEG
+LEFT_OUT = "The texture is neither JPEG nor PNG, or damaged, and was left out."
+
+PNG_KEPT = (b"IHDR", b"PLTE", b"tRNS", b"IDAT", b"IEND")
+JPEG_FRAMES = {*range(0xC0, 0xD0), 0xDB, 0xDC, 0xDD} - {0xC8}  # size and components, tables, lines, restarts
+JFIF, ADOBE, SCAN, END = 0xE0, 0xEE, 0xDA, 0xD9
+IN_SCAN = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]")  # the first marker after compressed data
+
+
+def plain_picture(data: bytes) -> bytes | None:
+    """The same pixels and nothing else; None for what is no sound JPEG or PNG.
+
+    Raises TooLarge when it has too many pixels.
+    """
+    if not is_picture(data):
+        return None
+    try:
+        return _plain_jpeg(data) if data.startswith(JPEG_MARK) else _plain_png(data)
+    except (ValueError, struct.error, IndexError):
+        return None
+
+
+def is_picture(data: bytes) -> bool:
+    """Whether these bytes are a JPEG or PNG whose header can be read; TooLarge when it has too many pixels."""
+    if not data.startswith(MARKS):
+        return False
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(data), formats=FORMATS) as picture:
+                width, height = picture.size
+    except Image.DecompressionBombError as error:
+        raise _too_large() from error
+    except Exception:  # whatever a broken picture does to its decoder, it is no picture
+        return False
+    if width * height > IMAGE_PIXELS:
+        raise _too_large()
+    return True
+
+
+def written_anew(data: bytes) -> bytes | None:
+    """A JPEG of at most TEXTURE_SIDE pixels a side without metadata; None when the picture cannot be decoded."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(data), formats=FORMATS) as picture:
+                if picture.width * picture.height > IMAGE_PIXELS:
+                    raise _too_large()
+                picture.draft("RGB", (TEXTURE_SIDE, TEXTURE_SIDE))
+                plain = picture.convert("RGB")
+            plain.thumbnail((TEXTURE_SIDE, TEXTURE_SIDE))
+            clean = Image.new("RGB", plain.size)
+            clean.paste(plain)
+            stream = io.BytesIO()
+            clean.save(stream, "JPEG", quality=QUALITY)
+    except TooLarge:
+        raise
+    except Exception:
+        return None
+    return stream.getvalue()
+
+
+def _plain_png(data: bytes) -> bytes:
+    """IHDR to IEND; names of chunks that are neither pixels, palette nor transparency are dropped with them."""
+    kept, at = [PNG_MARK], len(PNG_MARK)
+    while True:
+        length, kind = struct.unpack_from(">I4s", data, at)
+        chunk = data[at : at + 12 + length]
+        if len(chunk) != 12 + length:
+            raise ValueError("cut off")
+        if kind in PNG_KEPT:
+            kept.append(chunk)
+        if kind == b"IEND":
+            return b"".join(kept)
+        at += len(chunk)
+
+
+def _plain_jpeg(data: bytes) -> bytes:
+    """From the first marker to the end of the picture: frames, tables and scans.
+
+    Of the markers for programs two say how the numbers become colours: JFIF, kept without its small preview, and
+    Adobe's.
+    """
+    kept, at, passes = [data[:2]], 2, 0
+    while True:
+        if data[at] != 0xFF:
+            raise ValueError("no marker")
+        marker = data[at + 1]
+        if marker == 0xFF:  # filling
+            at += 1
+            continue
+        if marker == END:
+            return b"".join([*kept, data[at : at + 2]])
+        (length,) = struct.unpack_from(">H", data, at + 2)
+        segment = data[at : at + 2 + length]
+        if length < 2 or len(segment) != 2 + length:
+            raise ValueError("cut off")
+        at += len(segment)
+        if marker in JPEG_FRAMES:
+            kept.append(segment)
+        elif marker == JFIF and segment[4:9] == b"JFIF\0" and length >= 16:
+            kept.append(struct.pack(">2BH", 0xFF, JFIF, 16) + segment[4:16] + b"\0\0")
+        elif marker == ADOBE and segment[4:9] == b"Adobe" and length == 14:
+            kept.append(segment)
+        elif marker == SCAN:
+            passes += 1
+            found = IN_SCAN.search(data, at)
+            if found is None or passes > JPEG_PASSES:
+                raise ValueError("cut off, or endless")
+            kept += [segment, data[at : found.start()]]
+            at = found.start()
+
+
+def _too_large() -> TooLarge:
+    return TooLarge(
+        f"A picture of this scan has more than {IMAGE_PIXELS // 10**6} million pixels; scale it down first."
+    )

@@ -1,0 +1,59 @@
+"""What the service keeps of an uploaded scan: triangles, colours and picture, and nothing that the file said beside.
+
+Scanner files carry comments, names of patients as groups, materials and files, serial numbers, and pictures with time
+and place.  So not the upload is kept but a file of our own with the numbers that were read, to the last bit: fits of
+it are those of the upload.  It is numpy's .npz without pickled objects; the sha256 is that of the uploaded bytes.
+"""
+
+import json
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from breastrig.core.errors import BadScan
+from breastrig.scan.formats.texture import written_anew
+from breastrig.scan.scan import Scan
+
+STORED = "stored"  # the file type, for which no upload can pass
+FACTS = ("unit", "metres_per_unit", "unit_reason", "sha256", "notes")
+
+
+def write_stored(scan: Scan, path: Path) -> None:
+    """Writes the scan to the file `path`.  Raises OSError."""
+    facts = {name: getattr(scan, name) for name in FACTS}
+    arrays: dict[str, NDArray[Any]] = {
+        "facts": np.frombuffer(json.dumps(facts).encode(), np.uint8),
+        "vertices": scan.vertices,
+        "faces": scan.faces.astype(np.int32),
+    }
+    if scan.colours is not None:
+        arrays["colours"] = scan.colours
+    if scan.uv is not None and scan.picture is not None:
+        arrays |= {"uv": scan.uv, "picture": np.frombuffer(scan.picture, np.uint8)}
+    with path.open("wb") as file:
+        np.savez(file, allow_pickle=False, **arrays)
+
+
+def read_stored(path: Path, texture: bool = True) -> Scan:
+    """What `write_stored` wrote, without its picture if `texture` is false; BadScan when it is damaged."""
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            facts = json.loads(arrays["facts"].tobytes())
+            painted = texture and "picture" in arrays
+            picture = arrays["picture"].tobytes() if painted else None
+            jpeg = None if picture is None else written_anew(picture)
+            return Scan(
+                vertices=arrays["vertices"],
+                faces=arrays["faces"],
+                colours=arrays.get("colours"),
+                uv=arrays["uv"] if jpeg is not None else None,
+                texture=jpeg,
+                picture=None if jpeg is None else picture,
+                **{name: facts[name] for name in FACTS} | {"notes": tuple(facts["notes"])},
+            )
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        raise BadScan("The stored scan is damaged; upload it again.") from error

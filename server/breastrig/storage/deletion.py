@@ -1,0 +1,151 @@
+"""Deleting a scan: its rows and those of its fits first, so that nobody can read them, then the files.
+
+Whatever is interrupted or fails is in the journal of files, and is finished at the next start or attempt.  A full
+disk is no obstacle: what has to be written goes into the reserve, and rows that are too many for it are deleted in
+steps, once the files have made room.
+"""
+
+import logging
+
+from sqlalchemy import Connection, delete, select, update
+from sqlalchemy.exc import DBAPIError
+
+from breastrig.storage import schema
+from breastrig.storage.file_journal import abandon_making, note_removing, strike_out, to_be_removed
+from breastrig.storage.files import fit_place, scan_place
+from breastrig.storage.rows.fits import fit_ids, fits_of_scan
+from breastrig.storage.rows.scans import scan_ids
+from breastrig.storage.storage import Left, Storage
+
+EVENTS_AT_ONCE = 100  # of some kB each: half a megabyte of SQLite's log
+STILL_WRITTEN = "a process still writes to it"
+
+log = logging.getLogger(__name__)
+
+
+def delete_scan(storage: Storage, scan_id: str) -> list[Left]:
+    """Deletes the scan with everything made of it, while nobody carries out its fits; what could not be removed."""
+    delete_rows(storage, scan_id)
+    return remove_files(storage, scan_id)
+
+
+def delete_rows(storage: Storage, scan_id: str) -> list[str]:
+    """Deletes the scan's row and all rows that hang on it; the ids of its fits.  No such scan is no error.
+
+    Their files are in the journal then, for `remove_files`.
+    """
+    try:
+        with storage.database.writing(durable=True) as connection:
+            fits = _fits_of(connection, scan_id)
+            if _is_there(connection, scan_id):
+                note_removing(connection, scan_id, [scan_place(scan_id), *map(fit_place, fits)])
+                abandon_making(connection, scan_id)
+                _delete_fits(connection, fits)
+                connection.execute(delete(schema.scans).where(schema.scans.c.id == scan_id))
+        return fits
+    except DBAPIError as error:
+        if not storage.lacks_room(error):
+            raise
+        return _delete_in_steps(storage, scan_id)
+
+
+def remove_files(storage: Storage, scan_id: str | None = None) -> list[Left]:
+    """Removes what the journal says is to be removed, of one scan or all; what could not be."""
+    places = to_be_removed(storage, scan_id)
+    left = {one.place: one for one in storage.remove(*places)}
+    for place in places:
+        kind, _, name = place.partition("/")
+        if kind == "fits" and place not in left and not storage.wait_until_free(name, 0.0):
+            left[place] = Left(place, storage.files.left_of(place), STILL_WRITTEN)
+    gone = [place for place in places if place not in left]
+
+    def write() -> None:
+        with storage.database.writing() as connection:
+            strike_out(connection, gone)
+
+    if gone:
+        storage.with_room(write)
+    if places:
+        storage.forget_deleted()
+        storage.refill_reserve()
+    return list(left.values())
+
+
+def discard(storage: Storage, scan_id: str, *places: str) -> None:
+    """Removes files that get no row after all.  What cannot be removed now is tried again later."""
+    try:
+        with storage.database.writing() as connection:
+            note_removing(connection, scan_id, places)
+        remove_files(storage, scan_id)
+    except DBAPIError as unwritten:  # the next start does the rest
+        storage.remove(*places)
+        log.error("files that were not kept cannot be struck out: %s", type(unwritten).__name__)
+
+
+def finish_deletions(storage: Storage) -> list[Left]:
+    """At the start of a server: removes what an earlier one has left; what could not be removed.
+
+    Whatever else lies where scans and fits are kept is left alone, and its number said in the log.
+    """
+
+    def abandon() -> None:
+        with storage.database.writing() as connection:
+            abandon_making(connection)
+
+    storage.with_room(abandon)
+    removing = to_be_removed(storage)
+    for scan_id in scan_ids(storage):
+        if scan_place(scan_id) in removing:  # it was being deleted in steps
+            delete_rows(storage, scan_id)
+    left = remove_files(storage)
+    known = {*map(scan_place, scan_ids(storage)), *map(fit_place, fit_ids(storage)), *to_be_removed(storage)}
+    unknown = storage.count_unknown(known)
+    if unknown:
+        log.warning("%d files or folders among those of scans and fits are none of BreastRig's; they stay", unknown)
+    return left
+
+
+def _delete_in_steps(storage: Storage, scan_id: str) -> list[str]:
+    """The same with less room: each step writes little, and the first says what is to be finished in any case."""
+    fits = fits_of_scan(storage, scan_id)
+    places = [scan_place(scan_id), *map(fit_place, fits)]
+
+    def note() -> None:
+        with storage.database.writing(durable=True) as connection:
+            note_removing(connection, scan_id, places)
+            abandon_making(connection, scan_id)
+
+    def delete_events(fit_id: str) -> int:
+        first = select(schema.events.c.position).where(schema.events.c.fit == fit_id).limit(EVENTS_AT_ONCE)
+        with storage.database.writing() as connection:
+            return connection.execute(delete(schema.events).where(schema.events.c.position.in_(first))).rowcount
+
+    def delete_fit(fit_id: str) -> None:
+        with storage.database.writing() as connection:
+            _delete_fits(connection, [fit_id])
+
+    def delete_rest() -> None:
+        with storage.database.writing() as connection:
+            connection.execute(delete(schema.scans).where(schema.scans.c.id == scan_id))
+
+    storage.with_room(note)
+    storage.remove(*places)
+    for fit_id in fits:
+        while storage.with_room(lambda: delete_events(fit_id)):  # noqa: B023
+            storage.forget_deleted()
+        storage.with_room(lambda: delete_fit(fit_id))  # noqa: B023
+    storage.with_room(delete_rest)
+    return fits
+
+
+def _is_there(connection: Connection, scan_id: str) -> bool:
+    return connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is not None
+
+
+def _fits_of(connection: Connection, scan_id: str) -> list[str]:
+    return list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.scan == scan_id)).scalars())
+
+
+def _delete_fits(connection: Connection, fits: list[str]) -> None:
+    connection.execute(update(schema.fits).where(schema.fits.c.partner.in_(fits)).values(partner=None))
+    connection.execute(delete(schema.fits).where(schema.fits.c.id.in_(fits)))

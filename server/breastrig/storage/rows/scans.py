@@ -1,0 +1,78 @@
+"""Rows of scans and of their landmarks."""
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import delete, insert, select
+
+from breastrig.core.errors import NotFound
+from breastrig.storage import schema
+from breastrig.storage.file_journal import strike_out
+from breastrig.storage.files import scan_place
+from breastrig.storage.storage import Storage
+
+Points = dict[str, list[float]]  # landmark name -> x, y, z in mm, scan frame
+
+
+@dataclass(frozen=True)
+class ScanRow:
+    id: str
+    created_at: str
+    file_type: str
+    sha256: str
+    facts: dict[str, Any]  # what reading found: unit, counts, bounds, frame, stance, notes
+
+
+def add_scan(storage: Storage, row: ScanRow) -> None:
+    """Its files have been kept."""
+    with storage.database.writing() as connection:
+        values = {
+            "id": row.id,
+            "created_at": row.created_at,
+            "file_type": row.file_type,
+            "sha256": row.sha256,
+            "facts": json.dumps(row.facts),
+        }
+        connection.execute(insert(schema.scans).values(values))
+        strike_out(connection, [scan_place(row.id)])
+
+
+def get_scan(storage: Storage, scan_id: str) -> ScanRow:
+    """Raises NotFound."""
+    with storage.database.reading() as connection:
+        row = connection.execute(select(schema.scans).where(schema.scans.c.id == scan_id)).one_or_none()
+    if row is None:
+        raise NotFound("There is no such scan; it may have been deleted.")
+    return ScanRow(row.id, row.created_at, row.file_type, row.sha256, json.loads(row.facts))
+
+
+def scan_ids(storage: Storage) -> set[str]:
+    with storage.database.reading() as connection:
+        return set(connection.execute(select(schema.scans.c.id)).scalars())
+
+
+def scans_before(storage: Storage, moment: str) -> list[str]:
+    """The scans that were created before a time (as `iso_utc`), the oldest first."""
+    table = schema.scans
+    with storage.database.reading() as connection:
+        query = select(table.c.id).where(table.c.created_at < moment).order_by(table.c.created_at)
+        return list(connection.execute(query).scalars())
+
+
+def get_landmarks(storage: Storage, scan_id: str) -> Points:
+    """Empty when none were stored."""
+    with storage.database.reading() as connection:
+        query = select(schema.landmarks.c.points_mm).where(schema.landmarks.c.scan == scan_id)
+        text = connection.execute(query).scalar_one_or_none()
+    return {} if text is None else json.loads(text)
+
+
+def put_landmarks(storage: Storage, scan_id: str, points_mm: Points) -> None:
+    """Replaces the scan's landmarks.  Raises NotFound when the scan is gone."""
+    text = json.dumps(points_mm)
+    with storage.database.writing() as connection:
+        if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is None:
+            raise NotFound("There is no such scan; it may have been deleted.")
+        connection.execute(delete(schema.landmarks).where(schema.landmarks.c.scan == scan_id))
+        connection.execute(insert(schema.landmarks).values(scan=scan_id, points_mm=text))

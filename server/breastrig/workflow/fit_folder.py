@@ -1,0 +1,169 @@
+"""The folder that a fit has left, read back: what a transfer, a measure or a report starts from.
+
+Folders travel between machines and versions, so nothing in them is believed: what does not fit together is one
+sentence.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+
+from breastrig.core.arrays import Array, Integers
+from breastrig.core.errors import BadInput, BadScan
+from breastrig.core.output_files import is_ordinary, read_ordinary
+from breastrig.core.units import METRES_PER_UNIT
+from breastrig.geometry.rotations import rotation_from_quaternion
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.scan.clean import Surface
+from breastrig.scan.read import read_scan
+
+RESULT_BYTES = 4_000_000  # a result.json has some ten thousand
+
+
+@dataclass(frozen=True, eq=False)
+class FitFolder:
+    """One fit; places are in the scan's own frame, in metres."""
+
+    rig: Rig
+    result: dict[str, Any]  # result.json
+    surface: Surface  # the cleaned scan that was fitted
+    vertices: Array  # (V, 3) m, the fitted model, refined or not
+    landmarks: dict[str, Array]  # picked and not doubted, (3,) m
+    stance: str  # standing | supine
+    metres_per_unit: float
+    parameters: RigParameters
+
+    @property
+    def unit(self) -> str:
+        """The scan's own: m, dm, cm, mm or in."""
+        return str(self.result["scan"]["unit"])
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="ignore", frozen=True)
+
+
+class _Scan(_Part):
+    unit: Literal["m", "dm", "cm", "mm", "in"]
+
+
+class _Model(_Part):
+    name: str
+    sha256: str
+
+
+class _Bone(_Part):
+    name: str
+    rotation_xyzw: list[FiniteFloat] = Field(min_length=4, max_length=4)
+    translation_m: list[FiniteFloat] = Field(min_length=3, max_length=3)
+    scale: list[FiniteFloat] = Field(min_length=3, max_length=3)
+
+
+class _Parameters(_Part):
+    bones: list[_Bone]
+    blendshapes: dict[str, FiniteFloat]
+
+
+class _Doubted(_Part):
+    names: list[str]
+
+
+class _Result(_Part):
+    """The part of result.json that is read back."""
+
+    schema_: Literal["breastrig/result@1"] = Field(alias="schema")
+    scan: _Scan
+    model: _Model
+    stance: Literal["standing", "supine"]
+    landmarks_picked: dict[str, list[FiniteFloat]]
+    landmarks_not_followed: list[_Doubted]
+    parameters: _Parameters
+
+
+def read_fit_folder(folder: Path, model: Path | None = None) -> FitFolder:
+    """What `breastrig fit` wrote there; `model` is the rig that it was made with, by default the package's.
+
+    Raises BadInput for a folder that is no fit, that another rig has made, or that is damaged.
+    """
+    return fit_folder_of(folder, read_rig(model or default_rig_path()))
+
+
+def fit_folder_of(folder: Path, rig: Rig) -> FitFolder:
+    """As read_fit_folder, with a rig that has been read."""
+    file = folder / "result.json"
+    try:
+        shown = folder.resolve().name[:100]  # a message names no place outside of the folder
+        text = read_ordinary(file, RESULT_BYTES)
+        text = text if len(text) <= RESULT_BYTES else b""
+    except OSError as error:
+        raise BadInput(f"There is no fit in {folder.name[:100]}; give a folder that `breastrig fit` wrote.") from error
+    try:
+        result = _Result.model_validate_json(text)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        where = ".".join(map(str, first["loc"])) or "it is no result of a fit"
+        raise BadInput(
+            f"{shown}/result.json is damaged or of another version ({where}); fit the scan again."
+        ) from error
+    if result.model.sha256 != rig.sha256:
+        raise BadInput(
+            f"{shown} was fitted with another model ({result.model.name}); fit the scan again, or give that model."
+        )
+    per_unit = METRES_PER_UNIT[result.scan.unit]
+    surface_vertices, surface_faces = _mesh(folder / "scan.ply", result.scan.unit)
+    vertices, faces = _mesh(folder / "fitted.ply", result.scan.unit)
+    if not np.array_equal(faces, rig.faces) or len(vertices) != len(rig.template):
+        raise BadInput(f"{shown}/fitted.ply is not the fitted model; fit the scan again.")
+    doubted = {name for doubt in result.landmarks_not_followed for name in doubt.names}
+    places = {name: np.array(place) for name, place in result.landmarks_picked.items() if name not in doubted}
+    if any(place.shape != (3,) or name not in rig.landmark_names for name, place in places.items()):
+        raise BadInput(f"{shown}/result.json is damaged (landmarks_picked); fit the scan again.")
+    return FitFolder(
+        rig=rig,
+        result=_document(text),
+        surface=Surface(surface_vertices, surface_faces, ()),
+        vertices=vertices,
+        landmarks={name: per_unit * place for name, place in places.items()},
+        stance=result.stance,
+        metres_per_unit=per_unit,
+        parameters=_parameters(f"{shown}/result.json", rig, result.parameters),
+    )
+
+
+def _document(text: bytes) -> dict[str, Any]:
+    document: dict[str, Any] = json.loads(text)
+    return document
+
+
+def _mesh(file: Path, unit: str) -> tuple[Array, Integers]:
+    """(V, 3) m vertices and (F, 3) triangles."""
+    shown = f"{file.parent.resolve().name}/{file.name}"
+    if not is_ordinary(file):
+        raise BadInput(f"{shown} is missing; fit the scan again with this version of BreastRig.")
+    try:
+        mesh = read_scan(file, "ply", unit, texture=False)
+    except BadScan as error:
+        raise BadInput(f"{shown} is damaged; fit the scan again.") from error
+    return np.asarray(mesh.vertices), np.asarray(mesh.faces)
+
+
+def _parameters(file: str, rig: Rig, found: _Parameters) -> RigParameters:
+    names = tuple(bone.name for bone in found.bones)
+    if names != rig.bone_names or set(found.blendshapes) != set(rig.shape_names):
+        raise BadInput(f"{file} names other bones or shapes than the model; fit the scan again.")
+    quaternions = np.array([bone.rotation_xyzw for bone in found.bones])
+    lengths = np.linalg.norm(quaternions, axis=1, keepdims=True)
+    if (lengths < 0.5).any():
+        raise BadInput(f"{file} is damaged (a bone's rotation); fit the scan again.")
+    return RigParameters(
+        rotations=rotation_from_quaternion(quaternions / lengths),
+        translations=np.array([bone.translation_m for bone in found.bones]),
+        scales=np.array([bone.scale for bone in found.bones]),
+        weights=np.array([found.blendshapes[name] for name in rig.shape_names]),
+    )

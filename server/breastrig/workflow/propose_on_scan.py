@@ -1,0 +1,54 @@
+"""Landmarks proposed on one scan: from a scan to points in its own frame.
+
+`propose_on_file` is the service's way in: it runs in a process of its own, as reading does, because the file is a
+stranger's; it gives back nothing but names and numbers.
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from breastrig.core.errors import BadScan
+from breastrig.fitting.prepare_scan import AUTO, prepared
+from breastrig.fitting.propose import Proposal, propose_landmarks
+from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+from breastrig.scan.clean import clean
+from breastrig.scan.read import read_scan
+from breastrig.scan.scan import Scan
+
+
+@dataclass(frozen=True)
+class ProposeJob:
+    scan: Path
+    file_type: str
+    units: str
+    model: Path | None = None  # None: the torso of the package
+    orientation: dict[str, Any] | None = None  # what the upload has found, see fitting/scan_orientation.py
+
+
+def propose_on_scan(rig: Rig, scan: Scan, orientation: ScanOrientation | None = None) -> dict[str, Proposal]:
+    """All landmarks of the rig, points in metres in the scan's own frame; `orientation` when it is known already."""
+    ready = prepared(clean(scan), AUTO, None if orientation is None else orientation.frame)
+    proposals = propose_landmarks(rig, ready, load_recipe("default"), orientation)
+    return {name: replace(proposal, point=proposal.point + ready.centre) for name, proposal in proposals.items()}
+
+
+def propose_on_file(job: ProposeJob) -> dict[str, Any]:
+    """{name: {point (mm), confidence, on_scan}}, ready for JSON.  Raises a BreastRigError with a sentence."""
+    try:
+        rig = read_rig(job.model or default_rig_path())
+        scan = read_scan(job.scan, job.file_type, job.units, texture=False)
+        proposals = propose_on_scan(rig, scan, orientation_from(job.orientation, rig))
+    except MemoryError as error:
+        raise BadScan("Finding landmarks on this scan needs more memory than it may use; simplify it first.") from error
+    return {
+        name: {
+            "point": [round(1e3 * float(value), 3) for value in proposal.point],
+            "confidence": proposal.confidence,
+            "on_scan": proposal.on_scan,
+        }
+        for name, proposal in proposals.items()
+    }

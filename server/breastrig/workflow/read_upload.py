@@ -1,0 +1,68 @@
+"""The worker's side of one upload: read it, say what it is, write what is kept and the mesh for display.
+
+An upload is hostile until it has been read, and holds more of a patient than her skin.  This runs in a process of its
+own with limits of memory and time, gives back nothing but numbers and sentences, and writes a file of our own, from
+which everything later starts; the upload itself is not kept.  How the patient lies in the scan is among the numbers:
+proposals and fits of this scan begin with it.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from breastrig.core.errors import BadScan, TooLarge
+from breastrig.fitting.prepare_scan import AUTO, prepared
+from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.scan_orientation import scan_orientation
+from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.scan.clean import clean
+from breastrig.scan.read import read_scan
+from breastrig.scan.stored_scan import write_stored
+
+
+@dataclass(frozen=True)
+class UploadJob:
+    scan: Path  # the uploaded bytes; the suffix tells the type
+    units: str
+    kept: Path  # where the scan itself is written, as a STORED file
+    mesh: Path  # where the mesh for display is written
+    triangles: int  # at most
+    model: Path | None = None  # that the service fits with; None: the torso of the package
+
+
+def read_upload(job: UploadJob) -> dict[str, Any]:
+    """The facts of the scan, ready for JSON.  Raises BadScan or TooLarge with a sentence."""
+    try:
+        return _read(job)
+    except MemoryError as error:
+        raise BadScan("Reading this scan needs more memory than it may use; give a smaller file.") from error
+    except RecursionError as error:
+        raise BadScan("This scan's file is nested too deeply to be read.") from error
+
+
+def _read(job: UploadJob) -> dict[str, Any]:
+    scan = read_scan(job.scan, job.scan.suffix.lstrip("."), job.units)
+    if len(scan.faces) > job.triangles:
+        raise TooLarge(
+            f"This scan has {len(scan.faces):,} triangles, more than the {job.triangles:,} allowed; simplify it first."
+        )
+    surface = clean(scan)
+    rig = read_rig(job.model or default_rig_path())
+    ready = prepared(surface, AUTO)
+    orientation, _, _ = scan_orientation(rig, ready, load_recipe("default"))
+    mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
+    job.mesh.write_bytes(mesh)
+    write_stored(scan, job.kept)
+    return {
+        "unit": scan.unit,
+        "unit_reason": scan.unit_reason,
+        "vertices": len(scan.vertices),
+        "triangles": len(scan.faces),
+        "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},
+        "colours": scan.colour_kind,
+        "notes": [*scan.notes, *surface.notes],
+        "frame": orientation.body_frame(),
+        "stance": {"proposed": orientation.stance, "reason": orientation.stance_reason},
+        "orientation": orientation.facts(),
+    }

@@ -1,0 +1,24 @@
+"""The worker's side of one plain mesh: from the file of the coloured mesh to the file without colours."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from breastrig.core.errors import BadScan
+from breastrig.core.output_files import write_private
+from breastrig.gltf.plain_mesh import plain_mesh
+
+
+@dataclass(frozen=True)
+class PlainMeshJob:
+    """What it needs to know, as plain values that travel between processes."""
+
+    mesh: Path
+    plain: Path  # where it is written, whole or not at all
+
+
+def write_plain_mesh(job: PlainMeshJob) -> None:
+    """Raises BadScan with a sentence, OSError when it cannot be read or written."""
+    try:
+        write_private(job.plain, plain_mesh(job.mesh.read_bytes()))
+    except MemoryError as error:
+        raise BadScan("This scan is too large to be shown without its colours; simplify it first.") from error

@@ -1,0 +1,155 @@
+"""Large files to visitors: whole and in parts, from the disk, and only so many at once."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from flask.testing import FlaskClient
+from helpers.problems import problem
+
+from breastrig.api.app_context import KEY
+from breastrig.api.big_answers import BigAnswers
+from breastrig.api.config import Config
+from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STALLED_S
+from breastrig.service.service import Service
+
+CONTENT = bytes(range(256)) * (BIG_BYTES // 256 + 1)
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+@pytest.fixture
+def answers(clock: Clock) -> BigAnswers:
+    return BigAnswers(clock)
+
+
+@pytest.fixture
+def visitor(
+    client: FlaskClient, client_for: Callable[[Config], FlaskClient], config: Config, service: Service, fit_id: str
+) -> Iterator[tuple[FlaskClient, str, BigAnswers]]:
+    """(a browser with an open link, the address of a large file, the answers under way)"""
+    (service.storage.folders.fit(fit_id) / "fitted.ply").write_bytes(CONTENT)
+    browser = client_for(replace(config, host="0.0.0.0", token="a-token-of-more-than-sixteen-characters"))
+    token = client.post(f"/api/fits/{fit_id}/shares", json={}).json["url"].removeprefix("/s#")
+    links = browser.post("/api/shared/open", json={"token": token}).json["links"]
+    under_way = browser.application.extensions[KEY].big_answers
+    yield browser, links["fitted_ply"], under_way
+    assert under_way.under_way == 0
+
+
+def test_a_large_file_is_sent_whole_and_in_parts(visitor: tuple[FlaskClient, str, BigAnswers]) -> None:
+    browser, link, _ = visitor
+    whole = browser.get(link)
+    assert (whole.status_code, whole.data == CONTENT) == (200, True)
+    assert whole.headers["Accept-Ranges"] == "bytes"
+    assert whole.headers["Cache-Control"] == "no-store"
+    assert whole.headers["Content-Disposition"] == "attachment; filename=fitted.ply"
+    size = len(CONTENT)
+    for asked, start, end in (
+        ("bytes=0-0", 0, 1),
+        (f"bytes={size - 10}-", size - 10, size),
+        ("bytes=-700000", size - 700_000, size),
+        ("bytes=65535-65537", 65535, 65538),
+        (f"bytes=10-{size + 5}", 10, size),
+    ):
+        part = browser.get(link, headers={"Range": asked})
+        assert part.status_code == 206, asked
+        assert part.data == CONTENT[start:end], asked
+        assert part.headers["Content-Range"] == f"bytes {start}-{end - 1}/{size}"
+        assert part.content_length == end - start
+    problem(browser.get(link, headers={"Range": f"bytes={size}-"}), 416)
+    tag = whole.headers["ETag"]
+    assert browser.get(link, headers={"Range": "bytes=0-4", "If-Range": tag}).status_code == 206
+    assert browser.get(link, headers={"Range": "bytes=0-4", "If-Range": '"another"'}).data == CONTENT
+    assert browser.get(link, headers={"If-None-Match": tag}).status_code == 304
+    head = browser.head(link)
+    assert (head.status_code, head.content_length, head.data) == (200, size, b"")
+
+
+def test_beyond_the_bound_a_reader_is_asked_to_come_again(visitor: tuple[FlaskClient, str, BigAnswers]) -> None:
+    browser, link, under_way = visitor
+    readers = [browser.get(link, buffered=False) for _ in range(BIG_ANSWERS_EACH)]
+    assert under_way.under_way == BIG_ANSWERS_EACH
+    refused = browser.get(link)
+    assert "try again" in problem(refused, 503)
+    assert refused.headers["Retry-After"] == str(BIG_RETRY_S)
+    assert browser.get(link.replace("fitted.ply", "result.json")).status_code == 200  # small ones are not counted
+    readers.pop().close()
+    assert browser.get(link).data == CONTENT
+    for reader in readers:
+        assert reader.data == CONTENT
+        reader.close()
+
+
+def test_nothing_of_the_file_is_in_memory_before_it_is_read(visitor: tuple[FlaskClient, str, BigAnswers]) -> None:
+    browser, link, _ = visitor
+    with browser.get(link, buffered=False) as reader:
+        pieces = [len(piece) for piece in reader.iter_encoded()]
+    assert max(pieces) <= 2**16
+    assert sum(pieces) == len(CONTENT)
+
+
+def test_a_file_that_is_deleted_before_it_is_opened_is_not_there(
+    visitor: tuple[FlaskClient, str, BigAnswers], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    browser, link, _ = visitor
+
+    def gone(_path: Path, *_mode: str) -> None:
+        raise FileNotFoundError
+
+    with monkeypatch.context() as deleted:
+        deleted.setattr(Path, "open", gone)
+        answer = browser.get(link)
+    assert "deleted" in problem(answer, 404)
+
+
+def test_places_are_bounded_for_a_share_for_an_address_and_in_all(answers: BigAnswers) -> None:
+    of_share = [answers.take("A", f"10.0.0.{number}") for number in range(BIG_ANSWERS_EACH + 1)]
+    assert [place is not None for place in of_share] == [True] * BIG_ANSWERS_EACH + [False]
+    of_address = [answers.take(f"share {number}", "10.0.9.9") for number in range(BIG_ANSWERS_EACH + 1)]
+    assert [place is not None for place in of_address] == [True] * BIG_ANSWERS_EACH + [False]
+    rest = [answers.take(f"other {number}", f"10.0.8.{number}") for number in range(BIG_ANSWERS)]
+    assert sum(place is not None for place in rest) == BIG_ANSWERS - 2 * BIG_ANSWERS_EACH
+    assert answers.under_way == BIG_ANSWERS
+    assert of_share[0] is not None
+    answers.leave(of_share[0])
+    answers.leave(of_share[0])
+    assert answers.under_way == BIG_ANSWERS - 1
+    assert answers.take("A", "10.0.7.7") is not None
+
+
+def test_a_reader_that_takes_nothing_loses_its_place_when_another_needs_it(answers: BigAnswers, clock: Clock) -> None:
+    readers = [answers.take("A", f"10.0.0.{number}") for number in range(BIG_ANSWERS_EACH)]
+    clock.now += STALLED_S - 1
+    for reader in readers[1:]:
+        assert reader is not None
+        reader.moved_at = clock.now
+    assert answers.take("A", "10.0.1.1") is None
+    clock.now += 1
+    assert answers.take("A", "10.0.1.1") is not None
+    assert answers.take("A", "10.0.1.2") is None
+    assert [reader is not None and reader.is_cut for reader in readers] == [True] + [False] * (len(readers) - 1)
+
+
+def test_a_reader_that_lost_its_place_gets_no_more(visitor: tuple[FlaskClient, str, BigAnswers]) -> None:
+    browser, link, under_way = visitor
+    with browser.get(link, buffered=False) as reader:
+        pieces = reader.iter_encoded()
+        first = next(pieces)
+        for place in under_way._places:
+            place.is_cut = True
+        with pytest.raises(ConnectionAbortedError):
+            next(pieces)
+    assert CONTENT.startswith(first)

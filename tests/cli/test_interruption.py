@@ -1,0 +1,88 @@
+"""Ctrl-C is obeyed whenever it comes: while modules load, where a library swallows it, and during the fit."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from breastrig.core.assets import asset_folder
+
+SCAN = str(asset_folder("example") / "standing" / "scan.ply")
+SIGNAL_AT_IMPORT = """
+import importlib.abc, os, signal, sys
+
+class Interrupting(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            sys.meta_path.remove(self)
+            os.kill(os.getpid(), signal.{signal})
+
+sys.meta_path.insert(0, Interrupting())
+"""
+SIGNAL_AT_EVENT = """
+import breastrig.workflow.run_fit, gc, os, signal, sys
+original = breastrig.workflow.run_fit.checked_iterates
+
+def swallowing():
+    try:
+        os.kill(os.getpid(), signal.{signal})
+        for _ in range(1000):
+            pass
+    except BaseException:
+        pass
+
+def interrupted(task):
+    for k, iterate in enumerate(original(task)):
+        if k == 3:
+            {act}
+        yield iterate
+
+breastrig.workflow.run_fit.checked_iterates = interrupted
+"""
+
+
+def run(before: str, out: Path) -> subprocess.CompletedProcess[str]:
+    """`breastrig fit` in a process of its own, in which `before` is run first."""
+    start = f"\nsys.argv = ['breastrig', 'fit', {SCAN!r}, '--drawing', 'none', '-o', {str(out)!r}]\n"
+    start += "from breastrig.cli.entry import entry\nentry()\n"
+    return subprocess.run([sys.executable, "-c", before + start], capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize(
+    ("module", "signal", "code"),
+    [
+        ("argparse", "SIGINT", 130),
+        ("numpy", "SIGINT", 130),
+        ("scipy.spatial", "SIGINT", 130),
+        ("trimesh", "SIGINT", 130),
+        ("trimesh.ray.ray_pyembree", "SIGINT", 130),  # trimesh catches whatever is raised while this is imported
+        ("breastrig.workflow.run_fit", "SIGTERM", 143),
+    ],
+)
+def test_a_signal_while_modules_load_ends_the_program_with_one_line(
+    module: str, signal: str, code: int, tmp_path: Path
+) -> None:
+    ended = run(SIGNAL_AT_IMPORT.format(module=module, signal=signal), tmp_path / "out")
+    assert (ended.stdout, ended.stderr, ended.returncode) == ("", "breastrig: stopped.\n", code)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("signal", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+@pytest.mark.parametrize("act", ["os.kill(os.getpid(), signal.{signal})", "swallowing()"])
+def test_a_signal_during_the_fit_leaves_nothing_behind_also_if_someone_swallows_it(
+    signal: str, code: int, act: str, tmp_path: Path
+) -> None:
+    before = SIGNAL_AT_EVENT.format(signal=signal, act=act.format(signal=signal))
+    ended = run(before, tmp_path / "out")
+    assert (ended.stdout, ended.stderr, ended.returncode) == ("", "breastrig: stopped.\n", code)
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_signal_that_is_ignored_stays_ignored(tmp_path: Path) -> None:
+    """As under nohup, or in the background of a shell."""
+    before = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+    ended = run(before + SIGNAL_AT_IMPORT.format(module="numpy", signal="SIGINT"), tmp_path / "out")
+    assert (ended.stderr, ended.returncode) == ("", 0)
+    assert (tmp_path / "out" / "result.json").is_file()

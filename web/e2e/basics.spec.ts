@@ -1,0 +1,76 @@
+// Files that are refused, a browser without WebGL, the example by keys, landmark files.
+import { writeFileSync } from "node:fs";
+import { expect } from "@playwright/test";
+import { hook, SCAN_FILE, test, untilFitted } from "./page";
+
+test("a file that is no scan is refused with the service's own sentence, and a good one still goes in", async ({ page, base }, info) => {
+  const bad = info.outputPath("bad.ply");
+  writeFileSync(bad, "this is no mesh\n");
+  await page.goto(base);
+  const refused = page.waitForResponse((answer) => answer.url().endsWith("/api/scans") && answer.status() >= 400);
+  await page.locator("#scan-file").setInputFiles(bad);
+  const { detail } = (await (await refused).json()) as { detail: string };
+  await expect(page.getByRole("alert").filter({ hasText: detail })).toBeVisible();
+  const text = info.outputPath("notes.txt");
+  writeFileSync(text, "no scan at all\n");
+  await page.locator("#scan-file").setInputFiles(text);
+  await expect(page.getByRole("alert").filter({ hasText: "“notes.txt” is not a 3D scan" })).toBeVisible();
+  await page.locator("#scan-file").setInputFiles(SCAN_FILE);
+  await hook.ready(page);
+  await expect(page.getByRole("alert").filter({ visible: true })).toHaveCount(0);
+});
+
+test("the example patient is one click away, and the keyboard goes the whole way", async ({ page, base, troubles }) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("2");
+  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
+  await page.keyboard.press("3");
+  await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).press("Enter");
+  await untilFitted(page);
+  const both = await hook.picture(page);
+  await page.keyboard.press("o");
+  await expect(page.getByRole("button", { name: "Model", exact: true })).toHaveAttribute("aria-pressed", "true");
+  expect((await hook.picture(page)).checksum).not.toBe(both.checksum);
+  await page.keyboard.press("?");
+  await expect(page.getByRole("dialog")).toBeVisible();
+  await page.keyboard.press("Escape");
+  await expect(page.getByRole("dialog")).toBeHidden();
+  expect(troubles).toEqual([]);
+});
+
+test("the page says so when the browser has no WebGL", async ({ page, base }) => {
+  await page.addInitScript(() => {
+    const canvas = HTMLCanvasElement.prototype as unknown as { getContext: (this: HTMLCanvasElement, kind: string, ...rest: unknown[]) => unknown };
+    const original = canvas.getContext;
+    canvas.getContext = function (kind, ...rest) {
+      return kind.startsWith("webgl") ? null : original.call(this, kind, ...rest);
+    };
+  });
+  await page.goto(base);
+  await expect(page.getByRole("alert").filter({ hasText: "WebGL" })).toBeVisible();
+});
+
+test("the landmarks are saved in the four kinds that the page and other programs read", async ({ page, base, troubles }, info) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("2");
+  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
+  for (const name of ["landmarks.json", "landmarks.csv", "landmarks.pp", "landmarks.mrk.json"]) {
+    await page.getByRole("button", { name: "Save the placed landmarks" }).click();
+    const menu = page.getByRole("group", { name: "Save the placed landmarks" });
+    await expect(menu).toBeInViewport({ ratio: 1 });
+    if (name === "landmarks.json") await page.screenshot({ path: info.outputPath("menu.png") });
+    const [download] = await Promise.all([page.waitForEvent("download"), menu.getByRole("button", { name }).click()]);
+    expect(download.suggestedFilename()).toBe(name);
+    await expect(menu).toBeHidden();
+    const file = await download.path();
+    const copy = info.outputPath(name);
+    await download.saveAs(copy);
+    await page.locator("#landmark-file").setInputFiles(copy);
+    expect(await hook.pickCount(page), file).toBe(12);
+  }
+  expect(troubles).toEqual([]);
+});

@@ -1,0 +1,186 @@
+// What is left of a shared result in a visitor's browser: nothing in address bar and history, nothing after closing, nothing
+// after the browser was started again; and what an owner in the same browser keeps.
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { type BrowserContext, chromium, expect, type Page, test } from "@playwright/test";
+import { overlaps, scrolledAway, seriousFindings, smallTargets } from "./audit";
+import { type Link, Owner } from "./shared";
+
+let owner: Owner;
+let fit: Record<string, string>;
+test.beforeAll(async () => {
+  owner = await Owner.start();
+  ({ fit } = await owner.fitted("standing"));
+});
+test.afterAll(() => owner.stop());
+
+const secretOf = (link: Link): string => link.url.split("#")[1]!;
+const status = (page: Page, path: string, method = "GET"): Promise<number> =>
+  page.evaluate(async ([address, how]) => (await fetch(address!, { method: how! })).status, [path, method]);
+
+async function opened(page: Page, link: Link): Promise<void> {
+  await page.goto(owner.base + link.url);
+  await expect(page.getByText("fitted.glb")).toBeVisible();
+}
+
+/** What the browser's own page of its history lists. */
+async function addressesInHistory(context: BrowserContext): Promise<string[]> {
+  const page = await context.newPage();
+  await page.goto("chrome://history/");
+  const read = (): Promise<string[]> =>
+    page.evaluate(() => {
+      const inside = (root: Document | ShadowRoot): string[] =>
+        [...root.querySelectorAll("*")].flatMap((each) => [...(each instanceof HTMLAnchorElement ? [each.href] : []), ...(each.shadowRoot ? inside(each.shadowRoot) : [])]);
+      return inside(document);
+    });
+  await expect.poll(async () => (await read()).some((address) => address.startsWith(owner.base))).toBe(true);
+  return read();
+}
+
+async function signIn(page: Page): Promise<void> {
+  await page.goto(owner.base);
+  await page.getByLabel("Access token").fill(owner.token);
+  await page.getByRole("button", { name: "Sign in" }).click();
+  await expect(page.getByRole("button", { name: /standing/i })).toBeVisible();
+}
+
+test("the secret is in neither the address bar nor the history, and the address of the page opens nothing elsewhere", async ({ page, browser }) => {
+  const link = await owner.share(fit, { passcode: "four words of it" });
+  await page.goto(`${owner.base}/healthz`);
+  await page.goto(owner.base + link.url);
+  await expect(page.getByLabel("Passcode")).toBeVisible();
+  expect(page.url(), "while the passcode is asked for").toBe(`${owner.base}/s`);
+  await page.getByLabel("Passcode").fill("four words of it");
+  await page.getByRole("button", { name: "Open" }).click();
+  await expect(page.getByText("fitted.glb")).toBeVisible();
+  const place = `${owner.base}/s/${link.id}`;
+  expect(page.url()).toBe(place);
+  await page.reload();
+  await expect(page.getByText("fitted.glb")).toBeVisible();
+  expect(await seriousFindings(page)).toEqual([]);
+  expect([await smallTargets(page), await overlaps(page), await scrolledAway(page)]).toEqual([[], [], []]);
+  await page.goBack();
+  expect(page.url()).toBe(`${owner.base}/healthz`);
+  await page.goForward();
+  await expect(page.getByText("fitted.glb")).toBeVisible();
+  expect(page.url()).toBe(place);
+  const stranger = await (await browser.newContext()).newPage();
+  await stranger.goto(place);
+  await expect(stranger.getByRole("alert")).toContainText("not open in this browser");
+  await expect(stranger.getByText("fitted.glb")).toBeHidden();
+  await stranger.context().close();
+});
+
+test("closing ends the credential, also for a copy of it, and leaves an owner in the same browser signed in", async ({ page, context, browser }) => {
+  await signIn(page);
+  await page.evaluate(() => {
+    for (const storage of [sessionStorage, localStorage]) storage.setItem("unsaved", "mine");
+  });
+  const link = await owner.share(fit);
+  const again = await context.newPage();
+  await opened(again, link);
+  const shared = await context.newPage();
+  await opened(shared, link);
+  const place = `/api/shared/${link.id}/result.json`;
+  const [cookie, ...more] = (await context.cookies(owner.base + place)).filter(({ name }) => name.startsWith("breastrig_share"));
+  expect(more).toEqual([]);
+  expect(cookie).toMatchObject({ name: `breastrig_share_${link.id}`, path: `/api/shared/${link.id}`, expires: -1, httpOnly: true, sameSite: "Strict" });
+  const thief = await browser.newContext();
+  await thief.addCookies([cookie!]);
+  const copy = await thief.newPage();
+  await copy.goto(`${owner.base}/healthz`);
+  expect(await status(copy, place)).toBe(200);
+
+  await shared.getByRole("button", { name: "Close" }).click();
+  await expect(shared.getByText("The result is closed")).toBeVisible();
+  await expect(again.getByText("The result is closed"), "in the other tab that showed it").toBeVisible();
+  expect(shared.url()).toBe(`${owner.base}/s`);
+  expect(await status(shared, place)).toBe(401);
+  expect(await status(copy, place)).toBe(401);
+  expect((await context.cookies(owner.base + place)).filter(({ name }) => name.startsWith("breastrig_share"))).toEqual([]);
+  await shared.goBack().catch(() => null); // there is nothing to go back to
+  await expect(shared.getByText("fitted.glb")).toBeHidden();
+
+  expect(await page.evaluate(() => [sessionStorage.getItem("unsaved"), localStorage.getItem("unsaved")])).toEqual(["mine", "mine"]);
+  await page.reload();
+  await expect(page.getByRole("button", { name: /standing/i })).toBeVisible();
+  await thief.close();
+});
+
+test("signing out leaves nothing of patients in the browser", async ({ page }) => {
+  await signIn(page);
+  await page.evaluate(async () => {
+    sessionStorage.setItem("left", "something");
+    localStorage.setItem("left", "something");
+  });
+  await page.getByRole("button", { name: "Sign out" }).click();
+  await expect(page.getByLabel("Access token")).toBeVisible();
+  expect(await page.evaluate(() => [sessionStorage.getItem("left"), localStorage.getItem("left")])).toEqual([null, null]);
+  expect((await page.context().cookies()).map(({ name }) => name)).toEqual([]);
+});
+
+test("the browser's history does not list the secret, and after it was started again nothing is open", async () => {
+  const profile = mkdtempSync(join(tmpdir(), "breastrig-profile-"));
+  const { executablePath, args } = test.info().project.use.launchOptions!;
+  const start = (): Promise<BrowserContext> => chromium.launchPersistentContext(profile, { executablePath: executablePath!, args: args! });
+  try {
+    const link = await owner.share(fit);
+    const before = await start();
+    await opened(await before.newPage(), link);
+    const listed = await addressesInHistory(before);
+    expect(listed).toContain(`${owner.base}/s/${link.id}`);
+    expect(listed.filter((address) => address.includes(secretOf(link)))).toEqual([]);
+    await before.close();
+    const after = await start();
+    const page = await after.newPage();
+    await page.goto(`${owner.base}/s`);
+    await expect(page.getByText("No link is open here.")).toBeVisible();
+    await expect(page.getByRole("button", { name: "Close" })).toBeHidden();
+    await page.goto(`${owner.base}/s/${link.id}`);
+    await expect(page.getByRole("alert")).toContainText("open it again as it was sent to you");
+    await expect(page.getByText("fitted.glb")).toBeHidden();
+    await opened(page, link); // the link itself works as before
+    await after.close();
+  } finally {
+    rmSync(profile, { recursive: true, force: true });
+  }
+});
+
+test("another link that is put into the address bar of an open one is opened", async ({ page }) => {
+  const [first, second] = [await owner.share(fit, { passcode: "the first one" }), await owner.share(fit)];
+  await page.goto(owner.base + first.url);
+  await expect(page.getByLabel("Passcode")).toBeVisible();
+  await page.goto(owner.base + second.url); // the same document but for what stands behind #
+  await expect(page.getByText("fitted.glb")).toBeVisible();
+  expect(page.url()).toBe(`${owner.base}/s/${second.id}`);
+});
+
+test("wrong passcodes make one wait and are counted for the owner, and the right one opens the link all the same", async ({ page }) => {
+  test.setTimeout(300_000);
+  const link = await owner.share(fit, { passcode: "the right one" });
+  const guess = async (): Promise<void> => {
+    await page.getByLabel("Passcode").fill("a wrong one");
+    await page.getByRole("button", { name: "Open" }).click();
+  };
+  await page.goto(owner.base + link.url);
+  for (let tried = 0; tried < 3; tried += 1) {
+    await guess();
+    await expect(page.getByRole("alert")).toContainText("not the link's passcode");
+  }
+  await guess();
+  await expect(page.getByRole("alert")).toContainText(/wrong passcodes|not the link's passcode/);
+  for (const colorScheme of ["light", "dark"] as const) {
+    await page.emulateMedia({ colorScheme });
+    expect(await seriousFindings(page), `${colorScheme}: axe-core`).toEqual([]);
+  }
+  expect(await smallTargets(page)).toEqual([]);
+  const seen = await owner.json<{ wrong_passcodes: number; is_open: boolean }>(link.links.self);
+  expect(seen.wrong_passcodes).toBeGreaterThanOrEqual(3);
+  expect(seen.is_open).toBe(true);
+  await expect(async () => {
+    await page.getByLabel("Passcode").fill("the right one");
+    await page.getByRole("button", { name: "Open" }).click();
+    await expect(page.getByText("fitted.glb")).toBeVisible({ timeout: 3000 });
+  }).toPass();
+});

@@ -1,0 +1,59 @@
+// A service with a token and links to its results, for the tests of what visitors see.
+import { createHash } from "node:crypto";
+import { expect } from "@playwright/test";
+import { type Running, startService } from "./service";
+
+const TOKEN = "a-token-of-more-than-sixteen-characters";
+
+export interface Link {
+  readonly id: string;
+  readonly url: string;
+  readonly links: { readonly self: string; readonly unlock: string };
+}
+
+interface Fit {
+  readonly state: string;
+  readonly links: Record<string, string>;
+}
+
+export const sha256 = (bytes: Uint8Array): string => createHash("sha256").update(bytes).digest("hex");
+
+export class Owner {
+  readonly token = TOKEN;
+  private constructor(private readonly service: Running) {}
+
+  static async start(): Promise<Owner> {
+    return new Owner(await startService({ BREASTRIG_TOKEN: TOKEN }));
+  }
+
+  get base(): string {
+    return this.service.base;
+  }
+
+  stop = (): Promise<void> => this.service.stop();
+
+  async ask(path: string, method = "GET", body?: object): Promise<Response> {
+    const headers = { Authorization: `Bearer ${TOKEN}`, "Content-Type": "application/json" };
+    const answer = await fetch(this.base + path, { method, headers, ...(body ? { body: JSON.stringify(body) } : {}) });
+    expect(answer.ok, `${method} ${path}: ${answer.status}`).toBe(true);
+    return answer;
+  }
+
+  async json<Body>(path: string, method = "GET", body?: object): Promise<Body> {
+    return (await (await this.ask(path, method, body)).json()) as Body;
+  }
+
+  async hash(path: string): Promise<string> {
+    return sha256(new Uint8Array(await (await this.ask(path)).arrayBuffer()));
+  }
+
+  /** A fit of one of the example's stances, done; its links and those of its scan. */
+  async fitted(stance: "standing" | "supine"): Promise<{ scan: Record<string, string>; fit: Record<string, string> }> {
+    const scan = await this.json<{ id: string; links: Record<string, string> }>(`/api/examples/${stance}`, "POST");
+    const fit = await this.json<Fit>("/api/fits", "POST", { scan: scan.id });
+    await expect.poll(async () => (await this.json<Fit>(fit.links.self!)).state).toBe("done");
+    return { scan: scan.links, fit: fit.links };
+  }
+
+  share = (fit: Record<string, string>, wishes: object = {}): Promise<Link> => this.json<Link>(fit.shares!, "POST", wishes);
+}

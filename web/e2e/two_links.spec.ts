@@ -1,0 +1,85 @@
+// Two links, opened at once in two tabs of one browser: each tab has its own patient's result, body and files, every time.
+import { readFile } from "node:fs/promises";
+import { expect, type Page, test } from "@playwright/test";
+import { hook } from "./page";
+import { type Link, Owner, sha256 } from "./shared";
+
+const ROUNDS = Number(process.env.BREASTRIG_ROUNDS ?? 6); // `make routes` runs 20
+const FILES = ["fitted_glb", "fitted_ply", "drawing", "result", "report"] as const;
+
+let owner: Owner;
+test.beforeAll(async () => {
+  owner = await Owner.start();
+});
+test.afterAll(() => owner.stop());
+
+interface Tab {
+  readonly link: Link;
+  readonly mean: number;
+  readonly expected: Record<string, string>; // file → sha256, as the owner gets it
+}
+
+async function patient(stance: "standing" | "supine"): Promise<Tab> {
+  const { scan, fit } = await owner.fitted(stance);
+  const link = await owner.share(fit, { scan: "full" });
+  const result = await owner.json<{ surface_distance_mm: { mean: number } }>(fit.result!);
+  const expected: Record<string, string> = { "scan.glb": await owner.hash(scan.mesh!) };
+  for (const name of FILES) expected[fit[name]!.split("/").at(-1)!] = await owner.hash(fit[name]!);
+  return { link, mean: result.surface_distance_mm.mean, expected };
+}
+
+/** What the tab has: the number on it, the scan in its memory, and each file that it offers, as it would be downloaded. */
+async function shown(page: Page): Promise<{ mean: number; mesh: string; files: Record<string, string> }> {
+  await page.waitForFunction(() => window.__breastrig?.state().fit?.result != null);
+  return page.evaluate(async () => {
+    const hex = async (bytes: ArrayBuffer): Promise<string> =>
+      [...new Uint8Array(await crypto.subtle.digest("SHA-256", bytes))].map((each) => each.toString(16).padStart(2, "0")).join("");
+    const { fit, scan } = window.__breastrig!.state();
+    const links = [...document.querySelectorAll<HTMLAnchorElement>(".files a")];
+    const files = await Promise.all(links.map(async (each) => [each.download, await hex(await (await fetch(each.href)).arrayBuffer())] as const));
+    return { mean: fit!.result!.surface_distance_mm.mean!, mesh: await hex(scan!.mesh!), files: Object.fromEntries(files) };
+  });
+}
+
+test("two tabs with two links show each its own, opened at once and loaded again at once", async ({ browser }) => {
+  test.setTimeout(600_000);
+  const [first, second] = [await patient("standing"), await patient("supine")];
+  expect(first.mean).not.toBe(second.mean);
+  const context = await browser.newContext(); // one browser for all rounds: what is left of a round must not matter
+  const check = async (page: Page, tab: Tab, when: string): Promise<void> => {
+    const found = await shown(page);
+    expect(found, when).toEqual({ mean: tab.mean, mesh: tab.expected["scan.glb"], files: tab.expected });
+    expect(new URL(page.url()).pathname, when).toBe(`/s/${tab.link.id}`);
+  };
+  for (let round = 1; round <= ROUNDS; round += 1) {
+    const tabs = round % 2 === 0 ? [first, second] : [second, first];
+    const pages = await Promise.all(tabs.map(() => context.newPage()));
+    await Promise.all(tabs.map((tab, index) => pages[index]!.goto(owner.base + tab.link.url)));
+    await Promise.all(tabs.map((tab, index) => check(pages[index]!, tab, `round ${round}, opened`)));
+    if (round % 5 === 0) {
+      await Promise.all(pages.map((page) => page.reload()));
+      await Promise.all(tabs.map((tab, index) => check(pages[index]!, tab, `round ${round}, loaded again`)));
+      await hook.ready(pages[0]!);
+    }
+    await Promise.all(pages.map((page) => page.close()));
+  }
+  await context.close();
+});
+
+test("a download by hand in one tab is that tab's own file, also after another link was opened beside it", async ({ browser }) => {
+  const [first, second] = [await patient("standing"), await patient("supine")];
+  const context = await browser.newContext();
+  const pages = [await context.newPage(), await context.newPage()];
+  for (const [index, tab] of [first, second].entries()) {
+    await pages[index]!.goto(owner.base + tab.link.url);
+    await expect(pages[index]!.getByText("fitted.glb")).toBeVisible();
+  }
+  for (const [index, tab] of [first, second].entries()) {
+    for (const name of ["fitted.ply", "scan.glb"]) {
+      const [download] = await Promise.all([pages[index]!.waitForEvent("download"), pages[index]!.getByRole("link", { name }).click()]);
+      expect(sha256(await readFile(await download.path())), `tab ${index + 1}: ${name}`).toBe(tab.expected[name]);
+      expect(download.suggestedFilename()).toBe(name);
+    }
+  }
+  await context.close();
+});

@@ -1,0 +1,139 @@
+// The whole way once, as a person goes it: scan in, landmarks by clicks on the body, live fit, numbers, reload.
+import { writeFileSync } from "node:fs";
+import { expect } from "@playwright/test";
+import type { EventPage, Result, Vector } from "../src/api/types";
+import { formatMm, formatPercent, formatSeconds } from "../src/ui/units";
+import { distance, hook, SCAN_FILE, test, trueLandmarks, untilFitted } from "./page";
+
+const CLICKED = ["suprasternal_notch", "mid_sternum", "nipple_L", "nipple_R", "umbilicus"];
+const CLOSE_MM = 3;
+
+test("a scan is uploaded, landmarks are clicked, the model settles and the numbers are the service's", async ({ page, base, troubles }, info) => {
+  const truth = trueLandmarks();
+
+  await test.step("the file goes in and the body is drawn", async () => {
+    await page.goto(base);
+    await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
+    await page.locator("#scan-file").setInputFiles(SCAN_FILE);
+    await hook.ready(page);
+    const { colours, isLost } = await hook.picture(page);
+    expect(isLost).toBe(false);
+    expect(colours, "a lit body has many shades").toBeGreaterThan(100);
+  });
+
+  await test.step("clicks on the canvas place landmarks where they are", async () => {
+    await page.getByRole("button", { name: "Size and direction are right" }).click();
+    await expect(page.locator("[data-proposed]").first()).toBeAttached();
+    for (const name of CLICKED) {
+      await page.locator(`.landmarks [data-landmark=${name}] .landmark-name`).click();
+      const at = await hook.project(page, truth[name]!);
+      await page.mouse.click(at.x, at.y);
+      const picked = await hook.pick(page, name);
+      expect(picked, `${name} is placed`).not.toBeNull();
+      expect(distance(picked!, truth[name]!), `${name}: distance of the pick to the true point, mm`).toBeLessThan(CLOSE_MM);
+    }
+  });
+
+  await test.step("a drag turns the view and places nothing", async () => {
+    const before = await hook.picture(page);
+    const canvas = (await page.locator("main canvas.view").boundingBox())!;
+    const [x, y] = [canvas.x + canvas.width / 2, canvas.y + canvas.height / 2];
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x + 90, y + 20, { steps: 4 });
+    await page.mouse.up();
+    expect(await hook.pickCount(page)).toBe(CLICKED.length);
+    expect((await hook.picture(page)).checksum).not.toBe(before.checksum);
+    await page.keyboard.press("f");
+  });
+
+  await test.step("undo takes the last one back, redo returns it, and the service keeps them", async () => {
+    await page.keyboard.press("z");
+    expect(await hook.pick(page, CLICKED.at(-1)!)).toBeNull();
+    await page.keyboard.press("Shift+Z");
+    expect(await hook.pickCount(page)).toBe(CLICKED.length);
+    await expect(page.locator("#step-landmarks .saved")).toHaveText("Saved");
+    const scan = await page.evaluate(() => window.__breastrig!.state().scan!.info);
+    const kept = (await (await page.request.get(base + scan.links.landmarks)).json()) as { landmarks: Record<string, Vector> };
+    expect(Object.keys(kept.landmarks).sort()).toEqual([...CLICKED].sort());
+    expect(distance(kept.landmarks.nipple_L!, truth.nipple_L!)).toBeLessThan(CLOSE_MM);
+  });
+
+  await test.step("the rest is read from a file", async () => {
+    const rest = Object.fromEntries(Object.entries(truth).filter(([name]) => !CLICKED.includes(name)));
+    const file = info.outputPath("landmarks.json");
+    writeFileSync(file, JSON.stringify({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: rest }));
+    await page.locator("#landmark-file").setInputFiles(file);
+    await expect.poll(() => hook.pickCount(page)).toBe(Object.keys(truth).length);
+  });
+
+  const before = await hook.picture(page);
+  await test.step("the model settles before our eyes", async () => {
+    await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
+    await page.waitForFunction(() => (window.__breastrig!.state().fit?.shown ?? -1) >= 1);
+    const during = await hook.picture(page);
+    await untilFitted(page);
+    const after = await hook.picture(page);
+    expect(during.checksum).not.toBe(before.checksum);
+    expect(after.checksum).not.toBe(during.checksum);
+    expect(after.colours).toBeGreaterThan(100);
+    expect(after.isLost).toBe(false);
+  });
+
+  const fit = (await hook.fit(page))!;
+  await test.step("all iterations arrived", async () => {
+    const { events } = (await (await page.request.get(`${base}/api/fits/${fit.id}/events.json`)).json()) as EventPage;
+    const iterated = events.filter(({ event }) => event.kind === "iterated");
+    expect(iterated.length).toBeGreaterThan(2);
+    expect(fit.iterations).toBe(iterated.length);
+  });
+
+  await test.step("the numbers are those of result.json", async () => {
+    const result = (await (await page.request.get(`${base}/api/fits/${fit.id}/result.json`)).json()) as Result;
+    const surface = result.surface_distance_mm;
+    const back = result.scan_to_model_mm;
+    const numbers = page.locator(".numbers");
+    await expect(numbers.locator(".hero-number")).toHaveText(formatMm(surface.mean));
+    const block = (title: string) => numbers.locator(".block", { has: page.locator("h3", { hasText: new RegExp(`^${title}$`) }) });
+    const mm = (value: number | null): string => `${formatMm(value)} mm`;
+    await expect(block("Model to scan").locator("dd")).toHaveText([mm(surface.std), mm(surface.p95), mm(surface.max), `${formatPercent(surface.coverage)} %`]);
+    await expect(block("Scan to model").locator("dd")).toHaveText([mm(back.mean), mm(back.std), mm(back.p95), mm(back.max)]);
+    await expect(block("Landmarks").locator("dd")).toHaveText([mm(result.landmark_distance_mm.mean), mm(result.landmark_distance_mm.max)]);
+    await expect(block("Run").locator("dd").first()).toHaveText(`${formatSeconds(result.timing_s.solve)} s`);
+    await numbers.getByText("Each landmark").click();
+    for (const [name, value] of Object.entries(result.landmark_distance_mm.each)) {
+      await expect(numbers.locator(`[data-landmark=${name}] dd`)).toHaveText(mm(value));
+    }
+  });
+
+  await test.step("at rest nothing is drawn", async () => {
+    await page.mouse.move(5, 5);
+    await page.waitForTimeout(1000);
+    const drawn = await page.evaluate(() => window.__breastrig!.frames());
+    await page.waitForTimeout(1000);
+    expect(await page.evaluate(() => window.__breastrig!.frames())).toBe(drawn);
+  });
+
+  await test.step("the slider shows earlier iterations again", async () => {
+    const end = await hook.picture(page);
+    await page.locator("#iteration").fill("0");
+    await expect(page.locator(".timeline .position")).toHaveText(/^0 \//);
+    expect((await hook.picture(page)).checksum).not.toBe(end.checksum);
+  });
+
+  await test.step("every offered file can be had", async () => {
+    const links = await page.locator(".files a").evaluateAll((all) => all.map((each) => (each as HTMLAnchorElement).href));
+    expect(links.length).toBe(5);
+    for (const link of links) expect((await page.request.get(link)).status(), link).toBe(200);
+  });
+
+  await test.step("after a reload the same is shown", async () => {
+    await page.reload();
+    await hook.ready(page);
+    await untilFitted(page);
+    expect(await hook.fit(page)).toEqual(fit);
+    expect(await hook.pickCount(page)).toBe(Object.keys(truth).length);
+  });
+
+  expect(troubles).toEqual([]);
+});

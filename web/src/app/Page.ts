@@ -1,0 +1,166 @@
+// Puts the panels in their places.
+import { createDrawingPanel } from "../drawing/DrawingPanel";
+import { createColourBar } from "../fit/ColourBar";
+import { createFitPanel } from "../fit/FitPanel";
+import { createNumbersPanel } from "../fit/NumbersPanel";
+import { createResultPanel } from "../fit/ResultPanel";
+import { hasBoth, viewBarShown } from "../fit/state";
+import { createTimeline } from "../fit/TimelinePanel";
+import { createGuideCard } from "../landmarks/GuideCard";
+import { createLandmarkPanel } from "../landmarks/LandmarkPanel";
+import { needsConfirming } from "../landmarks/state";
+import { READABLE } from "../scan/actions";
+import { createEmptyState } from "../scan/EmptyState";
+import { createScanPanel } from "../scan/ScanPanel";
+import { empty as emptyText } from "../scan/text";
+import { createShareDialog } from "../share/ShareDialog";
+import { createDrawingCarry } from "../stances/DrawingCarry";
+import { createMeasuresDialog } from "../stances/MeasuresDialog";
+import { createOtherPane } from "../stances/OtherPane";
+import { createStancesBar } from "../stances/StancesBar";
+import { createStancesDialog } from "../stances/StancesDialog";
+import { isComparing } from "../stances/state";
+import type { Place } from "../store/page";
+import { only, type Store } from "../store/store";
+import { problem } from "../ui/controls";
+import { el, setText, show } from "../ui/dom";
+import { follow, type Panel } from "../ui/Panel";
+import { notice } from "../ui/text";
+import { createSwipe } from "../viewer/Swipe";
+import { errors, view as viewText } from "../viewer/text";
+import { createViewBar } from "../viewer/ViewBar";
+import type { Stage } from "../viewer/Viewer";
+import type { Actions } from "./actions";
+import { createHelpDialog } from "./HelpDialog";
+import { createNextButton } from "./NextButton";
+import type { Session } from "./session";
+import { createSteps } from "./Steps";
+import { page as pageText } from "./text";
+import { createTopBar } from "./TopBar";
+
+/** What the 3D view needs of the page. */
+export interface Stages {
+  readonly main: Stage;
+  readonly other: Stage;
+  /** where the wanted landmark is shown on the model, and the mark on it */
+  readonly picture: HTMLCanvasElement;
+  readonly light: HTMLElement;
+}
+
+export interface Page {
+  readonly elements: readonly HTMLElement[];
+  readonly stages: Stages;
+  /** From now on the page shows what is in the store. */
+  follow(store: Store<Session>): void;
+}
+
+export function createPage(actions: Actions, dismiss: (place: Place) => void): Page {
+  const canvas = el("canvas", { class: "view", role: "application", "aria-label": viewText.canvas, tabindex: 0 });
+  const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
+  const guide = createGuideCard(actions.landmarks);
+  const viewBar = createViewBar(actions.view, actions.fit.showDistances, viewBarShown);
+  const colourBar = createColourBar();
+  const swipe = createSwipe(actions.view.swipe, hasBoth);
+  const empty = createEmptyState(actions.scan, dismiss);
+  const page = problem(() => dismiss("page"));
+  const model = problem(() => dismiss("model"));
+  const distances = problem(() => dismiss("distances"));
+  const graphics = el("p", { class: "no-graphics", role: "alert", hidden: true });
+  const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, empty.element, page.element, model.element, distances.element, graphics);
+  const veil = el("div", { class: "drop-veil", hidden: true }, el("p", {}, emptyText.drop));
+  host.append(veil);
+  acceptDrops(host, veil, actions);
+
+  const scan = createScanPanel(actions.scan, () => dismiss("scan"), needsConfirming);
+  const landmarks = createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks"));
+  const fit = createFitPanel(actions.fit, () => dismiss("fit"));
+  const carry = createDrawingCarry(actions.stances);
+  const drawing = createDrawingPanel(actions.drawing, actions.fit, () => dismiss("drawing"), () => dismiss("fit"), carry.element);
+  const result = createResultPanel(actions.handPose);
+  const next = createNextButton(actions);
+  const bodies = { scan: scan.element, landmarks: landmarks.element, fit: fit.element, drawing: drawing.element, result: result.element };
+  const steps = createSteps(actions, bodies, next.element);
+  const numbers = createNumbersPanel();
+  const aside = el("aside", { class: "aside" }, guide.element, numbers.element);
+  const timeline = createTimeline(actions.player);
+  const help = createHelpDialog(actions);
+  const share = createShareDialog(actions.share, () => dismiss("share"));
+  const stances = createStancesBar(actions.stances);
+  const top = createTopBar(actions, stances.element);
+  const adding = createStancesDialog(actions.stances, () => dismiss("stances"));
+  const measures = createMeasuresDialog(actions.stances, () => dismiss("stances"));
+  const other = createOtherPane(actions.stances);
+  host.append(other.caption);
+  const version = el("span", { class: "muted" });
+  const live = el("p", { class: "visually-hidden", role: "status", "aria-live": "polite" });
+  const footer = el("footer", { class: "footer" }, el("strong", {}, notice), el("span", { class: "spring" }), version);
+
+  return {
+    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, live],
+    stages: { main: { host, canvas, overlay }, other: other.stage, picture: guide.canvas, light: guide.light },
+    follow(store): void {
+      // Classes first: where a panel stands and whether it is seen decides what it can scroll to or focus.
+      store.select(only("theme", "scan", "fit", "active", "step", "overlay", "stances"), (state) => {
+        document.documentElement.dataset.theme = state.theme;
+        document.body.classList.toggle("is-empty", state.scan === null);
+        document.body.classList.toggle("has-timeline", (state.fit?.iterations.length ?? 0) > 0);
+        document.body.classList.toggle("is-comparing", isComparing(state));
+        document.body.classList.toggle("has-other", state.stances.other !== null);
+        document.body.classList.toggle("is-second", state.stances.isSecond);
+        host.classList.toggle("is-placing", state.active !== null);
+        overlay.classList.toggle("is-numbered", state.step === "landmarks");
+        overlay.classList.toggle("is-narrow", isComparing(state) || (state.fit !== null && state.overlay === "beside"));
+      });
+      const on = <Shown extends object>(panel: Panel<Shown, Session>): void => follow(store, panel);
+      on(top);
+      on(steps);
+      on(scan);
+      on(landmarks);
+      on(fit);
+      on(drawing);
+      on(carry);
+      on(result);
+      on(next);
+      on(guide);
+      on(viewBar);
+      on(colourBar);
+      on(swipe);
+      on(empty);
+      on(numbers);
+      on(timeline);
+      on(help);
+      on(share);
+      on(stances);
+      on(adding);
+      on(measures);
+      on(other);
+      store.select(only("active", "problems", "graphics", "meta", "announcement"), (state) => {
+        show(numbers.element, state.active === null);
+        page.set(state.problems.page);
+        model.set(state.problems.model);
+        distances.set(state.problems.distances);
+        show(graphics, state.graphics !== "ok");
+        setText(graphics, state.graphics === "absent" ? errors.noGraphics : state.graphics === "lost" ? errors.graphicsLost : "");
+        setText(version, state.meta ? pageText.version(state.meta.version) : "");
+        setText(live, state.announcement);
+      });
+    },
+  };
+}
+
+/** A scan may be dropped anywhere on the canvas, also over one that is already there. */
+function acceptDrops(host: HTMLElement, veil: HTMLElement, actions: Actions): void {
+  const hasFile = (event: DragEvent): boolean => event.dataTransfer?.types.includes("Files") ?? false;
+  addEventListener("dragover", (event) => hasFile(event) && event.preventDefault()); // else the browser opens the file
+  addEventListener("drop", (event) => {
+    event.preventDefault();
+    show(veil, false);
+  });
+  host.addEventListener("dragenter", (event) => show(veil, hasFile(event)));
+  veil.addEventListener("dragleave", () => show(veil, false));
+  host.addEventListener("drop", (event) => {
+    const files = [...(event.dataTransfer?.files ?? [])];
+    const file = files.find((each) => READABLE.test(each.name)) ?? files[0];
+    if (file) void actions.scan.upload(file);
+  });
+}

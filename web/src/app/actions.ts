@@ -1,0 +1,54 @@
+// All that a person or the address can ask of the page: the actions of its features put together.
+import type { Client } from "../api/client";
+import { drawingActions } from "../drawing/actions";
+import { fitActions } from "../fit/actions";
+import { handPoseActions } from "../fit/handPoseActions";
+import { createPlayer } from "../fit/playback";
+import { landmarkActions } from "../landmarks/actions";
+import { createProposalSearch } from "../landmarks/proposalSearch";
+import { scanActions } from "../scan/actions";
+import { shareActions } from "../share/actions";
+import { stancesActions } from "../stances/actions";
+import { messageOf, withProblem } from "../store/problems";
+import type { Store } from "../store/store";
+import { viewActions } from "../viewer/actions";
+import { exportActions } from "./exportActions";
+import { pageActions } from "./pageActions";
+import { scanContents } from "./scanContents";
+import type { Session } from "./session";
+
+export function createActions(store: Store<Session>, client: Client, prefersStill: () => boolean) {
+  const player = createPlayer(store, prefersStill);
+  const fit = fitActions(store, client, player);
+  const proposals = createProposalSearch(store, client);
+  const landmarks = landmarkActions(store, client, proposals.lookOnce, fit.refit);
+  const scan = scanActions(store, client, scanContents(client, fit.stop), proposals.lookOnce);
+  const drawing = drawingActions(store, client);
+  const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
+  return {
+    page: pageActions(store, proposals.lookOnce),
+    view: viewActions(store),
+    scan,
+    landmarks,
+    drawing,
+    stances: stancesActions(store, client, { scan, fit, landmarks, drawing }, memory),
+    share: shareActions(store, client),
+    proposals,
+    /** What still waits is saved first; the page that follows asks for the token. */
+    async signOut(): Promise<void> {
+      await landmarks.flush();
+      try {
+        await client.signOut();
+        location.assign("/sign-in");
+      } catch (error) {
+        store.set((state) => withProblem(state, "page", messageOf(error)));
+      }
+    },
+    fit,
+    handPose: handPoseActions(store),
+    files: exportActions(store),
+    player,
+  };
+}
+
+export type Actions = ReturnType<typeof createActions>;

@@ -1,0 +1,65 @@
+// What the page shows, kept in the address after "#", so that a reload or a copied link shows the same.
+import type { Frame, Vector } from "../api/types";
+
+export interface PageAddress {
+  scan: string | null;
+  fit: string | null;
+  /** Only when the person turned the body: otherwise the service's proposal holds. */
+  frame: Frame | null;
+  /** The other stance of the same patient. */
+  other: { scan: string; fit: string | null; frame: Frame | null } | null;
+  /** The page works on the one that came second. */
+  isSecond: boolean;
+  isComparing: boolean;
+  /** Drawings of each stance are shown on the other one. */
+  isCarried: boolean;
+}
+
+const write = (v: Vector): string => v.map((x) => Number(x.toFixed(4))).join("_");
+
+function read(text: string | null): Vector | null {
+  const numbers = (text ?? "").split("_").map(Number);
+  return numbers.length === 3 && numbers.every(Number.isFinite) && text ? (numbers as Vector) : null;
+}
+
+export function toHash(place: PageAddress): string {
+  const words = new URLSearchParams();
+  if (place.scan) words.set("scan", place.scan);
+  if (place.scan && place.fit) words.set("fit", place.fit);
+  if (place.scan && place.frame) {
+    words.set("up", write(place.frame.up));
+    words.set("front", write(place.frame.front));
+  }
+  if (place.scan && place.other) {
+    words.set("other", place.other.scan);
+    if (place.other.fit) words.set("otherfit", place.other.fit);
+    if (place.other.frame) {
+      words.set("otherup", write(place.other.frame.up));
+      words.set("otherfront", write(place.other.frame.front));
+    }
+    if (place.isSecond) words.set("second", "1");
+    if (place.isComparing) words.set("compare", "1");
+    if (place.isCarried) words.set("carried", "1");
+  }
+  const text = words.toString();
+  return text === "" ? "" : `#${text}`;
+}
+
+export function fromHash(hash: string): PageAddress {
+  const words = new URLSearchParams(hash.replace(/^#/, ""));
+  const frame = (prefix: string): Frame | null => {
+    const up = read(words.get(`${prefix}up`));
+    const front = read(words.get(`${prefix}front`));
+    return up && front ? { up, front } : null;
+  };
+  const other = words.get("other");
+  return {
+    scan: words.get("scan"),
+    fit: words.get("fit"),
+    frame: frame(""),
+    other: other ? { scan: other, fit: words.get("otherfit"), frame: frame("other") } : null,
+    isSecond: words.has("second"),
+    isComparing: words.has("compare"),
+    isCarried: words.has("carried"),
+  };
+}

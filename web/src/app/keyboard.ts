@@ -1,0 +1,46 @@
+// Single keys for what is done most often; they stay out of the way of typing and of the browser's own shortcuts.
+import { drawingKey } from "../drawing/keys";
+import type { Step } from "../store/page";
+import type { Store } from "../store/store";
+import type { Actions } from "./actions";
+import type { Session } from "./session";
+
+const STEPS: Record<string, Step> = { "1": "scan", "2": "landmarks", "3": "fit", "4": "drawing", "5": "result" };
+
+function isTyping(target: EventTarget | null): boolean {
+  return target instanceof HTMLElement && target.closest("input:not([type=range]):not([type=checkbox]), select, textarea, dialog") !== null;
+}
+
+export function listenToKeys(store: Store<Session>, actions: Actions): void {
+  const { drawing, fit, landmarks, page, player, view } = actions;
+  const keys: Record<string, (event: KeyboardEvent) => void> = {
+    n: () => landmarks.wantNext(),
+    z: (event) => (event.shiftKey ? landmarks.redo() : landmarks.undo()),
+    y: () => landmarks.redo(),
+    c: () => landmarks.confirmWanted(),
+    f: () => view.from("front"),
+    d: () => fit.showDistances(!store.get().showDistances),
+    o: () => page.nextOverlay(),
+    "?": () => page.help(true),
+    escape: () => landmarks.want(null),
+    " ": () => player.toggle(),
+  };
+  addEventListener("keydown", (event) => {
+    const key = event.key.toLowerCase();
+    const withControl = event.ctrlKey || event.metaKey;
+    if (event.altKey || isTyping(event.target) || (withControl && key !== "z" && key !== "y")) return;
+    // Space presses the button that has the focus; only elsewhere it replays.
+    if (key === " " && event.target instanceof HTMLElement && event.target.closest("button, a, label, input, summary")) return;
+    const state = store.get();
+    if (state.isHelpOpen || state.share.isOpen) return;
+    const step = STEPS[key];
+    if (drawingKey(state, event, drawing)) {
+      event.preventDefault();
+      return;
+    }
+    if (step && state.scan) page.goTo(step);
+    else if (keys[key] && (state.scan || key === "?")) keys[key](event);
+    else return;
+    event.preventDefault();
+  });
+}

@@ -1,0 +1,73 @@
+// The wiring plan: makes store, actions, page and view, and lets them follow the state.
+import "../style.css";
+import { client, onSignedOut } from "../api/client";
+import type { Place } from "../store/page";
+import { messageOf, withProblem } from "../store/problems";
+import { createStore } from "../store/store";
+import { createActions } from "./actions";
+import { followAddress } from "./followAddress";
+import { listenToKeys } from "./keyboard";
+import { openViewer } from "./openViewer";
+import { createPage } from "./Page";
+import { initialSession, type Session } from "./session";
+import { keepUnsaved, takeUnsaved } from "./unsavedWork";
+
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+const prefersStill = (): boolean => still.matches;
+
+const store = createStore<Session>(initialSession);
+const actions = createActions(store, client, prefersStill);
+const dismiss = (place: Place): void => store.set((state) => withProblem(state, place, null));
+
+const page = createPage(actions, dismiss);
+document.body.append(...page.elements);
+page.follow(store);
+openViewer(store, actions, page.stages, prefersStill);
+listenToKeys(store, actions);
+addEventListener("pagehide", () => void actions.landmarks.flush());
+addEventListener("pagehide", () => void actions.drawing.flush());
+onSignedOut(() => {
+  keepUnsaved(store.get(), location.hash, sessionStorage);
+  location.assign("/sign-in");
+});
+reportUnforeseen();
+void begin();
+
+/** Unforeseen errors are shown too: a page that stands still without a word is the worst of errors. */
+function reportUnforeseen(): void {
+  const report = (error: unknown): void => store.set((state) => withProblem(state, "page", messageOf(error)));
+  addEventListener("error", (event) => {
+    if (!event.message.startsWith("ResizeObserver")) report(event.error ?? event.message); // that one is only a late layout
+  });
+  addEventListener("unhandledrejection", (event) => report(event.reason));
+}
+
+async function begin(): Promise<void> {
+  try {
+    const [meta, examples] = await Promise.all([client.meta(), client.examples()]);
+    const preset = meta.presets.includes("default") ? "default" : (meta.presets[0] ?? "default");
+    const drawing = meta.drawings.some((each) => each.name === "lumpectomy") ? "lumpectomy" : (meta.drawings[0]?.name ?? "");
+    store.set({ meta, examples, preset, drawing });
+  } catch (error) {
+    store.set((state) => withProblem(state, "service", messageOf(error)));
+    return;
+  }
+  void loadModel();
+  void client.isSignedIn().then((isSignedIn) => store.set({ isSignedIn }), () => undefined); // then there is just no button
+  const waiting = takeUnsaved(sessionStorage);
+  if (waiting && location.hash === "") history.replaceState(null, "", waiting.hash || location.pathname);
+  await followAddress(store, actions);
+  const { unsaved } = waiting ?? {};
+  if (!unsaved || unsaved.scan !== store.get().scan?.info.id) return;
+  if (unsaved.picks) actions.landmarks.restore(unsaved.picks);
+  if (unsaved.lines) actions.drawing.restore(unsaved.lines);
+}
+
+async function loadModel(): Promise<void> {
+  try {
+    const [glb, side] = await Promise.all([client.modelGlb(), client.modelSide()]);
+    store.set({ model: { glb, side } });
+  } catch (error) {
+    store.set((state) => withProblem(state, "model", messageOf(error)));
+  }
+}

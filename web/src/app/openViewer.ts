@@ -1,0 +1,144 @@
+// Makes the 3D view and keeps it up to date; without WebGL the page says so and the rest of it goes on working.
+import { CornerPins } from "../drawing/CornerPins";
+import { OwnLines } from "../drawing/OwnLines";
+import { listenToPenKeys } from "../drawing/penKeys";
+import { listenToPen } from "../drawing/PenTool";
+import { ReferenceLines } from "../drawing/ReferenceLines";
+import { skinFrom } from "../drawing/skin";
+import { FittedSurface } from "../fit/FittedSurface";
+import { HoverValue } from "../fit/HoverValue";
+import { hasModelShown } from "../fit/state";
+import { errors as fitErrors } from "../fit/text";
+import { TorsoModel } from "../fit/TorsoModel";
+import { listenToLandmarkKeys } from "../landmarks/canvasKeys";
+import { listenToDrags } from "../landmarks/dragPins";
+import { listenToFingers } from "../landmarks/fingers";
+import { LandmarkPins } from "../landmarks/LandmarkPins";
+import { ModelPicture } from "../landmarks/ModelPicture";
+import { ProposalPins } from "../landmarks/ProposalPins";
+import { Ruler } from "../scan/Ruler";
+import { ScanMesh } from "../scan/ScanMesh";
+import { errors as scanErrors } from "../scan/text";
+import { openOtherView } from "../stances/OtherView";
+import type { Theme } from "../store/page";
+import { messageOf, withProblem } from "../store/problems";
+import { only, type Store } from "../store/store";
+import { onClick } from "../viewer/clicks";
+import { Crosshair } from "../viewer/Crosshair";
+import { listenToViewKeys } from "../viewer/keys";
+import { Loupe } from "../viewer/Loupe";
+import { OrientationCube } from "../viewer/OrientationCube";
+import { pickAt } from "../viewer/picking";
+import { SideLetters } from "../viewer/SideLetters";
+import { isBeside } from "../viewer/state";
+import { offerTestHook } from "../viewer/testHook";
+import { type Part, Viewer } from "../viewer/Viewer";
+import type { Actions } from "./actions";
+import { exportPicture } from "./exportPicture";
+import type { Stages } from "./Page";
+import type { Session } from "./session";
+
+/** What of the state the view shows; when something else changes it is not drawn again. */
+const SEEN = [
+  ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours"] as const),
+  ...(["picks", "proposals", "active", "fit", "handPose", "showDistances", "drawn"] as const),
+];
+type Seen = Pick<Session, (typeof SEEN)[number]>;
+
+export function openViewer(store: Store<Session>, actions: Actions, stages: Stages, prefersStill: () => boolean): void {
+  const stage = stages.main;
+  let viewer: Viewer;
+  try {
+    viewer = new Viewer(stage.host, stage.canvas, stage.overlay, prefersStill);
+  } catch {
+    actions.view.graphics("absent");
+    return;
+  }
+  const ready = (place: "scan" | "model" | "distances", words: string) => (error: unknown) => {
+    if (error !== null) store.set((state) => withProblem(state, place, words));
+    else updateAll(store.get());
+  };
+  const scan = new ScanMesh(viewer, ready("scan", scanErrors.mesh));
+  const torso = new TorsoModel(viewer, ready("model", fitErrors.model));
+  const fitted = new FittedSurface(viewer, ready("distances", fitErrors.surface));
+  const pins = new LandmarkPins(viewer, scan);
+  const proposed = new ProposalPins(viewer, scan);
+  const own = new OwnLines(viewer, scan);
+  const corners = new CornerPins(viewer, scan);
+  const loupe = new Loupe(viewer, scan, stage.canvas);
+  const cross = new Crosshair(viewer, scan, loupe);
+  const isFree = ({ drawn }: Pick<Session, "drawn">): boolean => drawn.tool === "none";
+  const parts: Part<Seen>[] = [
+    proposed,
+    { update: (state) => scan.update(state, hasModelShown(state)) },
+    torso,
+    fitted,
+    new ReferenceLines(viewer, scan, torso, fitted),
+    own,
+    corners,
+    { update: (state) => pins.update(state, isFree(state)) },
+    new HoverValue(viewer, fitted, stage.canvas),
+    new SideLetters(viewer),
+    new Ruler(viewer),
+    { update: ({ active }) => loupe.arm(active !== null) },
+    new OrientationCube(viewer, actions.view.from),
+    // The cross serves the placing of landmarks and the tools that draw.
+    { update: ({ active, drawn }) => active === null && (drawn.tool === "none" || drawn.tool === "points") && cross.hide() },
+    new ModelPicture(viewer, torso, stages.picture, stages.light),
+  ];
+  /** A part that fails must not keep the others from drawing, nor the state from changing: its error is reported later. */
+  const updateAll = (state: Seen): void => {
+    viewer.share(state.fit !== null && isBeside(state.overlay) ? state.overlay : "one", state.swipe);
+    for (const part of parts) {
+      try {
+        part.update(state);
+      } catch (error) {
+        queueMicrotask(() => reportError(error));
+      }
+    }
+    viewer.invalidate();
+  };
+
+  let theme: Theme | null = null;
+  let viewAsked = store.get().view.asked;
+  store.select(only(...SEEN), (state: Seen) => {
+    if (state.theme !== theme) {
+      theme = state.theme; // the page has put it on the document before: the colours can be read
+      viewer.repaint();
+    }
+    updateAll(state);
+    if (state.view.asked !== viewAsked) viewer.lookFrom(state.view.name);
+    viewAsked = state.view.asked;
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    viewer.repaint();
+    updateAll(store.get());
+  });
+
+  actions.drawing.setSkin(skinFrom(() => scan.mesh?.geometry ?? null));
+  listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
+  listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
+  listenToDrags(stage.canvas, viewer, scan, pins, () => store.get().active === null && isFree(store.get()), actions.landmarks);
+  actions.files.setPicture(() => exportPicture(viewer, store.get()));
+  listenToLandmarkKeys(stage.canvas, viewer, scan, cross, store, actions.landmarks);
+  listenToViewKeys(stage.canvas, viewer, () => store.get().scan !== null);
+  const fingers = listenToFingers(stage.canvas, viewer, cross, store, actions.landmarks);
+  onClick(stage.canvas, (event) => {
+    if (fingers.isAimed(event)) return;
+    const proposal = store.get().active === null ? proposed.at(event.clientX, event.clientY) : null;
+    if (proposal !== null) return actions.landmarks.confirm([proposal]);
+    const hit = store.get().active === null ? null : pickAt(viewer, scan, event.clientX, event.clientY);
+    if (hit) actions.landmarks.place(hit.point);
+  });
+  stage.canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  stage.canvas.addEventListener("webglcontextlost", (event) => {
+    event.preventDefault(); // asks the browser to bring it back
+    actions.view.graphics("lost");
+  });
+  stage.canvas.addEventListener("webglcontextrestored", () => {
+    actions.view.graphics("ok");
+    viewer.invalidate();
+  });
+  const other = openOtherView(store, viewer, stages.other, prefersStill, (error) => store.set((state) => withProblem(state, "stances", messageOf(error))));
+  offerTestHook(() => ({ ...store.get(), model: null }), viewer, scan, fitted, other);
+}

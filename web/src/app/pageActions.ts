@@ -1,0 +1,21 @@
+// The page's own matters: which step is open, light or dark, help.
+import { handsOff } from "../drawing/state";
+import type { Step, Theme } from "../store/page";
+import type { Store } from "../store/store";
+import { OVERLAYS } from "../viewer/state";
+import type { Session } from "./session";
+
+const THEMES: Theme[] = ["system", "light", "dark"];
+const after = <Item>(items: readonly Item[], item: Item): Item => items[(items.indexOf(item) + 1) % items.length] ?? item;
+
+export function pageActions(store: Store<Session>, onLandmarks: () => void) {
+  return {
+    goTo(step: Step): void {
+      store.set((state) => ({ step, active: step === "landmarks" ? state.active : null, drawn: step === "drawing" ? state.drawn : handsOff(state.drawn) }));
+      if (step === "landmarks") onLandmarks();
+    },
+    nextOverlay: (): void => store.set((state) => (state.fit ? { overlay: after(OVERLAYS, state.overlay) } : {})),
+    nextTheme: (): void => store.set((state) => ({ theme: after(THEMES, state.theme) })),
+    help: (isHelpOpen: boolean): void => store.set({ isHelpOpen }),
+  };
+}

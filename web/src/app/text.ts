@@ -1,0 +1,24 @@
+// The frame of the page: title, steps, top bar, the one button that says what comes next.
+import type { Step, Theme } from "../store/page";
+
+export * from "./exportText";
+export * from "./helpText";
+
+export const page = {
+  version: (version: string) => `version ${version}`,
+  steps: { scan: "Scan", landmarks: "Landmarks", fit: "Fit", drawing: "Drawing", result: "Result" } satisfies Record<Step, string>,
+  stepsLabel: "Steps",
+};
+
+export const top = {
+  newScan: "New scan",
+  theme: (theme: Theme) => ({ system: "Theme: as the system", light: "Theme: light", dark: "Theme: dark" })[theme],
+  share: "Share",
+  signOut: "Sign out",
+  help: "Keyboard and mouse",
+};
+
+export const next = {
+  start: (label: string) => `Place ${label}`,
+  armed: (label: string) => `Click on ${label}`,
+};

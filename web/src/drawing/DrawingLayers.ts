@@ -1,0 +1,103 @@
+// The legend: every line on the body with its stroke, switched on and off; the own ones can be named, closed and erased.
+import { drawingLabels, requestLabel } from "../fit/requestedDrawing";
+import type { FitSlice } from "../fit/state";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
+import { button, iconButton } from "../ui/controls";
+import { el, fill, setText, show } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import type { DrawingActions } from "./actions";
+import { lengthOf, type OwnLine } from "./lines";
+import { type DrawingSlice, type Layer, layerKey } from "./state";
+import * as text from "./text";
+
+const words = text.drawing;
+const plainStart = (label: string): string => label.charAt(0).toUpperCase() + label.slice(1);
+const cm = (mm: number): string => (mm / 10).toFixed(1);
+
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "fit" | "drawn">;
+
+export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
+  const own = el("ul", { class: "layers", "data-layer": "own" });
+  const none = el("p", { class: "muted small" }, words.none);
+  const reference = group("reference");
+  const carried = group("carried");
+  const dashed = el("p", { class: "muted small", hidden: true }, words.dashed);
+  const element = el("div", { class: "panel" }, el("p", { class: "label" }, words.lines), own, none, carried.element, reference.element, dashed);
+
+  function group(layer: Layer) {
+    const title = el("p", { class: "label" });
+    const list = el("ul", { class: "layers", "data-layer": layer });
+    const note = el("p", { class: "muted small" });
+    const element = el("div", { class: "panel", hidden: true }, title, list, note);
+    return {
+      element,
+      set(label: string, shapes: readonly { name: string; label: string }[], hidden: ReadonlySet<string>, says: string): void {
+        show(element, label !== "");
+        setText(title, label);
+        setText(note, says);
+        show(note, says !== "");
+        fill(list, shapes, () => shapes.map((shape) => el("li", { "data-line": shape.name }, toggle(layer, shape.name, shape.label))));
+        check(list, layer, hidden);
+      },
+    };
+  }
+
+  function toggle(layer: Layer, name: string, label: string | null): HTMLElement {
+    const box = el("input", { type: "checkbox", "aria-label": words.show(label ?? name), onchange: () => drawing.show(layer, name, box.checked) });
+    const stroke = el("span", { class: `stroke stroke-${layer}`, "aria-hidden": "true" });
+    return el("label", { class: "check" }, box, stroke, label === null ? null : el("span", {}, label));
+  }
+
+  function check(list: HTMLElement, layer: Layer, hidden: ReadonlySet<string>): void {
+    for (const row of list.querySelectorAll<HTMLElement>("li")) {
+      row.querySelector<HTMLInputElement>("input[type=checkbox]")!.checked = !hidden.has(layerKey(layer, row.dataset.line!));
+    }
+  }
+
+  function ownRow(line: OwnLine): HTMLElement {
+    const { name } = line;
+    const field = el("input", {
+      type: "text",
+      class: "line-name",
+      value: name,
+      maxlength: 100,
+      "aria-label": words.name(name),
+      onchange: () => {
+        const isTaken = !drawing.rename(name, field.value);
+        field.setCustomValidity(isTaken && field.value.trim() !== "" ? words.nameTaken : "");
+        if (isTaken && !field.reportValidity()) return;
+        if (isTaken) field.value = name;
+      },
+      oninput: () => field.setCustomValidity(""),
+      onfocus: () => drawing.choose(name),
+    });
+    const close = button(line.closed ? words.openShort : words.closeShort, () => drawing.close(name), "quiet small");
+    close.setAttribute("aria-label", line.closed ? words.open(name) : words.close(name));
+    const length = line.closed ? null : el("span", { class: "muted small" }, words.length(cm(lengthOf(line))));
+    field.title = name;
+    return el("li", { "data-line": name }, toggle("own", name, null), field, length, close, iconButton("close", words.erase(name), () => drawing.erase(name)));
+  }
+
+  return {
+    element,
+    select: only("meta", "model", "fit", "drawn"),
+    update(state: Shown): void {
+      const { lines, hidden, chosen } = state.drawn;
+      show(none, lines.present.length === 0);
+      fill(own, lines.present.map((line) => [line.name, line.closed, Math.round(lengthOf(line))]), () => lines.present.map(ownRow));
+      check(own, "own", hidden);
+      for (const row of own.querySelectorAll<HTMLElement>("li")) row.classList.toggle("is-chosen", row.dataset.line === chosen);
+      const { fit, model } = state;
+      const known = model?.side.drawings.find((each) => each.name === fit?.drawingName);
+      const shapes = fit?.drawing?.shapes ?? known?.shapes ?? [];
+      const named = shapes.map(({ name }) => ({ name, label: plainStart(known?.shapes.find((each) => each.name === name)?.label ?? words.shapeName(name)) }));
+      const label = requestLabel(fit?.drawingName ?? "", drawingLabels(state));
+      reference.set(fit && label !== "" ? words.reference(label) : "", named, hidden, "");
+      const from = state.drawn.carried;
+      carried.set(from ? words.carried(from.from) : "", from?.drawing.shapes.map(({ name }) => ({ name, label: name })) ?? [], hidden, "");
+      const hasBridge = [...(fit?.drawing?.shapes ?? []), ...(from?.drawing.shapes ?? [])].some((shape) => shape.bridged?.includes(true));
+      show(dashed, hasBridge);
+    },
+  };
+}

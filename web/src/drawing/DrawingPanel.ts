@@ -1,0 +1,121 @@
+// Step 4: the tools, and what lies on the body, line by line.
+import type { FitActions } from "../fit/actions";
+import type { FitSlice } from "../fit/state";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
+import { button, fileButton, iconButton, problem, segmented } from "../ui/controls";
+import { el, saveFile, setText, show } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import type { DrawingActions } from "./actions";
+import { createDrawingLayers } from "./DrawingLayers";
+import { createDrawingPattern } from "./DrawingPattern";
+import { toText } from "./files";
+import { type DrawingSlice, lineNamed, type Tool, TOOLS } from "./state";
+import * as text from "./text";
+
+const words = text.drawing;
+
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "problems" | "drawing" | "fit" | "isStarting" | "drawn">;
+
+/** `more`: what other features have to say about the drawing, below the rest. */
+export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, dismiss: () => void, dismissFit: () => void, more: HTMLElement): Panel<Shown> {
+  let state: Shown | null = null;
+  const tools = segmented<Tool>(
+    words.tools,
+    TOOLS.map((value) => ({ value, label: words.toolNames[value], hint: words.toolHints[value] })),
+    drawing.take,
+  );
+  const hint = el("p", { class: "tool-hint muted small", id: "tool-hint" });
+  const radius = el("input", { type: "number", min: 1, max: 80, step: 1, inputmode: "numeric", onchange: () => drawing.radius(radius.valueAsNumber) });
+  const size = el("label", { class: "field inline short", hidden: true }, el("span", {}, words.radius), radius);
+  const finish = button(words.finish, () => drawing.finish(), "quiet outlined");
+  const undo = iconButton("undo", words.undo, () => drawing.undo());
+  const redo = iconButton("redo", words.redo, () => drawing.redo());
+  const saved = el("span", { class: "drawing-saved muted small" });
+  const again = button(words.again, () => void drawing.saveNow(), "link");
+  const file = fileButton(words.importFile, ".json", "icon-only", (chosen) => void drawing.importFile(chosen));
+  file.querySelector("input")!.id = "drawing-file";
+  file.querySelector("span")!.className = "visually-hidden";
+  file.title = words.importHint;
+  const save = button(words.exportFile, () => state && saveFile("drawing.json", toText(state.drawn.lines.present), "application/json"), "quiet");
+  save.title = words.exportHint;
+  const wrong = problem(dismiss);
+  const corners = createCorners(drawing);
+  const layers = createDrawingLayers(drawing);
+  const pattern = createDrawingPattern(fit, dismissFit);
+  const element = el(
+    "div",
+    { class: "panel drawing" },
+    wrong.element,
+    el("div", { class: "tool-row" }, tools.element),
+    hint,
+    size,
+    finish,
+    corners.element,
+    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, save),
+    layers.element,
+    pattern.element,
+    more,
+  );
+  return {
+    element,
+    select: only("meta", "model", "problems", "drawing", "fit", "isStarting", "drawn"),
+    update(session: Shown): void {
+      state = session;
+      const { drawn } = session;
+      tools.set(drawn.tool);
+      setText(hint, words.hints[drawn.tool]);
+      show(size, drawn.tool === "tumour");
+      if (document.activeElement !== radius && radius.valueAsNumber !== drawn.radiusMm) radius.valueAsNumber = drawn.radiusMm;
+      show(finish, drawn.tool === "pen" && (drawn.open !== null || drawn.start !== null));
+      undo.disabled = drawn.lines.past.length === 0 && drawn.start === null;
+      redo.disabled = drawn.lines.future.length === 0;
+      save.disabled = drawn.lines.present.length === 0;
+      setText(saved, drawn.lines.present.length === 0 && drawn.saving === "saved" ? "" : words[drawn.saving]);
+      wrong.set(session.problems.drawing);
+      show(again, drawn.saving === "unsaved" && session.problems.drawing !== undefined);
+      corners.update(session);
+      layers.update(session);
+      pattern.update(session);
+    },
+  };
+}
+
+/** The points of the chosen line without a pointer: one after the other, moved by arrow keys, deleted. */
+function createCorners(drawing: DrawingActions): Panel<DrawingSlice> {
+  let state: DrawingSlice | null = null;
+  const words = text.drawing;
+  const where = el("span", { class: "small" });
+  function step(by: number): void {
+    const line = state && lineNamed(state.drawn, state.drawn.chosen);
+    if (!state || !line) return;
+    const count = line.corners.length;
+    const now = state.drawn.corner;
+    drawing.chooseCorner(now === null ? (by > 0 ? 0 : count - 1) : (now + by + count) % count);
+    if (by !== 0) document.querySelector<HTMLElement>("canvas.view")?.scrollIntoView({ block: "nearest" });
+  }
+  const back = iconButton("back", words.previous, () => step(-1));
+  const on = iconButton("on", words.next, () => step(1));
+  const remove = button(words.remove, () => drawing.removeCorner(), "quiet outlined");
+  const nudge = el("div", { class: "nudge", role: "group", "aria-label": words.nudge });
+  for (const [key, label] of Object.entries(words.arrows)) {
+    nudge.append(
+      el("button", { type: "button", class: "button icon-only", "aria-label": label, title: label, onclick: () => document.querySelector("canvas.view")?.dispatchEvent(new KeyboardEvent("keydown", { key })) }, words.arrowSigns[key as keyof typeof words.arrowSigns]),
+    );
+  }
+  const element = el("div", { class: "corners", hidden: true }, el("div", { class: "corner-row" }, back, where, on, el("span", { class: "spring" }), remove), nudge);
+  return {
+    element,
+    select: only("drawn"),
+    update(session: DrawingSlice): void {
+      state = session;
+      const { drawn } = session;
+      const line = drawn.tool === "points" ? lineNamed(drawn, drawn.chosen) : null;
+      show(element, line !== null);
+      if (!line) return;
+      setText(where, drawn.corner === null ? words.noCorner(line.corners.length) : words.corner(drawn.corner + 1, line.corners.length));
+      remove.disabled = drawn.corner === null;
+      show(nudge, drawn.corner !== null);
+    },
+  };
+}

@@ -1,0 +1,88 @@
+// The model's drawing: which one, with which numbers, and a tumour by the clock.  It is made on the fitted body, so a change
+// asks for a fit, which goes on from the one that is there.
+import type { PatternInfo, PatternParameter } from "../api/types";
+import type { FitActions } from "../fit/actions";
+import { checked, type DrawingRequest, readRequest, requestText, startValue, startValues, TUMOUR, type Values } from "../fit/requestedDrawing";
+import { type FitSlice, isFitting } from "../fit/state";
+import { fit as fitText } from "../fit/text";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
+import { button, problem, select } from "../ui/controls";
+import { el, fill, show } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import * as text from "./text";
+
+const words = text.drawing.pattern;
+
+type Shown = Pick<PageSlice & FitSlice, "meta" | "problems" | "drawing" | "fit" | "isStarting">;
+
+export function createDrawingPattern(fit: FitActions, dismiss: () => void): Panel<Shown> {
+  let state: Shown | null = null;
+  const choose = (change: Partial<DrawingRequest>): void => {
+    if (state) fit.chooseDrawing(requestText({ ...readRequest(state.drawing), ...change }));
+  };
+  const base = select<string>(words.base, (value) => choose({ base: value, values: {} }));
+  const parameters = el("div", { class: "parameters" });
+  const box = el("input", { type: "checkbox", onchange: () => choose({ tumour: box.checked ? startValues(tumourOf(state)!) : null }) });
+  const hasTumour = el("label", { class: "check" }, box, el("span", {}, words.tumour));
+  const tumour = el("div", { class: "parameters" });
+  const go = button(words.go, () => (state?.fit ? fit.refit() : void fit.start()), "outlined wide");
+  const wrong = problem(dismiss);
+  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, base.element, parameters, hasTumour, tumour, wrong.element, go));
+
+  function field(parameter: PatternParameter, value: string, changed: (value: string) => void): HTMLElement {
+    const hint = [parameter.about, parameter.min !== null && parameter.max !== null ? words.range(parameter.min, parameter.max, parameter.unit) : ""].filter((each) => each !== "").join("; ");
+    const label = el("span", {}, parameter.label, el("span", { class: "unit" }, parameter.unit === "" ? "" : ` ${words.units[parameter.unit]}`));
+    if (parameter.choices) {
+      const list = el("select", { onchange: () => changed(list.value) }, ...parameter.choices.map((choice) => el("option", { value: choice, selected: choice === value }, words.choices[choice] ?? choice)));
+      return el("label", { class: "field", title: hint }, label, list);
+    }
+    const input = el("input", {
+      type: "number",
+      step: "any",
+      min: parameter.min,
+      max: parameter.max,
+      value,
+      placeholder: words.byItself,
+      "data-parameter": parameter.name,
+      oninput: () => input.setCustomValidity(""),
+      onchange: () => {
+        const good = checked(parameter, input.value);
+        if (good !== null) return changed(good);
+        input.setCustomValidity(words.outside(parameter.label, parameter.min, parameter.max, parameter.unit));
+        input.reportValidity();
+      },
+    });
+    return el("label", { class: "field", title: hint }, label, input);
+  }
+
+  const fields = (pattern: PatternInfo, values: Values, changed: (name: string, value: string) => void): HTMLElement[] =>
+    pattern.parameters.map((each) => field(each, values[each.name] ?? startValue(each), (value) => changed(each.name, value)));
+
+  return {
+    element,
+    select: only("meta", "problems", "drawing", "fit", "isStarting"),
+    update(session: Shown): void {
+      state = session;
+      const { meta, drawing } = session;
+      if (!meta) return;
+      const request = readRequest(drawing);
+      base.set([{ value: "", label: fitText.noDrawing }, ...meta.drawings.map(({ name, label }) => ({ value: name, label }))], request.base);
+      const pattern = meta.patterns.find(({ name }) => name === request.base && name !== TUMOUR);
+      fill(parameters, [request.base, Boolean(pattern)], () => (pattern ? fields(pattern, request.values, (name, value) => state && choose({ values: { ...readRequest(state.drawing).values, [name]: value } })) : []));
+      show(parameters, pattern !== undefined);
+      const clock = tumourOf(session);
+      show(hasTumour, clock !== null);
+      box.checked = request.tumour !== null;
+      fill(tumour, request.tumour !== null, () =>
+        clock && request.tumour ? fields(clock, request.tumour, (name, value) => state && choose({ tumour: { ...readRequest(state.drawing).tumour, [name]: value } })) : [],
+      );
+      show(tumour, request.tumour !== null);
+      const isNew = !session.fit || (session.fit.drawingName ?? "") !== drawing;
+      wrong.set(session.problems.fit);
+      go.disabled = isFitting(session) || !isNew;
+    },
+  };
+}
+
+const tumourOf = (state: Pick<PageSlice, "meta"> | null): PatternInfo | null => state?.meta?.patterns.find(({ name }) => name === TUMOUR) ?? null;

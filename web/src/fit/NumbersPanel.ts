@@ -1,0 +1,110 @@
+// The right side: numbers with their units.  During a fit and in the replay those of the iteration on the screen,
+// afterwards those of the result, exactly as the service reports them.
+import type { Iterated, Result } from "../api/types";
+import { plainLabel, sideOf } from "../landmarks/picks";
+import { landmarks as landmarkText } from "../landmarks/text";
+import { scan as scanText } from "../scan/text";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
+import { row } from "../ui/controls";
+import { el, fill, setText, show } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import { formatMm, formatPercent, formatSeconds, formatSignedMm } from "../ui/units";
+import { createDistanceCurve } from "./DistanceCurve";
+import { SCALE_MM, SCANNER_MM, summarise } from "./distances";
+import { type FitSlice, isAtRest, shownIteration } from "./state";
+import * as text from "./text";
+
+const words = text.numbers;
+type Numbers = readonly (readonly [name: string, value: string, unit?: string, hint?: string])[];
+
+function block(title: string, hint: string, numbers: Numbers): HTMLElement {
+  const list = numbers.map(([name, value, unit, why]) => row(name, value, unit, why));
+  return el("section", { class: "block", ...(hint ? { title: hint } : {}) }, el("h3", {}, title), el("dl", {}, ...list));
+}
+
+const spread = ({ std, p95, max }: Pick<Result["scan_to_model_mm"], "std" | "p95" | "max">): Numbers => [
+  [words.std, formatMm(std), "mm"],
+  [words.p95, formatMm(p95), "mm"],
+  [words.max, formatMm(max), "mm"],
+];
+
+function ofIteration(shown: Iterated): HTMLElement[] {
+  const landmarks: Numbers = shown.landmark_distance_mm === null ? [] : [[words.landmarkDistance, formatMm(shown.landmark_distance_mm), "mm"]];
+  return [
+    block(words.live, "", [
+      ...landmarks,
+      [words.coverage, formatPercent(shown.coverage), "%", words.coverageHint],
+      [words.stage, shown.stage],
+      [words.elapsed, formatSeconds(shown.elapsed_s), "s"],
+    ]),
+  ];
+}
+
+function ofResult(result: Result, state: Shown): HTMLElement[] {
+  const surface = result.surface_distance_mm;
+  const back = result.scan_to_model_mm;
+  const points = result.landmark_distance_mm;
+  const labels = new Map(state.meta?.landmarks.map((entry) => [entry.name, entry.label]));
+  const each = Object.entries(points.each).map(([name, mm]) => {
+    const side = landmarkText.sideShort[sideOf(name)];
+    const chip = side === "" ? null : el("span", { class: `mini side-${sideOf(name)}`, title: landmarkText.sides[sideOf(name)] }, side);
+    const label = el("dt", {}, plainLabel(labels.get(name) ?? name), chip);
+    return el("div", { class: "row", "data-landmark": name }, label, el("dd", {}, formatMm(mm), el("span", { class: "unit" }, " mm")));
+  });
+  const signed = state.fit?.distances ? summarise(state.fit.distances) : null;
+  const ofSigned: HTMLElement[] = signed
+    ? [
+        block(text.distances.block, text.distances.blockHint, [
+          [text.distances.signedMean, formatSignedMm(signed.meanMm), "mm"],
+          [text.distances.within(SCANNER_MM), formatPercent(signed.within), "%"],
+          [text.distances.beyond(SCALE_MM), formatPercent(signed.beyond), "%"],
+        ]),
+      ]
+    : [];
+  return [
+    block(words.surface, words.surfaceHint, [
+      ...spread(surface),
+      [words.coverage, formatPercent(surface.coverage), "%", words.coverageHint],
+    ]),
+    ...ofSigned,
+    block(words.scanToModel, words.scanToModelHint, [[words.mean, formatMm(back.mean), "mm"], ...spread(back)]),
+    each.length > 0
+      ? block(words.landmarks, words.landmarksHint, [[words.mean, formatMm(points.mean), "mm"], [words.max, formatMm(points.max), "mm"]])
+      : el("section", { class: "block" }, el("h3", {}, words.landmarks), el("p", { class: "muted" }, words.noLandmarks)),
+    ...(each.length > 0 ? [el("details", {}, el("summary", {}, words.each), el("dl", {}, ...each))] : []),
+    block(words.run, "", [
+      [words.solve, formatSeconds(result.timing_s.solve), "s"],
+      [words.total, formatSeconds(result.timing_s.total), "s"],
+      [words.iterations, String(result.iterations)],
+      [words.stance, scanText.stances[result.stance].toLowerCase()],
+    ]),
+    el("p", { class: "muted small stop" }, `${words.stop}: ${result.stop_reason}`),
+  ];
+}
+
+type Shown = Pick<PageSlice & FitSlice, "meta" | "fit">;
+
+export function createNumbersPanel(): Panel<Shown> {
+  const mean = el("span", { class: "hero-number" });
+  const hero = el("p", { class: "hero" }, mean, el("span", { class: "unit" }, " mm "), el("span", { class: "muted" }, words.meanDistance));
+  const curve = createDistanceCurve();
+  const body = el("div", { class: "numbers-body" });
+  const before = el("p", { class: "muted" }, words.before);
+  const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, hero, curve.element, body);
+  return {
+    element,
+    select: only("meta", "fit"),
+    update(state: Shown): void {
+      const { fit } = state;
+      const shown = shownIteration(fit);
+      const result = fit && isAtRest(fit) ? fit.result : null;
+      show(before, !shown && !result);
+      show(hero, Boolean(shown ?? result));
+      const distance = result ? result.surface_distance_mm.mean : shown?.mean_distance_mm;
+      setText(mean, distance === undefined ? "" : formatMm(distance));
+      curve.update(state);
+      fill(body, [fit?.id, result ? "result" : shown?.iteration, fit?.distances != null], () => (result ? ofResult(result, state) : shown ? ofIteration(shown) : []));
+    },
+  };
+}

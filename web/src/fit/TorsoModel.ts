@@ -1,0 +1,108 @@
+// The rigged model: loaded once, then posed by whatever the service says, live or replayed.
+// Over the scan it is translucent clay.  A first pass fills the depth only, so that it never shows its own inside.
+import { DoubleSide, FrontSide, MeshBasicMaterial, MeshStandardMaterial, type Object3D, SkinnedMesh, Vector3 } from "three";
+import type { NodePose } from "../api/types";
+import { disposeTree, readGltf } from "../viewer/gltf";
+import { isBeside, type ViewSlice } from "../viewer/state";
+import type { VertexAt } from "../viewer/surfacePoints";
+import type { Part, Viewer } from "../viewer/Viewer";
+import { type Shown, shownPoses, showsFittedSurface } from "./state";
+
+type State = Shown & Pick<ViewSlice, "overlay">;
+
+const OVER_SCAN = 0.8; // opacity
+
+export class TorsoModel implements Part<State> {
+  mesh: SkinnedMesh | null = null;
+  private root: Object3D | null = null;
+  private readonly nodes = new Map<string, Object3D>();
+  private wanted: ArrayBuffer | null = null;
+  private applied: readonly NodePose[] | null = null;
+  private readonly clay = new MeshStandardMaterial({ roughness: 0.75, metalness: 0, transparent: true, side: FrontSide });
+  private readonly depthOnly = new MeshBasicMaterial({ colorWrite: false, side: FrontSide });
+
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly onReady: (error: unknown) => void,
+  ) {}
+
+  update(state: State): void {
+    const bytes = state.model?.glb ?? null;
+    if (bytes !== this.wanted) {
+      this.wanted = bytes;
+      if (bytes) void this.load(bytes);
+    }
+    const poses = shownPoses(state);
+    if (!this.mesh || !this.root) return;
+    if (poses && poses !== this.applied) this.apply(poses);
+    this.root.visible = poses !== null && state.overlay !== "scan" && !showsFittedSurface(state);
+    this.viewer.inHalf(this.root, isBeside(state.overlay) ? "model" : null);
+    const isAlone = state.overlay !== "both";
+    this.clay.opacity = isAlone ? 1 : OVER_SCAN;
+    this.clay.side = isAlone ? DoubleSide : FrontSide;
+    this.clay.color.copy(this.viewer.palette.clay);
+    this.viewer.invalidate();
+  }
+
+  /** Sets nodes by name, in glTF's own words; a field that is absent stays as it is. */
+  apply(poses: readonly NodePose[]): void {
+    for (const pose of poses) {
+      const node = this.nodes.get(pose.name);
+      if (!node) throw new Error(`the service posed an unknown node: ${pose.name}`);
+      if (pose.translation) node.position.fromArray(pose.translation); // metres
+      if (pose.rotation) node.quaternion.fromArray(pose.rotation); // x y z w
+      if (pose.scale) node.scale.fromArray(pose.scale);
+      pose.weights?.forEach((weight, shape) => (this.mesh!.morphTargetInfluences![shape] = weight));
+    }
+    this.applied = poses;
+    this.root!.updateMatrixWorld(true);
+  }
+
+  /** Posed vertices in the scan's frame, metres; null until a pose is known. */
+  get vertexAt(): VertexAt | null {
+    const mesh = this.mesh;
+    if (!mesh || !this.applied) return null;
+    return (vertex, target) => mesh.getVertexPosition(vertex, target).applyMatrix4(mesh.matrix);
+  }
+
+  private async load(bytes: ArrayBuffer): Promise<void> {
+    try {
+      const { scene } = await readGltf(bytes);
+      if (bytes !== this.wanted) return;
+      let mesh: SkinnedMesh | null = null;
+      scene.traverse((node) => {
+        this.nodes.set(node.name, node);
+        if (node instanceof SkinnedMesh) mesh = node;
+      });
+      this.adopt(scene, mesh);
+      this.onReady(null);
+    } catch (error) {
+      this.onReady(error);
+    }
+  }
+
+  private adopt(scene: Object3D, mesh: SkinnedMesh | null): void {
+    if (!mesh) throw new Error("no skinned mesh");
+    if (this.root) disposeTree(this.root);
+    const depth = new SkinnedMesh(mesh.geometry, this.depthOnly);
+    depth.bind(mesh.skeleton, mesh.bindMatrix);
+    depth.morphTargetInfluences = mesh.morphTargetInfluences!;
+    mesh.material = this.clay;
+    depth.renderOrder = 1;
+    mesh.renderOrder = 2;
+    for (const each of [mesh, depth]) {
+      each.frustumCulled = false; // its box would have to be posed on the CPU for each picture
+      each.raycast = () => undefined;
+    }
+    mesh.parent!.add(depth);
+    scene.visible = false;
+    this.mesh = mesh;
+    this.root = scene;
+    this.viewer.body.add(scene);
+  }
+
+  /** Rest positions as they are in the file: body frame, metres. */
+  restVertex(vertex: number): Vector3 {
+    return new Vector3().fromBufferAttribute(this.mesh!.geometry.attributes.position!, vertex);
+  }
+}

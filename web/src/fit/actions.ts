@@ -1,0 +1,249 @@
+// Running a fit: start, follow its events, cancel; the events are the same when the page is opened late or again.
+import type { Client } from "../api/client";
+import { followFit, type Handlers } from "../api/events";
+import type { FitLinks, StanceChoice } from "../api/types";
+import { picksOf } from "../landmarks/picks";
+import { type LandmarksSlice, pickCount } from "../landmarks/state";
+import { straightened } from "../landmarks/straighten";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
+import { messageOf, withProblem } from "../store/problems";
+import type { Store } from "../store/store";
+import { formatMm } from "../ui/units";
+import type { ViewSlice } from "../viewer/state";
+import { readDistances } from "./distances";
+import type { Player } from "./playback";
+import { type FitSlice, type FitState, withDistances } from "./state";
+import * as text from "./text";
+
+type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice;
+
+const PAUSE_MS = 150; // a run of key presses that nudge a landmark is one fit
+
+/** As the service's first word makes it: nothing has been computed yet. */
+const freshFit = (id: string, links: FitLinks, drawingName: string | null, picks: FitState["picks"]): FitState => ({
+  id,
+  links,
+  state: "running",
+  started: null,
+  iterations: [],
+  shown: -1,
+  playing: true,
+  result: null,
+  drawing: null,
+  drawingName,
+  surface: null,
+  distances: null,
+  reason: null,
+  isConnected: true,
+  picks,
+});
+
+export function fitActions(store: Store<State>, client: Client, player: Player) {
+  let stopFollowing: () => void = () => undefined;
+  let run = 0; // the fit asked for last wins over slower, earlier ones
+  let finished: { scan: string; fit: string } | null = null; // from where the next one may go on
+  let unseen: FitLinks | null = null; // of a fit that runs, while the page still shows the one before
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let askedAt = -Infinity;
+
+  function stop(): void {
+    run += 1;
+    clearTimeout(timer);
+    stopFollowing();
+    unseen = null;
+    player.pause();
+  }
+
+  const change = (part: Partial<FitState>, more: Partial<State> = {}): void =>
+    store.set((state) => (state.fit ? { ...more, fit: { ...state.fit, ...part } } : more));
+
+  function follow(fit: FitState): void {
+    stop();
+    // A fit again is looked at as the one before it was.
+    const look = store.get().fit ? {} : { overlay: "both" as const, showDistances: false };
+    store.set({ ...look, fit, step: "fit", active: null, isStarting: false, announcement: text.fit.announceStarted });
+    const onConnection = (isConnected: boolean): void => change({ isConnected });
+    stopFollowing = followFit(fit.links.events, { handlers, onConnection });
+  }
+
+  /** The fit before stays on the screen, whole, until this one has something to show. */
+  function followUnseen(asked: FitState): void {
+    stop();
+    unseen = asked.links;
+    let fit = asked;
+    const isSeen = (): boolean => store.get().fit?.id === fit.id;
+    const appear = (): void => {
+      if (isSeen()) return;
+      unseen = null;
+      store.set({ fit, isStarting: false });
+    };
+    const giveUp = (reason: string): void => store.set((state) => ({ ...standStill(state), ...withProblem(state, "fit", reason) }));
+    stopFollowing = followFit(fit.links.events, {
+      handlers: {
+        started: ({ body }) => (fit = { ...fit, started: body, drawingName: body.drawing }),
+        iterated: (event) => {
+          appear();
+          handlers.iterated(event);
+        },
+        done: (event) => {
+          appear();
+          const { step } = store.get();
+          handlers.done(event);
+          store.set({ step }); // who moves landmarks stays with them
+        },
+        failed: (event) => (isSeen() ? handlers.failed(event) : giveUp(event.body.reason)),
+        cancelled: (event) => (isSeen() ? handlers.cancelled(event) : store.set(standStill)),
+      },
+      onConnection: (isConnected) => isSeen() && change({ isConnected }),
+    });
+  }
+
+  /** Nothing runs any more; a fit that was given up for a newer one ends where it was. */
+  function standStill(state: State): Partial<State> {
+    unseen = null;
+    return { isStarting: false, fit: state.fit?.state === "running" ? { ...state.fit, state: "cancelled" } : state.fit };
+  }
+
+  const handlers: Handlers = {
+    started: ({ body }) => change({ started: body, drawingName: body.drawing }),
+    iterated: ({ body }) => {
+      const fit = store.get().fit;
+      if (!fit) return;
+      const before = fit.iterations.at(-1);
+      const more = before?.stage === body.stage ? {} : { announcement: text.fit.announceStage(body.stage) };
+      change({ iterations: [...fit.iterations, body] }, more);
+      player.follow();
+    },
+    done: ({ body }) => {
+      const { scan, fit } = store.get();
+      if (scan && fit) finished = { scan: scan.info.id, fit: fit.id };
+      const announcement = text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean));
+      const upright = straightened(store.get(), picksOf({ landmarks: body.result.landmarks, unit: body.result.scan.unit }));
+      change({ state: "done", result: body.result }, { ...upright, step: "result", announcement });
+      player.follow();
+      void fetchDrawing();
+      void fetchSurface();
+    },
+    failed: ({ body }) => {
+      change({ state: "failed", reason: body.reason }, { step: "fit", ...withProblem(store.get(), "fit", body.reason) });
+    },
+    cancelled: ({ body }) => change({ state: "cancelled", reason: body.reason }, { announcement: text.fit.cancelled }),
+  };
+
+  async function fetchDrawing(): Promise<void> {
+    const fit = store.get().fit;
+    if (fit?.drawingName == null) return;
+    try {
+      const drawing = await client.drawing(fit.links.drawing);
+      if (store.get().fit?.id === fit.id) change({ drawing });
+    } catch (error) {
+      store.set((state) => withProblem(state, "fit", messageOf(error)));
+    }
+  }
+
+  /** The surface and its distances; without them all else of the result still holds. */
+  async function fetchSurface(): Promise<void> {
+    const fit = store.get().fit;
+    if (!fit) return;
+    try {
+      const [surface, distances] = await Promise.all([client.bytes(fit.links.fitted_ply), client.bytes(fit.links.distances)]);
+      if (store.get().fit?.id === fit.id) change({ surface, distances: readDistances(distances) });
+    } catch (error) {
+      store.set((state) => withProblem(state, "distances", messageOf(error)));
+    }
+  }
+
+  /** `from`: a finished fit of the same scan, which the new one goes on from; null: from the beginning. */
+  async function begin(from: string | null): Promise<void> {
+    const { scan, picks, stance, preset, drawing, refine } = store.get();
+    if (!scan) return;
+    const mine = ++run;
+    const landmarks = { ...picks.present };
+    const goingOn = from === null ? {} : { start_from: from };
+    try {
+      const { id, links } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, refine, landmarks, ...goingOn });
+      if (mine !== run || store.get().scan?.info.id !== scan.info.id) {
+        void client.cancel(links.cancel).catch(() => undefined); // nobody waits for it any more
+        return;
+      }
+      (from === null ? follow : followUnseen)(freshFit(id, links, drawing || null, picks.present));
+    } catch (error) {
+      if (mine === run) store.set((state) => ({ ...standStill(state), ...withProblem(state, "fit", messageOf(error)) }));
+    }
+  }
+
+  /** Ends at the service what nobody looks at any more. */
+  function giveUpRunning(): void {
+    const { fit } = store.get();
+    const links = unseen ?? (fit?.state === "running" ? fit.links : null);
+    stop();
+    if (links) void client.cancel(links.cancel).catch(() => undefined);
+  }
+
+  function refitNow(): void {
+    const { scan, fit } = store.get();
+    if (!scan || !fit) return;
+    giveUpRunning();
+    const from = finished?.scan === scan.info.id ? finished.fit : null;
+    store.set((state) => ({ isStarting: true, ...withProblem(state, "fit", null) }));
+    void begin(from);
+  }
+
+  return {
+    stop,
+
+    async start(): Promise<void> {
+      if (!store.get().scan || store.get().isStarting) return;
+      store.set((state) => ({
+        ...straightened(state, state.picks.present),
+        ...withProblem(state, "fit", null),
+        isStarting: true,
+        active: null,
+        step: "fit",
+      }));
+      await begin(null);
+    },
+
+    /** Landmarks were moved after a fit: at once the fit that belongs to them, from where the model stands. */
+    refit: (): void => {
+      if (!store.get().fit) return;
+      const isRun = performance.now() - askedAt < PAUSE_MS;
+      askedAt = performance.now();
+      clearTimeout(timer);
+      if (isRun) timer = setTimeout(refitNow, PAUSE_MS);
+      else refitNow();
+    },
+
+    /** The fit that the address names, from its first event. */
+    async open(id: string): Promise<void> {
+      try {
+        const fit = await client.fit(id);
+        const picks = store.get().picks.present;
+        follow(freshFit(fit.id, fit.links, fit.drawing, pickCount(store.get()) > 0 ? picks : null));
+      } catch (error) {
+        store.set((state) => withProblem(state, "fit", messageOf(error)));
+      }
+    },
+
+    async cancel(): Promise<void> {
+      const { fit } = store.get();
+      const links = unseen ?? (fit?.state === "running" ? fit.links : null);
+      if (!links) return;
+      try {
+        await client.cancel(links.cancel);
+      } catch (error) {
+        store.set((state) => withProblem(state, "fit", messageOf(error)));
+      }
+    },
+
+    chooseStance: (stance: StanceChoice): void => store.set({ stance }),
+    choosePreset: (preset: string): void => store.set({ preset }),
+    chooseRefine: (refine: boolean): void => store.set({ refine }),
+    chooseDrawing: (drawing: string): void => store.set({ drawing }),
+
+    showDistances: (isOn: boolean): void => store.set((state) => withDistances(state, isOn)),
+  };
+}
+
+export type FitActions = ReturnType<typeof fitActions>;

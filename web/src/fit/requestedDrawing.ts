@@ -1,0 +1,65 @@
+// The model's drawing that a fit is asked to bring along: one of its own, or a pattern with numbers, and a tumour by the clock.
+// The service takes it as one text, for instance lumpectomy+tumour:side=L,clock=10,distance_mm=45,radius_mm=12.
+import type { Meta, PatternInfo, PatternParameter } from "../api/types";
+
+export type Values = Readonly<Record<string, string>>;
+
+export interface DrawingRequest {
+  /** a drawing of the model or a pattern; empty for none */
+  readonly base: string;
+  /** of the pattern: what was given, as written; what is missing has its default */
+  readonly values: Values;
+  readonly tumour: Values | null;
+}
+
+export const TUMOUR = "tumour";
+
+function partOf(name: string, values: Values): string {
+  const given = Object.entries(values).filter(([, value]) => value !== "");
+  return given.length === 0 ? name : `${name}:${given.map(([key, value]) => `${key}=${value}`).join(",")}`;
+}
+
+export function requestText({ base, values, tumour }: DrawingRequest): string {
+  return [...(base === "" ? [] : [partOf(base, values)]), ...(tumour ? [partOf(TUMOUR, tumour)] : [])].join("+");
+}
+
+function read(part: string): { name: string; values: Values } {
+  const [name = "", written = ""] = part.split(/:(.*)/s);
+  const pairs = written.split(",").flatMap((pair) => (pair.includes("=") ? [pair.split("=", 2) as [string, string]] : []));
+  return { name: name.trim(), values: Object.fromEntries(pairs.map(([key, value]) => [key.trim(), value.trim()])) };
+}
+
+export function readRequest(text: string): DrawingRequest {
+  const parts = text.split("+").filter((part) => part.trim() !== "").map(read);
+  const base = parts.find(({ name }) => name !== TUMOUR);
+  return { base: base?.name ?? "", values: base?.values ?? {}, tumour: parts.find(({ name }) => name === TUMOUR)?.values ?? null };
+}
+
+/** What a field shows before anybody has touched it; the needed ones get a value in the middle of what is usual. */
+export function startValue(parameter: PatternParameter): string {
+  if (parameter.default !== null) return String(parameter.default);
+  if (!parameter.needed) return "";
+  const USUAL: Record<string, string> = { clock: "12", distance_mm: "40", radius_mm: "15" };
+  return parameter.choices?.[0] ?? USUAL[parameter.name] ?? String(parameter.min ?? 0);
+}
+
+export const startValues = (pattern: PatternInfo): Values => Object.fromEntries(pattern.parameters.filter(({ needed }) => needed).map((each) => [each.name, startValue(each)]));
+
+/** A number within its bounds, or null: then the field says what it takes. */
+export function checked(parameter: PatternParameter, written: string): string | null {
+  const text = written.trim().replace(",", ".");
+  if (text === "") return parameter.needed ? null : "";
+  if (parameter.choices) return parameter.choices.includes(text) ? text : null;
+  const value = Number(text);
+  const isIn = Number.isFinite(value) && value >= (parameter.min ?? -Infinity) && value <= (parameter.max ?? Infinity);
+  return isIn ? String(value) : null;
+}
+
+/** For people: the labels of all parts. */
+export function requestLabel(text: string, labels: ReadonlyMap<string, string>): string {
+  const { base, tumour } = readRequest(text);
+  return [...(base === "" ? [] : [base]), ...(tumour ? [TUMOUR] : [])].map((name) => labels.get(name) ?? name).join(", ");
+}
+
+export const drawingLabels = ({ meta }: { meta: Meta | null }): ReadonlyMap<string, string> =>
+  new Map([...(meta?.patterns ?? []), ...(meta?.drawings ?? [])].map(({ name, label }) => [name, label]));

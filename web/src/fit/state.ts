@@ -1,0 +1,94 @@
+// A fit on the page: what was asked for, its iterations as they came, its result, and how the model is shown.
+import type { DrawingFile, FitLinks, Iterated, NodePose, Result, StanceChoice, Started } from "../api/types";
+import type { Picks } from "../landmarks/picks";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
+import type { ViewSlice } from "../viewer/state";
+import type { ViewBarShown } from "../viewer/ViewBar";
+import type { HandPose } from "./handPose";
+
+export interface FitState {
+  readonly id: string;
+  readonly links: FitLinks;
+  readonly state: "running" | "done" | "failed" | "cancelled";
+  readonly started: Started | null;
+  readonly iterations: readonly Iterated[];
+  readonly shown: number; // index into iterations; -1 before the first
+  readonly playing: boolean;
+  readonly result: Result | null;
+  readonly drawing: DrawingFile | null; // on the scan's surface
+  readonly drawingName: string | null;
+  readonly surface: ArrayBuffer | null; // fitted.ply
+  readonly distances: Float32Array | null; // mm, of each vertex of the surface; NaN where there is no scan
+  readonly reason: string | null;
+  readonly isConnected: boolean;
+  readonly picks: Picks | null; // that it was started with; null when it came from the address
+}
+
+export interface FitSlice {
+  readonly stance: StanceChoice;
+  readonly preset: string;
+  readonly drawing: string; // that the next fit brings along, see requestedDrawing.ts
+  readonly refine: boolean;
+  readonly fit: FitState | null;
+  readonly handPose: HandPose | null;
+  readonly isStarting: boolean; // the request for a fit is under way
+  readonly showDistances: boolean;
+}
+
+export const initialFit: FitSlice = {
+  stance: "auto",
+  preset: "default",
+  drawing: "lumpectomy",
+  refine: false,
+  fit: null,
+  handPose: null,
+  isStarting: false,
+  showDistances: false,
+};
+
+export const isFitting = (state: Pick<FitSlice, "isStarting" | "fit">): boolean => state.isStarting || state.fit?.state === "running";
+
+/** The iteration that is on the screen. */
+export const shownIteration = (fit: FitState | null): Iterated | null => fit?.iterations[fit.shown] ?? null;
+
+/** True when the last iteration is on the screen and there will be no other. */
+export const isAtRest = (fit: FitState): boolean => fit.state !== "running" && fit.shown === fit.iterations.length - 1;
+
+/** Somebody has posed this fit's model by hand, and sees it so. */
+export const isPosedByHand = ({ fit, handPose }: Pick<FitSlice, "fit" | "handPose">): boolean => fit !== null && handPose?.fit === fit.id && isAtRest(fit);
+
+/** How the rig stands on the screen: as posed by hand, else as in the shown iteration. */
+export const shownPoses = (state: Pick<FitSlice, "fit" | "handPose">): readonly NodePose[] | null =>
+  isPosedByHand(state) ? state.handPose!.nodes : (shownIteration(state.fit)?.nodes ?? null);
+
+/** What decides which surface stands for the model. */
+export type Shown = Pick<FitSlice & PageSlice, "fit" | "handPose" | "model" | "showDistances">;
+
+/** Something of the model is on the stage. */
+export const hasModelShown = (state: Shown): boolean => (state.fit !== null && state.fit.shown >= 0) || showsFittedSurface(state);
+
+/** At rest the surface that the service wrote stands for the posed rig: coloured, or bent onto the skin beyond what a rig can show. */
+export const showsFittedSurface = (state: Shown): boolean => !isPosedByHand(state) && hasFittedSurface(state);
+
+const hasFittedSurface = ({ fit, model, showDistances }: Shown): boolean =>
+  Boolean(fit?.surface && fit.result && isAtRest(fit) && (!model || fit.result.refined || (showDistances && fit.distances)));
+
+/** Scan and model are there, so that there is something to choose between. */
+export const hasBoth = ({ scan, fit }: Pick<ScanSlice & FitSlice, "scan" | "fit">): boolean => scan !== null && fit !== null;
+
+/** What of the page's state the view's buttons show. */
+export const viewBarShown = ({ scan, loading, fit, overlay, showDistances }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "showDistances">): ViewBarShown => ({
+  isShown: scan !== null && loading === null,
+  hasOverlays: fit !== null && scan?.mesh !== null,
+  overlay,
+  hasDistances: fit?.distances != null,
+  showDistances,
+});
+
+/** The coloured surface alone: over the scan the two would fight for each pixel. */
+export const withDistances = ({ handPose, overlay }: Pick<ViewSlice & FitSlice, "handPose" | "overlay">, showDistances: boolean) => ({
+  showDistances,
+  handPose: showDistances ? null : handPose, // distances belong to the fit as it is
+  overlay: showDistances && (overlay === "both" || overlay === "scan") ? ("model" as const) : overlay,
+});

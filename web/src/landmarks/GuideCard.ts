@@ -1,0 +1,62 @@
+// The instruction beside the body while a landmark is being placed: what, on which side, how to find it, a picture.
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
+import { button } from "../ui/controls";
+import { el, setText, show } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import { formatMmWhole } from "../ui/units";
+import type { LandmarkActions } from "./actions";
+import { plainLabel, sideOf } from "./picks";
+import { expectedErrorMm, openProposals } from "./proposals";
+import type { LandmarksSlice } from "./state";
+import * as text from "./text";
+
+type Shown = Pick<PageSlice & LandmarksSlice, "meta" | "active" | "picks" | "proposals">;
+
+export interface GuideCard extends Panel<Shown> {
+  readonly canvas: HTMLCanvasElement;
+  readonly light: HTMLElement;
+}
+
+export function createGuideCard(actions: LandmarkActions): GuideCard {
+  const canvas = el("canvas", { class: "model-picture", role: "img", "aria-label": text.landmarks.guideCaption });
+  const light = el("span", { class: "lit-point", hidden: true });
+  const name = el("h3", {});
+  const side = el("span", { class: "chip" });
+  const latin = el("p", { class: "latin muted" });
+  const definition = el("p", {});
+  const skip = button(text.landmarks.skip, () => actions.skip(), "quiet outlined");
+  const take = button(text.proposals.take, () => actions.confirmWanted(), "outlined take", "check");
+  const stop = button(text.landmarks.stop, () => actions.want(null));
+  const element = el(
+    "section",
+    { class: "guide", hidden: true, "aria-live": "polite" },
+    el("h2", {}, text.landmarks.guideTitle),
+    el("div", { class: "picture" }, canvas, light),
+    el("div", { class: "guide-words" }, el("div", { class: "guide-head" }, name, side), latin, definition),
+    take,
+    el("div", { class: "buttons" }, skip, stop),
+    el("p", { class: "muted small" }, text.landmarks.how),
+  );
+  return {
+    element,
+    canvas,
+    light,
+    select: only("meta", "active", "picks", "proposals"),
+    update(state: Shown): void {
+      const wanted = state.meta?.landmarks.find((entry) => entry.name === state.active);
+      show(element, wanted !== undefined);
+      if (!wanted) return;
+      setText(name, plainLabel(wanted.label));
+      const where = sideOf(wanted.name);
+      setText(side, text.landmarks.sides[where]);
+      side.className = `chip side-${where}`;
+      light.className = `lit-point side-${where}`;
+      const proposal = openProposals(state.proposals, state.picks.present).find((each) => each.name === wanted.name);
+      show(take, proposal !== undefined);
+      if (proposal) take.title = text.proposals.errorHint(formatMmWhole(expectedErrorMm(proposal.confidence)));
+      setText(latin, wanted.latin);
+      setText(definition, wanted.definition);
+    },
+  };
+}

@@ -1,0 +1,148 @@
+// Step 2: the ordered list.  A row shows what it is, on which side, whether it is placed; pressing it (re-)places it.
+import type { LandmarkDefinition } from "../api/types";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
+import { button, fileButton, iconButton, problem } from "../ui/controls";
+import { el, fill, icon, setText, show } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import { formatMmWhole } from "../ui/units";
+import type { LandmarkActions } from "./actions";
+import { landmarkExport } from "./LandmarkExport";
+import { onWrongSide, plainLabel, sideOf } from "./picks";
+import { expectedErrorMm, isLikely, type OpenProposal, openProposals } from "./proposals";
+import type { ProposalSearch } from "./proposalSearch";
+import type { LandmarksSlice } from "./state";
+import * as text from "./text";
+
+type Shown = Pick<PageSlice & ScanSlice & LandmarksSlice, "meta" | "problems" | "scan" | "picks" | "proposals" | "skipped" | "active" | "saving">;
+
+export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSearch, dismiss: () => void): Panel<Shown> {
+  const rows = el("ol", { class: "landmarks" });
+  const undo = iconButton("undo", text.landmarks.undo, () => actions.undo());
+  const redo = iconButton("redo", text.landmarks.redo, () => actions.redo());
+  const saved = el("span", { class: "saved muted" });
+  const again = button(text.landmarks.again, () => void actions.saveNow(), "link");
+  const wrong = problem(dismiss);
+  const example = button(text.landmarks.useExample, () => actions.useExample(), "quiet outlined wide");
+  let state: Shown | null = null;
+  const file = fileButton(text.landmarks.importFile, ".json,.csv,.txt,.pp", "icon-only", (chosen) => void actions.importFile(chosen));
+  file.querySelector("input")!.id = "landmark-file";
+  file.querySelector("span")!.className = "visually-hidden";
+  file.title = text.landmarks.importHint;
+  const save = landmarkExport(() => state);
+  const warning = el("p", { class: "look-here", hidden: true });
+  const proposals = makeProposals(actions, search);
+  const element = el(
+    "div",
+    { class: "panel" },
+    wrong.element,
+    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, save.button),
+    save.menu,
+    proposals.element,
+    rows,
+    warning,
+    example,
+  );
+  const made = new Map<string, ReturnType<typeof makeRow>>();
+  return {
+    element,
+    select: only("meta", "problems", "scan", "picks", "proposals", "skipped", "active", "saving"),
+    update(session: Shown): void {
+      state = session;
+      const list = session.meta?.landmarks ?? [];
+      fill(rows, list.map((entry) => entry.name), () => {
+        made.clear();
+        for (const entry of list) made.set(entry.name, makeRow(entry, made.size + 1, actions));
+        return [...made.values()].map((each) => each.element);
+      });
+      const wrongSide = session.scan ? onWrongSide(session.picks.present, session.scan.frame) : new Set<string>();
+      const open = new Map(openProposals(session.proposals, session.picks.present).map((proposal) => [proposal.name, proposal]));
+      for (const [name, each] of made) each.update(session, wrongSide.has(name), open.get(name) ?? null);
+      proposals.update(session, [...open.values()]);
+      const first = list.find((entry) => wrongSide.has(entry.name));
+      setText(warning, first ? text.landmarks.wrongSide(text.landmarks.spoken(first)) : "");
+      show(warning, first !== undefined);
+      undo.disabled = session.picks.past.length === 0;
+      redo.disabled = session.picks.future.length === 0;
+      const isEmpty = Object.keys(session.picks.present).length === 0;
+      save.button.disabled = isEmpty;
+      setText(saved, isEmpty && session.saving === "saved" ? "" : text.landmarks[session.saving]);
+      wrong.set(session.problems.landmarks);
+      show(again, session.saving === "unsaved" && session.problems.landmarks !== undefined);
+      show(example, Boolean(session.scan?.example));
+    },
+  };
+}
+
+function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkActions) {
+  const side = sideOf(entry.name);
+  const status = el("span", { class: "visually-hidden" });
+  const chip = side === "middle" ? null : el("span", { class: `chip side-${side}`, title: text.landmarks.sides[side], "data-short": text.landmarks.sideShort[side] }, text.landmarks.sideWords[side]);
+  const place = el(
+    "button",
+    {
+      type: "button",
+      class: "landmark-name",
+      title: `${entry.latin}\n${entry.definition}`,
+      onclick: () => actions.want(entry.name),
+    },
+    el("span", { class: `mark side-${side}` }, el("span", {}, String(number))),
+    el("span", { class: "label-text" }, plainLabel(entry.label)),
+    chip,
+    status,
+  );
+  const remove = iconButton("close", text.landmarks.remove(text.landmarks.spoken(entry)), () => actions.remove(entry.name));
+  remove.classList.add("remove");
+  const tick = icon("check");
+  const confirm = el("button", { type: "button", class: "button confirm", onclick: () => actions.confirm([entry.name]) }, icon("check"), el("span", {}));
+  const words = confirm.querySelector("span")!;
+  const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, tick, confirm, remove);
+  return {
+    element,
+    update(state: Shown, isWrong: boolean, proposal: OpenProposal | null): void {
+      const isPlaced = entry.name in state.picks.present;
+      const isSkipped = state.skipped.has(entry.name) && !isPlaced;
+      const isActive = state.active === entry.name;
+      if (isActive && !element.classList.contains("is-active")) element.scrollIntoView({ block: "nearest" });
+      element.classList.toggle("is-placed", isPlaced);
+      element.classList.toggle("is-skipped", isSkipped);
+      element.classList.toggle("is-active", isActive);
+      element.classList.toggle("is-wrong", isWrong);
+      place.setAttribute("aria-pressed", String(isActive));
+      show(remove, isPlaced);
+      const mm = proposal ? formatMmWhole(expectedErrorMm(proposal.confidence)) : "";
+      element.classList.toggle("is-proposed", proposal !== null);
+      show(confirm, proposal !== null);
+      confirm.classList.toggle("is-rough", proposal !== null && !isLikely(proposal));
+      setText(words, text.proposals.errorShort(mm));
+      confirm.title = proposal?.on_scan === false ? text.proposals.offScanHint : text.proposals.errorHint(mm);
+      confirm.setAttribute("aria-label", `${text.proposals.confirm(text.landmarks.spoken(entry))}, ${text.proposals.error(mm)}`);
+      const missing = proposal ? text.proposals.rowState(mm) : text.landmarks.missing;
+      setText(status, isPlaced ? text.landmarks.placed : isSkipped ? text.landmarks.skippedState : missing);
+    },
+  };
+}
+
+/** Above the list: what the service proposes, and the one press that takes all of it. */
+function makeProposals(actions: LandmarkActions, search: ProposalSearch) {
+  const words = el("p", {});
+  let all: readonly string[] = [];
+  const take = button("", () => actions.confirm(all), "quiet outlined");
+  const again = button(text.proposals.again, () => void search.look(), "quiet outlined");
+  const element = el("div", { class: "proposals", hidden: true }, words, take, again);
+  return {
+    element,
+    update({ proposals }: Shown, open: readonly OpenProposal[]): void {
+      const isNone = proposals?.state === "none";
+      all = open.map(({ name }) => name);
+      const rough = open.filter((proposal) => !isLikely(proposal)).length;
+      show(element, proposals?.state === "looking" || isNone || all.length > 0);
+      const found = rough > 0 ? `${text.proposals.found(all.length)} ${text.proposals.doubtful(rough)}` : text.proposals.found(all.length);
+      setText(words, proposals?.state === "none" ? text.proposals.none(proposals.reason) : proposals?.state === "looking" ? text.proposals.looking : found);
+      show(take, all.length > 0);
+      setText(take.querySelector("span")!, text.proposals.confirmAll(all.length));
+      show(again, isNone);
+    },
+  };
+}

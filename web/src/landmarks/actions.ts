@@ -1,0 +1,189 @@
+// Placing landmarks: each change is one step of the undo history and is saved with the scan soon after.
+import type { Client } from "../api/client";
+import type { Scan, Vector } from "../api/types";
+import type { ScanSlice } from "../scan/state";
+import { record, redo, undo } from "../store/history";
+import type { PageSlice } from "../store/page";
+import { messageOf, withProblem } from "../store/problems";
+import type { Store } from "../store/store";
+import type { ViewSlice } from "../viewer/state";
+import { readLandmarks, UnreadableLandmarks } from "./files";
+import { nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
+import { openProposals } from "./proposals";
+import type { LandmarksSlice } from "./state";
+import { straightened } from "./straighten";
+import * as text from "./text";
+
+type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice;
+
+const PAUSE_MS = 400; // a run of quick clicks is one save
+
+export function landmarkActions(store: Store<State>, client: Client, onBegun: () => void, onMoved: () => void) {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let waiting: { scan: Scan; picks: Picks } | null = null;
+
+  const list = () => store.get().meta?.landmarks ?? [];
+  function labelOf(name: string | null): string | null {
+    const entry = list().find((each) => each.name === name);
+    return entry ? text.landmarks.spoken(entry) : name;
+  }
+
+  /** What is shown about saving concerns the scan on the screen; another one is saved all the same. */
+  async function save(scan: Scan, picks: Picks): Promise<void> {
+    const show = (part: (state: State) => Partial<State>): void =>
+      store.set((state) => (state.scan?.info.id === scan.id ? part(state) : {}));
+    show(() => ({ saving: "saving" }));
+    try {
+      await client.saveLandmarks(scan, { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks } });
+      show((state) => (state.picks.present === picks ? { saving: "saved", ...withProblem(state, "landmarks", null) } : {}));
+    } catch (error) {
+      show((state) => ({ saving: "unsaved", ...withProblem(state, "landmarks", messageOf(error)) }));
+    }
+  }
+
+  /** Sends at once what still waits: before another scan takes the page, or the page goes away. */
+  async function flush(): Promise<void> {
+    clearTimeout(timer);
+    const { scan, picks } = waiting ?? {};
+    waiting = null;
+    if (scan && picks) await save(scan, picks);
+  }
+
+  function saveSoon(): void {
+    const { scan, picks } = store.get();
+    if (!scan) return;
+    if (waiting && waiting.scan.id !== scan.info.id) void flush();
+    clearTimeout(timer);
+    waiting = { scan: scan.info, picks: picks.present };
+    store.set({ saving: "unsaved" });
+    timer = setTimeout(() => void flush(), PAUSE_MS);
+  }
+
+  async function saveNow(): Promise<void> {
+    const { scan, picks } = store.get();
+    if (scan) await save(scan.info, picks.present);
+  }
+
+  /** The same landmarks elsewhere, and nothing else: what a fit can go on from. */
+  function noticeMoves(before: Picks): void {
+    const after = store.get().picks.present;
+    const names = Object.keys(after);
+    if (names.length === Object.keys(before).length && names.every((name) => name in before) && names.some((name) => after[name] !== before[name])) onMoved();
+  }
+
+  function change(picks: Picks, more: Partial<State> = {}): void {
+    const before = store.get().picks.present;
+    store.set((state) => ({ ...more, picks: record(state.picks, picks) }));
+    saveSoon();
+    noticeMoves(before);
+  }
+
+  return {
+    /** The click that places the wanted landmark, and goes on to the next one. */
+    place(point: Vector): void {
+      const state = store.get();
+      const name = state.active;
+      if (name === null) return;
+      const picks = withPick(state.picks.present, name, point);
+      const skipped = new Set([...state.skipped].filter((other) => other !== name));
+      const active = nextMissing(list(), picks, skipped, name);
+      change(picks, {
+        active,
+        skipped,
+        announcement: text.landmarks.announcePlaced(labelOf(name) ?? "", labelOf(active)),
+      });
+    },
+
+    /** A placed landmark goes elsewhere; what is wanted stays wanted. */
+    move(name: string, point: Vector): void {
+      change(withPick(store.get().picks.present, name, point), { announcement: text.landmarks.announceMoved(labelOf(name) ?? name) });
+    },
+
+    want(name: string | null): void {
+      store.set({ active: name, ...(name === null ? {} : { step: "landmarks" as const, overlay: "both" as const }) });
+      if (name !== null) onBegun();
+    },
+
+    /** Proposals become picks like any other: one step of the history, and they can be placed again. */
+    confirm(names: readonly string[]): void {
+      const state = store.get();
+      const taken = openProposals(state.proposals, state.picks.present).filter(({ name }) => names.includes(name));
+      if (taken.length === 0) return;
+      const picks = { ...state.picks.present, ...Object.fromEntries(taken.map(({ name, point }) => [name, point])) };
+      const skipped = new Set([...state.skipped].filter((name) => !(name in picks)));
+      const wasWanted = state.active !== null && state.active in picks;
+      const active = wasWanted ? nextMissing(list(), picks, skipped, state.active) : state.active;
+      const announcement = text.proposals.announceConfirmed(taken.map(({ name }) => labelOf(name) ?? name));
+      change(picks, { ...straightened(state, picks), active, skipped, announcement });
+    },
+
+    /** The proposal for the wanted landmark, for the keyboard. */
+    confirmWanted(): void {
+      const { active } = store.get();
+      if (active !== null) this.confirm([active]);
+    },
+
+    wantNext(): void {
+      const state = store.get();
+      if (!state.scan) return;
+      const name = nextMissing(list(), state.picks.present, state.skipped, state.active);
+      if (name !== null) this.want(name);
+    },
+
+    skip(): void {
+      const state = store.get();
+      if (state.active === null) return;
+      const skipped = new Set([...state.skipped, state.active]);
+      store.set({ skipped, active: nextMissing(list(), state.picks.present, skipped, state.active) });
+    },
+
+    /** Picks that could not be saved before; what the service has is one undo away. */
+    restore: (picks: Picks): void => change(picks),
+    remove: (name: string): void => change(withoutPick(store.get().picks.present, name)),
+    clear: (): void => change({}, { active: null, skipped: new Set() }),
+
+    undo(): void {
+      if (store.get().picks.past.length === 0) return;
+      const before = store.get().picks.present;
+      store.set((state) => ({ picks: undo(state.picks), announcement: text.landmarks.announceUndone }));
+      saveSoon();
+      noticeMoves(before);
+    },
+
+    redo(): void {
+      if (store.get().picks.future.length === 0) return;
+      const before = store.get().picks.present;
+      store.set((state) => ({ picks: redo(state.picks), announcement: text.landmarks.announceRedone }));
+      saveSoon();
+      noticeMoves(before);
+    },
+
+    useExample(): void {
+      const example = store.get().scan?.example;
+      if (!example) return;
+      const picks = picksOf(example);
+      const announcement = text.landmarks.announceImported(Object.keys(picks).length);
+      change(picks, { ...straightened(store.get(), picks), active: null, step: "landmarks", announcement });
+    },
+
+    async importFile(file: File): Promise<void> {
+      const scan = store.get().scan;
+      if (!scan) return;
+      try {
+        const picks = readLandmarks(await file.text(), scan.info.unit, list());
+        const announcement = text.landmarks.announceImported(Object.keys(picks).length);
+        store.set((state) => withProblem(state, "landmarks", null));
+        const all = { ...store.get().picks.present, ...picks };
+        change(all, { ...straightened(store.get(), all), active: null, announcement });
+      } catch (error) {
+        const message = error instanceof UnreadableLandmarks ? error.message : messageOf(error);
+        store.set((state) => withProblem(state, "landmarks", message));
+      }
+    },
+
+    saveNow,
+    flush,
+  };
+}
+
+export type LandmarkActions = ReturnType<typeof landmarkActions>;

@@ -1,0 +1,78 @@
+// Picked landmarks: which one is next, and which look wrong.  Points are millimetres in the scan's own axes.
+import type { Frame, LandmarkDefinition, LandmarkFile, Vector } from "../api/types";
+import { isUnit, mmFrom } from "../ui/units";
+import { cross, dot, leftOf, tidyFrame } from "../viewer/frame";
+
+export type Picks = Readonly<Record<string, Vector>>;
+export type Side = "left" | "right" | "middle";
+
+/** Three points fix position, direction and size; with fewer the fit has to find its start in the scan alone. */
+export const ENOUGH = 3;
+
+export function sideOf(name: string): Side {
+  return name.endsWith("_L") ? "left" : name.endsWith("_R") ? "right" : "middle";
+}
+
+/** The label without its side, which a mark beside it says louder. */
+export function plainLabel(label: string): string {
+  const plain = label.replace(/[\s,(]*\b(the\s+)?(patient['’]s\s+)?(left|right)\b(\s+side)?\)?/i, "").trim();
+  return plain === "" ? label : plain.charAt(0).toUpperCase() + plain.slice(1);
+}
+
+/** A landmark file's points in millimetres. */
+export function picksOf(file: { landmarks: LandmarkFile["landmarks"]; unit?: string }): Picks {
+  const unit = isUnit(file.unit) ? file.unit : "mm";
+  const entries = Object.entries(file.landmarks);
+  return Object.fromEntries(entries.map(([name, point]) => [name, point.map((value) => mmFrom(value, unit)) as Vector]));
+}
+
+export const withPick = (picks: Picks, name: string, point: Vector): Picks => ({ ...picks, [name]: point });
+
+export function withoutPick(picks: Picks, name: string): Picks {
+  const { [name]: _dropped, ...rest } = picks;
+  return rest;
+}
+
+/** The first landmark after `from`, in the list's order and round its end, that is neither placed nor skipped. */
+export function nextMissing(
+  list: readonly LandmarkDefinition[],
+  picks: Picks,
+  skipped: ReadonlySet<string>,
+  from: string | null = null,
+): string | null {
+  const start = from === null ? 0 : list.findIndex((entry) => entry.name === from) + 1;
+  const inOrder = [...list.slice(start), ...list.slice(0, start)];
+  return inOrder.find((entry) => !(entry.name in picks) && !skipped.has(entry.name))?.name ?? null;
+}
+
+const partnerOf = (name: string): string => name.slice(0, -1) + (name.endsWith("_L") ? "R" : "L");
+
+/** Left landmarks with a partner, and the way from right to left between the two (mm). */
+function acrossPairs(picks: Picks): { name: string; across: Vector }[] {
+  return Object.entries(picks).flatMap(([name, left]) => {
+    const right = sideOf(name) === "left" ? picks[partnerOf(name)] : undefined;
+    return right ? [{ name, across: left.map((value, axis) => value - right[axis]!) as Vector }] : [];
+  });
+}
+
+/** Names of landmarks that lie the wrong way round: the patient's left on the right of its partner. */
+export function onWrongSide(picks: Picks, frame: Frame): ReadonlySet<string> {
+  const axis = leftOf(frame);
+  const swapped = acrossPairs(picks).filter(({ across }) => dot(across, axis) < 0);
+  return new Set(swapped.flatMap(({ name }) => [name, partnerOf(name)]));
+}
+
+const APART_MM = 60; // along the midline; closer points say too little about a direction
+const LOW_TO_HIGH = ["umbilicus", "xiphoid", "mid_sternum", "suprasternal_notch"];
+
+/** How the body stands by its landmarks: better than any guess from the scan alone.  Null while they say too little. */
+export function frameFromPicks(picks: Picks): Frame | null {
+  const left: Vector = [0, 0, 0];
+  for (const { across } of acrossPairs(picks)) across.forEach((value, axis) => (left[axis]! += value));
+  const middle = LOW_TO_HIGH.flatMap((name) => picks[name] ?? []);
+  const [low, high] = [middle.slice(0, 3), middle.slice(-3)];
+  const up = high.map((value, axis) => value - low[axis]!) as Vector;
+  const front = cross(left, up);
+  const isClear = Math.hypot(...up) > APART_MM && Math.hypot(...left) > APART_MM && Math.hypot(...front) > APART_MM ** 2;
+  return isClear ? tidyFrame({ up: cross(front, left), front }) : null;
+}

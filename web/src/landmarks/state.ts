@@ -1,0 +1,28 @@
+// Landmarks on the page's scan: placed ones with their history, proposed ones, and the one that the next click places.
+import type { ScanSlice } from "../scan/state";
+import { type History, startHistory } from "../store/history";
+import type { Picks } from "./picks";
+import type { Proposals } from "./proposals";
+
+export interface LandmarksSlice {
+  readonly picks: History<Picks>;
+  readonly proposals: Proposals | null; // null until somebody asked
+  readonly skipped: ReadonlySet<string>;
+  readonly active: string | null; // the landmark that the next click places
+  readonly saving: "saved" | "saving" | "unsaved";
+}
+
+/** As it is for a scan on which these were placed before. */
+export const startLandmarks = (picks: Picks = {}): LandmarksSlice => ({
+  picks: startHistory(picks),
+  proposals: null,
+  skipped: new Set(),
+  active: null,
+  saving: "saved",
+});
+
+export const pickCount = (state: Pick<LandmarksSlice, "picks">): number => Object.keys(state.picks.present).length;
+
+/** Nobody has said yet that a scan of one's own has the right size and stands the right way up. */
+export const needsConfirming = ({ scan, confirmed, picks }: Pick<ScanSlice & LandmarksSlice, "scan" | "confirmed" | "picks">): boolean =>
+  scan !== null && scan.file !== null && confirmed !== scan.info.id && pickCount({ picks }) === 0;

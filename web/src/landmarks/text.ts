@@ -1,0 +1,73 @@
+// Landmarks and their proposals.
+import { plural } from "../ui/plural";
+import { plainLabel, sideOf } from "./picks";
+
+export const landmarks = {
+  before: "Up to twelve clicks on the body; three are enough to start.",
+  /** "nipple, patient's left": as it stands inside a sentence */
+  spoken({ name, label }: { name: string; label: string }): string {
+    const plain = plainLabel(label);
+    const side = { left: ", patient's left", right: ", patient's right", middle: "" }[sideOf(name)];
+    return plain.charAt(0).toLowerCase() + plain.slice(1) + side;
+  },
+  progress: (placed: number, all: number) => `${placed}/${all}`,
+  sides: { left: "patient's LEFT", right: "patient's RIGHT", middle: "midline" },
+  sideWords: { left: "LEFT", right: "RIGHT", middle: "" },
+  sideShort: { left: "L", right: "R", middle: "" },
+  placed: "placed",
+  skippedState: "skipped",
+  missing: "not placed",
+  wrongSide: (label: string) =>
+    `Are left and right swapped? The point for “${label}” lies on the other side of the body than its partner.`,
+  skip: "Skip",
+  remove: (label: string) => `Remove ${label}`,
+  undo: "Undo",
+  redo: "Redo",
+  stop: "Stop placing",
+  importFile: "Import",
+  importHint: "Read landmarks from a JSON, CSV, MeshLab .pp or 3D Slicer .mrk.json file",
+  exportHint: "Save the placed landmarks",
+  exportJson: "for this page and the command line, in mm",
+  exportCsv: "for spreadsheets, in the scan's unit",
+  exportPp: "for MeshLab",
+  exportSlicer: "for 3D Slicer",
+  useExample: "Use the example's landmarks",
+  clear: "Clear all",
+  saved: "Saved",
+  saving: "Saving …",
+  unsaved: "Not saved yet",
+  again: "Try again",
+  how: "A click on the body places the point, dragging turns the view.",
+  guideTitle: "Place this point",
+  guideCaption: "Shown on the model",
+  announcePlaced: (label: string, next: string | null) =>
+    next === null ? `Placed: ${label}. All landmarks are done.` : `Placed: ${label}. Next: ${next}.`,
+  announceMoved: (label: string) => `Moved: ${label}.`,
+  noSkin: "There is no skin under the cross: move it with the arrow keys.",
+  announceUndone: "Undone.",
+  announceRedone: "Redone.",
+  announceImported: (count: number) => `${plural(count, "landmark", "landmarks")} read.`,
+};
+
+export const proposals = {
+  looking: "Looking for the landmarks on this scan …",
+  found: (count: number) => `${plural(count, "proposal", "proposals")}, shown dashed; ± is the error to expect, in mm. None is used before you confirm it.`,
+  doubtful: (count: number) =>
+    count === 1 ? "One is a rough guess: check it by itself." : `${count} are rough guesses: check each.`,
+  none: (reason: string) => `No proposals: ${reason}`,
+  late: "The service is still busy with it.",
+  again: "Ask again",
+  confirmAll: (count: number) => `Confirm all ${count}`,
+  confirm: (label: string) => `Confirm the proposed ${label}`,
+  confirmLikely: (count: number) => (count === 1 ? "Confirm the likely point" : `Confirm the ${count} likely points`),
+  error: (mm: string) => `±\u00a0${mm}\u00a0mm`,
+  errorHint: (mm: string) => `The proposal is expected to be about ${mm} mm off.`,
+  offScan: "no skin there",
+  offScanHint: "The scan shows no skin here: the model alone says where it would be.",
+  take: "Take the proposal",
+  errorShort: (mm: string) => `±\u00a0${mm}`,
+  rowState: (mm: string) => `proposed, about ${mm} millimetres off`,
+  announceFound: (count: number) => `${plural(count, "landmark is", "landmarks are")} proposed.`,
+  announceConfirmed: (labels: readonly string[]) =>
+    labels.length === 1 ? `Confirmed: ${labels[0]}.` : `${labels.length} proposed landmarks confirmed.`,
+};

@@ -1,0 +1,139 @@
+// The scan: matte grey or its own colours, the inside and the rims of holes darker, ready for picking by BVH.
+import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, type Texture, type Vector3 } from "three";
+import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
+import { extent } from "../viewer/extent";
+import { disposeTree, firstMesh, readGltf } from "../viewer/gltf";
+import type { Surface } from "../viewer/picking";
+import { isBeside, type ViewSlice } from "../viewer/state";
+import { nearestNormal } from "../viewer/surfacePoints";
+import { type Viewer, viewFromScan } from "../viewer/Viewer";
+import { borderEdges } from "./borders";
+import type { ScanSlice } from "./state";
+
+const BEHIND = 0.0025; // metres that the scan steps back for the model: as much as both are sure of
+const INSIDE = 0.5; // brightness of a triangle that is seen from behind
+
+type Shown = Pick<ScanSlice & ViewSlice, "scan" | "showColours" | "overlay">;
+
+export class ScanMesh implements Surface {
+  mesh: Mesh<BufferGeometry, MeshLambertMaterial> | null = null;
+  private texture: Texture | null = null; // its own, whether it is shown or not
+  private wanted: ArrayBuffer | null = null;
+  private stands: object | null = null;
+  private borders: LineSegments | null = null;
+
+  constructor(
+    private readonly viewer: Viewer,
+    /** Called when another scan can be picked on (null), or with the reason why it cannot be drawn. */
+    private readonly onReady: (error: unknown) => void,
+  ) {
+    viewer.beforeFrame.add(() => {
+      if (this.mesh) this.mesh.material.polygonOffsetUnits = BEHIND * viewer.depthUnits;
+    });
+  }
+
+  get bvh(): MeshBVH | null {
+    return (this.mesh?.geometry.boundsTree as MeshBVH | undefined) ?? null;
+  }
+
+  /** Unit vector out of the surface nearest to a point (scan's frame, metres); null before the scan is there. */
+  normalAt(point: Vector3): Vector3 | null {
+    return this.mesh ? nearestNormal(this.mesh.geometry, point) : null;
+  }
+
+  /** `hasModel`: something of the model is on the stage as well. */
+  update(state: Shown, hasModel: boolean): void {
+    const bytes = state.scan?.mesh ?? null;
+    if (bytes !== this.wanted) {
+      this.wanted = bytes;
+      this.clear();
+      if (bytes) void this.load(bytes, state, hasModel);
+    }
+    if (this.mesh) this.paint(this.mesh, state, hasModel);
+  }
+
+  private clear(): void {
+    if (this.mesh) {
+      this.viewer.inHalf(this.mesh, null);
+      disposeTree(this.mesh);
+    }
+    this.mesh = null;
+    this.texture = null;
+    this.borders = null;
+    this.stands = null;
+    this.viewer.invalidate();
+  }
+
+  private async load(bytes: ArrayBuffer, state: Shown, hasModel: boolean): Promise<void> {
+    try {
+      const { scene } = await readGltf(bytes);
+      if (bytes !== this.wanted) return; // another scan was asked for meanwhile
+      const read = firstMesh(scene);
+      if (!read) throw new Error("no mesh");
+      scene.updateMatrixWorld(true);
+      this.texture = (read.material as MeshLambertMaterial).map;
+      this.mesh = dress(read);
+      this.borders = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
+      const { position } = this.mesh.geometry.attributes;
+      const points = borderEdges(position!.array, this.mesh.geometry.index!.array, this.mesh.geometry.hasAttribute("uv"));
+      this.borders.geometry.setAttribute("position", new BufferAttribute(points, 3));
+      this.borders.raycast = () => undefined;
+      this.mesh.add(this.borders);
+      this.viewer.body.add(this.mesh);
+      this.paint(this.mesh, state, hasModel);
+      if (!this.viewer.keepsPose) this.viewer.lookFrom("front", false);
+      this.viewer.keepsPose = false;
+      this.onReady(null);
+    } catch (error) {
+      this.onReady(error);
+    }
+  }
+
+  private paint(mesh: Mesh<BufferGeometry, MeshLambertMaterial>, state: Shown, hasModel: boolean): void {
+    const { palette } = this.viewer;
+    const frame = state.scan?.frame;
+    if (frame && frame !== this.stands) {
+      this.stands = frame;
+      this.viewer.stand(frame, extent(mesh.geometry.attributes.position!.array, viewFromScan(frame)));
+    }
+    // Beside the clay the scan is grey: skin on skin could not be distinguished.
+    const hasColours = this.texture !== null || mesh.geometry.hasAttribute("color");
+    const own = hasColours && state.showColours && state.scan?.info.colours !== "none" && !(hasModel && state.overlay === "both");
+    const material = mesh.material;
+    const map = own ? this.texture : null;
+    const hasVertexColours = own && mesh.geometry.hasAttribute("color");
+    if (material.map !== map || material.vertexColors !== hasVertexColours) {
+      material.map = map;
+      material.vertexColors = hasVertexColours;
+      material.needsUpdate = true;
+    }
+    if (own) material.color.set(0xffffff);
+    else material.color.copy(palette.scan);
+    (this.borders?.material as LineBasicMaterial | undefined)?.color.copy(palette["scan-edge"]);
+    this.viewer.inHalf(mesh, hasModel && isBeside(state.overlay) ? "scan" : null);
+    mesh.visible = !(hasModel && state.overlay === "model");
+    this.viewer.invalidate();
+  }
+}
+
+/** The mesh as we want it, whatever material it came with. */
+function dress(read: Mesh): Mesh<BufferGeometry, MeshLambertMaterial> {
+  const geometry = read.geometry;
+  geometry.applyMatrix4(read.matrixWorld);
+  if (!geometry.index) geometry.setIndex([...Array(geometry.attributes.position!.count).keys()]);
+  if (!geometry.hasAttribute("normal")) geometry.computeVertexNormals();
+  geometry.boundsTree = new MeshBVH(geometry, { indirect: true });
+  const material = new MeshLambertMaterial({ side: DoubleSide });
+  // Behind the model where both lie on one place: the eye then sees the clay and no flicker between the two.
+  material.polygonOffset = true;
+  material.onBeforeCompile = (shader) => {
+    shader.fragmentShader = shader.fragmentShader.replace(
+      "#include <color_fragment>",
+      `#include <color_fragment>\n if (!gl_FrontFacing) diffuseColor.rgb *= ${INSIDE};`,
+    );
+  };
+  const mesh = new Mesh(geometry, material);
+  mesh.name = "scan";
+  mesh.raycast = acceleratedRaycast;
+  return mesh;
+}

@@ -1,0 +1,83 @@
+// Step 1, when a scan is there: what the service read, in which unit and why, and which way the body faces.
+import type { UnitChoice } from "../api/types";
+import type { PageSlice } from "../store/page";
+import { button, fileButton, type Option, problem, row, select } from "../ui/controls";
+import { el, fill, show } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import { formatCm, formatCount } from "../ui/units";
+import type { Turn } from "../viewer/frame";
+import type { ScanActions } from "./actions";
+import type { ScanSlice } from "./state";
+import * as text from "./text";
+
+export const SCAN_FILES = ".ply,.obj,.stl,.glb,.zip";
+const TURNS: Turn[] = ["around", "sideways", "forwards"];
+
+export const unitOptions = (): Option<UnitChoice>[] =>
+  (["auto", "mm", "cm", "dm", "m", "in"] as const).map((value) => ({ value, label: text.units[value] }));
+
+type Shown = Pick<ScanSlice & PageSlice, "scan" | "units" | "showColours" | "problems"> & { readonly isUnconfirmed: boolean };
+
+/** `isUnconfirmed`: nobody has said yet that size and direction are right. */
+export function createScanPanel<More extends object>(actions: ScanActions, dismiss: () => void, isUnconfirmed: (state: More) => boolean): Panel<Shown, PageSlice & ScanSlice & More> {
+  const facts = el("dl", { class: "facts" });
+  const reasons = el("div", { class: "reasons" });
+  const again = select<UnitChoice>(text.scan.readAgain, (unit) => chosen && void actions.upload(chosen, unit));
+  const colours = el("input", { type: "checkbox", onchange: () => actions.showColours(colours.checked) });
+  const coloursRow = el("label", { class: "check" }, colours, el("span", {}, text.scan.colours));
+  const turns = TURNS.map((turn) => {
+    const made = button(text.scan.turns[turn], () => actions.turn(turn), "quiet outlined");
+    made.title = text.scan.turnHints[turn];
+    return made;
+  });
+  const check = el("p", { class: "look-here", hidden: true }, text.scan.check);
+  const unitNote = el("p", { class: "muted small", hidden: true }, text.scan.unitNote);
+  const wrong = problem(dismiss);
+  const other = fileButton(text.scan.other, SCAN_FILES, "quiet wide", (file) => void actions.upload(file));
+  const element = el(
+    "div",
+    { class: "panel" },
+    wrong.element,
+    check,
+    facts,
+    el("details", { class: "why" }, el("summary", {}, text.scan.why), reasons),
+    again.element,
+    unitNote,
+    coloursRow,
+    el("p", { class: "label" }, text.scan.wrongWay),
+    el("div", { class: "buttons" }, ...turns),
+    el("p", { class: "muted small" }, text.scan.turnNote),
+    other,
+  );
+  let chosen: File | null = null;
+  return {
+    element,
+    select: (state) => ({ scan: state.scan, units: state.units, showColours: state.showColours, problems: state.problems, isUnconfirmed: isUnconfirmed(state) }),
+    update(state: Shown): void {
+      wrong.set(state.problems.scan);
+      if (!state.scan) return;
+      const { info, file, frameFrom } = state.scan;
+      chosen = file;
+      fill(facts, info.id, () => {
+        const [w, h, d] = [0, 1, 2].map((axis) => formatCm(info.bounds_m.max[axis]! - info.bounds_m.min[axis]!));
+        return [
+          row(text.scan.triangles, formatCount(info.triangles)),
+          row(text.scan.unit, text.units[info.unit].toLowerCase()),
+          row(text.scan.size, text.scan.sizeValue(w!, h!, d!), "cm"),
+          row(text.scan.stance, text.scan.stances[info.stance.proposed].toLowerCase(), "", info.stance.reason),
+        ];
+      });
+      fill(reasons, [info.id, frameFrom], () => {
+        const facing = frameFrom === "service" ? info.frame.reason : text.scan.facingFrom[frameFrom];
+        const sentences = [info.unit_reason, info.stance.reason, facing, ...info.notes].filter((sentence) => sentence !== "");
+        return sentences.map((sentence) => el("p", {}, sentence));
+      });
+      show(check, state.isUnconfirmed);
+      show(again.element, file !== null);
+      show(unitNote, file === null && state.scan.example === null);
+      again.set(unitOptions(), state.units);
+      show(coloursRow, info.colours !== "none");
+      colours.checked = state.showColours;
+    },
+  };
+}

@@ -1,0 +1,130 @@
+// Bringing a scan in: from a file, from the example, from the address; and turning it upright.
+import { ApiError, type Client } from "../api/client";
+import type { ExampleScan, Frame, UnitChoice } from "../api/types";
+import type { PageSlice } from "../store/page";
+import { messageOf, withProblem } from "../store/problems";
+import type { Store } from "../store/store";
+import { tidyFrame, type Turn, turned } from "../viewer/frame";
+import { fromFront, type ViewSlice } from "../viewer/state";
+import type { ScanSlice } from "./state";
+import * as text from "./text";
+
+export const READABLE = /\.(ply|obj|stl|glb|zip)$/i;
+
+type State = PageSlice & ViewSlice & ScanSlice;
+
+/** What the other features keep with a scan, and do when another one is opened. */
+export interface ScanContents {
+  /** Reads what the service keeps of it: the state that the page starts with, and how the body stands by its landmarks. */
+  read(info: ExampleScan, isNew: boolean): Promise<{ readonly state: object; readonly frame: Frame | null }>;
+  /** The state of a page without a scan. */
+  none(): object;
+  /** What is given up when a scan could not be brought and the page goes back to this step. */
+  interrupted(): object;
+  /** Nothing goes on with the scan that was open. */
+  stop(): void;
+}
+
+export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void) {
+  let generation = 0; // the scan asked for last wins over slower, earlier ones
+
+  /** Shows `info` as the page's scan; everything that belonged to the one before is dropped. */
+  async function adopt(info: ExampleScan, title: string, file: File | null, own: Frame | null, isNew: boolean, mine: number): Promise<void> {
+    const [mesh, kept] = await Promise.all([client.mesh(info), contents.read(info, isNew)]);
+    if (mine !== generation) return;
+    contents.stop();
+    store.set((state) => ({
+      ...kept.state,
+      loading: null,
+      scan: {
+        info,
+        title,
+        mesh,
+        file,
+        frame: own ? tidyFrame(own) : (kept.frame ?? tidyFrame(info.frame)),
+        frameFrom: own ? "person" : kept.frame ? "landmarks" : "service",
+        example: info.example_landmarks ?? null,
+      },
+      step: "scan",
+      overlay: "both",
+      ...fromFront(state),
+      problems: {},
+    }));
+  }
+
+  async function bring(title: string, ask: () => Promise<{ info: ExampleScan; file: File | null; own: Frame | null; isNew?: boolean }>): Promise<boolean> {
+    const mine = ++generation;
+    store.set((state) => ({ loading: { phase: "preparing", share: 0, title }, ...withProblem(state, "scan", null) }));
+    try {
+      const { info, file, own, isNew = false } = await ask();
+      if (mine === generation) await adopt(info, title, file, own, isNew, mine);
+      return mine === generation;
+    } catch (error) {
+      if (mine === generation) {
+        const gone = error instanceof ApiError && error.status === 404;
+        const message = gone ? text.errors.noScan : messageOf(error);
+        store.set((state) => ({ ...contents.interrupted(), loading: null, step: "scan", ...withProblem(state, "scan", message) }));
+      }
+      return false;
+    }
+  }
+
+  return {
+    upload(file: File, units: UnitChoice = store.get().units): Promise<boolean> {
+      if (!READABLE.test(file.name)) {
+        store.set((state) => ({ ...contents.interrupted(), step: "scan", ...withProblem(state, "scan", text.errors.notAScan(file.name)) }));
+        return Promise.resolve(false);
+      }
+      const title = text.uploaded;
+      store.set({ units });
+      return bring(title, async () => {
+        const mine = generation;
+        const progress = (share: number): void => {
+          const phase = share < 1 ? "sending" : "preparing";
+          if (mine === generation) store.set({ loading: { phase, share, title } });
+        };
+        progress(0);
+        return { info: await client.upload(file, units, progress), file, own: null, isNew: true };
+      });
+    },
+
+    takeExample(name: string): Promise<boolean> {
+      const label = store.get().examples.find((example) => example.name === name)?.label ?? name;
+      return bring(label, async () => ({ info: await client.importExample(name), file: null, own: null, isNew: true }));
+    },
+
+    /** The scan that the address names. */
+    open(scan: string, own: Frame | null): Promise<boolean> {
+      return bring(text.uploaded, async () => ({ info: await client.scan(scan), file: null, own }));
+    },
+
+    /** Size and direction are right: on to the landmarks. */
+    confirm(): void {
+      store.set((state) => ({ confirmed: state.scan?.info.id ?? null, step: "landmarks" }));
+      onLandmarks();
+    },
+
+    turn(turn: Turn): void {
+      store.set((state) =>
+        state.scan
+          ? {
+              scan: { ...state.scan, frame: turned(state.scan.frame, turn), frameFrom: "person" },
+              ...fromFront(state),
+            }
+          : {},
+      );
+    },
+
+    /** Back to the empty page; the scan itself stays with the service. */
+    leave(): void {
+      generation += 1;
+      contents.stop();
+      store.set({ ...contents.none(), scan: null, loading: null, step: "scan", problems: {} });
+    },
+
+    chooseUnits: (units: UnitChoice): void => store.set({ units }),
+    showColours: (showColours: boolean): void => store.set({ showColours }),
+  };
+}
+
+export type ScanActions = ReturnType<typeof scanActions>;

@@ -1,0 +1,67 @@
+// Bringing a scan in: the empty page, units, progress, the scan step.
+
+export const empty = {
+  title: "Drop a 3D scan of the torso here",
+  formats: "PLY, OBJ, STL, GLB, or a zip with OBJ, MTL and image.",
+  limit: (megabytes: string) => `Up to ${megabytes} MB.`,
+  choose: "Choose a scan file",
+  units: "Unit of the file",
+  or: "No scan at hand? These are one click away:",
+  lines: [
+    "BreastRig fits a rigged model of the torso to a 3D scan and shows it settle, live.",
+    "Reference surgical drawings come along and lie on the patient's skin.",
+    "The scan stays with this service; no names are asked for and none are kept.",
+  ],
+  drop: "Let go to load this scan",
+};
+
+/** What a scan that came as a file is called: its own name may hold a patient's. */
+export const uploaded = "Uploaded scan";
+
+export const units = {
+  auto: "Find out from the size",
+  mm: "Millimetres",
+  cm: "Centimetres",
+  dm: "Decimetres",
+  m: "Metres",
+  in: "Inches",
+};
+
+export const loading = {
+  sending: (title: string) => `Sending ${title}`,
+  preparing: (title: string) => `Reading and checking ${title}`,
+};
+
+export const scan = {
+  before: "A 3D scan of the torso, standing or lying down.",
+  triangles: "Triangles",
+  size: "Size",
+  sizeValue: (w: string, h: string, d: string) => `${w} × ${h} × ${d}`,
+  unit: "Unit",
+  stance: "Stance",
+  stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine" },
+  facingFrom: { landmarks: "Upright by its landmarks.", person: "Turned by you." },
+  why: "How this was found out",
+  check: "Is it right? The ruler beside the body is 30 cm long; the body should stand upright and face you, with L on your right.",
+  confirm: "Size and direction are right",
+  wrongWay: "Not upright and facing you? Turn it by 90°:",
+  turnNote: "This turns the view only: a fit finds its own start, from the landmarks or the scan itself.",
+  unitNote: "To read it in another unit, load its file again: it is not kept in this page.",
+  turns: { around: "Turn", sideways: "Roll", forwards: "Tip" },
+  turnHints: {
+    around: "Turn the body by 90° about its long axis",
+    sideways: "Roll the body by 90° in the plane of the picture",
+    forwards: "Tip the body forwards by 90°",
+  },
+  colours: "Show the scan's own colours",
+  readAgain: "Wrong unit? Read the file as",
+  other: "Load another scan",
+  ruler: "30 cm",
+  summary: (triangles: string) => `${triangles} triangles`,
+};
+
+export const errors = {
+  notAScan: (name: string) => `“${name}” is not a 3D scan that can be read here: choose a PLY, OBJ, STL or GLB file, or a zip.`,
+  noScan: "This scan is no longer kept by the service. Load it again.",
+  mesh: "The scan cannot be drawn: the service sent a mesh that is not valid glTF.",
+};

@@ -1,0 +1,146 @@
+// The read-only page behind a share link: the body with its drawing, the numbers, the files; a passcode first where there is one.
+import "../../style.css";
+import * as text from "../text";
+import { ApiError } from "../../api/client";
+import type { SharedResult } from "../../api/types";
+import { drawing as drawingText } from "../../drawing/text";
+import { createColourBar } from "../../fit/ColourBar";
+import { createNumbersPanel } from "../../fit/NumbersPanel";
+import { hasBoth, viewBarShown, withDistances } from "../../fit/state";
+import { errors as fitErrors, result as resultText } from "../../fit/text";
+import { createStore } from "../../store/store";
+import { button } from "../../ui/controls";
+import { el, fill, icon, setText, show } from "../../ui/dom";
+import { follow } from "../../ui/Panel";
+import { name, noticeLong } from "../../ui/text";
+import { viewActions } from "../../viewer/actions";
+import { createSwipe } from "../../viewer/Swipe";
+import { errors as viewErrors, view as viewText } from "../../viewer/text";
+import { createViewBar } from "../../viewer/ViewBar";
+import { openSharedViewer } from "./openViewer";
+import { passSecretOn, takeSecret } from "./secret";
+import { initialVisitor, type VisitorState } from "./state";
+import { closeLink, openLink, readShared, visitOf } from "./visit";
+
+const visit = visitOf(takeSecret(window), location.pathname);
+addEventListener("hashchange", () => passSecretOn(window)); // another link, put into the address bar of this one
+const store = createStore<VisitorState>(initialVisitor);
+const view = viewActions(store);
+const words = text.shared;
+const CLOSED = "?closed";
+let opened: SharedResult | null = null;
+let asksPasscode = false;
+const closings = new BroadcastChannel("breastrig-closed"); // the same result in another tab of this browser
+closings.onmessage = ({ data }: MessageEvent<unknown>) => {
+  if (data === opened?.id) location.replace(`/s${CLOSED}`);
+};
+const moment = new Intl.DateTimeFormat("en-GB", { dateStyle: "long", timeStyle: "short" });
+
+const canvas = el("canvas", { class: "view", role: "img", "aria-label": viewText.shared, tabindex: 0 });
+const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
+const viewBar = createViewBar(view, (isOn) => store.set((state) => withDistances(state, isOn)), viewBarShown);
+const swipe = createSwipe(view.swipe, hasBoth);
+const colourBar = createColourBar();
+const note = el("p", {});
+const alert = el("div", { class: "problem", role: "alert", hidden: true }, icon("alert"), note);
+const waiting = el("p", { class: "muted" }, words.opening);
+const passcode = el("input", { type: "password", id: "passcode", autocomplete: "off", required: true });
+const form = el(
+  "form",
+  { class: "passcode", hidden: true, onsubmit: (event) => (event.preventDefault(), void open(passcode.value)) },
+  el("p", {}, words.needsPasscode),
+  el("label", { class: "field" }, el("span", {}, words.passcode), passcode),
+  el("button", { class: "button primary" }, el("span", {}, words.open)),
+);
+const card = el("div", { class: "empty" }, el("div", { class: "empty-card busy" }, waiting, alert, form));
+const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, card);
+const until = el("p", { class: "muted" });
+const shapes = el("ul", { class: "shapes" });
+const files = el("ul", { class: "files" });
+const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, el("h2", {}, resultText.drawing), shapes, el("h2", {}, resultText.files), files);
+const numbers = createNumbersPanel();
+const aside = el("aside", { class: "aside", tabindex: 0, "aria-label": text.numbers.title }, numbers.element); // it scrolls by keys too
+const leave = button(words.close, () => void close(), "quiet outlined", "close");
+const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, name), el("span", { class: "scan-title" }, words.title), el("span", { class: "spring" }), leave);
+const footer = el("footer", { class: "footer" }, el("strong", {}, noticeLong));
+
+document.title = `${words.title} · ${name}`;
+document.body.classList.add("is-empty", "is-shared");
+document.body.append(top, side, host, aside, footer);
+follow(store, viewBar);
+follow(store, swipe);
+follow(store, colourBar);
+follow(store, numbers);
+show(leave, false);
+if (visit.secret === "" && visit.share === "") nothingOpen();
+else void open("");
+
+/** Without a link there is nothing to show but how to open one. */
+function nothingOpen(): void {
+  setText(waiting, location.search === CLOSED ? words.closed : words.howToOpen);
+  history.replaceState(null, "", "/s");
+}
+
+function say(sentence: string): void {
+  setText(note, sentence);
+  show(alert, sentence !== "");
+  show(waiting, false);
+}
+
+async function open(code: string): Promise<void> {
+  try {
+    opened = await openLink(visit, code, history);
+    show(form, false);
+    show(leave, true);
+    const session = await readShared(opened);
+    fillSide(opened, session);
+    store.set(session);
+  } catch (error) {
+    const status = error instanceof ApiError ? error.status : null;
+    asksPasscode = opened === null && (status === 403 || (asksPasscode && (status === 429 || status === 0)));
+    show(form, asksPasscode);
+    say(asksPasscode && code === "" ? "" : error instanceof Error ? error.message : String(error));
+    if (asksPasscode) passcode.select(); // a wrong one is typed over
+    return;
+  }
+  show(card, false);
+  show(side, true);
+  document.body.classList.remove("is-empty");
+  const failed = (sentence: string): void => {
+    show(card, true);
+    show(form, false);
+    say(sentence);
+  };
+  try {
+    openSharedViewer(store, { host, canvas, overlay }, view.from, () => failed(fitErrors.surface));
+  } catch {
+    failed(viewErrors.noGraphics);
+  }
+}
+
+/** The next page of this tab knows nothing of this one, and going back does not lead here. */
+async function close(): Promise<void> {
+  if (!opened) return;
+  try {
+    await closeLink(opened);
+  } catch (error) {
+    show(card, true);
+    show(form, false);
+    say(error instanceof Error ? error.message : String(error));
+    return;
+  }
+  closings.postMessage(opened.id);
+  location.replace(`/s${CLOSED}`);
+}
+
+function fillSide({ expires_at, links }: SharedResult, { fit }: VisitorState): void {
+  setText(until, words.until(moment.format(new Date(expires_at))));
+  const names = fit?.drawing?.shapes.map(({ name }) => drawingText.shapeName(name)) ?? [];
+  fill(shapes, names, () =>
+    names.length > 0 ? names.map((name) => el("li", {}, el("span", { class: "stroke", "aria-hidden": "true" }), name)) : [el("li", {}, resultText.noDrawing)],
+  );
+  const offered = words.files.flatMap(({ key, name, what }) => (links[key] === null ? [] : [{ href: links[key], name, what }]));
+  fill(files, offered, () =>
+    offered.map(({ href, name, what }) => el("li", {}, el("a", { href, download: name }, icon("download"), el("span", {}, name)), el("span", { class: "muted" }, what))),
+  );
+}

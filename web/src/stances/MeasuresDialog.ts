@@ -1,0 +1,125 @@
+// The table of measures: left, right and difference, of one stance or of both and the change between them.
+import type { FitSlice } from "../fit/state";
+import type { PageSlice } from "../store/page";
+import { only } from "../store/store";
+import { button, iconButton, problem } from "../ui/controls";
+import { el, fill, icon, saveFile, setText, show } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import { close as closeText } from "../ui/text";
+import type { StancesActions } from "./actions";
+import { type Cell, formatCell, type MeasureLine, measuresCsv, measuresTable, type MeasuresTable } from "./measuresTable";
+import { measuredFits, type StancesSlice } from "./state";
+import * as text from "./text";
+
+const words = text.stances.table;
+const COLUMNS = ["left", "right", "difference"] as const;
+const HEADS = { left: words.left, right: words.right, difference: words.difference };
+const UNITS = { mm: "mm", ml: "ml", "1": "" };
+
+type Shown = Pick<PageSlice & FitSlice & StancesSlice, "meta" | "problems" | "fit" | "stances">;
+
+export function createMeasuresDialog(stances: StancesActions, dismiss: () => void): Panel<Shown> {
+  const close = (): void => void stances.measures(false);
+  let file: StancesSlice["stances"]["measures"]["file"] = null;
+  const says = el("p", { class: "muted" });
+  const holder = el("div", { class: "measures-scroll", tabindex: 0, role: "region", "aria-labelledby": "measures-title" });
+  const busy = el("div", { class: "muted", role: "status" }, words.busy);
+  const signs = el("p", { class: "muted small" });
+  const copied = el("span", { class: "muted small", role: "status" });
+  const copy = button(words.copy, () => void copyTable(), "outlined");
+  const csv = button(words.csv, () => file && saveFile("measures.csv", measuresCsv(file.measures), "text/csv"), "outlined", "download");
+  const report = el("a", { class: "button outlined", id: "report-both", download: "report.pdf" }, icon("download"), el("span", {}, words.report));
+  const wrong = problem(dismiss);
+  const element = el(
+    "dialog",
+    { class: "help measures", "aria-labelledby": "measures-title", onclose: close },
+    el("div", { class: "dialog-head" }, el("h2", { id: "measures-title" }, words.title), iconButton("close", closeText, close)),
+    says,
+    wrong.element,
+    busy,
+    holder,
+    signs,
+    el("div", { class: "buttons-row" }, copy, copied, el("span", { class: "spring" }), csv, report),
+  );
+
+  async function copyTable(): Promise<void> {
+    if (!file) return;
+    try {
+      await navigator.clipboard.writeText(measuresCsv(file.measures).replaceAll("\r\n", "\n"));
+      setText(copied, words.copied);
+    } catch {
+      setText(copied, words.copyFailed);
+    }
+  }
+
+  return {
+    element,
+    select: only("meta", "problems", "fit", "stances"),
+    update(state: Shown): void {
+      const { measures } = state.stances;
+      if (measures.isOpen && !element.open) {
+        setText(copied, "");
+        element.showModal();
+      }
+      if (!measures.isOpen && element.open) element.close();
+      if (!measures.isOpen) return;
+      file = measures.file;
+      show(busy, measures.isBusy);
+      wrong.set(state.problems.stances);
+      const table = file && measuresTable(file);
+      setText(says, table && table.groups.length > 1 ? words.two : words.one);
+      show(holder, table !== null);
+      fill(holder, [measures.of, table !== null], () => (table ? [tableOf(table, new Map(state.meta?.landmarks.map(({ name, label }) => [name, label])))] : []));
+      setText(signs, file ? `${file.signs.charAt(0).toUpperCase()}${file.signs.slice(1)}. ${words.hint}` : "");
+      for (const each of [copy, csv]) each.disabled = file === null;
+      const fits = measuredFits(state);
+      if (fits) report.href = fits[0].links.report + (fits[1] ? `?with=${encodeURIComponent(fits[1].id)}` : "");
+    },
+  };
+}
+
+function tableOf({ groups, lines }: MeasuresTable, labels: ReadonlyMap<string, string>): HTMLElement {
+  const top = el("tr", {}, el("th", { rowspan: 2, scope: "col" }, words.measure), ...groups.map((name) => el("th", { colspan: COLUMNS.length, scope: "colgroup", class: "group" }, title(name))));
+  const heads = el("tr", {}, ...groups.flatMap(() => COLUMNS.map((column, i) => el("th", { scope: "col", class: i === 0 ? "group" : "" }, HEADS[column]))));
+  return el("table", {}, el("thead", {}, top, heads), el("tbody", {}, ...lines.flatMap((line) => row(line, groups.length, labels))));
+}
+
+const title = (name: string): string => {
+  const [second, first] = name.split(" - ");
+  return first ? words.change(second!, first) : name.charAt(0).toUpperCase() + name.slice(1);
+};
+
+function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, string>): HTMLElement[] {
+  const readable = (names: string): string => names.replace(/[a-z]+(_[a-zA-Z]+)*/g, (name) => labels.get(name) ?? name);
+  const where = line.landmarks.map(({ stance, words: between }) => `${title(stance)}: ${readable(between)}`);
+  const facts = [[words.kind, line.kind], [words.method, line.method], [words.landmarks, where.join("\n")]] as const;
+  const unit = UNITS[line.unit];
+  const list = el("dl", {}, ...facts.flatMap(([fact, value]) => [el("dt", {}, fact), el("dd", {}, value)]));
+  const more = el("tr", { class: "facts", hidden: true }, el("td", { colspan: 1 + groups * COLUMNS.length }, list));
+  const label = el("span", {}, words.names[line.measure] ?? line.measure, el("span", { class: "unit" }, ` ${line.kind}${unit === "" ? "" : `, ${unit}`}`));
+  const open = el(
+    "button",
+    {
+      type: "button",
+      class: "measure-name",
+      "aria-expanded": "false",
+      title: facts.map(([fact, value]) => `${fact}: ${value}`).join("\n"),
+      onclick: () => {
+        more.hidden = !more.hidden;
+        open.setAttribute("aria-expanded", String(!more.hidden));
+      },
+    },
+    icon("on"),
+    label,
+  );
+  const cells = line.groups.flatMap((group, g) => {
+    const isChange = groups > 1 && g === groups - 1;
+    const write = (cell: Cell, isSigned: boolean, attributes: { class: string; colspan?: number }): HTMLElement => {
+      const ends = [cell.low, cell.high].map((value) => formatCell({ ...cell, value }, line.unit, isSigned));
+      return el("td", { ...attributes, ...(cell.low === null ? {} : { title: words.band(ends[0]!, ends[1]!) }) }, formatCell(cell, line.unit, isSigned));
+    };
+    if (group.whole.value !== null) return [write(group.whole, isChange, { class: "group whole", colspan: COLUMNS.length })]; // one value for both sides
+    return COLUMNS.map((column, i) => write(group[column], isChange || column === "difference", { class: i === 0 ? "group" : "" }));
+  });
+  return [el("tr", { "data-measure": line.measure, "data-kind": line.kind }, el("th", { scope: "row" }, open), ...cells), more];
+}

@@ -1,0 +1,49 @@
+// The pane of the stance that waits, and what each pane is called.
+import type { FitSlice } from "../fit/state";
+import type { LandmarksSlice } from "../landmarks/state";
+import type { ScanSlice } from "../scan/state";
+import { only } from "../store/store";
+import { button, iconButton } from "../ui/controls";
+import { el, setText, show } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import type { Stage } from "../viewer/Viewer";
+import type { StancesActions } from "./actions";
+import { isComparing, stanceNames, type StancesSlice } from "./state";
+import * as text from "./text";
+
+const words = text.stances;
+
+type Shown = Pick<ScanSlice & LandmarksSlice & FitSlice & StancesSlice, "scan" | "active" | "stance" | "fit" | "stances">;
+
+export function createOtherPane(stances: StancesActions): Panel<Shown> & { caption: HTMLElement; stage: Stage } {
+  const canvas = el("canvas", { class: "other-view", tabindex: 0, role: "application" });
+  const overlay = el("div", { class: "overlay is-narrow", "aria-hidden": "true" });
+  const name = el("strong", {});
+  const work = button(words.workHere, () => void stances.swap(), "outlined");
+  const aside = iconButton("close", words.remove(""), () => stances.remove());
+  const head = el("div", { class: "pane-caption" }, name, work, el("span", { class: "spring" }), aside);
+  const element = el("section", { class: "other-stage", hidden: true }, canvas, overlay, head);
+  const mine = el("strong", {});
+  const caption = el("div", { class: "pane-caption", hidden: true }, mine, el("span", { class: "muted" }, words.inWork));
+  return {
+    element,
+    caption,
+    stage: { host: element, canvas, overlay },
+    select: only("scan", "active", "stance", "fit", "stances"),
+    update(state: Shown): void {
+      const isShown = isComparing(state);
+      show(element, isShown);
+      show(caption, isShown);
+      if (!isShown) return;
+      const [own, other] = stanceNames(state);
+      setText(mine, words.here(own));
+      setText(name, words.here(other));
+      if (element.getAttribute("aria-label") !== words.here(other)) {
+        element.setAttribute("aria-label", words.here(other));
+        canvas.setAttribute("aria-label", words.canvas(other));
+        aside.title = words.remove(other);
+        aside.setAttribute("aria-label", words.remove(other));
+      }
+    },
+  };
+}

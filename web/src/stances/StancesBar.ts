@@ -1,0 +1,55 @@
+// In the top bar: which stance the page works on, the second one, both beside each other, their measures.
+import type { FitSlice } from "../fit/state";
+import type { LandmarksSlice } from "../landmarks/state";
+import type { ScanSlice } from "../scan/state";
+import { only } from "../store/store";
+import { el, setText, show } from "../ui/dom";
+import type { Panel } from "../ui/Panel";
+import type { StancesActions } from "./actions";
+import { isComparing, stanceNames, type StancesSlice } from "./state";
+import * as text from "./text";
+
+const words = text.stances;
+
+type Shown = Pick<ScanSlice & LandmarksSlice & FitSlice & StancesSlice, "scan" | "active" | "stance" | "fit" | "isStarting" | "stances">;
+
+export function createStancesBar(stances: StancesActions): Panel<Shown> {
+  let isSecond = false;
+  const tab = (second: boolean): HTMLButtonElement => el("button", { type: "button", onclick: () => isSecond !== second && void stances.swap() });
+  const tabs = [tab(false), tab(true)];
+  const both = el("div", { class: "segmented", role: "group", "aria-label": words.label }, ...tabs);
+  const add = el("button", { type: "button", class: "button quiet outlined", title: words.addHint, id: "add-stance", onclick: () => stances.dialog(true) }, words.add);
+  let comparing = false;
+  let linked = true;
+  const compare = el("button", { type: "button", class: "button quiet outlined toggle-button", title: words.compareHint, id: "compare", onclick: () => stances.compare(!comparing) }, words.compare);
+  const link = el("button", { type: "button", class: "button quiet outlined toggle-button", title: words.linkHint, id: "link-views", onclick: () => stances.link(!linked) }, words.link);
+  const measures = el("button", { type: "button", class: "button quiet outlined", title: words.measuresHint, id: "measures", onclick: () => void stances.measures(true) }, words.measures);
+  const element = el("div", { class: "stances-bar", hidden: true }, both, add, compare, link, measures);
+  return {
+    element,
+    select: only("scan", "active", "stance", "fit", "isStarting", "stances"),
+    update(state: Shown): void {
+      const { other, isLinked } = state.stances;
+      show(element, state.scan !== null);
+      show(both, other !== null);
+      show(add, other === null);
+      show(compare, other !== null);
+      isSecond = state.stances.isSecond;
+      comparing = state.stances.isComparing;
+      linked = isLinked;
+      show(link, isComparing(state));
+      compare.setAttribute("aria-pressed", String(isComparing(state)));
+      link.setAttribute("aria-pressed", String(isLinked));
+      show(measures, state.fit?.state === "done");
+      if (!other) return;
+      const [mine, its] = stanceNames(state);
+      const inOrder = isSecond ? [its, mine] : [mine, its];
+      tabs.forEach((each, i) => {
+        setText(each, words.name(inOrder[i]!));
+        each.title = words.working(inOrder[i]!);
+        each.disabled = state.isStarting;
+        each.setAttribute("aria-pressed", String((i === 1) === isSecond));
+      });
+    },
+  };
+}

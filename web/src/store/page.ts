@@ -1,0 +1,22 @@
+// The part of the state that belongs to the page as a whole: every feature reads it, and says in it which step is open,
+// what went wrong and what a screen reader announces.
+import type { Example, Meta, ModelSide } from "../api/types";
+
+export type Step = "scan" | "landmarks" | "fit" | "drawing" | "result";
+
+export type Theme = "system" | "light" | "dark";
+
+/** Where on the page something can go wrong: the message is shown there. */
+export type Place = "service" | "scan" | "landmarks" | "fit" | "model" | "distances" | "drawing" | "stances" | "share" | "page";
+
+export interface PageSlice {
+  readonly meta: Meta | null;
+  readonly examples: readonly Example[];
+  readonly model: { readonly glb: ArrayBuffer; readonly side: ModelSide } | null;
+  readonly theme: Theme;
+  readonly step: Step;
+  readonly problems: Readonly<Partial<Record<Place, string>>>;
+  readonly announcement: string; // for the live region
+}
+
+export const initialPage: PageSlice = { meta: null, examples: [], model: null, theme: "system", step: "scan", problems: {}, announcement: "" };

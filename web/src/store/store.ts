@@ -1,0 +1,63 @@
+// The whole state in one place: read it, replace parts of it, follow its changes.
+// Listeners run at once and in the order in which they came; a listener must not set (state flows one way).
+//
+// A store of a state with more parts serves wherever fewer are asked for: a feature names in its types the parts that it
+// reads and writes, and is given the store of the whole page.
+
+export interface Store<State extends object> {
+  get(): State;
+  set(change: Partial<State> | ((state: State) => Partial<State>)): void;
+  /** Calls `listener` now and after each change; returns the way to stop that. */
+  subscribe(listener: (state: State, before: State) => void): () => void;
+  /** The same for some parts of the state: calls `listener` now, and when a value that `select` picks is another one. */
+  select<Parts extends object>(select: (state: State) => Parts, listener: (now: Parts, before: Parts) => void): () => void;
+}
+
+export function createStore<State extends object>(initial: State): Store<State> {
+  let state = initial;
+  let isNotifying = false;
+  const listeners = new Set<(state: State, before: State) => void>();
+
+  function subscribe(listener: (state: State, before: State) => void): () => void {
+    listeners.add(listener);
+    listener(state, state);
+    return () => listeners.delete(listener);
+  }
+
+  return {
+    get: () => state,
+    set(change) {
+      if (isNotifying) throw new Error("A listener of the store tried to change it.");
+      const before = state;
+      state = { ...state, ...(typeof change === "function" ? change(state) : change) };
+      isNotifying = true;
+      try {
+        for (const listener of listeners) listener(state, before);
+      } finally {
+        isNotifying = false;
+      }
+    },
+    subscribe,
+    select(select, listener) {
+      let last: ReturnType<typeof select> | null = null;
+      return subscribe((now) => {
+        const parts = select(now);
+        if (last !== null && isSame(parts, last)) return;
+        const before = last ?? parts;
+        last = parts;
+        listener(parts, before);
+      });
+    },
+  };
+}
+
+/** A selector that picks some parts as they are. */
+export const only =
+  <Key extends string>(...keys: readonly Key[]) =>
+  <State extends Record<Key, unknown>>(state: State): Pick<State, Key> =>
+    Object.fromEntries(keys.map((key) => [key, state[key]])) as Pick<State, Key>;
+
+/** Value by value, one level deep. */
+function isSame<Parts extends object>(a: Parts, b: Parts): boolean {
+  return (Object.keys(a) as (keyof Parts)[]).every((key) => Object.is(a[key], b[key]));
+}

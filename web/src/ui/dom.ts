@@ -1,0 +1,79 @@
+// Makes DOM elements in one expression.  Styles come from classes only: the page's policy forbids style attributes.
+
+type Child = Node | string | null;
+type Listeners = { [K in keyof HTMLElementEventMap as `on${K}`]?: (event: HTMLElementEventMap[K]) => void };
+type Attributes = Listeners & Record<string, unknown>;
+
+/** Attributes: `on…` adds a listener, true and false set and leave out, words and numbers are written as they are, null and undefined are left out. */
+export function el<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  attributes: Attributes = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (typeof value === "function") element.addEventListener(name.slice(2), value as EventListener);
+    else if (value === true) element.setAttribute(name, "");
+    else if (typeof value === "string" || typeof value === "number") element.setAttribute(name, String(value));
+  }
+  element.append(...children.filter((child) => child !== null));
+  return element;
+}
+
+/** Writes text only where it differs: screen readers and the layout stay quiet otherwise. */
+export function setText(element: Element, words: string): void {
+  if (element.textContent !== words) element.textContent = words;
+}
+
+export function show(element: HTMLElement, isShown: boolean): void {
+  if (element.hidden === isShown) element.hidden = !isShown;
+}
+
+/** Replaces the children when `key` differs from the last one given for this element. */
+export function fill(element: HTMLElement, key: unknown, make: () => Child[]): void {
+  const written = JSON.stringify(key);
+  if (element.dataset.key === written) return;
+  element.dataset.key = written;
+  element.replaceChildren(...make().filter((child) => child !== null));
+}
+
+const SVG = "http://www.w3.org/2000/svg";
+
+export function svg(tag: string, attributes: Record<string, string | number>, ...children: SVGElement[]): SVGElement {
+  const element = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+  element.append(...children);
+  return element;
+}
+
+const ICONS = {
+  undo: "M8 5 4 9l4 4M4 9h9a5 5 0 0 1 0 10h-3",
+  redo: "m16 5 4 4-4 4M20 9h-9a5 5 0 0 0 0 10h3",
+  close: "m6 6 12 12M18 6 6 18",
+  back: "m14.5 6-6 6 6 6",
+  on: "m9.5 6 6 6-6 6",
+  check: "m5 12.5 4.5 4.5L19 7.5",
+  play: "M8 5.5v13l10.5-6.5z",
+  pause: "M8 5.5v13M16 5.5v13",
+  upload: "M12 16V5m0 0L7.5 9.5M12 5l4.5 4.5M4.5 15v3a1.5 1.5 0 0 0 1.5 1.5h12a1.5 1.5 0 0 0 1.5-1.5v-3",
+  download: "M12 5v11m0 0-4.5-4.5M12 16l4.5-4.5M4.5 15v3a1.5 1.5 0 0 0 1.5 1.5h12a1.5 1.5 0 0 0 1.5-1.5v-3",
+  sun: "M12 3v2m0 14v2M3 12h2m14 0h2M5.6 5.6 7 7m10 10 1.4 1.4M5.6 18.4 7 17M17 7l1.4-1.4M16 12a4 4 0 1 1-8 0 4 4 0 0 1 8 0z",
+  moon: "M19.5 14.5A8 8 0 0 1 9.5 4.5a8 8 0 1 0 10 10z",
+  system: "M4 5.5h16v10.5H4zM9 19.5h6",
+  link: "M10 14a4 4 0 0 0 6 .4l3-3a4 4 0 0 0-5.7-5.7l-1 1M14 10a4 4 0 0 0-6-.4l-3 3a4 4 0 0 0 5.7 5.7l1-1",
+  alert: "M12 4 3 19.5h18zM12 10v4m0 2.6v.4",
+} as const;
+
+export type IconName = keyof typeof ICONS;
+
+export const icon = (name: IconName): SVGElement =>
+  svg("svg", { viewBox: "0 0 24 24", class: `icon icon-${name}`, "aria-hidden": "true" }, svg("path", { d: ICONS[name] }));
+
+/** Offers text as a file for saving. */
+export const saveFile = (name: string, content: string, type: string): void => saveBlob(name, new Blob([content], { type }));
+
+export function saveBlob(name: string, blob: Blob): void {
+  const url = URL.createObjectURL(blob);
+  el("a", { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 1000);
+}

@@ -1,0 +1,189 @@
+// The own drawing: each change one step of the history, saved soon after, never lost on a failed request; files in and out.
+import { PlaneGeometry } from "three";
+import { MeshBVH } from "three-mesh-bvh";
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { page } from "../fakes";
+import { ApiError } from "../../src/api/client";
+import type { OwnDrawing, Vector } from "../../src/api/types";
+import { fromDrawing, readDrawing, toDrawing, toText, UnreadableDrawing } from "../../src/drawing/files";
+import { drawingKey } from "../../src/drawing/keys";
+import { lengthOf } from "../../src/drawing/lines";
+import { skinOf } from "../../src/drawing/skin";
+import { layerKey } from "../../src/drawing/state";
+
+const skin = (() => {
+  const geometry = new PlaneGeometry(0.4, 0.4, 20, 20); // 400 mm square in z = 0
+  geometry.boundsTree = new MeshBVH(geometry, { indirect: true });
+  return skinOf(geometry);
+})();
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => void vi.useRealTimers());
+
+async function drawing(answers: Parameters<typeof page>[0] = {}) {
+  const made = page({ importExample: async () => ({ ...(await made.client.scan("s1")) }), ...answers });
+  await made.actions.scan.takeExample("standing");
+  made.actions.drawing.setSkin(() => skin);
+  made.actions.drawing.take("pen");
+  const saved = made.client.saveDrawing as unknown as ReturnType<typeof vi.fn>;
+  const names = (): string[] => made.store.get().drawn.lines.present.map(({ name }) => name);
+  return { ...made, saved, names };
+}
+
+const stroke = (from: number, to: number): Vector[] => Array.from({ length: 20 }, (_, i) => [from + ((to - from) * i) / 19, 0, 0]);
+
+test("a stroke is a line, saved once after a run of them", async () => {
+  const { actions, store, saved, names } = await drawing();
+  actions.drawing.stroke(stroke(-50, 50));
+  actions.drawing.stroke(stroke(0, 30));
+  expect(names()).toEqual(["Line 1", "Line 2"]);
+  expect(lengthOf(store.get().drawn.lines.present[0]!)).toBeCloseTo(100, 6);
+  expect(store.get().drawn.saving).toBe("unsaved");
+  await vi.advanceTimersByTimeAsync(500);
+  expect(saved).toHaveBeenCalledTimes(1);
+  expect((saved.mock.calls[0]![1] as OwnDrawing).shapes.map(({ name }) => name)).toEqual(["Line 1", "Line 2"]);
+  expect(store.get().drawn.saving).toBe("saved");
+});
+
+test("clicks go on from the last corner until the line is ended, and its start closes it", async () => {
+  const { actions, store } = await drawing();
+  const line = () => store.get().drawn.lines.present[0]!;
+  for (const at of [[0, 0, 0], [40, 0, 0], [40, 40, 0], [0, 40, 0]] as Vector[]) actions.drawing.click(at);
+  expect(line().corners).toHaveLength(4);
+  actions.drawing.click([3, 2, 0]);
+  expect(line()).toMatchObject({ closed: true, name: "Line 1" });
+  expect(lengthOf(line())).toBeCloseTo(160, 6);
+  expect(store.get().drawn.open).toBeNull();
+  actions.drawing.close("Line 1");
+  expect(line().closed).toBe(false);
+});
+
+test("undo and redo go step by step, through the first click too", async () => {
+  const { actions, store, names } = await drawing();
+  actions.drawing.stroke(stroke(-50, 50));
+  actions.drawing.click([0, 20, 0]);
+  expect(store.get().drawn.start).toEqual([0, 20, 0]);
+  actions.drawing.undo();
+  expect(store.get().drawn.start).toBeNull();
+  actions.drawing.erase("Line 1");
+  expect(names()).toEqual([]);
+  actions.drawing.undo();
+  expect(names()).toEqual(["Line 1"]);
+  actions.drawing.undo();
+  expect(names()).toEqual([]);
+  actions.drawing.redo();
+  expect(names()).toEqual(["Line 1"]);
+});
+
+test("a failed request loses nothing: the lines stay, it is said, and the next try saves all", async () => {
+  let fails = true;
+  const { actions, store, names } = await drawing({
+    saveDrawing: async (_scan, given) => {
+      if (fails) throw new ApiError("The service does not answer.", 0);
+      return given;
+    },
+  });
+  actions.drawing.stroke(stroke(-50, 50));
+  await vi.advanceTimersByTimeAsync(500);
+  expect(store.get().drawn.saving).toBe("unsaved");
+  expect(store.get().problems.drawing).toBe("The service does not answer.");
+  expect(names()).toEqual(["Line 1"]);
+  fails = false;
+  await actions.drawing.saveNow();
+  expect(store.get().drawn.saving).toBe("saved");
+  expect(store.get().problems.drawing).toBeUndefined();
+});
+
+test("a tumour is a circle with its radius along the skin; the radius stays within what the model takes", async () => {
+  const { actions, store } = await drawing();
+  actions.drawing.radius(500);
+  expect(store.get().drawn.radiusMm).toBe(80);
+  actions.drawing.radius(20);
+  actions.drawing.tumour([10, 10, 3]);
+  const circle = store.get().drawn.lines.present[0]!;
+  expect(circle).toMatchObject({ name: "Tumour 20 mm", closed: true });
+  for (const [x, y] of circle.points) expect(Math.hypot(x - 10, y - 10)).toBeCloseTo(20, 4);
+});
+
+test("names are free or refused", async () => {
+  const { actions, names } = await drawing();
+  actions.drawing.stroke(stroke(-50, 50));
+  actions.drawing.stroke(stroke(0, 30));
+  expect(actions.drawing.rename("Line 1", "Line 2")).toBe(false);
+  expect(actions.drawing.rename("Line 1", " ")).toBe(false);
+  expect(actions.drawing.rename("Line 1", " incision ")).toBe(true);
+  expect(names()).toEqual(["incision", "Line 2"]);
+});
+
+test("a line is switched off and on without a step of the history", async () => {
+  const { actions, store } = await drawing();
+  actions.drawing.stroke(stroke(-50, 50));
+  const { past } = store.get().drawn.lines;
+  actions.drawing.show("own", "Line 1", false);
+  expect(store.get().drawn.hidden.has(layerKey("own", "Line 1"))).toBe(true);
+  actions.drawing.show("own", "Line 1", true);
+  expect(store.get().drawn.hidden.size).toBe(0);
+  expect(store.get().drawn.lines.past).toBe(past);
+});
+
+test("what the service keeps of a scan is there when the scan is opened", async () => {
+  const made = page({ ownDrawing: async () => ({ shapes: [{ name: "incision", points: [[0, 0, 0], [10, 0, 0]] }] }) });
+  await made.actions.scan.open("s1", null);
+  expect(made.store.get().drawn.lines.present).toMatchObject([{ name: "incision", closed: false, corners: [0, 1] }]);
+  expect(made.store.get().drawn.saving).toBe("saved");
+});
+
+test("leaving the step puts the pen down and keeps the line", async () => {
+  const { actions, store, names } = await drawing();
+  actions.drawing.click([0, 0, 0]);
+  actions.drawing.click([30, 0, 0]);
+  actions.page.goTo("fit");
+  expect(store.get().drawn).toMatchObject({ tool: "none", open: null });
+  expect(names()).toEqual(["Line 1"]);
+});
+
+test("keys work in the step alone, and leave the browser's own alone", async () => {
+  const { actions, store } = await drawing();
+  const key = (name: string, more: object = {}): boolean => drawingKey(store.get(), { key: name, target: null, ...more } as unknown as KeyboardEvent, actions.drawing);
+  expect(key("t")).toBe(true);
+  expect(store.get().drawn.tool).toBe("tumour");
+  expect(key("Escape")).toBe(true);
+  expect(store.get().drawn.tool).toBe("none");
+  expect(key("p", { ctrlKey: true })).toBe(false);
+  expect(key("f")).toBe(false);
+  actions.page.goTo("fit");
+  expect(key("p")).toBe(false);
+});
+
+test("a file holds what was drawn, in millimetres, and is read in any unit", () => {
+  const [line] = fromDrawing({ shapes: [{ name: "a", closed: true, color: "#c53030", points: [[0, 0, 0], [10.12345, 0, 0], [10, 10, 0]] }] });
+  const text = toText([line!]);
+  expect(JSON.parse(text)).toMatchObject({ schema: "breastrig/drawing@1", unit: "mm", shapes: [{ name: "a", closed: true, points: [[0, 0, 0], [10.123, 0, 0], [10, 10, 0]] }] });
+  expect(readDrawing(text, "m")).toMatchObject([{ name: "a", closed: true, color: "#c53030" }]);
+  const metres = JSON.stringify({ unit: "m", shapes: [{ name: "b", points: [[0, 0, 0], [0.01, 0, 0]] }] });
+  expect(readDrawing(metres, "mm")[0]!.points[1]).toEqual([10, 0, 0]);
+  expect(toDrawing([]).shapes).toEqual([]);
+});
+
+test.each([
+  ["{", "not valid JSON"],
+  ["null", "no “shapes”"],
+  ['{"unit":"ell","shapes":[]}', "“ell” is not known"],
+  ['{"shapes":[]}', "holds no lines"],
+  ['{"shapes":[{"name":"a","surface_points":[]}]}', "no points on a scan"],
+  ['{"shapes":[{"name":"a","points":[[0,0]]}]}', "not three numbers"],
+])("a file that is no drawing is refused with a sentence: %s", (text, words) => {
+  expect(() => readDrawing(text, "mm")).toThrow(UnreadableDrawing);
+  expect(() => readDrawing(text, "mm")).toThrow(words);
+});
+
+test("an imported drawing of another body is refused, nothing is changed", async () => {
+  const { actions, store, names } = await drawing();
+  const file = (points: Vector[]): File => new File([JSON.stringify({ unit: "mm", shapes: [{ name: "a", points }] })], "drawing.json");
+  await actions.drawing.importFile(file([[0, 0, 900], [10, 0, 900]]));
+  expect(store.get().problems.drawing).toContain("50 mm off this scan");
+  expect(names()).toEqual([]);
+  await actions.drawing.importFile(file([[0, 0, 0], [10, 0, 0]]));
+  expect(names()).toEqual(["a"]);
+  expect(store.get().problems.drawing).toBeUndefined();
+});

@@ -1,0 +1,159 @@
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { FakeEventSource, fitLinks, withScan } from "../fakes";
+import { ApiError } from "../../src/api/client";
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+const iterated = (iteration: number) => ({ iteration, stage: "pose", mean_distance_mm: 5 - iteration, nodes: [] });
+const result = { surface_distance_mm: { mean: 1.2 }, scan: { unit: "m" }, landmarks: {} };
+
+test("a fit is followed from start to result", async () => {
+  const startFit = vi.fn(async () => ({ id: "f1", links: fitLinks("f1") }));
+  const { store, actions } = await withScan({ startFit });
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.place([1, 2, 3]);
+  actions.fit.chooseRefine(true);
+  await actions.fit.start();
+  expect(startFit).toHaveBeenCalledWith({
+    scan: "s1",
+    stance: "auto",
+    preset: "default",
+    drawing: "lumpectomy",
+    refine: true,
+    landmarks: { nipple_L: [1, 2, 3] },
+  });
+  const source = FakeEventSource.last!;
+  expect(source.url).toBe("/api/fits/f1/events");
+  source.say("started", { stance: "standing", drawing: "lumpectomy", iterations_limit: 40, notes: [] });
+  source.say("iterated", iterated(0));
+  source.say("iterated", iterated(1));
+  source.say("done", { result });
+  await vi.advanceTimersByTimeAsync(500);
+  expect(store.get().fit).toMatchObject({ state: "done", shown: 1, playing: false, result, drawing: { shapes: [] } });
+  expect(store.get().step).toBe("result");
+});
+
+test("a fit that fails says why where it was started, and its iterations stay", async () => {
+  const { store, actions } = await withScan();
+  await actions.fit.start();
+  FakeEventSource.last!.say("iterated", iterated(0));
+  FakeEventSource.last!.say("failed", { reason: "No start was found." });
+  expect(store.get()).toMatchObject({ step: "fit", problems: { fit: "No start was found." } });
+  expect(store.get().fit).toMatchObject({ state: "failed", iterations: [{ iteration: 0 }] });
+});
+
+test("a fit that cannot be started says so and can be started again", async () => {
+  const startFit = vi.fn().mockRejectedValueOnce(new ApiError("The queue is full.", 503)).mockResolvedValue({ id: "f2", links: fitLinks("f2") });
+  const { store, actions } = await withScan({ startFit });
+  await actions.fit.start();
+  expect(store.get()).toMatchObject({ isStarting: false, problems: { fit: "The queue is full." } });
+  await actions.fit.start();
+  expect(store.get().fit?.id).toBe("f2");
+  expect(store.get().problems).toEqual({});
+});
+
+test("cancelling asks the service; the end comes as an event like any other", async () => {
+  const { store, client, actions } = await withScan();
+  await actions.fit.start();
+  await actions.fit.cancel();
+  expect(client.cancel).toHaveBeenCalledWith("/api/fits/f1/cancel");
+  expect(store.get().fit?.state).toBe("running");
+  FakeEventSource.last!.say("cancelled", { reason: "The fit was cancelled." });
+  expect(store.get().fit?.state).toBe("cancelled");
+});
+
+test("another scan ends the following of the fit before", async () => {
+  const { store, actions } = await withScan();
+  await actions.fit.start();
+  const source = FakeEventSource.last!;
+  await actions.scan.open("s2", null);
+  expect(source.readyState).toBe(2);
+  expect(store.get().fit).toBeNull();
+});
+
+test("a landmark that is dragged after a fit is fitted again from there; the picture of the one before stays until the new one has its own", async () => {
+  const startFit = vi.fn(async () => ({ id: `f${startFit.mock.calls.length}`, links: fitLinks(`f${startFit.mock.calls.length}`) }));
+  const { store, client, actions } = await withScan({ startFit });
+  const settle = (): Promise<unknown> => vi.advanceTimersByTimeAsync(1000);
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.place([1, 2, 3]);
+  actions.landmarks.move("nipple_L", [4, 5, 6]);
+  await settle();
+  expect(startFit, "before any fit a move is only saved").not.toHaveBeenCalled();
+  await actions.fit.start();
+  FakeEventSource.last!.say("iterated", iterated(0));
+  FakeEventSource.last!.say("done", { result });
+  await settle();
+  actions.view.overlay("swipe");
+  actions.page.goTo("landmarks");
+
+  actions.landmarks.move("nipple_L", [7, 8, 9]);
+  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [7, 8, 9] }, start_from: "f1" }));
+  await settle();
+  expect(store.get()).toMatchObject({ fit: { id: "f1", state: "done", shown: 0 }, isStarting: true });
+  const second = FakeEventSource.last!;
+  second.say("started", { stance: "standing", drawing: "lumpectomy", iterations_limit: 9, notes: [] });
+  expect(store.get().fit?.id, "nothing to show yet").toBe("f1");
+  second.say("iterated", iterated(1));
+  expect(store.get()).toMatchObject({ fit: { id: "f2", shown: 0, started: { iterations_limit: 9 } }, isStarting: false, overlay: "swipe", step: "landmarks" });
+
+  actions.landmarks.move("nipple_L", [9, 9, 9]); // while that one runs
+  expect(client.cancel).toHaveBeenLastCalledWith("/api/fits/f2/cancel");
+  await settle();
+  second.say("iterated", iterated(2));
+  expect(store.get().fit?.iterations.length, "a fit that was given up reports nothing any more").toBe(1);
+  FakeEventSource.last!.say("iterated", iterated(1));
+  FakeEventSource.last!.say("done", { result });
+  expect(store.get()).toMatchObject({ fit: { id: "f3", state: "done" }, step: "landmarks" });
+  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ start_from: "f1" }));
+});
+
+test("a run of nudges is two fits: one for the first at once, one for where it ended", async () => {
+  const startFit = vi.fn(async () => ({ id: `f${startFit.mock.calls.length}`, links: fitLinks(`f${startFit.mock.calls.length}`) }));
+  const { store, client, actions } = await withScan({ startFit });
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.place([0, 0, 0]);
+  await actions.fit.start();
+  FakeEventSource.last!.say("iterated", iterated(0));
+  FakeEventSource.last!.say("done", { result });
+  await vi.advanceTimersByTimeAsync(1000);
+  for (let i = 1; i <= 10; i += 1) {
+    actions.landmarks.move("nipple_L", [i, 0, 0]);
+    await vi.advanceTimersByTimeAsync(30);
+  }
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(startFit.mock.calls.length).toBe(3);
+  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [10, 0, 0] } }));
+  expect(client.cancel).toHaveBeenCalledWith("/api/fits/f2/cancel");
+  FakeEventSource.last!.say("failed", { reason: "Too far." });
+  expect(store.get()).toMatchObject({ fit: { id: "f1", state: "done" }, isStarting: false, problems: { fit: "Too far." } });
+  actions.landmarks.undo();
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [9, 0, 0] }, start_from: "f1" }));
+});
+
+test("a fit whose landmarks were moved before the service answered is cancelled and never shown", async () => {
+  const answers: ((id: string) => void)[] = [];
+  const startFit = vi.fn(() => new Promise<{ id: string; links: ReturnType<typeof fitLinks> }>((done) => answers.push((id) => done({ id, links: fitLinks(id) }))));
+  const { store, client, actions } = await withScan({ startFit });
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.place([0, 0, 0]);
+  void actions.fit.start();
+  answers[0]!("f1");
+  await vi.advanceTimersByTimeAsync(1000);
+  FakeEventSource.last!.say("done", { result });
+  actions.landmarks.move("nipple_L", [1, 0, 0]);
+  await vi.advanceTimersByTimeAsync(1000);
+  actions.landmarks.move("nipple_L", [2, 0, 0]);
+  answers[2]!("f3");
+  await vi.advanceTimersByTimeAsync(10);
+  answers[1]!("f2");
+  await vi.advanceTimersByTimeAsync(10);
+  expect(client.cancel).toHaveBeenLastCalledWith("/api/fits/f2/cancel");
+  FakeEventSource.last!.say("iterated", iterated(0));
+  expect(store.get().fit?.id).toBe("f3");
+});

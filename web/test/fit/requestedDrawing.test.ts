@@ -1,0 +1,39 @@
+// The text that asks the service for a drawing.
+import { expect, test } from "vitest";
+import type { PatternInfo, PatternParameter } from "../../src/api/types";
+import { checked, readRequest, requestLabel, requestText, startValues } from "../../src/fit/requestedDrawing";
+
+const parameter = (part: Partial<PatternParameter>): PatternParameter => ({ name: "areola_mm", label: "New areola", about: "", unit: "mm", default: 42, needed: false, min: 30, max: 55, choices: null, ...part });
+
+test("a request is written as the service reads it, and read again", () => {
+  const request = { base: "reduction", values: { side: "L", areola_mm: "45" }, tumour: { side: "R", clock: "10.5", distance_mm: "45", radius_mm: "12" } };
+  expect(requestText(request)).toBe("reduction:side=L,areola_mm=45+tumour:side=R,clock=10.5,distance_mm=45,radius_mm=12");
+  expect(readRequest(requestText(request))).toEqual(request);
+});
+
+test("defaults are left out, and nothing is asked for by an empty text", () => {
+  expect(requestText({ base: "reduction", values: { limb_mm: "" }, tumour: null })).toBe("reduction");
+  expect(requestText({ base: "", values: {}, tumour: null })).toBe("");
+  expect(readRequest("")).toEqual({ base: "", values: {}, tumour: null });
+  expect(readRequest("lumpectomy")).toEqual({ base: "lumpectomy", values: {}, tumour: null });
+});
+
+test("a value must lie within its bounds; what has a default may be left out", () => {
+  expect(checked(parameter({}), "45,5")).toBe("45.5");
+  expect(checked(parameter({}), "29")).toBeNull();
+  expect(checked(parameter({}), "x")).toBeNull();
+  expect(checked(parameter({}), "")).toBe("");
+  expect(checked(parameter({ needed: true }), "")).toBeNull();
+  expect(checked(parameter({ choices: ["L", "R"], min: null, max: null }), "L")).toBe("L");
+  expect(checked(parameter({ choices: ["L", "R"], min: null, max: null }), "both")).toBeNull();
+});
+
+test("what is needed starts with a value", () => {
+  const pattern: PatternInfo = { name: "tumour", label: "Tumour", parameters: [parameter({ name: "side", default: null, needed: true, choices: ["L", "R"] }), parameter({ name: "clock", default: null, needed: true }), parameter({})] };
+  expect(startValues(pattern)).toEqual({ side: "L", clock: "12" });
+});
+
+test("people read labels", () => {
+  const labels = new Map([["lumpectomy", "Lumpectomy"], ["tumour", "Tumour"]]);
+  expect(requestLabel("lumpectomy+tumour:side=L,clock=1,distance_mm=3,radius_mm=4", labels)).toBe("Lumpectomy, Tumour");
+});

@@ -1,0 +1,103 @@
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { page } from "../fakes";
+import { ApiError } from "../../src/api/client";
+import type { ProposedLandmark, Vector } from "../../src/api/types";
+import { nextStep } from "../../src/app/nextStep";
+import { expectedErrorMm, openProposals } from "../../src/landmarks/proposals";
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+const at = (point: Vector, confidence = 0.8, on_scan = true): ProposedLandmark => ({ point, confidence, on_scan });
+const landmarks = { nipple_L: at([90, 0, 0]), nipple_R: at([-90, 0, 0]), umbilicus: at([0, -200, 0], 0.2), suprasternal_notch: at([0, 200, 0], 0.9, false) };
+
+async function found(...rest: Parameters<typeof page>) {
+  const made = page({ proposed: async () => ({ landmarks }), ...rest[0] });
+  await made.actions.scan.open("s1", null);
+  made.actions.page.goTo("landmarks");
+  await vi.advanceTimersByTimeAsync(0);
+  return made;
+}
+
+test("a confidence of one half means 10 mm, certainty means none", () => {
+  expect(expectedErrorMm(0.5)).toBeCloseTo(10, 9);
+  expect(expectedErrorMm(1)).toBe(0);
+  expect(expectedErrorMm(0.2)).toBeCloseTo(20, 9);
+});
+
+test("proposals come when landmarks are the matter, stay open, and go into no fit", async () => {
+  const startFit = vi.fn(async () => Promise.reject(new ApiError("busy", 503)));
+  const { store, client, actions } = await found({ startFit });
+  expect(openProposals(store.get().proposals, store.get().picks.present).length).toBe(4);
+  expect(store.get().picks.present).toEqual({});
+  await actions.fit.start();
+  expect(startFit).toHaveBeenCalledWith(expect.objectContaining({ landmarks: {} }));
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(client.saveLandmarks).not.toHaveBeenCalled();
+});
+
+test("the primary button takes the likely ones only; rough ones and those without skin want a look each", async () => {
+  const { store, actions } = await found();
+  const next = nextStep(store.get());
+  expect(next).toEqual({ kind: "confirm", names: ["nipple_L", "nipple_R"] });
+  if (next.kind === "confirm") actions.landmarks.confirm(next.names);
+  expect(store.get().picks.present).toEqual({ nipple_L: [90, 0, 0], nipple_R: [-90, 0, 0] });
+  expect(nextStep(store.get()).kind).toBe("place");
+});
+
+test("confirming is one step of the history and is saved; undone, the proposals are open again", async () => {
+  const { store, client, actions } = await found();
+  actions.landmarks.confirm(Object.keys(landmarks));
+  expect(Object.keys(store.get().picks.present).length).toBe(4);
+  await vi.advanceTimersByTimeAsync(500);
+  expect(vi.mocked(client.saveLandmarks).mock.lastCall![1].landmarks).toMatchObject({ umbilicus: [0, -200, 0] });
+  actions.landmarks.undo();
+  expect(store.get().picks.present).toEqual({});
+  expect(openProposals(store.get().proposals, {}).length).toBe(4);
+});
+
+test("the wanted landmark's proposal is taken by key, and the next one is wanted", async () => {
+  const { store, actions } = await found();
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.confirmWanted();
+  expect(store.get()).toMatchObject({ active: "nipple_R", picks: { present: { nipple_L: [90, 0, 0] } } });
+});
+
+test("a placed landmark is never moved by its proposal", async () => {
+  const { store, actions } = await found();
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.place([1, 2, 3]);
+  actions.landmarks.confirm(["nipple_L"]);
+  expect(store.get().picks.present.nipple_L).toEqual([1, 2, 3]);
+});
+
+test("while the service still looks, it is asked again after the time that it names", async () => {
+  const proposed = vi.fn().mockResolvedValueOnce({ retryAfterS: 2 }).mockResolvedValue({ landmarks });
+  const { store } = await found({ proposed });
+  expect(store.get().proposals).toEqual({ state: "looking" });
+  await vi.advanceTimersByTimeAsync(2000);
+  expect(store.get().proposals?.state).toBe("found");
+  expect(proposed).toHaveBeenCalledTimes(2);
+});
+
+test("a refusal is shown with its reason, not asked again by itself, but on request", async () => {
+  const proposed = vi.fn().mockRejectedValueOnce(new ApiError("The scan shows no torso.", 422)).mockResolvedValue({ landmarks });
+  const { store, actions } = await found({ proposed });
+  expect(store.get().proposals).toEqual({ state: "none", reason: "The scan shows no torso." });
+  actions.landmarks.want("nipple_L");
+  expect(proposed).toHaveBeenCalledTimes(1);
+  await actions.proposals.look();
+  expect(store.get().proposals?.state).toBe("found");
+});
+
+test("proposals for a scan that has gone are dropped", async () => {
+  let late: (answer: { landmarks: typeof landmarks }) => void = () => undefined;
+  const { store, actions } = await found({ proposed: () => new Promise((done) => (late = done)) });
+  await actions.scan.open("s2", null);
+  late({ landmarks });
+  await vi.advanceTimersByTimeAsync(0);
+  expect(store.get().proposals).toBeNull();
+});

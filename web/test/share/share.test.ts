@@ -1,0 +1,92 @@
+import { afterEach, expect, test, vi } from "vitest";
+import { FakeEventSource, page } from "../fakes";
+import { ApiError } from "../../src/api/client";
+import { passSecretOn, takeSecret } from "../../src/share/visitor/secret";
+import { closeLink, openLink, visitOf } from "../../src/share/visitor/visit";
+
+afterEach(() => void vi.unstubAllGlobals());
+
+async function fitted(...rest: Parameters<typeof page>) {
+  const made = page(...rest);
+  await made.actions.scan.open("s1", null);
+  await made.actions.fit.start();
+  FakeEventSource.last!.say("done", { result: { surface_distance_mm: { mean: 1 }, scan: { unit: "m" }, landmarks: {} } });
+  return made;
+}
+
+test("a link is made as asked, its address is shown until the dialog closes, and the list follows", async () => {
+  const makeShare = vi.fn(async () => ({ url: "/s#secret" }));
+  const shares = vi.fn().mockResolvedValueOnce({ shares: [] }).mockResolvedValue({ shares: [{ id: "a" }] });
+  const { store, actions } = await fitted({ makeShare, shares } as never);
+  await actions.share.open();
+  expect(store.get().share).toMatchObject({ isOpen: true, list: [] });
+  await actions.share.make({ expires_in_days: 30, scan: "plain", passcode: "4711" });
+  expect(makeShare).toHaveBeenCalledWith("/api/fits/f1/shares", { expires_in_days: 30, scan: "plain", passcode: "4711" });
+  expect(store.get().share).toMatchObject({ made: "/s#secret", list: [{ id: "a" }], isBusy: false });
+  actions.share.close();
+  expect(store.get().share.made).toBeNull();
+});
+
+test("a refused link says why in the dialog, which can be used again", async () => {
+  const makeShare = vi.fn().mockRejectedValueOnce(new ApiError("A passcode has at least 4 characters.", 422));
+  const { store, actions } = await fitted({ makeShare, shares: async () => ({ shares: [] }) } as never);
+  await actions.share.open();
+  await actions.share.make({ passcode: "1" });
+  expect(store.get()).toMatchObject({ problems: { share: "A passcode has at least 4 characters." }, share: { isBusy: false, made: null } });
+});
+
+test("unlocking asks the service and reads the list again", async () => {
+  const unlockShare = vi.fn(async () => ({}));
+  const shares = vi.fn(async () => ({ shares: [] }));
+  const { store, actions } = await fitted({ unlockShare, shares } as never);
+  await actions.share.open();
+  await actions.share.unlock("/api/fits/f1/shares/a/unlock");
+  expect(unlockShare).toHaveBeenCalledWith("/api/fits/f1/shares/a/unlock");
+  expect(shares).toHaveBeenCalledTimes(2);
+  expect(store.get().announcement).toBe("The link takes passcodes again.");
+});
+
+test("a secret in the address is passed on once, by a navigation to an address without it", () => {
+  const replace = vi.fn();
+  const tab = { name: "", location: { hash: "#s3cret", replace } };
+  expect(passSecretOn(tab)).toBe(true);
+  expect(replace).toHaveBeenCalledWith("/s");
+  expect(takeSecret(tab)).toBe("s3cret");
+  expect([tab.name, takeSecret(tab)]).toEqual(["", ""]);
+  expect(passSecretOn({ name: "", location: { hash: "", replace } })).toBe(false);
+  expect(replace).toHaveBeenCalledTimes(1);
+  expect(takeSecret({ name: "somebody else's" })).toBe("");
+});
+
+test("a page asks for its own share only, and takes its address when it has opened a link", async () => {
+  const asked: [string, RequestInit][] = [];
+  vi.stubGlobal("fetch", async (path: string, request: RequestInit) => (asked.push([path, request]), new Response(JSON.stringify({ id: "A", links: { close: "/api/shared/A/close" } }))));
+  const replaceState = vi.fn();
+  const past = { replaceState } as unknown as History;
+  await openLink(visitOf("", "/s/A"), "", past);
+  expect(asked.map(([path]) => path)).toEqual(["/api/shared/A"]);
+  expect(replaceState).not.toHaveBeenCalled();
+  const shared = await openLink(visitOf("s3cret", "/s"), "4711 please", past);
+  expect(asked[1]).toMatchObject(["/api/shared/open", { method: "POST", body: JSON.stringify({ token: "s3cret", passcode: "4711 please" }) }]);
+  expect(replaceState).toHaveBeenCalledWith(null, "", "/s/A");
+  await closeLink(shared);
+  expect(asked[2]).toMatchObject(["/api/shared/A/close", { method: "POST" }]);
+});
+
+test("closing what has ended already is no error, everything else is", async () => {
+  const shared = { links: { close: "/api/shared/A/close" } } as never;
+  vi.stubGlobal("fetch", async () => new Response(JSON.stringify({ detail: "not open" }), { status: 401 }));
+  await closeLink(shared);
+  vi.stubGlobal("fetch", async () => new Response(JSON.stringify({ detail: "no disk" }), { status: 503 }));
+  await expect(closeLink(shared)).rejects.toThrow("no disk");
+});
+
+test("revoking asks the service and reads the list again", async () => {
+  const revokeShare = vi.fn(async () => undefined);
+  const shares = vi.fn(async () => ({ shares: [] }));
+  const { actions } = await fitted({ revokeShare, shares } as never);
+  await actions.share.open();
+  await actions.share.revoke("/api/fits/f1/shares/a");
+  expect(revokeShare).toHaveBeenCalledWith("/api/fits/f1/shares/a");
+  expect(shares).toHaveBeenCalledTimes(2);
+});

@@ -1,0 +1,210 @@
+// Two stances: the linked camera's pose, the page that changes over, the drawing that is carried, the table of measures.
+import { Euler, Matrix4, Quaternion, Vector3 } from "three";
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { fitLinks, page, scanInfo } from "../fakes";
+import type { CarriedDrawing, Fit, Measure, Vector } from "../../src/api/types";
+import { INK } from "../../src/drawing/lines";
+import type { FitState } from "../../src/fit/state";
+import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../../src/stances/cameras";
+import { carriedNote } from "../../src/stances/carry";
+import { formatCell, measuresCsv, measuresTable } from "../../src/stances/measuresTable";
+import { knownScans, rememberScan, stanceNames, workspaceOf } from "../../src/stances/state";
+
+const rigid = (x: number, y: number, z: number, at: readonly [number, number, number]): Matrix4 =>
+  new Matrix4().compose(new Vector3(...at), new Quaternion().setFromEuler(new Euler(x, y, z)), new Vector3(1, 1, 1));
+
+const TORSO: Record<string, Vector> = {
+  suprasternal_notch: [0, 420, 80],
+  xiphoid: [0, 250, 100],
+  umbilicus: [0, 60, 90],
+  nipple_L: [100, 270, 120],
+  nipple_R: [-100, 270, 120],
+};
+
+const moved = (by: Matrix4): Record<string, Vector> =>
+  Object.fromEntries(Object.entries(TORSO).map(([name, at]) => [name, new Vector3(...at).multiplyScalar(1e-3).applyMatrix4(by).multiplyScalar(1e3).toArray()]));
+
+test("the torso's frame goes with the body: patient's left, up and front, the breastbone as origin", () => {
+  const still = torsoFromLandmarks(TORSO)!;
+  const by = rigid(0.4, -1.1, 2.0, [0.3, -0.2, 0.7]);
+  const there = torsoFromLandmarks(moved(by))!;
+  new Matrix4().multiplyMatrices(by, still).elements.forEach((value, i) => expect(there.elements[i]).toBeCloseTo(value, 9));
+  expect(new Vector3().setFromMatrixPosition(still).distanceTo(new Vector3(0, 0.335, 0.09))).toBeLessThan(1e-12);
+  expect(torsoFromLandmarks({ nipple_L: TORSO.nipple_L! })).toBeNull();
+});
+
+test("the linked camera sees the other torso as the first sees its own", () => {
+  const by = rigid(-1.3, 0.2, 0.5, [0.1, 0.9, -0.4]); // the second scan has other axes
+  const [a, b] = [torsoFromLandmarks(TORSO)!, torsoFromLandmarks(moved(by))!];
+  const [worldA, worldB] = [rigid(0, 0.1, 0, [0, -0.3, 0]), rigid(0.7, 0, -0.2, [0.2, 0, 0])];
+  const pose = { eye: new Vector3(0.6, 0.4, 1.9), target: new Vector3(0.02, 0.1, 0) };
+  const linked = linkedPose(pose, { world: worldA, torso: a }, { world: worldB, torso: b });
+  expect(linked.eye.distanceTo(linked.target)).toBeCloseTo(pose.eye.distanceTo(pose.target), 9);
+  const seen = (eye: Vector3, world: Matrix4, at: Vector): number => eye.distanceTo(new Vector3(...at).multiplyScalar(1e-3).applyMatrix4(world));
+  for (const name of Object.keys(TORSO)) expect(seen(linked.eye, worldB, moved(by)[name]!)).toBeCloseTo(seen(pose.eye, worldA, TORSO[name]!), 9);
+  const back = linkedPose(linked, { world: worldB, torso: b }, { world: worldA, torso: a });
+  expect(back.eye.distanceTo(pose.eye)).toBeLessThan(1e-9);
+});
+
+test("bodies that stand upright by their frames alone share one pose", () => {
+  const frame = { up: [0, 0, 1] as Vector, front: [0, -1, 0] as Vector };
+  const torso = torsoFromFrame(frame, [0.1, 0.2, 0.3]);
+  const world = torso.clone().invert();
+  const pose = { eye: new Vector3(0, 0.1, 2), target: new Vector3() };
+  const linked = linkedPose(pose, { world, torso }, { world: new Matrix4(), torso: new Matrix4() });
+  expect(linked.eye.distanceTo(pose.eye)).toBeLessThan(1e-12);
+});
+
+const row = (stance: string, part: Partial<Measure>): Measure => ({
+  stance, measure: "notch to nipple", kind: "along the skin", unit: "mm", left: null, left_low: null, left_high: null, right: null, right_low: null,
+  right_high: null, difference: null, value: null, landmarks: "", method: "geodesic", ...part,
+});
+
+const MEASURES = [
+  row("standing", { left: 201.26, right: 198.04, difference: 3.22, landmarks: "notch (picked)" }),
+  row("standing", { measure: "symmetry", kind: "ratio", unit: "1", value: 0.956 }),
+  row("standing", { kind: "straight", left: 180, right: 181, difference: -1 }),
+  row("supine", { left: 188.5, right: 189.5, difference: -1, landmarks: "notch (model's)" }),
+  row("supine - standing", { left: -12.76, right: -8.54, difference: -4.22 }),
+];
+
+test("the table has one line for each measure, the stances beside each other, and gaps where there is none", () => {
+  const stances = [{ name: "standing" }, { name: "supine" }] as never;
+  const { groups, lines } = measuresTable({ measures: MEASURES, stances });
+  expect(groups).toEqual(["standing", "supine", "supine - standing"]);
+  expect(lines.map(({ measure }) => measure)).toEqual(["notch to nipple", "symmetry", "notch to nipple"]);
+  expect(lines[0]!.groups.map(({ left }) => left.value)).toEqual([201.26, 188.5, -12.76]);
+  expect(lines[1]!.groups.map(({ whole }) => whole.value)).toEqual([0.956, null, null]);
+  expect(lines[0]!.landmarks).toEqual([{ stance: "standing", words: "notch (picked)" }, { stance: "supine", words: "notch (model's)" }]);
+});
+
+test("cells have the digits that a measure is worth, and a sign where a direction is meant", () => {
+  const cell = (value: number | null) => ({ value, low: null, high: null });
+  expect(formatCell(cell(201.26), "mm", false)).toBe("201.3");
+  expect(formatCell(cell(3.22), "mm", true)).toBe("+3.2");
+  expect(formatCell(cell(-12.76), "mm", true)).toBe("\u221212.8");
+  expect(formatCell(cell(-0.04), "mm", true)).toBe("0.0");
+  expect(formatCell(cell(412.4), "ml", false)).toBe("412");
+  expect(formatCell(cell(null), "1", false)).toBe("–");
+});
+
+test("the file has the command line's columns and quotes what needs it", () => {
+  const [head, first] = measuresCsv([row("standing", { left: 1.5, method: 'a "b", c' })]).split("\r\n");
+  expect(head).toBe("stance,measure,kind,unit,left,left_low,left_high,right,right_low,right_high,difference,value,landmarks,method");
+  expect(first).toBe('standing,notch to nipple,along the skin,mm,1.5,,,,,,,,,"a ""b"", c"');
+});
+
+const CARRIED: CarriedDrawing = {
+  schema: "breastrig/drawing@1", name: "x", unit: "mm", notice: "", carried_by: "skin",
+  shapes: [{ name: "Line 1", closed: false, color: INK, points: [[0, 0, 0], [1, 0, 0], [2, 0, 0]], bridged: [false, false, true], distance_from_mm: [1, -3, 2], distance_to_mm: [0.5, 0.5, null] }],
+};
+
+test("the note says how far both fits are off, and how much lies over holes", () => {
+  const note = carriedNote(CARRIED);
+  expect(note).toMatchObject({ points: 3, bridged: 1, to: { mean: 0.5, p95: 0.5 } });
+  expect(note.from!.mean).toBe(2);
+  expect(note.from!.p95).toBeCloseTo(2.9, 9);
+  expect(carriedNote({ ...CARRIED, shapes: [] })).toEqual({ points: 0, bridged: 0, from: null, to: null });
+});
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => void vi.useRealTimers());
+
+const done = (id: string): FitState => ({
+  id, links: fitLinks(id), state: "done", started: null, iterations: [], shown: -1, playing: false, result: null, drawing: null, drawingName: null,
+  surface: new ArrayBuffer(8), distances: null, reason: null, isConnected: true, picks: null,
+});
+const LINE = { name: "Line 1", closed: false, color: INK, points: [[0, 0, 0], [2, 0, 0]] as Vector[], corners: [0, 1] };
+
+async function two() {
+  const transfer = vi.fn(async () => CARRIED);
+  const made = page({ transfer, importExample: async (name: string) => scanInfo(name), fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state: "done" }) as unknown as Fit });
+  const { store, actions } = made;
+  await actions.scan.takeExample("standing");
+  store.set((state) => ({ fit: done("f1"), drawn: { ...state.drawn, lines: { past: [], present: [LINE], future: [] } } }));
+  await actions.stances.takeExample("supine");
+  return { ...made, transfer };
+}
+
+test("the second scan gets the page, the first waits with all that is its own", async () => {
+  const { store } = await two();
+  const state = store.get();
+  expect(state.scan!.info.id).toBe("supine");
+  expect(state.fit).toBeNull();
+  expect(state.drawn.lines.present).toEqual([]);
+  expect(state.stances.other!.scan!.info.id).toBe("standing");
+  expect(state.stances.other!.fit!.id).toBe("f1");
+  expect(state.stances).toMatchObject({ isSecond: true, isAdding: false });
+  expect(stanceNames(state)).toEqual(["standing 2", "standing 1"]);
+});
+
+test("changing over and back is where one was", async () => {
+  const { store, actions } = await two();
+  const before = workspaceOf(store.get());
+  await actions.stances.swap();
+  expect(store.get().scan!.info.id).toBe("standing");
+  expect(store.get().drawn.lines.present).toEqual([LINE]);
+  expect(store.get().stances.isSecond).toBe(false);
+  await actions.stances.swap();
+  expect(workspaceOf(store.get())).toEqual(before);
+});
+
+test("a scan that cannot be had leaves the page as it was and says why", async () => {
+  const { store, actions } = page({ importExample: async (name: string) => { if (name === "gone") throw new Error("no"); return scanInfo(name); } });
+  await actions.scan.takeExample("standing");
+  actions.stances.dialog(true);
+  await actions.stances.takeExample("gone");
+  expect(store.get().scan!.info.id).toBe("standing");
+  expect(store.get().stances).toMatchObject({ other: null, isBringing: false, isAdding: true });
+  expect(store.get().problems.stances).toContain("no");
+});
+
+test("the drawing is carried when both fits are done, and follows what is drawn afterwards", async () => {
+  const { store, actions, transfer } = await two();
+  await actions.stances.carry();
+  expect(transfer).not.toHaveBeenCalled();
+  store.set({ fit: done("f2") });
+  await actions.stances.carry();
+  expect(transfer).toHaveBeenCalledTimes(1);
+  expect(transfer).toHaveBeenCalledWith(expect.objectContaining({ from_fit: "f1", to_fit: "f2" }));
+  expect(store.get().drawn.carried).toMatchObject({ fromFit: "f1", toFit: "f2", drawing: CARRIED });
+  expect(store.get().stances.other!.drawn.carried).toBeNull();
+  store.set((state) => ({ drawn: { ...state.drawn, lines: { past: [], present: [{ ...LINE, name: "Line 9" }], future: [] } } }));
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(transfer).toHaveBeenCalledTimes(2);
+  expect(transfer).toHaveBeenLastCalledWith(expect.objectContaining({ from_fit: "f2", to_fit: "f1" }));
+  expect(store.get().stances.other!.drawn.carried).toMatchObject({ fromFit: "f2" });
+  await vi.advanceTimersByTimeAsync(5000);
+  expect(transfer).toHaveBeenCalledTimes(2);
+});
+
+test("a fit that runs while its scan waits comes to its end there", async () => {
+  let state = "running";
+  const result = { landmarks: {}, scan: { unit: "m" } };
+  const { store, actions } = page({
+    importExample: async (name: string) => scanInfo(name),
+    fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state }) as unknown as Fit,
+    allEvents: async () => [{ id: 1, event: { kind: "iterated", iteration: 0 } }] as never,
+    result: async () => result as never,
+  });
+  await actions.scan.takeExample("standing");
+  store.set({ fit: { ...done("f1"), state: "running", surface: null } });
+  await actions.stances.takeExample("supine");
+  const fit = () => store.get().stances.other!.fit!;
+  await vi.advanceTimersByTimeAsync(2500);
+  expect(fit().state).toBe("running");
+  state = "done";
+  await vi.advanceTimersByTimeAsync(1500);
+  expect(fit()).toMatchObject({ state: "done", result, shown: 0 });
+  expect(fit().surface).not.toBeNull();
+});
+
+test("scans of this tab are remembered, the newest first, each once; a damaged memory is none", () => {
+  const kept = new Map<string, string>();
+  const memory = { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => void kept.set(key, value) };
+  const scan = (id: string, stance = "standing") => ({ id, title: id, stance, at: "2026-01-01T00:00:00Z" });
+  for (const each of [scan("a"), scan("b"), scan("a", "supine")]) rememberScan(memory, each);
+  expect(knownScans(memory)).toEqual([scan("a", "supine"), scan("b")]);
+  for (const key of kept.keys()) kept.set(key, "{");
+  expect(knownScans(memory)).toEqual([]);
+});

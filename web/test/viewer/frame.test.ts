@@ -1,0 +1,29 @@
+import { expect, test } from "vitest";
+import type { Frame } from "../../src/api/types";
+import { cross, dot, leftOf, tidyFrame, turned } from "../../src/viewer/frame";
+
+const upright: Frame = { up: [0, 1, 0], front: [0, 0, 1] };
+
+test("facing us upright, the patient's left is on +X", () => {
+  expect(leftOf(upright)).toEqual([1, 0, 0]);
+});
+
+test("four turns about any axis lead back to the start", () => {
+  for (const turn of ["around", "sideways", "forwards"] as const) {
+    let frame = upright;
+    for (let i = 0; i < 4; i += 1) frame = turned(frame, turn);
+    expect([...frame.up, ...frame.front].map((x) => x + 0)).toEqual([...upright.up, ...upright.front]); // -0 + 0 is 0
+    expect(turned(upright, turn)).not.toEqual(upright);
+  }
+});
+
+test("a slanted or useless proposal becomes a right-angled frame", () => {
+  const slanted = tidyFrame({ up: [0, 2, 0], front: [0, 1, 1] });
+  expect(slanted.up).toEqual([0, 1, 0]);
+  expect(dot(slanted.up, slanted.front)).toBeCloseTo(0, 12);
+  for (const front of [[0, 0, 0], [0, 1, 0]] as const) {
+    const frame = tidyFrame({ up: [0, 1, 0], front: [...front] });
+    expect(Math.hypot(...frame.front)).toBeCloseTo(1, 12);
+    expect(Math.hypot(...cross(frame.up, frame.front))).toBeCloseTo(1, 12);
+  }
+});
