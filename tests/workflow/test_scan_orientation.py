@@ -57,7 +57,9 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
 
 def upload(scan: Path, folder: Path, model: Path | None = None) -> dict:
     """The facts as they come back from the database."""
-    return json.loads(json.dumps(read_upload(UploadJob(scan, "auto", folder / "mesh.glb", 10**6, model))))
+    return json.loads(
+        json.dumps(read_upload(UploadJob(scan, "auto", folder / "kept", folder / "mesh.glb", 10**6, model)))
+    )
 
 
 def events_of(scan: Path, out: Path, picks: dict[str, list[float]], **more: object) -> list[Event]:
