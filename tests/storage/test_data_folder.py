@@ -2,6 +2,7 @@
 
 import os
 import sqlite3
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from breastrig.core.errors import BadSettings
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage import data_folder
-from breastrig.storage.data_folder import Standing, installation_id, standing_of
+from breastrig.storage.data_folder import Ownership, installation_id, ownership_of
 from breastrig.storage.location import Location
 from breastrig.storage.rows.scans import scan_ids
 from breastrig.storage.storage import Storage
@@ -156,10 +157,29 @@ def test_an_empty_or_missing_folder_becomes_ours_and_the_marker_comes_first(
 
 
 def test_a_marker_whose_writing_was_interrupted_is_written_again(tmp_path: Path) -> None:
-    (tmp_path / "installation.part").write_text("abc")
+    (tmp_path / ".breastrig-installation.part").write_text("abc")
     start(tmp_path)
-    assert standing_of(tmp_path, sqlite=True) is Standing.OURS
-    assert not (tmp_path / "installation.part").exists()
+    assert ownership_of(tmp_path, sqlite=True) is Ownership.OURS
+    assert not (tmp_path / ".breastrig-installation.part").exists()
+
+
+def test_of_servers_that_start_at_once_on_a_new_folder_one_gives_it_its_id(tmp_path: Path) -> None:
+    root, ids, barrier = tmp_path / "new", [f"{k:022}" for k in range(8)], threading.Barrier(8)
+    seen = []
+
+    def start_one(mine: str) -> None:
+        barrier.wait()
+        data_folder.claim(root, lambda: mine, True)
+        seen.append(installation_id(root))
+
+    threads = [threading.Thread(target=start_one, args=(mine,)) for mine in ids]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(seen) == 8
+    assert len(set(seen)) == 1
+    assert os.listdir(root) == ["installation"]
 
 
 @pytest.mark.parametrize("logged", [False, True])
@@ -179,10 +199,10 @@ def test_a_data_folder_of_the_first_version_is_opened_and_marked(logged: bool, t
         for name, content in kept.items():
             (tmp_path / name).write_bytes(content)
     before = state(tmp_path)
-    assert standing_of(tmp_path, sqlite=True) is Standing.OLDER
+    assert ownership_of(tmp_path, sqlite=True) is Ownership.OLDER
     assert state(tmp_path) == before
     start(tmp_path)
-    assert standing_of(tmp_path, sqlite=True) is Standing.OURS
+    assert ownership_of(tmp_path, sqlite=True) is Ownership.OURS
     storage = Storage(tmp_path)
     assert scan_ids(storage) == {"scan-1"}
     storage.close()
@@ -208,17 +228,17 @@ def test_the_empty_folders_of_a_server_that_kept_all_elsewhere_are_taken_over(tm
     for place in ("scans", "fits/abc", "rubbish"):
         (tmp_path / place).mkdir(parents=True)
     (tmp_path / "lock").touch()
-    assert standing_of(tmp_path, sqlite=False) is Standing.NEW
+    assert ownership_of(tmp_path, sqlite=False) is Ownership.NEW
     (tmp_path / "fits" / "abc" / "result.json").write_text("{}")
-    assert standing_of(tmp_path, sqlite=False) is Standing.FOREIGN
+    assert ownership_of(tmp_path, sqlite=False) is Ownership.FOREIGN
 
 
 def test_a_database_beside_is_no_reason_to_take_a_folder_for_rows_that_are_elsewhere(tmp_path: Path) -> None:
     rows = sqlite3.connect(tmp_path / "breastrig.sqlite3")
     rows.executescript(FIRST_VERSION)
     rows.close()
-    assert standing_of(tmp_path, sqlite=True) is Standing.OLDER
-    assert standing_of(tmp_path, sqlite=False) is Standing.FOREIGN
+    assert ownership_of(tmp_path, sqlite=True) is Ownership.OLDER
+    assert ownership_of(tmp_path, sqlite=False) is Ownership.FOREIGN
 
 
 def named_file(tmp_path: Path) -> Path:

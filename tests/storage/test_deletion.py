@@ -16,11 +16,11 @@ from sqlalchemy.exc import OperationalError
 from breastrig.cli.main import main
 from breastrig.storage import reserve
 from breastrig.storage.deletion import delete_scan, discard, finish_deletions, remove_files
-from breastrig.storage.file_journal import count_to_be_removed, note_making, to_be_removed
+from breastrig.storage.file_journal import count_pending_removals, pending_removals, record_creation
 from breastrig.storage.files import fit_place, scan_place
 from breastrig.storage.rows.fits import fit_ids
 from breastrig.storage.rows.scans import ScanRow, add_scan, scan_ids
-from breastrig.storage.storage import Storage
+from breastrig.storage.storage import Storage, Unremoved
 
 FITS = [f"fit-{k}" for k in range(4)]
 TRACES = (b"skin of scan-1", b"result of fit-", b"scan-1", b"fit-0", b"fit-3")
@@ -44,7 +44,7 @@ def full(storage: Storage) -> Storage:
 
 def assert_gone(storage: Storage) -> None:
     """Nothing is left of the one scan, all of the other."""
-    assert (scan_ids(storage), fit_ids(storage), to_be_removed(storage)) == ({"scan-2"}, set(), {})
+    assert (scan_ids(storage), fit_ids(storage), pending_removals(storage)) == ({"scan-2"}, set(), {})
     names = " ".join(path.as_posix() for path in storage.root.rglob("*")).encode()
     left = names + bytes_below(storage.root, "[!r]*") + bytes_below(storage.root, "[!r]*/**/*")  # not the reserve
     assert [trace for trace in TRACES if trace in left] == []
@@ -106,11 +106,13 @@ class Killed(Exception):
     """Stands for the end of the process."""
 
 
-@pytest.mark.parametrize("last", range(16))
+@pytest.mark.parametrize("finish", [finish_deletions, remove_files])
+@pytest.mark.parametrize("last", range(20))
 def test_rows_too_many_for_the_reserve_are_deleted_in_steps_and_an_interrupted_step_is_made_up_for(
-    full: Storage, last: int
+    full: Storage, last: int, finish: Callable[[Storage], list[Unremoved]]
 ) -> None:
-    """However many of the steps come to pass before the server is killed, the next start does the others."""
+    """However many of the steps come to pass before the server is killed or fails, its next start or look does the
+    others."""
     done = []
 
     def act(statement: str, parameters: object) -> None:
@@ -125,12 +127,12 @@ def test_rows_too_many_for_the_reserve_are_deleted_in_steps_and_an_interrupted_s
         try:
             assert delete_scan(full, "scan-1") == []
         except Killed:
-            assert "scan-1" in scan_ids(full) or count_to_be_removed(full)
-    if "scan-1" in scan_ids(full) and scan_place("scan-1") not in to_be_removed(full):
+            assert "scan-1" in scan_ids(full) or count_pending_removals(full)
+    if "scan-1" in scan_ids(full) and scan_place("scan-1") not in pending_removals(full):
         assert full.folders.uploaded("scan-1", "ply").is_file()  # killed before it had begun: all is as it was
         assert fit_ids(full) == set(FITS)
         assert delete_scan(full, "scan-1") == []
-    assert finish_deletions(full) == []
+    assert finish(full) == []
     assert_gone(full)
 
 
@@ -189,8 +191,8 @@ def test_a_folder_that_cannot_be_moved_is_removed_where_it_is(full: Storage, mon
 
 def test_what_is_being_made_is_not_removed_with_what_was_not_kept(full: Storage) -> None:
     """Two fits of one scan are asked for at once, and one of them is refused."""
-    note_making(full, "scan-2", [fit_place("refused")])
-    note_making(full, "scan-2", [fit_place("kept")])
+    record_creation(full, "scan-2", [fit_place("refused")])
+    record_creation(full, "scan-2", [fit_place("kept")])
     for fit in ("refused", "kept"):
         full.make_fit(fit)
     discard(full, "scan-2", fit_place("refused"))
@@ -202,7 +204,7 @@ def test_what_is_being_made_is_not_removed_with_what_was_not_kept(full: Storage)
 
 
 def test_what_is_being_made_of_a_scan_that_is_deleted_is_removed(full: Storage) -> None:
-    note_making(full, "scan-1", [fit_place("asked")])
+    record_creation(full, "scan-1", [fit_place("asked")])
     full.make_fit("asked")
     assert delete_scan(full, "scan-1") == []
     assert not full.folders.fit("asked").exists()
@@ -211,7 +213,7 @@ def test_what_is_being_made_of_a_scan_that_is_deleted_is_removed(full: Storage) 
 
 def test_a_scan_that_is_not_there_leaves_no_trace_of_its_name(full: Storage) -> None:
     assert delete_scan(full, "nobody-has-this-name") == []
-    assert to_be_removed(full) == {}
+    assert pending_removals(full) == {}
     assert b"nobody-has-this-name" not in bytes_below(full.root, "breastrig.sqlite3*")
 
 

@@ -11,7 +11,7 @@ import pytest
 from breastrig.core import scratch
 from breastrig.core.errors import BadSettings
 from breastrig.storage.deletion import delete_rows, finish_deletions
-from breastrig.storage.file_journal import note_making, to_be_removed
+from breastrig.storage.file_journal import pending_removals, record_creation
 from breastrig.storage.files import Files, fit_place, scan_place
 from breastrig.storage.location import Location
 from breastrig.storage.rows.scans import ScanRow, add_scan, get_scan
@@ -109,8 +109,8 @@ def test_what_a_killed_server_was_making_or_removing_is_removed_at_the_next_star
 ) -> None:
     add_scan(storage, ScanRow("kept", "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, {}))
     add_scan(storage, ScanRow("deleted", "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, {}))
-    note_making(storage, "upload", [scan_place("upload")])
-    note_making(storage, "kept", [fit_place("asked")])
+    record_creation(storage, "upload", [scan_place("upload")])
+    record_creation(storage, "kept", [fit_place("asked")])
     for place in map(scan_place, ("kept", "deleted", "upload")):
         keep(storage.files, place, first=b"one")
     keep(storage.files, fit_place("asked"), first=b"one")
@@ -120,7 +120,7 @@ def test_what_a_killed_server_was_making_or_removing_is_removed_at_the_next_star
         assert storage.files.find(place, "first") is None
     assert storage.files.find(scan_place("kept"), "first") is not None
     assert get_scan(storage, "kept").id == "kept"
-    assert to_be_removed(storage) == {}
+    assert pending_removals(storage) == {}
     assert not caplog.records
 
 

@@ -83,7 +83,7 @@ class NotRemoved(BreastRigError):
     def __init__(self, places: int) -> None:
         super().__init__(
             f"The scan is deleted and can be seen no more, but {places} of the folders with its files could not be "
-            "removed; the service goes on trying, and on its machine `breastrig purge` says what is in the way."
+            "removed; the service goes on trying, and its log says what is in the way."
         )
         self.places = places
 

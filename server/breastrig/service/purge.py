@@ -5,16 +5,16 @@ from dataclasses import dataclass
 
 from breastrig.core.errors import BadSettings
 from breastrig.service.sweep import overdue
-from breastrig.storage.data_folder import Standing, standing_of
+from breastrig.storage.data_folder import Ownership, ownership_of
 from breastrig.storage.deletion import delete_rows, finish_deletions, remove_files
 from breastrig.storage.rows.scans import scan_ids
-from breastrig.storage.storage import Left, Storage
+from breastrig.storage.storage import Storage, Unremoved
 
 
 @dataclass(frozen=True)
 class Purged:
     scans: int  # that were deleted
-    left: tuple[Left, ...]  # files of these, or of scans that were deleted before, that cannot be removed
+    left: tuple[Unremoved, ...]  # files of these, or of scans that were deleted before, that cannot be removed
 
 
 def purge(storage: Storage, older_than_days: float | None) -> Purged:
@@ -23,7 +23,7 @@ def purge(storage: Storage, older_than_days: float | None) -> Purged:
     Raises BadSettings when there is no such data folder or a server holds it.
     """
     rows_here = storage.location.database is None
-    if rows_here and standing_of(storage.root, sqlite=True) in (Standing.NEW, Standing.FOREIGN):
+    if rows_here and ownership_of(storage.root, sqlite=True) in (Ownership.NEW, Ownership.FOREIGN):
         raise BadSettings(f"There is no BreastRig data folder at {storage.root}; name it with --data.")
     with storage.exclusive():
         storage.prepare()

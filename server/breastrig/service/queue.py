@@ -59,7 +59,7 @@ class FitQueue:
 
     def recover(self) -> tuple[int, int]:
         """After a start: takes up the fits that ran, and those that waited.  (how many ran, how many wait now)."""
-        interrupted = self._storage.with_room(lambda: put_back(self._storage))
+        interrupted = self._storage.using_reserve(lambda: put_back(self._storage))
         waiting = len(fits_in_state(self._storage, "queued"))
         self.wake()
         self._look.start()
@@ -194,7 +194,7 @@ class FitQueue:
     def _end_surely(self, fit_id: str, event: Event) -> None:
         """The same for a deletion, which a full disk must not hinder."""
         try:
-            self._storage.with_room(lambda: self._end(fit_id, event))
+            self._storage.using_reserve(lambda: self._end(fit_id, event))
         except SQLAlchemyError as unwritten:
             log.error("the end of fit %s cannot be stored yet: %s", fit_id, type(unwritten).__name__)
             if not self._stopping:

@@ -34,14 +34,14 @@ from breastrig.service.reports import Reports
 from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.waiting_cap import WaitingCap
 from breastrig.storage.deletion import delete_rows, discard, finish_deletions, remove_files
-from breastrig.storage.file_journal import note_making
+from breastrig.storage.file_journal import record_creation
 from breastrig.storage.files import MESH, fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
 from breastrig.storage.rows.events import StoredEvent
 from breastrig.storage.rows.fits import FitRow, FitWish, Once, add_fits, fits_of_scan, get_fit, made_before
 from breastrig.storage.rows.scans import Points, ScanRow
-from breastrig.storage.storage import Storage, utc_now
+from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.propose_on_scan import propose_on_file
 from breastrig.workflow.read_upload import UploadJob, read_upload
 from breastrig.workflow.run_fit import run_fit
@@ -145,7 +145,7 @@ class Service:
         """
         scan_id = new_id()
         place = scan_place(scan_id)
-        note_making(self.storage, scan_id, [place])
+        record_creation(self.storage, scan_id, [place])
         try:
             self.storage.files.make(place)
             with self.storage.files.writing(place) as draft:
@@ -175,6 +175,7 @@ class Service:
         left = remove_files(self.storage, scan_id)
         self._bell.ring()
         if left:
+            _log_unremoved(left)
             raise NotRemoved(len(left))
 
     def proposed_landmarks(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
@@ -223,7 +224,7 @@ class Service:
     def _add_fit(self, wish: FitWish, other: FitWish | None, once: Once | None) -> str:
         wishes = {new_id(): one for one in (wish, other) if one is not None}
         places = [fit_place(fit_id) for fit_id in wishes]
-        note_making(self.storage, wish.scan, places)
+        record_creation(self.storage, wish.scan, places)
         try:
             for fit_id in wishes:
                 self.storage.make_fit(fit_id)
@@ -283,8 +284,14 @@ class Service:
         return facts
 
     def _clean(self) -> None:
-        for left in finish_deletions(self.storage):
-            log.error("files of a deleted scan cannot be removed (%s); `breastrig purge` lists them", left.reason)
+        left = finish_deletions(self.storage)
+        if left:
+            _log_unremoved(left)
+
+
+def _log_unremoved(left: list[Unremoved]) -> None:
+    reasons = ", ".join(sorted({one.reason for one in left}))
+    log.error("%d folders of deleted scans cannot be removed (%s); `breastrig purge` lists them", len(left), reasons)
 
 
 def _keep(source: IO[bytes], path: Path) -> str:

@@ -123,7 +123,7 @@ class Sweep:
                 self._try_again()
                 if wall_clock.uptime_s() - looked_at >= LOOK_EVERY_S:
                     looked_at = wall_clock.uptime_s()
-                    self._storage.look_for_damage()
+                    self._storage.check_integrity()
                     self._delete_old()
             except SQLAlchemyError as error:  # the database is busy or damaged, which others say
                 log.error("old scans cannot be looked for: %s", type(error).__name__)
@@ -134,7 +134,7 @@ class Sweep:
 
     def _try_again(self) -> None:
         remove_files(self._storage)
-        self._storage.forget_rest()
+        self._storage.forget_pending()
         self._storage.refill_reserve()
 
     def _delete_old(self) -> None:

@@ -21,7 +21,7 @@ from breastrig.core.errors import BadSettings
 from breastrig.core.scratch import scratch_folder
 from breastrig.storage.files import MARK
 
-PART = f"{MARK}.part"  # the marker while it is written
+PART = ".breastrig-installation.part"  # the marker while it is written
 SQLITE_FILE = "breastrig.sqlite3"
 LOCK_FILE = "lock"
 RESERVE_FILE = "reserve"
@@ -33,8 +33,8 @@ OUR_TABLES = {"scans", "landmarks", "fits", "events"}  # in every version
 OF_A_FILE_SYSTEM = {"lost+found"}  # in the root of a new disk
 
 
-class Standing(Enum):
-    """Whose a folder is."""
+class Ownership(Enum):
+    """Of a folder that is named as data folder."""
 
     FOREIGN = "holds files and no marker"
     NEW = "empty or not there"
@@ -42,7 +42,7 @@ class Standing(Enum):
     OLDER = "made by a version that wrote no marker"
 
 
-def standing_of(root: Path, sqlite: bool) -> Standing:
+def ownership_of(root: Path, sqlite: bool) -> Ownership:
     """Looks and changes nothing; `sqlite`: the rows are expected in the folder itself.
 
     Raises BadSettings for what is no folder or cannot be read.
@@ -54,7 +54,7 @@ def standing_of(root: Path, sqlite: bool) -> Standing:
             raise BadSettings(
                 f"The data folder {root} is a link that leads nowhere; mend the link or choose another with --data."
             ) from error
-        return Standing.NEW
+        return Ownership.NEW
     except NotADirectoryError as error:
         if root.exists():
             raise BadSettings(f"{root} is a file and no folder; choose a folder with --data.") from error
@@ -63,20 +63,20 @@ def standing_of(root: Path, sqlite: bool) -> Standing:
         raise _unusable(root, "read", error) from error
     try:
         if installation_id(root) is not None:
-            return Standing.OURS
+            return Ownership.OURS
         if _holds_nothing(root, names - OF_A_FILE_SYSTEM):
-            return Standing.NEW
+            return Ownership.NEW
         if sqlite and _lacks_marker(root / MARK) and _has_our_tables(root / SQLITE_FILE):
-            return Standing.OLDER
+            return Ownership.OLDER
     except OSError as error:
         raise _unusable(root, "read", error) from error
-    return Standing.FOREIGN
+    return Ownership.FOREIGN
 
 
-def refuse_foreign(root: Path, sqlite: bool) -> Standing:
+def refuse_foreign(root: Path, sqlite: bool) -> Ownership:
     """The same.  Raises BadSettings for a folder of somebody else's too."""
-    standing = standing_of(root, sqlite)
-    if standing is Standing.FOREIGN:
+    standing = ownership_of(root, sqlite)
+    if standing is Ownership.FOREIGN:
         raise BadSettings(
             f"{root} holds files but is no data folder of BreastRig, so it is left as it is; choose an empty or a new "
             "folder with --data."
@@ -98,7 +98,7 @@ def claim(root: Path, new_id: Callable[[], str], sqlite: bool) -> None:
 
     Does nothing in a folder that is ours already.  Raises BadSettings.
     """
-    if refuse_foreign(root, sqlite) is not Standing.NEW:
+    if refuse_foreign(root, sqlite) is not Ownership.NEW:
         return
     chosen = new_id()
     try:
@@ -109,7 +109,7 @@ def claim(root: Path, new_id: Callable[[], str], sqlite: bool) -> None:
         handle = os.open(root, os.O_RDONLY | os.O_DIRECTORY)
         try:
             fcntl.flock(handle, fcntl.LOCK_EX)  # of two servers that start at once, one writes
-            if refuse_foreign(root, sqlite) is Standing.NEW:
+            if refuse_foreign(root, sqlite) is Ownership.NEW:
                 write_marker(root, chosen)
         finally:
             os.close(handle)

@@ -72,7 +72,7 @@ class Database(ABC):
     def forget_deleted(self) -> bool:
         """Gives up what deleted rows still take, as far as the database can; False when it has to be done later."""
 
-    def lacks_room(self, error: Exception) -> bool:
+    def is_disk_full(self, error: Exception) -> bool:
         """Whether it was met because the disk of the data folder is full."""
         return False
 

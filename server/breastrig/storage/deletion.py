@@ -8,14 +8,14 @@ steps, once the files have made room.
 import logging
 
 from sqlalchemy import Connection, delete, select, update
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
 from breastrig.storage import schema
-from breastrig.storage.file_journal import abandon_making, note_removing, strike_out, to_be_removed
+from breastrig.storage.file_journal import cancel_creations, clear_entries, pending_removals, record_removal
 from breastrig.storage.files import fit_place, scan_place
 from breastrig.storage.rows.fits import fit_ids, fits_of_scan
 from breastrig.storage.rows.scans import scan_ids
-from breastrig.storage.storage import Left, Storage
+from breastrig.storage.storage import Storage, Unremoved
 
 EVENTS_AT_ONCE = 100  # of some kB each: half a megabyte of SQLite's log
 STILL_WRITTEN = "a process still writes to it"
@@ -23,7 +23,7 @@ STILL_WRITTEN = "a process still writes to it"
 log = logging.getLogger(__name__)
 
 
-def delete_scan(storage: Storage, scan_id: str) -> list[Left]:
+def delete_scan(storage: Storage, scan_id: str) -> list[Unremoved]:
     """Deletes the scan with everything made of it, while nobody carries out its fits; what could not be removed."""
     delete_rows(storage, scan_id)
     return remove_files(storage, scan_id)
@@ -38,33 +38,35 @@ def delete_rows(storage: Storage, scan_id: str) -> list[str]:
         with storage.database.writing(durable=True) as connection:
             fits = _fits_of(connection, scan_id)
             if _is_there(connection, scan_id):
-                note_removing(connection, scan_id, [scan_place(scan_id), *map(fit_place, fits)])
-                abandon_making(connection, scan_id)
+                record_removal(connection, scan_id, [scan_place(scan_id), *map(fit_place, fits)])
+                cancel_creations(connection, scan_id)
                 _delete_fits(connection, fits)
                 connection.execute(delete(schema.scans).where(schema.scans.c.id == scan_id))
         return fits
     except DBAPIError as error:
-        if not storage.lacks_room(error):
+        if not storage.is_disk_full(error):
             raise
         return _delete_in_steps(storage, scan_id)
 
 
-def remove_files(storage: Storage, scan_id: str | None = None) -> list[Left]:
+def remove_files(storage: Storage, scan_id: str | None = None) -> list[Unremoved]:
     """Removes what the journal says is to be removed, of one scan or all; what could not be."""
-    places = to_be_removed(storage, scan_id)
+    if scan_id is None:
+        _finish_rows(storage)
+    places = pending_removals(storage, scan_id)
     left = {one.place: one for one in storage.remove(*places)}
     for place in places:
         kind, _, name = place.partition("/")
         if kind == "fits" and place not in left and not storage.wait_until_free(name, 0.0):
-            left[place] = Left(place, storage.files.left_of(place), STILL_WRITTEN)
+            left[place] = Unremoved(place, storage.files.left_of(place), STILL_WRITTEN)
     gone = [place for place in places if place not in left]
 
     def write() -> None:
         with storage.database.writing() as connection:
-            strike_out(connection, gone)
+            clear_entries(connection, gone)
 
     if gone:
-        storage.with_room(write)
+        storage.using_reserve(write)
     if places:
         storage.forget_deleted()
         storage.refill_reserve()
@@ -75,34 +77,38 @@ def discard(storage: Storage, scan_id: str, *places: str) -> None:
     """Removes files that get no row after all.  What cannot be removed now is tried again later."""
     try:
         with storage.database.writing() as connection:
-            note_removing(connection, scan_id, places)
+            record_removal(connection, scan_id, places)
         remove_files(storage, scan_id)
-    except DBAPIError as unwritten:  # the next start does the rest
+    except SQLAlchemyError as unwritten:  # the next start does the rest
         storage.remove(*places)
         log.error("files that were not kept cannot be struck out: %s", type(unwritten).__name__)
 
 
-def finish_deletions(storage: Storage) -> list[Left]:
+def finish_deletions(storage: Storage) -> list[Unremoved]:
     """At the start of a server: removes what an earlier one has left; what could not be removed.
 
     Whatever else lies where scans and fits are kept is left alone, and its number said in the log.
     """
 
-    def abandon() -> None:
+    def cancel() -> None:
         with storage.database.writing() as connection:
-            abandon_making(connection)
+            cancel_creations(connection)
 
-    storage.with_room(abandon)
-    removing = to_be_removed(storage)
-    for scan_id in scan_ids(storage):
-        if scan_place(scan_id) in removing:  # it was being deleted in steps
-            delete_rows(storage, scan_id)
+    storage.using_reserve(cancel)
     left = remove_files(storage)
-    known = {*map(scan_place, scan_ids(storage)), *map(fit_place, fit_ids(storage)), *to_be_removed(storage)}
+    known = {*map(scan_place, scan_ids(storage)), *map(fit_place, fit_ids(storage)), *pending_removals(storage)}
     unknown = storage.count_unknown(known)
     if unknown:
         log.warning("%d files or folders among those of scans and fits are none of BreastRig's; they stay", unknown)
     return left
+
+
+def _finish_rows(storage: Storage) -> None:
+    """Deletes the rows of scans whose deletion in steps was interrupted."""
+    removing = pending_removals(storage)
+    for scan_id in set(removing.values()) & scan_ids(storage):
+        if scan_place(scan_id) in removing:
+            delete_rows(storage, scan_id)
 
 
 def _delete_in_steps(storage: Storage, scan_id: str) -> list[str]:
@@ -112,8 +118,8 @@ def _delete_in_steps(storage: Storage, scan_id: str) -> list[str]:
 
     def note() -> None:
         with storage.database.writing(durable=True) as connection:
-            note_removing(connection, scan_id, places)
-            abandon_making(connection, scan_id)
+            record_removal(connection, scan_id, places)
+            cancel_creations(connection, scan_id)
 
     def delete_events(fit_id: str) -> int:
         first = select(schema.events.c.position).where(schema.events.c.fit == fit_id).limit(EVENTS_AT_ONCE)
@@ -128,13 +134,13 @@ def _delete_in_steps(storage: Storage, scan_id: str) -> list[str]:
         with storage.database.writing() as connection:
             connection.execute(delete(schema.scans).where(schema.scans.c.id == scan_id))
 
-    storage.with_room(note)
+    storage.using_reserve(note)
     storage.remove(*places)
     for fit_id in fits:
-        while storage.with_room(lambda: delete_events(fit_id)):  # noqa: B023
+        while storage.using_reserve(lambda: delete_events(fit_id)):  # noqa: B023
             storage.forget_deleted()
-        storage.with_room(lambda: delete_fit(fit_id))  # noqa: B023
-    storage.with_room(delete_rest)
+        storage.using_reserve(lambda: delete_fit(fit_id))  # noqa: B023
+    storage.using_reserve(delete_rest)
     return fits
 
 

@@ -15,27 +15,27 @@ from breastrig.storage.storage import Storage
 TABLE = schema.file_journal
 
 
-def note_making(storage: Storage, scan_id: str, places: Iterable[str]) -> None:
+def record_creation(storage: Storage, scan_id: str, places: Iterable[str]) -> None:
     """Before files of a scan are put into places that have no row yet."""
     rows = [{"place": place, "scan": scan_id, "removing": False} for place in places]
     with storage.database.writing(durable=True) as connection:
         connection.execute(insert(TABLE), rows)
 
 
-def note_removing(connection: Connection, scan_id: str, places: Iterable[str]) -> None:
+def record_removal(connection: Connection, scan_id: str, places: Iterable[str]) -> None:
     """With the deletion of their rows, or when they get none."""
     for place in places:
-        strike_out(connection, [place])
+        clear_entries(connection, [place])
         connection.execute(insert(TABLE).values(place=place, scan=scan_id, removing=True))
 
 
-def strike_out(connection: Connection, places: Iterable[str]) -> None:
+def clear_entries(connection: Connection, places: Iterable[str]) -> None:
     """The places have rows now, or hold nothing any more."""
     for place in places:
         connection.execute(delete(TABLE).where(TABLE.c.place == place))
 
 
-def to_be_removed(storage: Storage, scan_id: str | None = None) -> dict[str, str]:
+def pending_removals(storage: Storage, scan_id: str | None = None) -> dict[str, str]:
     """{place: scan} of all scans, or of one."""
     query = select(TABLE.c.place, TABLE.c.scan).where(TABLE.c.removing)
     if scan_id is not None:
@@ -44,13 +44,13 @@ def to_be_removed(storage: Storage, scan_id: str | None = None) -> dict[str, str
         return {row.place: row.scan for row in connection.execute(query)}
 
 
-def count_to_be_removed(storage: Storage) -> int:
+def count_pending_removals(storage: Storage) -> int:
     """Places whose files could not be removed yet."""
     with storage.database.reading() as connection:
         return int(connection.execute(select(func.count()).select_from(TABLE).where(TABLE.c.removing)).scalar_one())
 
 
-def abandon_making(connection: Connection, scan_id: str | None = None) -> None:
+def cancel_creations(connection: Connection, scan_id: str | None = None) -> None:
     """What is being made is to be removed: all, when a server starts, or that of a scan which is deleted."""
     chosen = update(TABLE).where(~TABLE.c.removing)
     if scan_id is not None:

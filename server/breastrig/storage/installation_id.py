@@ -28,7 +28,7 @@ def check_belonging(database: Database, root: Path, files: Files, beside: bool) 
     if known is None:
         if not beside or not (marker is None or files.is_empty() or _has_scans(database)):
             raise _of_another()
-        known = named(database, marker)
+        known = ensure_id(database, marker)
     try:
         if marker is None:
             write_marker(root, known)
@@ -45,7 +45,7 @@ def check_belonging(database: Database, root: Path, files: Files, beside: bool) 
             raise _of_another()
 
 
-def named(database: Database, name: str | None = None) -> str:
+def ensure_id(database: Database, name: str | None = None) -> str:
     """The database's id, given to it now if it has none."""
     known = database.installation_id()
     if known is not None:

@@ -98,7 +98,7 @@ class SqliteDatabase(Database):
             busy, *_ = connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)").one()
         return not busy
 
-    def lacks_room(self, error: Exception) -> bool:
+    def is_disk_full(self, error: Exception) -> bool:
         return _name(error).startswith(NO_ROOM)
 
     def _check(self, limit_s: float, ours: bool) -> bool:

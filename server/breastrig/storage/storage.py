@@ -25,7 +25,7 @@ from breastrig.core.scratch import sweep_scratch
 from breastrig.storage.data_folder import claim, refuse_foreign
 from breastrig.storage.files import MARK, ROOT
 from breastrig.storage.folders import Folders, new_id
-from breastrig.storage.installation_id import check_belonging, named
+from breastrig.storage.installation_id import check_belonging, ensure_id
 from breastrig.storage.location import Location
 from breastrig.storage.locks import FolderLocks, Locks
 from breastrig.storage.open_location import open_database, open_files
@@ -39,7 +39,7 @@ Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
-class Left:
+class Unremoved:
     """Files that could not be removed."""
 
     place: str
@@ -58,7 +58,7 @@ class Storage:
         self.files = open_files(self.location, self.folders)
         self.reserve = Reserve(self.folders.reserve)
         self._sqlite = self.location.database is None
-        self._forgets_later = False
+        self._forget_again = False
         self.was_damaged = False  # when the whole database was looked at last
         self._locks: Locks = self.database if isinstance(self.database, Locks) else FolderLocks(self.folders)
 
@@ -70,10 +70,10 @@ class Storage:
         """
         self._claim()
         try:
-            self.with_room(self.folders.create)
-            self.with_room(self.database.bring_up_to_date)
+            self.using_reserve(self.folders.create)
+            self.using_reserve(self.database.bring_up_to_date)
             self.files.create()
-            self.with_room(lambda: check_belonging(self.database, self.root, self.files, self._sqlite))
+            self.using_reserve(lambda: check_belonging(self.database, self.root, self.files, self._sqlite))
         except OSError as error:
             raise self._unusable(error.strerror) from error
         except (DBAPIError, sqlite3.Error) as error:
@@ -91,7 +91,7 @@ class Storage:
         with self.database.exclusive():
             self._claim()
             try:
-                handle = self.with_room(lambda: os.open(self.folders.lock, os.O_RDWR | os.O_CREAT, 0o600))
+                handle = self.using_reserve(lambda: os.open(self.folders.lock, os.O_RDWR | os.O_CREAT, 0o600))
             except OSError as error:
                 raise self._unusable(error.strerror) from error
             try:
@@ -115,7 +115,7 @@ class Storage:
         if self._sqlite:
             return new_id()
         self.database.bring_up_to_date()
-        return named(self.database)
+        return ensure_id(self.database)
 
     def _unusable(self, reason: str | None) -> BadSettings:
         return BadSettings(
@@ -123,7 +123,7 @@ class Storage:
             "permissions, or choose another with --data."
         )
 
-    def with_room(self, write: Callable[[], Result]) -> Result:
+    def using_reserve(self, write: Callable[[], Result]) -> Result:
         """Writes what must not fail for a full disk, giving up the reserve part by part; it may be called repeatedly.
 
         Raises what `write` raises once there is no reserve left.
@@ -132,12 +132,12 @@ class Storage:
             try:
                 return write()
             except (OSError, DBAPIError, sqlite3.Error) as error:
-                if not self.lacks_room(error) or not self.reserve.release():
+                if not self.is_disk_full(error) or not self.reserve.release():
                     raise
 
-    def lacks_room(self, error: Exception) -> bool:
+    def is_disk_full(self, error: Exception) -> bool:
         """Whether it was met because the disk of the data folder is full."""
-        return (isinstance(error, OSError) and error.errno in FULL) or self.database.lacks_room(error)
+        return (isinstance(error, OSError) and error.errno in FULL) or self.database.is_disk_full(error)
 
     def refill_reserve(self) -> None:
         """Sets space aside for the deletion that comes when the disk is full."""
@@ -145,14 +145,14 @@ class Storage:
             self.reserve.refill()
 
     def forget_deleted(self) -> None:
-        """Gives up what deleted rows still take, now or at the next call of `forget_rest`."""
-        self._forgets_later = not self.with_room(self.database.forget_deleted)
+        """Gives up what deleted rows still take, now or at the next call of `forget_pending`."""
+        self._forget_again = not self.using_reserve(self.database.forget_deleted)
 
-    def forget_rest(self) -> None:
-        if self._forgets_later:
+    def forget_pending(self) -> None:
+        if self._forget_again:
             self.forget_deleted()
 
-    def look_for_damage(self) -> None:
+    def check_integrity(self) -> None:
         """At the whole database, or as much of it as some seconds suffice for."""
         self.was_damaged = not self.database.is_sound(CHECK_S)
         if self.was_damaged:
@@ -180,7 +180,7 @@ class Storage:
         """Whether nobody carries the fit out any more, waiting for that a little."""
         return self._locks.wait_until_free(fit_id, timeout_s)
 
-    def remove(self, *places: str) -> list[Left]:
+    def remove(self, *places: str) -> list[Unremoved]:
         """Removes the files of scans and fits (`files.scan_place`, `files.fit_place`); none there is no error.
 
         What could not be removed.
@@ -193,7 +193,7 @@ class Storage:
                 finally:
                     self.files.remove(place)
             except OSError as error:
-                left.append(Left(place, self.files.left_of(place), error.strerror or type(error).__name__))
+                left.append(Unremoved(place, self.files.left_of(place), error.strerror or type(error).__name__))
         with suppress(OSError):
             sweep_scratch()
         return left

@@ -9,7 +9,7 @@ from sqlalchemy import ColumnElement, Connection, Row, case, func, insert, or_, 
 
 from breastrig.core.errors import BadInput, NotFound
 from breastrig.storage import schema
-from breastrig.storage.file_journal import strike_out
+from breastrig.storage.file_journal import clear_entries
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.scans import Points
 from breastrig.storage.storage import Storage
@@ -104,7 +104,7 @@ def add_fits(storage: Storage, created_at: str, wishes: dict[str, FitWish], once
                 "iterations": 0,
             }
             connection.execute(insert(schema.fits).values(values))
-        strike_out(connection, map(fit_place, wishes))
+        clear_entries(connection, map(fit_place, wishes))
         if once is not None:
             connection.execute(insert(schema.asked_once).values(fit=first, **asdict(once)))
     return first

@@ -8,7 +8,7 @@ from sqlalchemy import delete, insert, select
 
 from breastrig.core.errors import NotFound
 from breastrig.storage import schema
-from breastrig.storage.file_journal import strike_out
+from breastrig.storage.file_journal import clear_entries
 from breastrig.storage.files import scan_place
 from breastrig.storage.storage import Storage
 
@@ -35,7 +35,7 @@ def add_scan(storage: Storage, row: ScanRow) -> None:
             "facts": json.dumps(row.facts),
         }
         connection.execute(insert(schema.scans).values(values))
-        strike_out(connection, [scan_place(row.id)])
+        clear_entries(connection, [scan_place(row.id)])
 
 
 def get_scan(storage: Storage, scan_id: str) -> ScanRow:
