@@ -178,7 +178,7 @@ def _inputs(batch: Batch, wish: FitOfBytes) -> dict[str, Any]:
 def _output(batch: Batch, row: BatchRow) -> Output:
     """The result's folder; a damaged result of a batch counts as written by it."""
     inputs = tuple(file for file in (row.scan, row.landmarks) if file is not None)
-    files = OutputSet(Path(), (*FIT_FILES, INPUTS), RESULT, RESULT_SCHEMA, lambda file: _of_a_batch(file.parent))
+    files = OutputSet(Path(), (*FIT_FILES, INPUTS), RESULT, RESULT_SCHEMA, known=lambda file: _of_a_batch(file.parent))
     return Output(batch.folder / row.name, (files,), inputs, batch.force)
 
 
