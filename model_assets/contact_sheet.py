@@ -13,9 +13,9 @@ from PIL import Image, ImageDraw
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "server"))
 
-from breastrig.geometry.picture import Camera, Layer, Line, camera, render  # noqa: E402
 from breastrig.geometry.rotations import exp_so3  # noqa: E402
 from breastrig.gltf.read_rig import read_rig  # noqa: E402
+from breastrig.rendering.picture import Camera, Layer, Line, camera, render  # noqa: E402
 from breastrig.rig.model import Rig  # noqa: E402
 from breastrig.rig.parameters import RigParameters, rest_parameters  # noqa: E402
 from breastrig.rig.skinning import pose, shaped  # noqa: E402

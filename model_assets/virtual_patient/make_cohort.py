@@ -34,8 +34,8 @@ from virtual_patient.women import WOMEN  # noqa: E402
 
 from breastrig.core.notice import LIMITS_OF_USE  # noqa: E402
 from breastrig.geometry.closest_point import ClosestPointSearch  # noqa: E402
-from breastrig.geometry.picture import Layer, Line, Scene, camera, contact_sheet, save_png  # noqa: E402
 from breastrig.geometry.surface_points import SurfacePoints  # noqa: E402
+from breastrig.rendering.picture import Layer, Line, Scene, camera, contact_sheet, save_png  # noqa: E402
 
 Array = np.ndarray
 

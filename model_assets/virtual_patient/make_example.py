@@ -28,13 +28,13 @@ from virtual_patient.skin import SHEET, photographed, skin_colours  # noqa: E402
 from virtual_patient.true_landmarks import true_landmarks  # noqa: E402
 
 from breastrig.core.notice import LIMITS_OF_USE  # noqa: E402
+from breastrig.evaluation.virtual.depth_camera import DepthCamera, View, look_at, take  # noqa: E402
+from breastrig.evaluation.virtual.depth_fusion import fuse, without_small_pieces  # noqa: E402
 from breastrig.geometry.closest_point import ClosestPointSearch  # noqa: E402
 from breastrig.geometry.normals import vertex_normals  # noqa: E402
-from breastrig.geometry.picture import Layer, Line, Scene, camera, contact_sheet, save_png  # noqa: E402
 from breastrig.geometry.rotations import exp_so3  # noqa: E402
 from breastrig.geometry.surface_points import SurfacePoints  # noqa: E402
-from breastrig.scan.depth_camera import DepthCamera, View, look_at, take  # noqa: E402
-from breastrig.scan.depth_fusion import fuse, without_small_pieces  # noqa: E402
+from breastrig.rendering.picture import Layer, Line, Scene, camera, contact_sheet, save_png  # noqa: E402
 
 Array = np.ndarray
 

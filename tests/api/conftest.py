@@ -17,9 +17,9 @@ from werkzeug.test import TestResponse
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
+from breastrig.execution.limits import FitLimits
 from breastrig.gltf.write_rig import write_rig
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 
 NIPPLE_MM = [70.0, 350.0, 120.0]

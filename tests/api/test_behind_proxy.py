@@ -14,7 +14,7 @@ from helpers.raw_http import answer, connected, request
 from helpers.real_server import server
 from helpers.waiting import until
 
-from breastrig.api import rate_limits
+from breastrig.api.access import rate_limits
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 NAME = "scans.hospital.example"

@@ -8,11 +8,11 @@ import pytest
 from flask.testing import FlaskClient
 from helpers.problems import problem
 
+from breastrig.api.app_context import KEY
 from breastrig.api.big_answers import BigAnswers
 from breastrig.api.config import Config
-from breastrig.api.current import KEY
 from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STALLED_S
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
 
 CONTENT = bytes(range(256)) * (BIG_BYTES // 256 + 1)
 

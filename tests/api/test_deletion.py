@@ -14,9 +14,9 @@ from helpers.waiting import ended, until
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.jobs import readiness, sweep
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.service import Service
+from breastrig.execution.limits import FitLimits
+from breastrig.service import readiness, sweep
+from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 
 LEFT = "breastrig_places_not_removed "

@@ -4,7 +4,7 @@ import pytest
 from flask.testing import FlaskClient
 from helpers.problems import problem
 
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
 
 
 def parsed(stream: bytes) -> list[tuple[int, str, dict]]:

@@ -14,11 +14,11 @@ from helpers.waiting import ended, until
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.jobs.iteration_file import parameters_of
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.service import Service
-from breastrig.storage.fits import FitWish, Once, fit_ids, get_fit
+from breastrig.execution.limits import FitLimits
+from breastrig.service.service import Service
+from breastrig.storage.rows.fits import FitWish, Once, fit_ids, get_fit
 from breastrig.storage.storage import Storage
+from breastrig.workflow.iteration_file import parameters_of
 
 PERSONAL = "private, no-cache"
 

@@ -1,13 +1,23 @@
-"""Requests made up from our own OpenAPI document, right and wrong ones: never a 500, and every answer as described."""
+"""Requests made up from our own OpenAPI document, right and wrong ones: never a 500, and every answer as described.
+
+And uploads of what is no torso, or asks for too much: a scan, or one sentence.
+"""
 
 import io
+import json
 from typing import Any
 
 import pytest
 import schemathesis
 from apiflask import APIFlask
-from helpers.damage import bounded
+from helpers.bodies import any_body, body
+from helpers.damage import bounded, damage, damaged
 from helpers.fuzz_table import count
+from helpers.gltf_evaluator import GltfScene
+from helpers.named_scans import NAMED
+from helpers.problems import problem
+from helpers.scan_files import ply_text
+from helpers.toy_rig import toy_rig
 from helpers.waiting import ended
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,7 +26,9 @@ from schemathesis.generation import GenerationMode
 from schemathesis.specs.openapi.checks import content_type_conformance, response_schema_conformance
 
 from breastrig.api.app import openapi_document
-from breastrig.jobs.service import Service
+from breastrig.core.glb import pack_glb, split_glb
+from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.service.service import Service
 
 EXAMPLES = 16
 CHECKS = [not_a_server_error, content_type_conformance]
@@ -93,3 +105,46 @@ def test_requests_of_every_kind_are_answered_as_described(
         case.validate_response(response, checks=CHECKS + [response_schema_conformance] * (name not in OWN_SHAPE))
 
     run()
+
+
+def glb_of(primitives: int, nodes: int) -> bytes:
+    """The toy rig so many times, in few bytes."""
+    document, binary = split_glb(mesh_glb(toy_rig().template, toy_rig().faces))
+    document["accessors"][document["meshes"][0]["primitives"][0]["indices"]]["count"] = 30
+    document["meshes"][0]["primitives"] *= primitives
+    document["nodes"] = [{"mesh": 0}] * nodes
+    document["scenes"] = [{"nodes": list(range(nodes))}]
+    return pack_glb(json.dumps(document).encode(), binary)
+
+
+@st.composite
+def uploads(draw: st.DrawFn) -> tuple[str, bytes]:
+    """(kind of upload, file)"""
+    kind = draw(st.sampled_from(["body", "body", "far", "many", "named", "damaged"]))
+    if kind == "many":
+        numbers = st.sampled_from([1, 40, 2001, 30_000])
+        return "glb", glb_of(draw(numbers), draw(numbers))
+    if kind in ("named", "damaged"):
+        name = draw(st.sampled_from(sorted(NAMED)))
+        data = NAMED[name]()
+        return name.rsplit(".", 1)[-1], damaged(data, draw(damage(len(data)))) if kind == "damaged" else data
+    vertices, faces = body(*draw(any_body()))
+    place = draw(st.sampled_from([1e2, 1e4, 1e6, 1e8, 1e15, 1e29, 1e300])) if kind == "far" else 0.0
+    return "ply", ply_text(vertices + place, faces).replace(b"float", b"double")
+
+
+@bounded(15)
+@given(uploads(), st.sampled_from(["auto", "m", "mm"]))
+def test_an_upload_of_anything_is_a_scan_or_one_sentence(app: APIFlask, upload: tuple[str, bytes], units: str) -> None:
+    ending, data = upload
+    client = app.test_client()
+    answer = client.post("/api/scans", data={"file": (io.BytesIO(data), f"scan.{ending}"), "units": units})
+    count(f"upload of a {ending}", str(answer.status_code))
+    if answer.status_code != 201:
+        assert answer.status_code in (413, 422)
+        assert len(problem(answer, answer.status_code)) < 300
+        return
+    assert answer.json is not None
+    links = answer.json["links"]
+    assert GltfScene(client.get(links["mesh"]).data).positions("mesh").shape == (answer.json["vertices"], 3)
+    assert client.delete(links["self"]).status_code == 204

@@ -17,10 +17,10 @@ from sqlalchemy.pool import QueuePool
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
+from breastrig.execution.limits import FitLimits
 from breastrig.gltf.write_rig import write_rig
-from breastrig.jobs import readiness
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.service import Service
+from breastrig.service import readiness
+from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 
 

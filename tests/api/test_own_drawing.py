@@ -10,7 +10,7 @@ from flask.testing import FlaskClient
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
 
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
 
 LINE = {
     "name": "incision",

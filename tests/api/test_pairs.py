@@ -8,8 +8,8 @@ from flask.testing import FlaskClient
 from helpers.problems import problem
 from helpers.waiting import ended, until
 
-from breastrig.jobs.service import Service
-from breastrig.storage.fits import fit_ids
+from breastrig.service.service import Service
+from breastrig.storage.rows.fits import fit_ids
 
 
 @pytest.fixture

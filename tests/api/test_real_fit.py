@@ -13,10 +13,10 @@ from helpers.waiting import ended
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
+from breastrig.execution.limits import FitLimits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.service import Service
-from breastrig.storage.fits import get_fit
+from breastrig.service.service import Service
+from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
 
 

@@ -15,8 +15,8 @@ import pytest
 from helpers.real_server import alive, children, server, story
 from helpers.waiting import until
 
+from breastrig.api.access.security import HEADERS
 from breastrig.api.config import STREAMS
-from breastrig.api.security import HEADERS
 
 
 def test_a_scan_goes_in_and_the_fit_comes_out(tmp_path: Path, model: Path, torso: bytes) -> None:

@@ -11,11 +11,11 @@ from helpers.waiting import ended
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.api.wire_files import MeasuresFile
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.report import ReportJob, report_files
-from breastrig.jobs.service import Service
+from breastrig.api.wire.files import MeasuresFile
+from breastrig.execution.limits import FitLimits
+from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
+from breastrig.workflow.report import ReportJob, report_files
 
 Real = tuple[Service, FlaskClient, dict[str, str], dict[str, str]]
 

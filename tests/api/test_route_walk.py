@@ -15,9 +15,9 @@ from flask.testing import FlaskClient
 from helpers.shares import expire
 from helpers.waiting import ended
 
-from breastrig.api import share_credential
 from breastrig.api.config import Config
-from breastrig.jobs.service import Service
+from breastrig.api.routes import share_credential
+from breastrig.service.service import Service
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 CREDENTIALS = (

@@ -16,8 +16,8 @@ from helpers.uploads import torso as torso_ply
 from helpers.waiting import until
 
 from breastrig.api.config import Config
-from breastrig.jobs.service import Service
-from breastrig.storage.scans import get_scan
+from breastrig.service.service import Service
+from breastrig.storage.rows.scans import get_scan
 
 
 def upload(client: FlaskClient, content: bytes, name: str = "scan.ply", **fields: str):

@@ -1,4 +1,5 @@
 import json
+import logging
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -7,11 +8,14 @@ import pytest
 from apiflask import APIFlask
 from flask.testing import FlaskClient
 from helpers.problems import problem
+from limits import RateLimitItemPerMinute
 
+from breastrig.api.access.rate_limits import PER_MINUTE
+from breastrig.api.access.security import HEADERS
 from breastrig.api.config import Config, checked_token, is_loopback
-from breastrig.api.security import HEADERS
 from breastrig.core.errors import BadSettings
-from breastrig.jobs.limits import UploadLimits
+from breastrig.core.log_lines import TEXT, JsonLines, TextLines
+from breastrig.execution.limits import UploadLimits
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 
@@ -171,6 +175,67 @@ def test_with_a_token_every_call_of_the_api_needs_it(app: APIFlask, guarded: Fla
         right = guarded.open(address, method=method, headers={"Authorization": f"Bearer {TOKEN}"})
         assert right.status_code != 401
         right.close()
+
+
+def test_wrong_tokens_are_counted_for_each_address_and_in_all_and_the_right_one_always_passes(
+    guarded: FlaskClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    right, wrong = ({"Authorization": f"Bearer {token}"} for token in (TOKEN, "wrong"))
+    monkeypatch.setitem(PER_MINUTE, "bearer", RateLimitItemPerMinute(3))
+    monkeypatch.setitem(PER_MINUTE, "bearer of anybody", RateLimitItemPerMinute(8))
+
+    def ask(address: str, headers: dict[str, str], path: str = "/api/meta") -> int:
+        answer = guarded.get(path, headers=headers, environ_base={"REMOTE_ADDR": address})
+        if answer.status_code == 429:
+            assert "Too many" in problem(answer, 429)
+            assert 1 <= int(answer.headers["Retry-After"]) <= 60
+        return answer.status_code
+
+    assert [ask("10.0.0.1", wrong) for _ in range(4)] == [401, 401, 401, 429]
+    assert [ask("10.0.0.1", {}) for _ in range(2)] == [401, 401]  # no guess
+    assert ask("10.0.0.1", right) == 200
+    assert [ask("10.0.0.2", wrong, "/metrics") for _ in range(4)] == [403, 403, 403, 429]
+    assert [ask(f"10.0.1.{number}", wrong) for number in range(4)] == [401, 401, 429, 429]
+    assert ask("10.0.0.2", right) == ask("10.0.9.9", right) == 200
+
+
+@pytest.mark.parametrize("length", [130, 256, 1_000, 8_000])
+def test_an_address_that_is_too_long_is_not_there_and_not_in_the_log(
+    app: APIFlask, client: FlaskClient, caplog: pytest.LogCaptureFixture, length: int
+) -> None:
+    caplog.set_level(logging.INFO)
+    long = "Miller-Jane-" * (length // 12 + 1)
+    asked = [f"/{long}", f"/assets/{long}", f"/a/{long}/b", f"/%2e%2e/{long}"]
+    rules = [rule.rule for rule in app.url_map.iter_rules() if rule.arguments]
+    asked += [re.sub(r"<(?:(\w+):)?\w+>", lambda m: "0" if m[1] == "int" else long, rule) for rule in rules]
+    for address in asked:
+        for method in ("GET", "POST", "PUT", "DELETE"):
+            answer = client.open(address, method=method)
+            assert answer.status_code < 500, (method, address[:50])
+    for address in asked[:4]:
+        assert problem(client.get(address), 404)
+    assert "Miller" not in caplog.text
+
+
+def test_an_error_of_ours_is_logged_without_the_address_that_met_it(
+    app: APIFlask, client: FlaskClient, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    secret = "Jane O'Miller"
+
+    def fail(scan_id: str) -> None:
+        raise FileNotFoundError(2, "No such file", f"/data/scans/{scan_id}/mesh.glb")
+
+    monkeypatch.setitem(app.view_functions, "scans.show_mesh", fail)
+    answer = client.get(f"/api/scans/{secret}/mesh.glb?who={secret}")
+    assert problem(answer, 500).startswith("Something went wrong inside BreastRig")
+    [record] = [one for one in caplog.records if one.levelname == "ERROR"]
+    for form in (JsonLines(), TextLines(TEXT)):
+        line = form.format(record)
+        assert "/api/scans/<scan_id>/mesh.glb" in line
+        assert "FileNotFoundError" in line
+        assert "Traceback" in line
+        assert "in fail" in line
+        assert "Miller" not in line
 
 
 def test_with_a_token_health_and_the_pages_files_are_open(guarded: FlaskClient) -> None:

@@ -15,15 +15,17 @@ from helpers.waiting import ended
 from limits import RateLimitItemPerMinute
 from werkzeug.security import generate_password_hash
 
-from breastrig.api import passcode as passcode_module
-from breastrig.api import rate_limits, share_credential, share_limits
+from breastrig.api import share_limits
+from breastrig.api.access import rate_limits
+from breastrig.api.access.session import COOKIE as SESSION_COOKIE
+from breastrig.api.app_context import KEY, Behind
 from breastrig.api.config import Config
-from breastrig.api.current import KEY, Behind
-from breastrig.api.session import COOKIE as SESSION_COOKIE
+from breastrig.api.routes import passcode as passcode_module
+from breastrig.api.routes import share_credential
 from breastrig.core.glb import split_glb
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
 from breastrig.storage import schema
-from breastrig.storage.shares import note_wrong_passcode
+from breastrig.storage.rows.shares import note_wrong_passcode
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 FILES = ("result.json", "fitted.glb", "fitted.ply", "drawing.json", "distances.bin")
@@ -383,20 +385,27 @@ def test_guessing_from_everywhere_locks_out_nobody_until_the_link_is_locked_and_
 
 
 def test_guesses_that_are_checked_at_the_same_time_are_no_more_than_the_limit(
-    visitor: FlaskClient, service: Service, share, monkeypatch: pytest.MonkeyPatch
+    client: FlaskClient, visitor: FlaskClient, service: Service, share, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The right one comes when the link was locked between its looking and its opening."""
-    made = share(passcode="the right one")
-    monkeypatch.setattr(share_credential, "WRONG_PASSCODES", 2)
+    """The link is locked between the looking and the answer: then a right guess cannot be told from a wrong one."""
+    answers = []
+    for is_right in (True, False):
+        made = share(passcode="the right one")
 
-    def others_guess(_hash: str, _passcode: str) -> bool:
-        for _ in range(2):
-            note_wrong_passcode(service.storage, made["id"], "2026")
-        return True
+        def others_guess(_hash: str, _passcode: str, made: dict = made, is_right: bool = is_right) -> bool:
+            for _ in range(share_limits.WRONG_PASSCODES + 5):
+                note_wrong_passcode(service.storage, made["id"], "2026", share_limits.WRONG_PASSCODES)
+            return is_right
 
-    monkeypatch.setattr(passcode_module, "check_password_hash", others_guess)
-    problem(guess(visitor, made, "the right one"), 423)
-    assert "Set-Cookie" not in guess(visitor, made, "the right one").headers
+        with monkeypatch.context() as meanwhile:
+            meanwhile.setattr(passcode_module, "check_password_hash", others_guess)
+            answer = guess(visitor, made, "a guess")
+        problem(answer, 423)
+        assert "Set-Cookie" not in answer.headers
+        answers.append((answer.data, dict(answer.headers)))
+        seen = client.get(made["links"]["self"]).json
+        assert (seen["wrong_passcodes"], seen["openings"]) == (share_limits.WRONG_PASSCODES, 0)
+    assert answers[0] == answers[1]
 
 
 def test_the_chance_to_guess_a_passcode_before_the_link_is_locked() -> None:

@@ -11,10 +11,10 @@ from flask.testing import FlaskClient
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
 
-from breastrig.api import rate_limits, session
+from breastrig.api.access import rate_limits, session
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
@@ -95,6 +95,7 @@ def test_a_session_ends_when_it_is_left_when_it_is_old_and_when_the_token_change
     assert browser.get("/api/meta").status_code == 200
     left = browser.post("/sign-out")
     assert (left.status_code, left.headers["Location"]) == (303, "/sign-in")
+    assert left.headers["Clear-Site-Data"] == '"cache", "storage"'  # "cookies" would be other programs' too
     problem(browser.get("/api/meta"), 401)
 
 

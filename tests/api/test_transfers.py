@@ -11,10 +11,10 @@ from helpers.waiting import ended
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.correspondence.target import ScanTarget
-from breastrig.jobs.fit_folder import read_fit_folder
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.service import Service
+from breastrig.execution.limits import FitLimits
+from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
+from breastrig.workflow.fit_folder import read_fit_folder
 
 
 @pytest.fixture(scope="module")

@@ -21,11 +21,11 @@ from helpers.waiting import until
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.api.connections import ConnectionLimits
 from breastrig.api.request_body import BodyLimits
-from breastrig.api.wsgi_bridge import ThreadLimits
-from breastrig.api.wsgi_server import ServerLimits, WsgiServer, listen
-from breastrig.jobs.service import Service
+from breastrig.api.web_server.connections import ConnectionLimits
+from breastrig.api.web_server.wsgi_bridge import ThreadLimits
+from breastrig.api.web_server.wsgi_server import ServerLimits, WsgiServer, listen
+from breastrig.service.service import Service
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
 BIG = bytes(range(256)) * 80_000  # 20 MB: more than the system takes for a reader who reads nothing

@@ -1,4 +1,4 @@
-"""`breastrig batch` as a user calls it, killed, interrupted, called again; on a cluster: jobs/test_dask_pool.py."""
+"""`breastrig batch` as a user calls it: killed, interrupted, called again (see execution for clusters)."""
 
 import json
 import os

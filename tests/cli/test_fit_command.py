@@ -44,15 +44,18 @@ def test_the_seven_files_are_there_and_nothing_else(fitted: Path) -> None:
     }
 
 
-def test_the_result_keeps_its_contract_and_the_papers_floor(fitted: Path) -> None:
+def test_the_result_keeps_its_contract_and_its_accuracy(fitted: Path) -> None:
     result = document(fitted, "result.json")
     assert result["schema"] == "breastrig/result@1"
     words = "scan model stance preset converged stop_reason iterations timing_s surface_distance_mm scan_to_model_mm"
     assert set(result) >= {*words.split(), "landmark_distance_mm", "landmarks", "parameters", "versions"}
     assert set(result["timing_s"]) == {"read", "prepare", "align", "solve", "total"}
     assert set(result["surface_distance_mm"]) == {"mean", "std", "max", "p95", "coverage"}
-    assert result["surface_distance_mm"]["mean"] < 2.35
-    assert result["landmark_distance_mm"]["mean"] < 8.03
+    assert result["surface_distance_mm"]["mean"] < 0.56
+    assert result["surface_distance_mm"]["p95"] < 1.6
+    assert result["surface_distance_mm"]["coverage"] > 0.75
+    assert result["landmark_distance_mm"]["mean"] < 1.7
+    assert result["landmark_distance_mm"]["max"] < 4.0
     assert len(result["landmark_distance_mm"]["each"]) == 12
     assert len(result["parameters"]["bones"]) == 9
     assert len(result["parameters"]["blendshapes"]) == 55

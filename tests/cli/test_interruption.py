@@ -22,8 +22,8 @@ class Interrupting(importlib.abc.MetaPathFinder):
 sys.meta_path.insert(0, Interrupting())
 """
 SIGNAL_AT_EVENT = """
-import breastrig.jobs.run_fit, gc, os, signal, sys
-original = breastrig.jobs.run_fit.checked_iterates
+import breastrig.workflow.run_fit, gc, os, signal, sys
+original = breastrig.workflow.run_fit.checked_iterates
 
 def swallowing():
     try:
@@ -39,7 +39,7 @@ def interrupted(task):
             {act}
         yield iterate
 
-breastrig.jobs.run_fit.checked_iterates = interrupted
+breastrig.workflow.run_fit.checked_iterates = interrupted
 """
 
 
@@ -58,7 +58,7 @@ def run(before: str, out: Path) -> subprocess.CompletedProcess[str]:
         ("scipy.spatial", "SIGINT", 130),
         ("trimesh", "SIGINT", 130),
         ("trimesh.ray.ray_pyembree", "SIGINT", 130),  # trimesh catches whatever is raised while this is imported
-        ("breastrig.jobs.run_fit", "SIGTERM", 143),
+        ("breastrig.workflow.run_fit", "SIGTERM", 143),
     ],
 )
 def test_a_signal_while_modules_load_ends_the_program_with_one_line(

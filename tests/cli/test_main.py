@@ -22,7 +22,7 @@ def test_the_version_is_said_without_anything_heavy() -> None:
 
 
 def test_the_settings_are_shown_without_the_service_and_without_scipy() -> None:
-    assert not {"breastrig.jobs.service", "breastrig.fitting.fit"} & imported_by("config")
+    assert not {"breastrig.service.service", "breastrig.fitting.fit"} & imported_by("config")
 
 
 def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:

@@ -13,9 +13,9 @@ from helpers.cohort import write_patient
 from breastrig.cli import fit_command, landmarks_command, report_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
-from breastrig.evaluation import publish
+from breastrig.evaluation.page import publish
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.jobs.fit_files import FIT_FILES
+from breastrig.workflow.fit_files import FIT_FILES
 
 EXAMPLE = asset_folder("example")
 PICKS = ["--landmarks", str(EXAMPLE / "standing" / "landmarks.json")]
@@ -148,7 +148,7 @@ def test_a_fit_that_fails_leaves_the_earlier_result_whole(
     def full(*_: object) -> bytes:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("breastrig.jobs.fit_files.write_private", full)
+    monkeypatch.setattr("breastrig.workflow.fit_files.write_private", full)
     command = ["fit", str(EXAMPLE / "supine" / "scan.ply"), "--drawing", "none", "-o", str(out)]
     assert "No space left on device" in refused(command, capsys)
     assert files(out) == before

@@ -13,7 +13,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.drawing_file import parsed_drawing
 from breastrig.drawings.superimposition import gaps
-from breastrig.jobs.fit_folder import FitFolder, read_fit_folder
+from breastrig.workflow.fit_folder import FitFolder, read_fit_folder
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,8 @@ from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadDrawing, BadLandmarks
 from breastrig.drawings.drawing_file import parsed_drawing
-from breastrig.jobs.scan_fit import checked_landmarks
 from breastrig.rig.model import Rig
+from breastrig.workflow.scan_fit import checked_landmarks
 
 EXAMPLE = asset_folder("example") / "standing"
 SCAN, PICKS = str(EXAMPLE / "scan.ply"), str(EXAMPLE / "landmarks.json")

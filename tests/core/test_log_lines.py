@@ -10,11 +10,11 @@ def test_a_line_is_one_json_object_whatever_it_says() -> None:
         raise ZeroDivisionError("an error\nof two lines")
     except ZeroDivisionError:
         caught = sys.exc_info()
-    record = logging.LogRecord("breastrig.jobs", logging.ERROR, __file__, 1, 'fit %s "broke"\n', ("abc",), caught)
+    record = logging.LogRecord("breastrig.service", logging.ERROR, __file__, 1, 'fit %s "broke"\n', ("abc",), caught)
     text = JsonLines().format(record)
     line = json.loads(text)
     assert "\n" not in text
-    assert (line["level"], line["logger"], line["message"]) == ("error", "breastrig.jobs", 'fit abc "broke"\n')
+    assert (line["level"], line["logger"], line["message"]) == ("error", "breastrig.service", 'fit abc "broke"\n')
     assert line["time"].endswith("Z")
     assert "ZeroDivisionError" in line["traceback"]
 

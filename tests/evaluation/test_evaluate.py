@@ -15,10 +15,11 @@ from PIL import Image
 
 from breastrig.cli import evaluate_command
 from breastrig.cli.main import main
-from breastrig.evaluation import publish, work
 from breastrig.evaluation.cohort import read_cohort
-from breastrig.evaluation.pictures import signed_distances_mm
-from breastrig.evaluation.questions.scene import read_scene
+from breastrig.evaluation.page import publish
+from breastrig.evaluation.page.pictures import signed_distances_mm
+from breastrig.evaluation.studies import result_cache as work
+from breastrig.evaluation.studies.case import read_scene
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path

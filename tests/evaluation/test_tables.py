@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 from breastrig.evaluation.cohort import Case
-from breastrig.evaluation.plan import counts, first_shapes, shape_effects
-from breastrig.evaluation.table import Column, Row, Table, mean_row
-from breastrig.evaluation.tables import groups, turn_numbers, turns_table
-from breastrig.evaluation.work import Record, Unit
+from breastrig.evaluation.studies.plan import counts, first_shapes, shape_effects
+from breastrig.evaluation.studies.result_cache import Record, Unit
+from breastrig.evaluation.tables.accuracy import groups, turn_numbers, turns_table
+from breastrig.evaluation.tables.table import Column, Row, Table, mean_row
 from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
 

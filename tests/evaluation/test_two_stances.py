@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from evaluation.conftest import write_case
 
-from breastrig.drawings.carry import FittedScan
+from breastrig.drawings.skin_map import FittedScan
 from breastrig.evaluation.cohort import read_cohort
-from breastrig.evaluation.questions.scene import read_scene
-from breastrig.evaluation.two_stances import by_models, gain
+from breastrig.evaluation.studies.case import read_scene
+from breastrig.evaluation.studies.two_stances import by_models, gain
 from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters

@@ -1,9 +1,12 @@
 """The preset `paper` is the paper's energy: equations 4 to 9 written out again, term by term, in centimetres."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from helpers.rig_patient import patient
 
+from breastrig.core.errors import BadSettings
 from breastrig.correspondence.match import Correspondences
 from breastrig.energies.point_to_point import PointToPoint
 from breastrig.fitting.landmark_check import start_from_landmarks
@@ -95,3 +98,10 @@ def test_a_projection_stays_in_the_tangent_plane_and_lies_on_the_normal_through_
     found = projected(Correspondences(chosen, points, normals, np.zeros(20)), vertices)
     np.testing.assert_allclose(np.einsum("mi,mi->m", found.points - points, normals), 0.0, atol=1e-12)
     np.testing.assert_allclose(np.cross(found.points - vertices[chosen], normals), 0.0, atol=1e-12)
+
+
+def test_a_preset_with_two_data_terms_in_one_stage_is_refused(tmp_path: Path, repository: Path) -> None:
+    text = (repository / "server/breastrig/fitting/presets/paper.toml").read_text("utf-8")
+    (tmp_path / "both.toml").write_text(text + "along_sigma = [0.01, 0.01]\n", "utf-8")
+    with pytest.raises(BadSettings, match=r"stages\.0: .*along_sigma stands beside point_to_plane only"):
+        load_recipe(tmp_path / "both.toml")

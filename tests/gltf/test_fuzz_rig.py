@@ -1,8 +1,10 @@
 """A damaged model is refused with a sentence or read as a sound rig, whatever the damage."""
 
 import json
+import os
 import random
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,6 +52,42 @@ def refused_or_sound(folder: Path, name: str, content: bytes) -> None:
     assert rig.blendshapes.shape == (len(rig.shapes), vertices, 3)
     assert np.isfinite(rig.template).all()
     assert all(landmark.face < len(rig.faces) for landmark in rig.landmarks)
+
+
+def test_a_model_that_is_no_ordinary_file_is_not_waited_for(folder: Path, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.glb")
+    (tmp_path / "folder.glb").mkdir()
+    for path in (tmp_path / "pipe.glb", tmp_path / "folder.glb", tmp_path / ("x" * 5000), Path("/dev/zero")):
+        with pytest.raises(BadModel, match=r"cannot be read; .*\.$") as caught:
+            read_rig(path)
+        assert len(str(caught.value)) < 200
+
+
+def sparse_target(document: dict[str, Any], source: st.DataObject) -> None:
+    """Makes the first shape's or the mesh's positions a sparse array of any numbers."""
+    numbers = st.one_of(st.integers(-2, 400), st.sampled_from([2**31, 2**40, -1, None, 1.5, "1"]))
+    primitive = document["meshes"][0]["primitives"][0]
+    place = source.draw(st.sampled_from([primitive["attributes"]["POSITION"], primitive["targets"][0]["POSITION"]]))
+    accessor = document["accessors"][place]
+    accessor["sparse"] = {
+        "count": source.draw(numbers),
+        "indices": {
+            "bufferView": source.draw(st.integers(0, len(document["bufferViews"]))),
+            "componentType": source.draw(st.sampled_from([5121, 5123, 5125, 5126, 0])),
+            "byteOffset": source.draw(numbers),
+        },
+        "values": {"bufferView": source.draw(st.integers(0, len(document["bufferViews"])))},
+    }
+    if source.draw(st.booleans()):
+        accessor.pop("bufferView", None)
+
+
+@BOUNDED
+@given(st.data())
+def test_sparse_shapes(folder: Path, source: st.DataObject) -> None:
+    document, binary = split_glb((folder / "toy.glb").read_bytes())
+    sparse_target(document, source)
+    refused_or_sound(folder, "toy.glb", pack_glb(json.dumps(document).encode(), binary))
 
 
 @pytest.mark.parametrize("name", FILES)

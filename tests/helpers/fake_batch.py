@@ -18,8 +18,8 @@ from pathlib import Path
 from breastrig.cli import batch_command
 from breastrig.cli.main import main
 from breastrig.core.errors import FitFailed
-from breastrig.jobs.events import Done, Event
-from breastrig.jobs.run_fit import FitJob
+from breastrig.workflow.events import Done, Event
+from breastrig.workflow.run_fit import FitJob
 
 FILES = ("result.json", "scan.ply", "fitted.ply", "fitted.glb", "drawing.json", "distances.bin", "fit.log.jsonl")
 WHOLE = {*FILES, "inputs.json"}

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
+from breastrig.evaluation.virtual.depth_camera import DepthCamera, look_at, take
+from breastrig.evaluation.virtual.depth_fusion import fuse, without_small_pieces
 from breastrig.scan.clean import clean
-from breastrig.scan.depth_camera import DepthCamera, look_at, take
-from breastrig.scan.depth_fusion import fuse, without_small_pieces
 from breastrig.scan.read import read_scan
 
 UP = np.array([0.0, 1.0, 0.0])  # case.json of the standing example

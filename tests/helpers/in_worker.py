@@ -18,7 +18,7 @@ def describe() -> dict[str, object]:
         "cpu": resource.getrlimit(resource.RLIMIT_CPU),
         "core": resource.getrlimit(resource.RLIMIT_CORE),
         "threads": sorted({pool["num_threads"] for pool in threadpool_info()}),
-        "imported": "breastrig.jobs.run_fit" in sys.modules,
+        "imported": "breastrig.workflow.run_fit" in sys.modules,
     }
 
 
@@ -65,3 +65,9 @@ def sign_in_and_rest(file: str, seconds: float, answer: int) -> int:
 
 def weigh(content: bytes) -> int:
     return len(content)
+
+
+def note(file: str, text: str) -> None:
+    """Adds a line to the file."""
+    with open(file, "a", encoding="utf-8") as lines:
+        lines.write(f"{text}\n")

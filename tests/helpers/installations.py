@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from breastrig.jobs.executor import Executor
+from breastrig.execution.executor import Executor
 from breastrig.storage.location import Location
 from helpers.dask_cluster import Cluster, scheduler, wait_until_ready
 from helpers.on_disk import bytes_below
@@ -58,7 +58,7 @@ class Large:
         return Location(folder / "data", self.postgres.new_database(), f"s3://{BUCKET}/{secrets.token_hex(4)}")
 
     def executor(self) -> Executor:
-        from breastrig.jobs.dask_pool import DaskPool
+        from breastrig.execution.dask_pool import DaskPool
 
         return DaskPool(self.cluster.address, memory_bytes=MEMORY_BYTES)
 

@@ -11,9 +11,9 @@ from werkzeug.test import TestResponse
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
-from breastrig.jobs.carry_out import Runner
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.service import Service
+from breastrig.execution.limits import FitLimits
+from breastrig.service.fit_worker import Runner
+from breastrig.service.service import Service
 from breastrig.storage.location import Location
 from breastrig.storage.storage import Storage
 from helpers import fake_fit, fake_proposals

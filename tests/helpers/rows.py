@@ -1,6 +1,6 @@
-"""Rows for tests of storage and jobs."""
+"""Rows for tests of storage and service."""
 
-from breastrig.storage.fits import FitWish, add_fits
+from breastrig.storage.rows.fits import FitWish, add_fits
 from breastrig.storage.storage import Storage
 
 

@@ -2,7 +2,7 @@
 
 from datetime import UTC, datetime, timedelta
 
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
 from breastrig.storage import schema
 from breastrig.storage.storage import iso_utc
 

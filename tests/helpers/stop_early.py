@@ -2,7 +2,7 @@
 
 import time
 
-from breastrig.jobs.processes import Processes
+from breastrig.execution.processes import Processes
 
 MOMENTS_S = [0.012 * step for step in range(12)]  # Pebble looks for replacements every 0.1 s
 

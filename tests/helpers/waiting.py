@@ -3,9 +3,9 @@
 import time
 from collections.abc import Callable
 
-from breastrig.jobs.service import Service
-from breastrig.storage.events import StoredEvent
-from breastrig.storage.fits import FitRow, FitWish, get_fit
+from breastrig.service.service import Service
+from breastrig.storage.rows.events import StoredEvent
+from breastrig.storage.rows.fits import FitRow, FitWish, get_fit
 
 PATIENCE_S = 20.0  # a loaded machine; nothing waits that long when all is well
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from breastrig.rig.check import check_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import shaped
+from breastrig.rig.validation.rules import check_rig
 
 FLIP = np.array([-1.0, 1.0, 1.0])
 

@@ -15,7 +15,7 @@ from breastrig.evaluation.virtual.bodies import Bodies, VirtualBody, VirtualPati
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_normals, vertex_normals
 from breastrig.geometry.rays import RayCaster
-from breastrig.rig.check_torso import LANDMARKS
+from breastrig.rig.validation.torso import LANDMARKS
 
 SKIN_TO_SKIN = 2e-4  # m, where a ray from the skin begins, so that it does not hit its own triangle
 

@@ -9,7 +9,7 @@ import trimesh
 
 from breastrig.core.assets import asset_folder
 from breastrig.geometry.boundary import boundary_edges
-from breastrig.rig.check_torso import LANDMARKS
+from breastrig.rig.validation.torso import LANDMARKS
 
 STANCES = ("standing", "supine")
 

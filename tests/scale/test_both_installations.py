@@ -22,10 +22,10 @@ from sqlalchemy import select
 
 from breastrig.core.errors import BadSettings
 from breastrig.gltf.read_rig import default_rig_path
-from breastrig.jobs.run_fit import run_fit
 from breastrig.storage import schema
-from breastrig.storage.fits import get_fit
+from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
+from breastrig.workflow.run_fit import run_fit
 
 FILES = ("result", "fitted_glb", "fitted_ply", "drawing", "distances")
 KINDS = ["started", *["iterated"] * 4, "done"]

@@ -16,11 +16,11 @@ from breastrig.core.errors import BadInput, BadSettings, Conflict
 from breastrig.storage import postgres as database
 from breastrig.storage import schema
 from breastrig.storage.deletion import delete_rows, remove_files
-from breastrig.storage.events import append, events_after
-from breastrig.storage.fits import claim_fit, fits_page, get_fit, next_queued, queue_position
 from breastrig.storage.location import Location
-from breastrig.storage.scans import ScanRow, add_scan, get_landmarks, get_scan, put_landmarks
-from breastrig.storage.shares import (
+from breastrig.storage.rows.events import append, events_after
+from breastrig.storage.rows.fits import claim_fit, fits_page, get_fit, next_queued, queue_position
+from breastrig.storage.rows.scans import ScanRow, add_scan, get_landmarks, get_scan, put_landmarks
+from breastrig.storage.rows.shares import (
     ShareRow,
     add_opening,
     add_share,
@@ -208,7 +208,8 @@ def test_visits_of_a_share_and_what_wrong_passcodes_do_to_it(storage: Storage) -
     assert [end_visit(storage, "share-1", "cd" * 32) for _ in range(2)] == [True, False]
     assert share_of_visit(storage, "share-1", "cd" * 32, "2026-01") is None
     for moment in ("2026-03", "2026-04"):
-        note_wrong_passcode(storage, "share-1", moment)
+        assert note_wrong_passcode(storage, "share-1", moment, 2)
+    assert not note_wrong_passcode(storage, "share-1", "2026-05", 2)
     assert not add_opening(storage, "share-1", "2026-05", "ef" * 32, most_wrong=2)
     unlock_share(storage, "fit-1", "share-1")
     assert add_opening(storage, "share-1", "2026-05", "ef" * 32, most_wrong=2)
@@ -246,13 +247,28 @@ def test_what_is_wrong_with_a_database_is_said_in_a_sentence(
     password = address.split(":")[2].partition("@")[0]
     for wrong in (address.replace(password, "geheim"), address + "_other", "postgresql://me:geheim@127.0.0.1:1/rig"):
         with pytest.raises(BadSettings, match="The database cannot be reached") as refused:
-            purge_nothing(Location(tmp_path, wrong))
+            purge_nothing(Location(tmp_path / "new", wrong))
+        assert not (tmp_path / "new").exists()
         assert "\n" not in str(refused.value)
         assert password not in str(refused.value)
         assert "geheim" not in str(refused.value)
     monkeypatch.setitem(__import__("sys").modules, "psycopg", None)
     with pytest.raises(BadSettings, match=r"pip install 'breastrig\[postgres\]'"):
         Storage(Location(tmp_path, address))
+
+
+def test_a_new_data_folder_gets_the_id_of_the_rows_and_one_of_other_rows_is_refused(
+    postgres: PostgresServer, storage: Storage, tmp_path: Path
+) -> None:
+    elsewhere = Storage(Location(tmp_path / "elsewhere", storage.location.database))
+    purge_nothing(elsewhere.location)
+    assert (tmp_path / "elsewhere" / "installation").read_text() == storage.database.installation_id()
+    elsewhere.prepare()
+    elsewhere.close()
+    other = Storage(Location(tmp_path / "elsewhere", postgres.new_database()))
+    with pytest.raises(BadSettings, match="belong to another database"):
+        other.prepare()
+    other.close()
 
 
 def purge_nothing(location: Location) -> None:

@@ -9,11 +9,11 @@ import pytest
 from helpers.scan_files import as_bytes, picture, tube
 from helpers.toy_rig import toy_rig
 
-import breastrig.scan.glb as glb
+import breastrig.scan.formats.glb as glb
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.scan.glb import POSED
+from breastrig.scan.formats.glb import POSED
 from breastrig.scan.limits import GLTF_DEPTH, GLTF_ENTRIES, GLTF_JSON_BYTES, GLTF_NODES, GLTF_PRIMITIVES
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan

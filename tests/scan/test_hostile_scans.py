@@ -1,8 +1,11 @@
 """Every bad file is refused with one plain sentence, and nothing is opened, fetched or filled on the way."""
 
 import base64
+import io
 import json
+import os
 import re
+import stat
 import struct
 import zipfile
 from collections.abc import Callable
@@ -12,13 +15,17 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.scan_files import as_bytes, picture, ply_text, textured_obj, tube, zipped
+from helpers.subdivide import subdivided
 from helpers.toy_rig import toy_rig
 
 import breastrig.scan.read as read
 from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.formats.ply_obj_stl import MISSING
 from breastrig.scan.read import read_scan
+
+FACES = toy_rig().faces
 
 
 def sentence(error: BaseException) -> str:
@@ -27,8 +34,16 @@ def sentence(error: BaseException) -> str:
     assert "\n" not in text
     assert text.endswith(".")
     assert text[0].isupper() or text[0].isdigit() or text[0] == '"'
+    assert len(text) < 300
     assert not re.search(r"Traceback|Error|0x|/tmp|numpy|trimesh", text)
     return text
+
+
+def finer() -> bytes:
+    """The tube as an OBJ of 1,536 triangles."""
+    vertices, faces = subdivided(toy_rig().template, FACES)
+    lines = ["v {:.6f} {:.6f} {:.6f}".format(*vertex) for vertex in vertices]
+    return "\n".join([*lines, *("f {} {} {}".format(*(face + 1)) for face in faces), ""]).encode()
 
 
 def refused(data: bytes | Path, kind: type[BadInput] = BadScan, named: str | None = None, units: str = "auto") -> str:
@@ -42,9 +57,6 @@ def changed_glb(change: Callable[[dict[str, Any]], None], data: bytes | None = N
     document, binary = split_glb(data or as_bytes(tube(), "glb"))
     change(document)
     return pack_glb(json.dumps(document).encode(), binary)
-
-
-FACES = toy_rig().faces
 
 
 def test_an_empty_file() -> None:
@@ -199,7 +211,7 @@ def bomb() -> bytes:
 
 
 def test_a_picture_with_too_many_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
-    import breastrig.scan.texture as texture
+    import breastrig.scan.formats.texture as texture
 
     large = picture("PNG", (400, 300))
     monkeypatch.setattr(texture, "IMAGE_PIXELS", 100_000)
@@ -261,7 +273,7 @@ def test_a_zip_with_the_wrong_things_in_it(files: dict[str, bytes], word: str) -
 
 
 def test_a_zip_with_too_much_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    import breastrig.scan.archive as archive
+    import breastrig.scan.formats.archive as archive
 
     assert "files" in refused(zipped({f"{i}.jpg": b"x" for i in range(21)}), TooLarge)
     assert "times" in refused(zipped({"a.obj": bytes(2_000_000)}), TooLarge)
@@ -347,3 +359,180 @@ def test_zipfile_is_asked_for_nothing_before_the_checks(monkeypatch: pytest.Monk
     data = zipped({f"{i}.jpg": b"x" for i in range(21)})
     monkeypatch.setattr(zipfile.ZipFile, "read", never)
     refused(data, TooLarge)
+
+
+def zip_of(entries: list[tuple[zipfile.ZipInfo | str, bytes]], packing: int = zipfile.ZIP_DEFLATED) -> bytes:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", packing) as archive:
+        for entry, content in entries:
+            archive.writestr(entry, content, packing)
+    return stream.getvalue()
+
+
+def link(name: str) -> zipfile.ZipInfo:
+    entry = zipfile.ZipInfo(name)
+    entry.create_system, entry.external_attr = 3, (stat.S_IFLNK | 0o777) << 16
+    return entry
+
+
+def test_links_in_a_zip_lead_nowhere(tmp_path: Path) -> None:
+    (tmp_path / "secret.jpg").write_bytes(picture())
+    target = str(tmp_path / "secret.jpg").encode()
+    files = [*textured_obj().items(), (link("skin.jpg"), target)]
+    scan = read_scan(zip_of(files))
+    assert scan.texture is None
+    assert "left out" in scan.notes[0]
+    assert "holds no OBJ data" in refused(zip_of([(link("scan.obj"), b"/etc/passwd")]))
+
+
+@pytest.mark.parametrize(
+    "name", ["/etc/scan.ply", "//scan.ply", "..\\scan.ply", "a/../../scan.ply", "C:scan.ply", ".ply"]
+)
+def test_a_zip_with_names_that_lead_elsewhere(name: str) -> None:
+    refused(zip_of([(name, as_bytes(tube(), "ply"))]))
+
+
+@pytest.mark.parametrize("packing", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_a_zip_that_is_packed_so_that_no_limit_holds(packing: int) -> None:
+    assert "ordinary zip" in refused(zip_of([("scan.ply", as_bytes(tube(), "ply"))], packing))
+
+
+def test_a_zip_with_a_list_of_entries_that_takes_long_to_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = zip_of([(f"{index}.jpg", b"") for index in range(20_000)])
+    monkeypatch.setattr(zipfile, "ZipFile", None)  # which reads the whole list before it can be counted
+    assert "far more than the 20 files" in refused(data, TooLarge)
+
+
+def test_a_zip_whose_list_is_announced_in_the_record_for_huge_ones() -> None:
+    data = zip_of([("scan.ply", as_bytes(tube(), "ply"))])
+    end = data.rindex(b"PK\x05\x06")
+    locator = b"PK\x06\x07" + struct.pack("<IQI", 0, 0, 1)
+    assert "far more than" in refused(data[:end] + locator + data[end:], TooLarge)
+
+
+def test_materials_that_make_a_reader_open_a_picture_again_and_again() -> None:
+    files = {**textured_obj(), "skin.jpg": picture()}
+    one, noise = b"newmtl a\nmap_Kd skin.jpg\n", np.random.default_rng(1).bytes(2**19).hex().encode()
+    for material in (300 * one, b"newmtl a\n" + 300 * b"map_Kd skin.jpg\n", one + noise):
+        assert "MTL file" in refused(zipped({**files, "model.mtl": material}), TooLarge)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["../../etc/passwd", "/etc/passwd", "C:\\secret.jpg", "x" * 100_000, "https://example.org/a.jpg", "\x00", "."],
+)
+def test_a_material_that_names_something_elsewhere_gets_nothing_and_it_is_said(name: str) -> None:
+    scan = read_scan(zipped(textured_obj(name)))
+    assert scan.texture is None
+    assert scan.notes == (MISSING,)
+
+
+def test_an_obj_of_more_materials_than_meshes_can_be_made_of() -> None:
+    groups = b"".join(b"usemtl m%d\nf %d %d %d\n" % (index, *(FACES[index] + 1)) for index in range(300))
+    assert "256 materials" in refused(finer() + groups, TooLarge)
+    again = b"".join(b"usemtl m%d\nf %d %d %d\n" % (index % 9, *(FACES[index] + 1)) for index in range(300))
+    assert len(read_scan(finer() + again).faces) == 1536 + 300
+
+
+def test_polygons_with_thousands_of_corners() -> None:
+    polygon = b"f " + b" ".join(b"%d" % (index % 200 + 1) for index in range(20_000)) + b"\n"
+    assert "polygons with hundreds of corners" in refused(finer() + polygon)
+
+
+def test_an_stl_of_many_parts() -> None:
+    triangle = b"facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+    assert "256 parts" in refused((b"solid a\n" + triangle + b"endsolid a\n") * 300, TooLarge)
+
+
+HEADER = "ply\nformat ascii 1.0\nelement vertex 204\nproperty float x\nproperty float y\nproperty float z\n"
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "element face 1000000000000000000000\nproperty list uchar int vertex_indices",
+        "element face -5\nproperty list uchar int vertex_indices",
+        "element face 1_0\nproperty list uchar int vertex_indices",
+        "element face 384\nproperty list float int vertex_indices",
+        "element face 384\nproperty list uchar words vertex_indices",
+        "element face 384\nproperty list uchar int",
+        "element face 384\nproperty",
+        "element face\nproperty list uchar int vertex_indices",
+        "element vertex 300\nproperty list uchar int vertex_indices",
+        "element face 384\n" + "property int p\n" * 20_000 + "property list uchar int vertex_indices",
+        "element per-son 1000000000\nproperty float a\nelement face 384\nproperty list uchar int vertex_indices",
+        "format binary 1.0\nelement face 384\nproperty list uchar int vertex_indices",
+    ],
+    ids=lambda lines: lines[:40],
+)
+def test_a_ply_header_that_makes_no_sense(lines: str) -> None:
+    body = ply_text(toy_rig().template, FACES).split(b"end_header\n", 1)[1]
+    with pytest.raises(BadInput) as caught:
+        read_scan(HEADER.encode() + lines.encode() + b"\nend_header\n" + body)
+    sentence(caught.value)
+
+
+def test_a_billion_vertices_in_two_hundred_bytes() -> None:
+    for form in ("ascii", "binary_little_endian", "binary_big_endian"):
+        text = HEADER.replace("ascii", form).replace("204", "1000000000") + "end_header\n" + "0 0 0\n" * 10
+        assert "triangles allowed" in refused(text.encode(), TooLarge)
+
+
+def test_a_point_that_lies_kilometres_away() -> None:
+    vertices, faces = subdivided(toy_rig().template, FACES)
+    vertices[17] = [0.0, 5e4, 0.0]
+    assert "One vertex of this scan lies more than 1 km" in refused(ply_text(vertices, faces))
+    assert "One vertex of this scan lies more than 1 km" in refused(ply_text(1000.0 * vertices, faces))
+    vertices[40:42] = 1e25
+    assert "3 vertices of this scan lie more than 1 km" in refused(ply_text(vertices, faces))
+
+
+def test_a_loose_point_that_lies_kilometres_away_is_left_out_and_said() -> None:
+    vertices = np.concatenate([toy_rig().template, [[0.0, 5e4, 0.0]]])
+    colours = np.random.default_rng(3).integers(0, 256, (len(vertices), 3))
+    rows = [" ".join(map(str, [*place, *colour])) for place, colour in zip(vertices, colours, strict=True)]
+    rows += [" ".join(map(str, [3, *face])) for face in FACES]
+    more = b"".join(b"property uchar %s\n" % name for name in (b"red", b"green", b"blue"))
+    header = ply_text(vertices, FACES).split(b"end_header")[0].replace(b"element face", more + b"element face")
+    scan = read_scan(header + b"end_header\n" + "\n".join([*rows, ""]).encode())
+    np.testing.assert_allclose(scan.vertices, toy_rig().template, atol=1e-6)
+    np.testing.assert_array_equal(scan.faces, FACES)
+    assert scan.colours is not None
+    np.testing.assert_array_equal(scan.colours, colours[:-1])
+    assert scan.notes == ("Points far away that no triangle uses were left out.",)
+
+
+def test_a_scan_that_is_too_far_from_its_origin_for_numbers() -> None:
+    assert "move it to the origin" in refused(ply_text(toy_rig().template + 3e7, FACES).replace(b"float", b"double"))
+
+
+def test_what_is_no_ordinary_file_is_not_opened(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "scan.ply")
+    (tmp_path / "folder.ply").mkdir()
+    for path in (tmp_path / "scan.ply", tmp_path / "folder.ply", Path("/dev/zero")):
+        assert "no ordinary file" in refused(path)
+
+
+def test_a_name_of_thousands_of_letters_is_not_repeated(tmp_path: Path) -> None:
+    for name in ("x" * 5000, "x" * 5000 + ".ply", "a\0b"):
+        with pytest.raises(BadScan, match="cannot be read"):
+            read_scan(tmp_path / name)
+        try:
+            read_scan(tmp_path / name)
+        except BadScan as error:
+            sentence(error)
+
+
+@pytest.mark.parametrize("kind", ["ply", "obj"])
+def test_the_librarys_log_says_nothing_of_a_file(kind: str, caplog: pytest.LogCaptureFixture) -> None:
+    data = b"mtllib Mustermann.mtl\nusemtl a\n" + finer()
+    if kind == "ply":
+        data = ply_text(toy_rig().template, FACES).replace(
+            b"element v", b"comment TextureFile Mustermann.png\nelement v"
+        )
+    with caplog.at_level(0):
+        scan = read_scan(data)
+        refused(data[: len(data) // 2])
+    assert not caplog.records
+    assert scan.notes == (MISSING,)
+    assert not read_scan(data, texture=False).notes

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from helpers.scan_files import as_bytes, picture, textured_obj, tube, zipped
+from helpers.scan_files import as_bytes, picture, ply_text, textured_obj, tube, zipped
 from helpers.toy_rig import toy_rig
 
 from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.formats.texture import is_picture
 from breastrig.scan.read import read_scan
-from breastrig.scan.texture import is_picture
 
 
 @pytest.mark.parametrize("kind", ["ply", "obj", "stl", "stl_ascii", "glb"])
@@ -192,3 +192,119 @@ def test_two_pictures_for_one_scan_are_left_out_and_said() -> None:
     scan = read_scan(zipped({**files, "skin.jpg": picture(), "other.png": picture("PNG", (4, 4))}))
     assert scan.colour_kind == "none"
     assert scan.notes == ("The scan has several textures and is shown without them.",)
+
+
+def test_words_in_any_character_set_do_not_matter() -> None:
+    """Comments and names, from a computer whose letters are not UTF-8."""
+    for encoding in ("utf-8", "latin-1", "cp1251", "shift-jis"):
+        words = {"latin-1": "Müller, Praxis für Ästhetik", "cp1251": "Иванова", "shift-jis": "山田"}.get(
+            encoding, "Łódź"
+        )
+        word = words.encode(encoding)
+        ply = as_bytes(tube(), "ply").replace(b"element vertex", b"comment " + word + b"\nelement vertex", 1)
+        obj = b"# " + word + b"\no " + word + b"\ng " + word + b"\n" + as_bytes(tube(), "obj")
+        stl = as_bytes(tube(), "stl_ascii").replace(b"solid", b"solid " + word)
+        for data in (ply, obj, stl, b"\xef\xbb\xbf" + obj):
+            assert len(read_scan(data).faces) == 384
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])
+def test_a_picture_is_found_by_a_name_with_umlauts(encoding: str) -> None:
+    name = "Häut".encode(encoding)
+    files = {file: content.replace(b"skin", name) for file, content in textured_obj().items()}
+    assert read_scan(zipped({**files, "Häut.jpg": picture()})).colour_kind == "texture"
+
+
+@pytest.mark.parametrize("ends", [b"\r\n", b"\r"])
+@pytest.mark.parametrize("kind", ["ply", "obj", "stl_ascii"])
+def test_line_ends_of_any_system_do_not_matter(kind: str, ends: bytes) -> None:
+    data = as_bytes(tube(), kind) if kind != "ply" else tube().export(file_type="ply", encoding="ascii")
+    scan = read_scan(data.replace(b"\n", ends))
+    np.testing.assert_array_equal(scan.faces, read_scan(data).faces)
+    np.testing.assert_array_equal(scan.vertices, read_scan(data).vertices)
+
+
+def test_a_binary_ply_may_have_windows_line_ends_in_its_header() -> None:
+    head, body = as_bytes(tube(), "ply").split(b"end_header\n", 1)
+    data = head.replace(b"\n", b"\r\n") + b"end_header\r\n" + body
+    np.testing.assert_array_equal(read_scan(data).vertices, read_scan(as_bytes(tube(), "ply")).vertices)
+
+
+def test_corners_counted_backwards_are_the_same_triangles() -> None:
+    """Some programs write each part of a mesh with corners such as -1, the last vertex so far."""
+    files = {**textured_obj(), "skin.jpg": picture()}
+    scan = read_scan(zipped(files))
+    lines = files["model.obj"].decode().splitlines()
+    places = [line for line in lines if line.startswith("v ")]
+    coordinates = [line for line in lines if line.startswith("vt ")]
+    faces = [line for line in lines if line.startswith("f ")]
+
+    def backwards(corner: str) -> str:
+        return "/".join(str(int(number) - 1 - len(places)) for number in corner.split("/"))
+
+    turned = ["f " + " ".join(map(backwards, line.split()[1:])) for line in faces]
+    again = [*lines[:2], *2 * [*places, *coordinates, *turned], ""]
+    other = read_scan(zipped({**files, "model.obj": "\n".join(again).encode()}))
+    found, wanted = (np.concatenate([one.vertices[one.faces], one.uv[one.faces]], axis=2) for one in (other, scan))
+    for half in (found[:384], found[384:]):
+        np.testing.assert_allclose(half, wanted, atol=1e-6)
+
+
+def test_a_text_ply_of_other_types_and_elements_is_read_as_the_library_reads_it() -> None:
+    """Mixed polygons, doubles, colours, lists beside the corners, elements that are no vertices."""
+    rig = toy_rig()
+    colours = np.random.default_rng(5).integers(0, 256, (len(rig.template), 3))
+    head = "ply\nformat ascii 1.0\nelement camera 1\nproperty float view\n"
+    head += f"element vertex {len(rig.template)}\n" + "".join(f"property double {axis}\n" for axis in "xyz")
+    head += "".join(f"property uchar {name}\n" for name in ("red", "green", "blue"))
+    rows = ["0.5"]
+    rows += [
+        " ".join(map(repr, [*map(float, place), *map(int, colour)]))
+        for place, colour in zip(rig.template, colours, strict=True)
+    ]
+    plain = f"element face {len(rig.faces)}\nproperty list uchar int vertex_indices\n"
+    edges = "element edge 2\nproperty int vertex1\nproperty int vertex2\nend_header\n"
+    faces = ["3 " + " ".join(map(str, face)) for face in rig.faces]
+    tail = ["0 1", "1 2", ""]
+    scan = read_scan((head + plain + edges + "\n".join([*rows, *faces, *tail])).encode())
+    np.testing.assert_array_equal(scan.vertices, rig.template)
+    np.testing.assert_array_equal(scan.faces, rig.faces)
+    np.testing.assert_array_equal(scan.colours, colours)
+    weighted = plain + "property list uchar float weights\n"
+    uneven = [f"{face} {'2 0.5 0.5' if index % 2 else '1 1.0'}" for index, face in enumerate(faces)]
+    scan = read_scan((head + weighted + edges + "\n".join([*rows, *uneven, *tail])).encode())
+    np.testing.assert_array_equal(scan.vertices, rig.template)
+    np.testing.assert_array_equal(scan.faces, rig.faces)
+
+
+def test_a_text_ply_of_single_precision_is_rounded_as_its_header_says() -> None:
+    rig = toy_rig()
+    scan = read_scan(ply_text(rig.template + 1.0 / 3.0, rig.faces))
+    np.testing.assert_array_equal(scan.vertices, (rig.template + 1.0 / 3.0).astype(np.float32))
+
+
+def test_a_text_ply_of_even_rows_goes_to_the_library_as_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which it reads some ten times faster than rows."""
+
+    def never(*_: object) -> None:
+        raise AssertionError("the library was given text")
+
+    monkeypatch.setattr("trimesh.exchange.ply._ply_ascii", never)
+    assert len(read_scan(tube().export(file_type="ply", encoding="ascii")).faces) == 384
+
+
+@pytest.mark.parametrize("unit", ["m", "mm"])
+def test_a_scan_far_from_its_origin_says_what_its_numbers_are_worth(unit: str) -> None:
+    rig = toy_rig()
+    factor, step = {"m": (1.0, 0.98), "mm": (1000.0, 1)}[unit]
+    single = ply_text(factor * (rig.template + 10_000.0), rig.faces)
+    assert read_scan(single.replace(b"float", b"double")).notes == (
+        "The scan lies 10,000 m from the origin of its coordinates; results are exact there, "
+        "but pictures of it may be rounded to 0.98 mm.",
+    )
+    (note,) = read_scan(single).notes
+    assert note == (
+        "The scan lies 10,000 m from the origin of its coordinates, and its file rounds them "
+        f"to {step} mm; move it to the origin before it is exported."
+    )
+    assert read_scan(ply_text(factor * (rig.template + 50.0), rig.faces)).notes == ()

@@ -10,12 +10,12 @@ from helpers.first_version import FIRST_VERSION
 
 from breastrig.cli.main import main
 from breastrig.core.errors import BadSettings
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.service import Service
+from breastrig.execution.limits import FitLimits
+from breastrig.service.service import Service
 from breastrig.storage import data_folder
 from breastrig.storage.data_folder import Standing, installation_id, standing_of
 from breastrig.storage.location import Location
-from breastrig.storage.scans import scan_ids
+from breastrig.storage.rows.scans import scan_ids
 from breastrig.storage.storage import Storage
 
 State = dict[str, tuple[int, int, bytes | str | None]]

@@ -18,8 +18,8 @@ from breastrig.storage import reserve
 from breastrig.storage.deletion import delete_scan, discard, finish_deletions, remove_files
 from breastrig.storage.file_journal import count_to_be_removed, note_making, to_be_removed
 from breastrig.storage.files import fit_place, scan_place
-from breastrig.storage.fits import fit_ids
-from breastrig.storage.scans import ScanRow, add_scan, scan_ids
+from breastrig.storage.rows.fits import fit_ids
+from breastrig.storage.rows.scans import ScanRow, add_scan, scan_ids
 from breastrig.storage.storage import Storage
 
 FITS = [f"fit-{k}" for k in range(4)]

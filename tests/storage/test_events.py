@@ -4,8 +4,8 @@ import pytest
 from helpers.rows import add_waiting_fit
 
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.storage.events import append, events_after, events_of_kind, news_after
-from breastrig.storage.fits import claim_fit, fits_in_state, get_fit, next_queued, put_back
+from breastrig.storage.rows.events import append, events_after, events_of_kind, news_after
+from breastrig.storage.rows.fits import claim_fit, fits_in_state, get_fit, next_queued, put_back
 from breastrig.storage.storage import Storage
 
 

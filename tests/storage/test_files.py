@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from breastrig.core import scratch
 from breastrig.core.errors import BadSettings
-from breastrig.storage import scratch
 from breastrig.storage.deletion import delete_rows, finish_deletions
 from breastrig.storage.file_journal import note_making, to_be_removed
 from breastrig.storage.files import Files, fit_place, scan_place
 from breastrig.storage.location import Location
-from breastrig.storage.scans import ScanRow, add_scan, get_scan
+from breastrig.storage.rows.scans import ScanRow, add_scan, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.storage.store_files import StoreFiles
 

@@ -14,10 +14,10 @@ from helpers.first_version import FIRST_VERSION
 
 from breastrig.cli.main import main
 from breastrig.storage import schema
-from breastrig.storage.events import append, events_after
-from breastrig.storage.fits import get_fit, next_queued
 from breastrig.storage.migrate import alembic_config, known_revisions
-from breastrig.storage.scans import get_landmarks, get_scan
+from breastrig.storage.rows.events import append, events_after
+from breastrig.storage.rows.fits import get_fit, next_queued
+from breastrig.storage.rows.scans import get_landmarks, get_scan
 from breastrig.storage.storage import Storage
 
 

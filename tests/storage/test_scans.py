@@ -4,9 +4,9 @@ from helpers.rows import add_waiting_fit
 
 from breastrig.core.errors import NotFound
 from breastrig.storage.deletion import delete_rows, remove_files
-from breastrig.storage.events import append
-from breastrig.storage.fits import get_fit
-from breastrig.storage.scans import get_landmarks, get_scan, put_landmarks, scan_ids
+from breastrig.storage.rows.events import append
+from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.rows.scans import get_landmarks, get_scan, put_landmarks, scan_ids
 from breastrig.storage.storage import Storage
 
 

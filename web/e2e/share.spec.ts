@@ -4,7 +4,7 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { type BrowserContext, chromium, expect, type Page, test } from "@playwright/test";
-import { seriousFindings, smallTargets } from "./audit";
+import { overlaps, scrolledAway, seriousFindings, smallTargets } from "./audit";
 import { type Link, Owner } from "./shared";
 
 let owner: Owner;
@@ -58,6 +58,8 @@ test("the secret is in neither the address bar nor the history, and the address 
   expect(page.url()).toBe(place);
   await page.reload();
   await expect(page.getByText("fitted.glb")).toBeVisible();
+  expect(await seriousFindings(page)).toEqual([]);
+  expect([await smallTargets(page), await overlaps(page), await scrolledAway(page)]).toEqual([[], [], []]);
   await page.goBack();
   expect(page.url()).toBe(`${owner.base}/healthz`);
   await page.goForward();
@@ -76,6 +78,8 @@ test("closing ends the credential, also for a copy of it, and leaves an owner in
     for (const storage of [sessionStorage, localStorage]) storage.setItem("unsaved", "mine");
   });
   const link = await owner.share(fit);
+  const again = await context.newPage();
+  await opened(again, link);
   const shared = await context.newPage();
   await opened(shared, link);
   const place = `/api/shared/${link.id}/result.json`;
@@ -90,6 +94,7 @@ test("closing ends the credential, also for a copy of it, and leaves an owner in
 
   await shared.getByRole("button", { name: "Close" }).click();
   await expect(shared.getByText("The result is closed")).toBeVisible();
+  await expect(again.getByText("The result is closed"), "in the other tab that showed it").toBeVisible();
   expect(shared.url()).toBe(`${owner.base}/s`);
   expect(await status(shared, place)).toBe(401);
   expect(await status(copy, place)).toBe(401);

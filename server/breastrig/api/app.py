@@ -5,30 +5,30 @@ from typing import Any
 from apiflask import APIFlask
 
 from breastrig import __version__
+from breastrig.api.access.security import register_security
+from breastrig.api.app_context import KEY, Behind
 from breastrig.api.config import Config
-from breastrig.api.current import KEY, Behind
-from breastrig.api.docs import docs
-from breastrig.api.drawings import drawings
 from breastrig.api.errors import register_errors
-from breastrig.api.events import events
-from breastrig.api.fits import fits, fits_of_scans
-from breastrig.api.meta import meta
 from breastrig.api.metrics import Metrics, register_metrics
-from breastrig.api.models import models
 from breastrig.api.openapi import finish_document
-from breastrig.api.operations import operations
-from breastrig.api.page import PageFile, page
-from breastrig.api.reports import reports
 from breastrig.api.request_log import log_error_of_request, register_request_log
-from breastrig.api.scans import scans
-from breastrig.api.security import register_security
+from breastrig.api.routes.docs import docs
+from breastrig.api.routes.drawings import drawings
+from breastrig.api.routes.events import events
+from breastrig.api.routes.fits import fits, fits_of_scans
+from breastrig.api.routes.meta import meta
+from breastrig.api.routes.models import models
+from breastrig.api.routes.operations import operations
+from breastrig.api.routes.page import PageFile, page
+from breastrig.api.routes.reports import reports
+from breastrig.api.routes.scans import scans
+from breastrig.api.routes.shared import share_page, shared
+from breastrig.api.routes.shares import shares
+from breastrig.api.routes.sign_in import sign_in
+from breastrig.api.routes.transfers import transfers
 from breastrig.api.served_model import serve_model
-from breastrig.api.shared import share_page, shared
-from breastrig.api.shares import shares
-from breastrig.api.sign_in import sign_in
-from breastrig.api.transfers import transfers
 from breastrig.api.trusted_proxy import BehindProxy
-from breastrig.jobs.service import Service
+from breastrig.service.service import Service
 
 
 def create_app(config: Config, service: Service) -> APIFlask:
@@ -61,7 +61,12 @@ class _App(APIFlask):
 
 def _bare_app() -> APIFlask:
     app = _App(
-        "breastrig.api", title="BreastRig", version=__version__, spec_path=None, docs_path=None, static_folder=None
+        "breastrig.api",
+        title="BreastRig",
+        version=__version__,
+        spec_path=None,
+        docs_path=None,
+        static_folder=None,  # type: ignore[arg-type]
     )
     app.config["AUTO_SERVERS"] = False
     app.json.sort_keys = False  # type: ignore[attr-defined]
@@ -86,5 +91,5 @@ def _bare_app() -> APIFlask:
         page,
     ):
         app.register_blueprint(blueprint)
-    app.spec_processor(finish_document)
+    app.spec_processor(finish_document)  # type: ignore[arg-type]
     return app

@@ -16,8 +16,8 @@ from typing import IO
 from flask import Response, request
 from werkzeug.wsgi import wrap_file
 
+from breastrig.api.access.security import refuse
 from breastrig.api.answers import file_answer
-from breastrig.api.security import refuse
 from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STALLED_S
 from breastrig.core.errors import NotFound
 from breastrig.storage.files import OpenedFile

@@ -7,8 +7,8 @@ from pathlib import Path
 from breastrig.api.request_body import BodyLimits
 from breastrig.api.trusted_proxy import TrustedProxy, plain_address
 from breastrig.core.errors import BadSettings
-from breastrig.jobs.limits import UploadLimits
-from breastrig.jobs.sweep import KEEP_DAYS
+from breastrig.execution.limits import UploadLimits
+from breastrig.service.sweep import KEEP_DAYS
 
 TOKEN_VARIABLE = "BREASTRIG_TOKEN"
 STREAMS = 64  # fifty viewers and some scripts; a waiting thread costs 0.1 MB and no time

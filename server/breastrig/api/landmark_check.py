@@ -2,7 +2,7 @@
 
 from breastrig.api.served_model import ServedModel
 from breastrig.core.errors import BadLandmarks, unknown_name
-from breastrig.storage.scans import Points, ScanRow
+from breastrig.storage.rows.scans import Points, ScanRow
 
 REACH_M = 0.25  # a landmark may lie in a hole or beside the seen part, but not further out than this
 

@@ -9,8 +9,8 @@
 import json
 from typing import Any
 
-from breastrig.api import wire
-from breastrig.api.session import COOKIE
+from breastrig.api.access.session import COOKIE
+from breastrig.api.wire import common as wire
 from breastrig.core.notice import LIMITS_OF_USE
 
 REFERENCE = "#/components/schemas/"

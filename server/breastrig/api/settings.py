@@ -16,8 +16,8 @@ from breastrig.api.config import TOKEN_VARIABLE
 from breastrig.api.request_body import BodyLimits
 from breastrig.api.trusted_proxy import read_trusted_proxy
 from breastrig.core.errors import BadSettings, unknown_name
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.sweep import KEEP_DAYS
+from breastrig.execution.limits import FitLimits
+from breastrig.service.sweep import KEEP_DAYS
 from breastrig.storage.location import Location
 from breastrig.storage.storage import default_data_folder
 

@@ -89,7 +89,7 @@ class BehindProxy:
         environ["REMOTE_ADDR"] = plain_address(environ.get("REMOTE_ADDR", ""))
         if self._proxy is not None and FORWARDED not in environ and self._proxy.is_at(environ["REMOTE_ADDR"]):
             environ[FORWARDED] = "HTTP_X_FORWARDED_FOR" in environ
-            self._fix(environ, lambda *_: None)
+            self._fix(environ, lambda *_: None)  # type: ignore[arg-type]
             environ["REMOTE_ADDR"] = plain_address(environ["REMOTE_ADDR"])
         for name in [name for name in environ if name.startswith("HTTP_X_FORWARDED_") or name in DROPPED]:
             del environ[name]

@@ -17,22 +17,22 @@ from threading import Event
 
 from tqdm import tqdm
 
+from breastrig.batch.manifest import INPUTS, BadManifest, BatchRow, read_manifest
+from breastrig.batch.run import Batch, exclusive, run_batch
+from breastrig.batch.table import FILE, Outcome, is_table, write_table
 from breastrig.cli.output_options import add_output_options, output_folder
 from breastrig.core.errors import BadSettings
 from breastrig.core.output_files import OutputSet, check_inputs_kept, check_output
+from breastrig.core.scratch import sweep_scratch
+from breastrig.execution.dask_pool import DaskPool
+from breastrig.execution.dask_task import RESOURCE
+from breastrig.execution.executor import Executor
+from breastrig.execution.fork_server import start_fork_server
+from breastrig.execution.limits import FitLimits
+from breastrig.execution.processes import Processes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.jobs.batch import Batch, exclusive, run_batch
-from breastrig.jobs.batch_manifest import INPUTS, BadManifest, BatchRow, read_manifest
-from breastrig.jobs.batch_table import FILE, Outcome, is_table, write_table
-from breastrig.jobs.dask_pool import DaskPool
-from breastrig.jobs.dask_task import RESOURCE
-from breastrig.jobs.executor import Executor
-from breastrig.jobs.fit_files import FIT_FILES
-from breastrig.jobs.fork_server import start_fork_server
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.processes import Processes
-from breastrig.jobs.run_fit import run_fit
-from breastrig.storage.scratch import sweep_scratch
+from breastrig.workflow.fit_files import FIT_FILES
+from breastrig.workflow.run_fit import run_fit
 
 SHOWN_FAULTS = 20  # a screenful; a table with more has one cause
 
@@ -148,7 +148,7 @@ def _run(batch: Batch, executor: Executor, silent: bool, stop: Event) -> list[Ou
             told += 1
             bar.update()
             if in_lines:
-                line = {"name": outcome.name, "state": outcome.state, "reason": outcome.reason}
+                line: dict[str, object] = {"name": outcome.name, "state": outcome.state, "reason": outcome.reason}
                 numbers = {name: outcome.numbers.get(name) for name in ("mean_mm", "verdict")}
                 line |= {**numbers, "row": told, "of": len(batch.rows)}
                 print(json.dumps(line), flush=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core.output_files import OutputSet, all_or_nothing
-from breastrig.jobs.compare import COMPARE_FILES, COMPARE_RECORD, SCHEMA, CompareJob, compare
+from breastrig.workflow.compare import COMPARE_FILES, COMPARE_RECORD, SCHEMA, CompareJob, compare
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

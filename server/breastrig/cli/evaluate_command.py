@@ -14,12 +14,11 @@ from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
 from breastrig.core.errors import BadInput
 from breastrig.core.output_files import Output, OutputSet, all_or_nothing, check_output, private_folder
-from breastrig.evaluation.charts import have_plots
 from breastrig.evaluation.cohort import read_cohort
 from breastrig.evaluation.evaluate import measured
-from breastrig.evaluation.page import Circumstances
-from breastrig.evaluation.plan import QUICK_ROTATIONS, ROTATIONS, Plan
-from breastrig.evaluation.publish import (
+from breastrig.evaluation.page.charts import have_plots
+from breastrig.evaluation.page.page import Circumstances
+from breastrig.evaluation.page.publish import (
     NO_PLOTS,
     RECORD,
     SCHEMA,
@@ -27,8 +26,9 @@ from breastrig.evaluation.publish import (
     possible_files,
     published,
 )
-from breastrig.evaluation.tables import console, failures_table
-from breastrig.evaluation.work import FILES
+from breastrig.evaluation.studies.plan import QUICK_ROTATIONS, ROTATIONS, Plan
+from breastrig.evaluation.studies.result_cache import FILES
+from breastrig.evaluation.tables.accuracy import console, failures_table
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path
 

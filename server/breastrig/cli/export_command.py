@@ -6,8 +6,8 @@ from pathlib import Path
 
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
 from breastrig.core.output_files import OutputSet, all_or_nothing
-from breastrig.jobs.export_fit import EXPORT_FILES, EXPORT_RECORD, write_export
 from breastrig.report.exported import SET_FORMAT
+from breastrig.workflow.export_fit import EXPORT_FILES, EXPORT_RECORD, write_export
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

@@ -20,11 +20,11 @@ from breastrig.core.output_files import Output, OutputSet, all_or_nothing, is_or
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import pattern_help, tumour_text
 from breastrig.fitting.coupling import ALIKE, ONE_BODY
-from breastrig.jobs.events import Done, Event, Iterated, Started
-from breastrig.jobs.run_fit import STANCES, FitJob, run_fit
-from breastrig.jobs.run_pair import PAIR_SCHEMA, run_pair
 from breastrig.scan.landmark_files import landmark_confidences, read_landmarks
 from breastrig.scan.read import read_scan
+from breastrig.workflow.events import Done, Event, Iterated, Started
+from breastrig.workflow.run_fit import STANCES, FitJob, run_fit
+from breastrig.workflow.run_pair import PAIR_SCHEMA, run_pair
 
 PAIR = "pair.json"
 LEVELS = {"check": "check this fit", "unusable": "this fit is not usable"}

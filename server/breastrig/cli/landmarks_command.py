@@ -11,9 +11,9 @@ from breastrig.core.errors import BadScan
 from breastrig.core.output_files import all_or_nothing, is_ordinary, shown, write_private
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.jobs.propose_on_scan import propose_on_scan
 from breastrig.scan.landmark_files import landmark_file
 from breastrig.scan.read import read_scan
+from breastrig.workflow.propose_on_scan import propose_on_scan
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

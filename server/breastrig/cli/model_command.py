@@ -7,7 +7,7 @@ from pathlib import Path
 
 from breastrig.core.errors import BadInput
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rig.check import check_rig, describe_rig
+from breastrig.rig.validation.rules import check_rig, describe_rig
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.core.output_files import Output, OutputSet, single_file
-from breastrig.jobs.fit_files import FIT_FILES, RESULT, RESULT_SCHEMA
+from breastrig.workflow.fit_files import FIT_FILES, RESULT, RESULT_SCHEMA
 
 
 def add_output_options(parser: argparse.ArgumentParser, metavar: str, what: str) -> None:

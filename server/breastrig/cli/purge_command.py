@@ -5,7 +5,7 @@ import sys
 
 from breastrig.api.settings import read_days, without_password
 from breastrig.cli.place_options import add_place_options, chosen_location
-from breastrig.jobs.purge import purge
+from breastrig.service.purge import purge
 from breastrig.storage.location import Location
 from breastrig.storage.storage import Storage
 

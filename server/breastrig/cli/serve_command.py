@@ -12,18 +12,18 @@ from types import FrameType
 from breastrig.api.app import create_app
 from breastrig.api.config import TOKEN_VARIABLE, Config, checked_token
 from breastrig.api.settings import location_of, token_source
-from breastrig.api.wsgi_server import listen
+from breastrig.api.web_server.wsgi_server import listen
 from breastrig.cli.service_options import add_service_options, service_settings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.core.notice import RESEARCH_USE_ONLY
-from breastrig.jobs.carry_out import Runner
-from breastrig.jobs.executor import Executor
-from breastrig.jobs.fork_server import start_fork_server
-from breastrig.jobs.limits import FitLimits
-from breastrig.jobs.processes import preload_remote
-from breastrig.jobs.run_fit import run_fit
-from breastrig.jobs.service import Service
+from breastrig.execution.executor import Executor
+from breastrig.execution.fork_server import start_fork_server
+from breastrig.execution.limits import FitLimits
+from breastrig.execution.processes import preload_remote
+from breastrig.service.fit_worker import Runner
+from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
+from breastrig.workflow.run_fit import run_fit
 
 SECRETS = (TOKEN_VARIABLE, "BREASTRIG_DATABASE")  # of the environment; the second may hold a password
 
@@ -99,7 +99,7 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
 
 def _cluster(address: str, limits: FitLimits) -> Executor:
     """The workers of a Dask scheduler.  Raises BadSettings when it does not answer or Dask is not installed."""
-    from breastrig.jobs.dask_pool import DaskPool  # most installations have no Dask
+    from breastrig.execution.dask_pool import DaskPool  # most installations have no Dask
 
     return DaskPool(address, memory_bytes=limits.memory_bytes)
 

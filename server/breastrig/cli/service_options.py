@@ -15,7 +15,7 @@ from breastrig.api.settings import (
     settings_file,
 )
 from breastrig.cli.place_options import add_place_options, checked
-from breastrig.jobs.sweep import KEEP_DAYS
+from breastrig.service.sweep import KEEP_DAYS
 
 PORT = SETTINGS["port"].default()
 

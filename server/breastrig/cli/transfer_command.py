@@ -13,8 +13,8 @@ from threadpoolctl import threadpool_limits
 
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
 from breastrig.core.output_files import all_or_nothing, write_private
-from breastrig.jobs.fit_files import json_bytes
-from breastrig.jobs.transfer import TransferJob, drawing_document, transfer
+from breastrig.workflow.fit_files import json_bytes
+from breastrig.workflow.transfer import TransferJob, drawing_document, transfer
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

@@ -10,8 +10,8 @@ import sys
 
 from breastrig.core.errors import BadSettings
 from breastrig.core.log_lines import set_up_logs
-from breastrig.jobs.dask_worker import run_worker
-from breastrig.jobs.limits import FitLimits
+from breastrig.execution.dask_worker import run_worker
+from breastrig.execution.limits import FitLimits
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

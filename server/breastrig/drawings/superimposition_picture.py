@@ -13,7 +13,7 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.drawings.drawing_file import ScanShape
 from breastrig.drawings.superimposition import ShapeGap
-from breastrig.geometry.picture import Camera, Colour, Layer, Line, Picture, Scene, camera
+from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera
 
 SKIN = (0.72, 0.58, 0.50)  # black and white differ from it alike
 PAPER = (0.96, 0.96, 0.95)

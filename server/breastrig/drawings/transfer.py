@@ -17,10 +17,10 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.carry import FittedScan, SkinMap
 from breastrig.drawings.drawing_file import ScanShape
-from breastrig.drawings.given_line import on_the_skin
-from breastrig.drawings.on_scan import Strand, settled
+from breastrig.drawings.prepare_polyline import on_the_skin
+from breastrig.drawings.project_drawing import Strand, settled
+from breastrig.drawings.skin_map import FittedScan, SkinMap
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints

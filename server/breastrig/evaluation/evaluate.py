@@ -4,10 +4,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from breastrig.evaluation import study_tables, tables, transfer_tables, unseen_tables
-from breastrig.evaluation.plan import Plan, shape_effects
-from breastrig.evaluation.table import Table
-from breastrig.evaluation.work import Record, records
+from breastrig.evaluation.studies.plan import Plan, shape_effects
+from breastrig.evaluation.studies.result_cache import Record, records
+from breastrig.evaluation.tables import accuracy as tables
+from breastrig.evaluation.tables import studies as study_tables
+from breastrig.evaluation.tables import transfer as transfer_tables
+from breastrig.evaluation.tables import unseen as unseen_tables
+from breastrig.evaluation.tables.table import Table
 from breastrig.gltf.read_rig import read_rig
 
 WORK = "work"  # folder of the records

@@ -21,7 +21,7 @@ from breastrig.rig.model import Rig
 @lru_cache(maxsize=16)
 def observation_weights(rig: Rig, observations: Observations | None, every: int) -> Array:
     """(V,), read-only: 0 for the vertices that a stage leaves out; without settings each vertex counts as one."""
-    weights = np.ones(len(rig.template)) if observations is None else _per_vertex(rig, observations)
+    weights: Array = np.ones(len(rig.template)) if observations is None else _per_vertex(rig, observations)
     if every > 1:
         chosen = np.arange(0, len(weights), every)
         nearest = cKDTree(rig.template[chosen]).query(rig.template)[1]
@@ -40,8 +40,8 @@ def _per_vertex(rig: Rig, observations: Observations) -> Array:
     if focus:
         inside = np.zeros(len(rig.template), dtype=np.bool_)
         inside[np.concatenate(focus)] = True
-        distances = cKDTree(rig.template[inside]).query(rig.template[faces].mean(axis=1))[0]
-        distances[inside[faces].all(axis=1)] = 0.0
+        away, _ = cKDTree(rig.template[inside]).query(rig.template[faces].mean(axis=1))
+        distances = np.where(inside[faces].all(axis=1), 0.0, away)
         spacing = np.minimum(observations.focus_spacing + observations.growth * distances, spacing)
     share = face_areas(rig.template, faces) / spacing**2 / 3.0
-    return np.bincount(faces.ravel(), weights=np.repeat(share, 3), minlength=len(rig.template))
+    return np.asarray(np.bincount(faces.ravel(), np.repeat(share, 3), len(rig.template)), dtype=np.float64)

@@ -6,7 +6,7 @@ and priors are the single fit's.  The body's priors count once for each stance, 
 with itself gives the single fit.
 
 Mean error in mm of points carried by the fitted models alone, there and back, over chest and breasts
-(evaluation/two_stances.py; exact landmarks / landmarks clicked 5 mm off):
+(evaluation/studies/two_stances.py; exact landmarks / landmarks clicked 5 mm off):
 
                                               apart         ONE_BODY       ALIKE
     two independent virtual patients          7.4 /  7.6    13.5 / 13.8    6.9 / 6.8

@@ -11,7 +11,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.scan.clean import MIN_TRIANGLES, Surface, compact
+from breastrig.scan.clean import MIN_TRIANGLES, Surface, compact, without_fragments
 from breastrig.scan.orient import Frame, propose_frame
 from breastrig.scan.table import table_triangles
 
@@ -51,8 +51,9 @@ def prepared(surface: Surface, stance: str, frame: Frame | None = None) -> Prepa
         frame = frame or propose_frame(vertices, faces)
         if frame.table is not None:
             table = table_triangles(vertices, faces, *frame.table)
-            if np.count_nonzero(~table) >= MIN_TRIANGLES:
-                cut = int(np.count_nonzero(table))
-                vertices, faces = compact(vertices, faces[~table]) if cut else (vertices, faces)
+            if table.any() and np.count_nonzero(~table) >= MIN_TRIANGLES:
+                kept, _ = without_fragments(vertices, faces[~table])  # what curled up at the table's edge
+                cut = len(faces) - len(kept)
+                vertices, faces = compact(vertices, kept)
     centre = vertices.mean(axis=0)
     return PreparedScan(surface, ScanTarget(vertices - centre, faces), centre, cut, frame)

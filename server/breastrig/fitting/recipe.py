@@ -9,7 +9,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.core.output_files import is_ordinary, shown
@@ -75,6 +75,12 @@ class Stage(_Part):
     kernel_scale: Range = (1.0, 1.0)  # m, distance at which the kernel starts to let go
     free_shapes: tuple[Literal["body", "soft", "gravity"], ...] = ("body", "soft", "gravity")
     free_scales: bool = True
+
+    @model_validator(mode="after")
+    def _one_data_term(self) -> "Stage":
+        if self.data_term != "point_to_plane" and self.along_sigma is not None:
+            raise ValueError(f"along_sigma stands beside point_to_plane only, not beside {self.data_term}")
+        return self
 
 
 class Recipe(_Part):

@@ -58,7 +58,7 @@ def scan_terms(
         data = PointToPoint(task.rig, matches, weights, along(stage.along_sigma, progress), data_sigma)
     else:
         data = PointToPlane(task.rig, matches, weights, data_sigma)
-    terms = [data]
+    terms: list[ResidualTerm[RigParameters]] = [data]
     if task.landmarks:
         names = tuple(task.landmarks)
         unsure = np.array([task.landmark_errors.get(name, 0.0) for name in names])

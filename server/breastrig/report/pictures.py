@@ -7,7 +7,7 @@ import numpy as np
 from PIL import Image
 
 from breastrig.core.arrays import Array
-from breastrig.geometry.picture import Camera, Colour, Layer, Line, Picture, Scene, camera, diverging_colours
+from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera, diverging_colours
 from breastrig.report.body_frame import body_frame
 from breastrig.report.stance import Stance
 

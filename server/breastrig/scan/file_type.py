@@ -29,7 +29,7 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
         return "zip"
     if is_binary_stl(data) or (re.match(rb"\s*solid\b", start, re.IGNORECASE) and b"facet" in start):
         return "stl"
-    if b"\0" not in start and re.search(rb"(?m)^[ \t]*v[ \t]+[-+.\d]", data):
+    if b"\0" not in start and re.search(rb"(?:^|[\r\n])[ \t]*v[ \t]+[-+.\d]", data):
         return "obj"
     if re.match(rb"\s*\{", start) and b'"asset"' in data:
         raise BadScan("This is a .gltf, which keeps its data in other files; export the scan as one .glb.")

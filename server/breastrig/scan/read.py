@@ -17,16 +17,16 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.single_precision import EXACT_WITHIN
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.scan.archive import COMPANIONS, unpacked
 from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import file_type_of
-from breastrig.scan.glb import glb_pieces
+from breastrig.scan.formats.archive import COMPANIONS, unpacked
+from breastrig.scan.formats.glb import glb_pieces
+from breastrig.scan.formats.ply_obj_stl import SEVERAL, mesh_pieces
+from breastrig.scan.formats.texture import written_anew
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
 from breastrig.scan.piece import Piece, Pieces
-from breastrig.scan.ply_obj_stl import SEVERAL, mesh_pieces
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
-from breastrig.scan.texture import written_anew
 from breastrig.scan.units import decide_unit, extent
 
 BEYOND = 1e30  # no unit has such numbers; their squares are beyond single precision
@@ -116,7 +116,7 @@ def _bytes(source: Path | bytes) -> bytes:
     try:
         facts = source.stat()
         if not stat.S_ISREG(facts.st_mode):
-            raise BadScan(f"{shown} is no ordinary file; give a scan file.")
+            raise BadScan(f"What is called {shown} is no ordinary file; give a scan file.")
         _check_size(facts.st_size)
         return source.read_bytes()
     except (OSError, ValueError) as error:
@@ -210,10 +210,9 @@ def _far_away(vertices: Array, metres: float) -> tuple[str, ...]:
     reach = float(np.abs(vertices).max())
     if metres * reach <= EXACT_WITHIN:
         return ()
-    step = f"{1e3 * metres * float(np.spacing(np.float32(reach))):.2g} mm"
     where = f"The scan lies {metres * reach:,.0f} m from the origin of its coordinates"
     if np.array_equal(vertices, vertices.astype(np.float32)):
-        return (
-            f"{where}, and its file rounds its points there to {step}; move it to the origin before it is exported.",
-        )
-    return (f"{where}; results are exact there, but pictures of it may be rounded to {step}.",)
+        step = 1e3 * metres * float(np.spacing(np.float32(reach)))
+        return (f"{where}, and its file rounds them to {step:.2g} mm; move it to the origin before it is exported.",)
+    step = 1e3 * float(np.spacing(np.float32(metres * reach)))
+    return (f"{where}; results are exact there, but pictures of it may be rounded to {step:.2g} mm.",)

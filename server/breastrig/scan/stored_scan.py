@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.errors import BadScan
+from breastrig.scan.formats.texture import written_anew
 from breastrig.scan.scan import Scan
-from breastrig.scan.texture import written_anew
 
 STORED = "stored"  # the file type, for which no upload can pass
 FACTS = ("unit", "metres_per_unit", "unit_reason", "sha256", "notes")

@@ -1,10 +1,10 @@
 """The table under a lying patient, cut away before the fit.
 
-scan/orient.py proposes a plane from a sample of the triangles; here it is laid through all of them, and what is flat
-within the scanner's noise of it, faces as it does or lies below it, is the table.  Skin that rests on the table leaves
-it steeply, so close to the plane the direction decides; a flank may come down to the plane and stays.  Pieces that then
-nowhere rise above the plane are the table's crumbs, its edge, or the floor: what hangs together with the body, such as
-an arm beside a narrow table, is never one of them.
+scan/orient.py proposes a plane from a sample of the triangles; here it is laid through all of them, and what lies
+within the scanner's noise of it and faces as it does is the table.  Skin that rests on the table leaves it steeply, so
+close to the plane the direction decides; a flank may come down to the plane and stays.  Pieces that then nowhere rise
+above the plane are fragments of the table, its edge, or the floor.  What is connected with the body, such as an arm
+beside a narrow table, is never one of them.
 """
 
 import numpy as np
@@ -28,34 +28,38 @@ def table_triangles(vertices: Array, faces: Integers, normal: Array, level: floa
 
     None of them when nothing flat is there, or more lies behind it than behind a table.
     """
+    result = np.zeros(len(faces), dtype=np.bool_)
     crosses = face_crosses(vertices, faces)
     areas = np.linalg.norm(crosses, axis=1)
-    none = np.zeros(len(faces), dtype=np.bool_)
-    laid = _laid(vertices, faces, crosses, areas, normal, level)
+    laid = _laid(vertices[faces].mean(axis=1), crosses, areas, normal, level)
     if laid is None:
-        return none
+        return result
     normal, level, spread = laid
     band = float(np.clip(4.0 * spread, LEAST_BAND, MOST_BAND))
     heights = vertices @ normal - level
-    highest = heights[faces].max(axis=1)
-    if areas[highest < -FIRST_BAND].sum() > BEHIND_SHARE * areas.sum():
-        return none
-    facing = vertex_normals(vertices, faces) @ normal  # of all triangles around a vertex: single ones are noisy
-    table: Booleans = (highest < band) & ((facing[faces].mean(axis=1) > LIKE_TABLE) | (highest < -band))
-    return table | _low_pieces(faces, table, heights, band)
+    corners = heights[faces]
+    if areas[corners.max(axis=1) < -FIRST_BAND].sum() > BEHIND_SHARE * areas.sum():
+        return result
+    low = np.flatnonzero(corners.min(axis=1) < band)  # all triangles of the vertices below the band's upper side
+    near, corners = faces[low], corners[low]
+    facing = vertex_normals(vertices, near) @ normal  # of all triangles around a vertex: single ones are noisy
+    flat: Booleans = (np.abs(corners) < band).all(axis=1) & (facing[near].mean(axis=1) > LIKE_TABLE)
+    result[low] = flat | _low_pieces(near, flat, heights, band)
+    return result
 
 
 def _laid(
-    vertices: Array, faces: Integers, crosses: Array, areas: Array, normal: Array, level: float
+    centres: Array, crosses: Array, areas: Array, normal: Array, level: float
 ) -> tuple[Array, float, float] | None:
     """(normal, level, standard deviation in m) of the plane through what lies near it and faces as it does."""
-    centres = vertices[faces].mean(axis=1)
+    close = np.abs(centres @ normal - level) < 2.0 * FIRST_BAND  # more is never near
+    centres, crosses, areas = centres[close], crosses[close], areas[close]
     band = FIRST_BAND
     for _ in range(ROUNDS):
         heights = centres @ normal - level
-        near = np.flatnonzero((np.abs(heights) < band) & (crosses @ normal > FACING * areas))
+        near = (np.abs(heights) < band) & (crosses @ normal > FACING * areas)
         total = areas[near].sum()
-        if len(near) < 3 or total == 0.0:
+        if total == 0.0:
             return None
         weights = areas[near, None] / total
         middle = (weights * centres[near]).sum(axis=0)
@@ -67,14 +71,14 @@ def _laid(
     return (normal, level, spread) if spread < FLAT else None
 
 
-def _low_pieces(faces: Integers, table: Booleans, heights: Array, band: float) -> Booleans:
-    """(F,) triangles that are not table but hang together with nothing that rises above the band."""
-    rest = faces[~table]
+def _low_pieces(faces: Integers, flat: Booleans, heights: Array, band: float) -> Booleans:
+    """(F,) triangles that are not flat but connected with nothing that rises above the band."""
+    rest = faces[~flat]
     i, j = rest[:, [0, 1, 2]].ravel(), rest[:, [1, 2, 0]].ravel()
     graph = sp.coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(len(heights), len(heights)))
     count, piece = connected_components(graph, directed=False)
     rises = np.zeros(count, dtype=np.bool_)
     rises[piece[heights >= band]] = True
     result = np.zeros(len(faces), dtype=np.bool_)
-    result[~table] = ~rises[piece[rest[:, 0]]]
+    result[~flat] = ~rises[piece[rest[:, 0]]]
     return result

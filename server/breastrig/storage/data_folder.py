@@ -18,8 +18,8 @@ from enum import Enum
 from pathlib import Path
 
 from breastrig.core.errors import BadSettings
+from breastrig.core.scratch import scratch_folder
 from breastrig.storage.files import MARK
-from breastrig.storage.scratch import scratch_folder
 
 PART = f"{MARK}.part"  # the marker while it is written
 SQLITE_FILE = "breastrig.sqlite3"

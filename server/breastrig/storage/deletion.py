@@ -13,8 +13,8 @@ from sqlalchemy.exc import DBAPIError
 from breastrig.storage import schema
 from breastrig.storage.file_journal import abandon_making, note_removing, strike_out, to_be_removed
 from breastrig.storage.files import fit_place, scan_place
-from breastrig.storage.fits import fit_ids, fits_of_scan
-from breastrig.storage.scans import scan_ids
+from breastrig.storage.rows.fits import fit_ids, fits_of_scan
+from breastrig.storage.rows.scans import scan_ids
 from breastrig.storage.storage import Left, Storage
 
 EVENTS_AT_ONCE = 100  # of some kB each: half a megabyte of SQLite's log

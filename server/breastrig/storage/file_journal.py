@@ -24,10 +24,9 @@ def note_making(storage: Storage, scan_id: str, places: Iterable[str]) -> None:
 
 def note_removing(connection: Connection, scan_id: str, places: Iterable[str]) -> None:
     """With the deletion of their rows, or when they get none."""
-    rows = [{"place": place, "scan": scan_id, "removing": True} for place in places]
-    strike_out(connection, (row["place"] for row in rows))
-    if rows:
-        connection.execute(insert(TABLE), rows)
+    for place in places:
+        strike_out(connection, [place])
+        connection.execute(insert(TABLE).values(place=place, scan=scan_id, removing=True))
 
 
 def strike_out(connection: Connection, places: Iterable[str]) -> None:

@@ -45,7 +45,9 @@ class OpenedFile:
 class Draft(Protocol):
     """A folder to write into, whose files are nobody's until they are kept."""
 
-    folder: Path
+    @property
+    def folder(self) -> Path:
+        """This block's own."""
 
     def keep(self) -> None:
         """Puts the folder's files where others find them.  Raises OSError."""

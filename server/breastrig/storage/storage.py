@@ -21,15 +21,15 @@ from sqlalchemy.exc import DBAPIError
 
 from breastrig.core import wall_clock
 from breastrig.core.errors import BadSettings
-from breastrig.storage.belonging import check_belonging
-from breastrig.storage.data_folder import Standing, claim, refuse_foreign
+from breastrig.core.scratch import sweep_scratch
+from breastrig.storage.data_folder import claim, refuse_foreign
 from breastrig.storage.files import MARK, ROOT
 from breastrig.storage.folders import Folders, new_id
+from breastrig.storage.installation_id import check_belonging, named
 from breastrig.storage.location import Location
 from breastrig.storage.locks import FolderLocks, Locks
 from breastrig.storage.open_location import open_database, open_files
 from breastrig.storage.reserve import Reserve
-from breastrig.storage.scratch import sweep_scratch
 
 log = logging.getLogger(__name__)
 
@@ -68,13 +68,12 @@ class Storage:
         Raises BadSettings when the data folder or the place for files is somebody else's or another database's, cannot
         be written, is damaged, or was written by a newer version.
         """
-        older = refuse_foreign(self.root, self._sqlite) is Standing.OLDER
         self._claim()
         try:
             self.with_room(self.folders.create)
             self.with_room(self.database.bring_up_to_date)
             self.files.create()
-            self.with_room(lambda: check_belonging(self.database, self.root, self.files, older))
+            self.with_room(lambda: check_belonging(self.database, self.root, self.files, self._sqlite))
         except OSError as error:
             raise self._unusable(error.strerror) from error
         except (DBAPIError, sqlite3.Error) as error:
@@ -108,13 +107,20 @@ class Storage:
                 os.close(handle)
 
     def _claim(self) -> None:
-        """Makes a new data folder ours.  One for rows that are elsewhere already gets their id."""
-        claim(self.root, lambda: (None if self._sqlite else self.database.installation_id()) or new_id(), self._sqlite)
+        """Makes a new data folder ours: with the id of the rows, if they are elsewhere."""
+        claim(self.root, self._id_of_rows, self._sqlite)
 
-    def _unusable(self, reason: str) -> BadSettings:
+    def _id_of_rows(self) -> str:
+        """A new one for those that are to be in the data folder, where nothing comes before the marker."""
+        if self._sqlite:
+            return new_id()
+        self.database.bring_up_to_date()
+        return named(self.database)
+
+    def _unusable(self, reason: str | None) -> BadSettings:
         return BadSettings(
-            f"The data folder {self.root} cannot be written ({reason}); make room or mend its permissions, or choose "
-            "another with --data."
+            f"The data folder {self.root} cannot be written ({reason or 'for no known reason'}); make room, mend its "
+            "permissions, or choose another with --data."
         )
 
     def with_room(self, write: Callable[[], Result]) -> Result:
@@ -179,16 +185,18 @@ class Storage:
 
         What could not be removed.
         """
-        left = {}
+        left = []
         for place in places:
-            for remove in (lambda: self.folders.remove(self.root / place), lambda: self.files.remove(place)):  # noqa: B023
+            try:
                 try:
-                    remove()
-                except OSError as error:
-                    left[place] = Left(place, self.files.left_of(place), error.strerror or type(error).__name__)
+                    self.folders.remove(self.root / place)
+                finally:
+                    self.files.remove(place)
+            except OSError as error:
+                left.append(Left(place, self.files.left_of(place), error.strerror or type(error).__name__))
         with suppress(OSError):
             sweep_scratch()
-        return list(left.values())
+        return left
 
     def count_unknown(self, known: Collection[str]) -> int:
         """How many files and folders lie where scans and fits are kept, and belong to none of these places."""

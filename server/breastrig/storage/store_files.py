@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import IO, Any
 
 from breastrig.core.errors import BadSettings
+from breastrig.core.scratch import scratch_folder
 from breastrig.storage.data_folder import PLACES
 from breastrig.storage.files import MARK, OpenedFile
-from breastrig.storage.scratch import scratch_folder
 
 PROBE = ".writable"  # written and removed again at each start
 BLOCK_BYTES = 2**20  # fetched ahead while a file is answered

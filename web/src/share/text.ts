@@ -44,7 +44,7 @@ export const shared = {
   opening: "Opening the link …",
   howToOpen: "No link is open here. To see a result, open the link that was sent to you.",
   close: "Close",
-  closed: "The result is closed, and this browser keeps nothing of it. To see it again, open the link that was sent to you.",
+  closed: "The result is closed in this browser; files that were taken away stay where they are. To see it again, open the link that was sent to you.",
   needsPasscode: "This link asks for a passcode. The person who sent it knows it.",
   passcode: "Passcode",
   open: "Open",

@@ -6,10 +6,10 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.evaluation.virtual.bodies import Bodies, VirtualBody, closed
+from breastrig.evaluation.virtual.depth_camera import take
+from breastrig.evaluation.virtual.depth_fusion import fuse, without_small_pieces
 from breastrig.evaluation.virtual.session import plan_session, table_top
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.scan.depth_camera import take
-from breastrig.scan.depth_fusion import fuse, without_small_pieces
 
 VOXEL = 0.0055  # m, the resolution of tablet scanning programs at body size
 SMALLEST_PIECE = 80  # triangles; smaller ones are what scanning programs throw away

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.evaluation.virtual.bodies import VirtualBody
-from breastrig.scan.depth_camera import DepthCamera, View, look_at
+from breastrig.evaluation.virtual.depth_camera import DepthCamera, View, look_at
 
 AWAY = 0.66  # m from the body's axis to the camera: its picture is then as wide as a trunk
 UP = np.array([0.0, 1.0, 0.0])

@@ -30,6 +30,10 @@ const words = text.shared;
 const CLOSED = "?closed";
 let opened: SharedResult | null = null;
 let asksPasscode = false;
+const closings = new BroadcastChannel("breastrig-closed"); // the same result in another tab of this browser
+closings.onmessage = ({ data }: MessageEvent<unknown>) => {
+  if (data === opened?.id) location.replace(`/s${CLOSED}`);
+};
 const moment = new Intl.DateTimeFormat("en-GB", { dateStyle: "long", timeStyle: "short" });
 
 const canvas = el("canvas", { class: "view", role: "img", "aria-label": viewText.shared, tabindex: 0 });
@@ -55,7 +59,7 @@ const shapes = el("ul", { class: "shapes" });
 const files = el("ul", { class: "files" });
 const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, el("h2", {}, resultText.drawing), shapes, el("h2", {}, resultText.files), files);
 const numbers = createNumbersPanel();
-const aside = el("aside", { class: "aside" }, numbers.element);
+const aside = el("aside", { class: "aside", tabindex: 0, "aria-label": text.numbers.title }, numbers.element); // it scrolls by keys too
 const leave = button(words.close, () => void close(), "quiet outlined", "close");
 const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, name), el("span", { class: "scan-title" }, words.title), el("span", { class: "spring" }), leave);
 const footer = el("footer", { class: "footer" }, el("strong", {}, noticeLong));
@@ -96,7 +100,7 @@ async function open(code: string): Promise<void> {
     asksPasscode = opened === null && (status === 403 || (asksPasscode && (status === 429 || status === 0)));
     show(form, asksPasscode);
     say(asksPasscode && code === "" ? "" : error instanceof Error ? error.message : String(error));
-    if (asksPasscode) passcode.focus();
+    if (asksPasscode) passcode.select(); // a wrong one is typed over
     return;
   }
   show(card, false);
@@ -125,6 +129,7 @@ async function close(): Promise<void> {
     say(error instanceof Error ? error.message : String(error));
     return;
   }
+  closings.postMessage(opened.id);
   location.replace(`/s${CLOSED}`);
 }
 

@@ -1,0 +1,65 @@
+"""The cookie of a browser that has signed in: a signed random number with its time.
+
+It is good until it is too old, the token is another, or its browser has signed out.  The last is noted in the
+database, so that a copy of the cookie is worth nothing after it, nor after a restart.
+
+A clock that is set back makes cookies seem to come from the future.  Those that do so by hours stay good, because
+nobody but the server can sign them; by more they are too old, so that none outlives a day.
+"""
+
+import hashlib
+import secrets
+from datetime import timedelta
+
+from flask import Response, request
+from itsdangerous import BadData, URLSafeTimedSerializer
+
+from breastrig.core import wall_clock
+from breastrig.storage.rows.ended_sessions import add_ended_session, has_ended
+from breastrig.storage.storage import Storage, iso_utc
+
+COOKIE = "breastrig_session"
+LASTS_S = 12 * 3600  # a working day; then the token is asked for again
+AHEAD_S = 12 * 3600  # a clock that took local time for UTC is wrong by no more
+FORGET_S = 400 * 86400  # far above both, as the clock that says when to forget may be wrong too
+
+
+def start_session(response: Response, token: str) -> None:
+    """Scripts cannot read the cookie, other sites' pages cannot make the browser send it."""
+    value = _signer(token).dumps(secrets.token_urlsafe(16))
+    response.set_cookie(
+        COOKIE, value, max_age=LASTS_S, path="/", secure=request.is_secure, httponly=True, samesite="Strict"
+    )
+
+
+def end_session(response: Response, token: str | None, storage: Storage) -> None:
+    """Takes the cookie back, and ends what copies of it open."""
+    session = None if token is None else _session(token)
+    if session is not None:
+        now = wall_clock.now()
+        add_ended_session(storage, session, iso_utc(now), iso_utc(now - timedelta(seconds=FORGET_S)))
+    response.delete_cookie(COOKIE, path="/", secure=request.is_secure, httponly=True, samesite="Strict")
+
+
+def in_session(token: str, storage: Storage) -> bool:
+    """Whether the request comes from a browser that has signed in with this token and not out again."""
+    session = _session(token)
+    return session is not None and not has_ended(storage, session)
+
+
+def _session(token: str) -> str | None:
+    """What names the request's session in the database; None without a cookie that was signed and is not too old."""
+    value = request.cookies.get(COOKIE)
+    if value is None:
+        return None
+    try:
+        number, signed_at = _signer(token).loads(value, return_timestamp=True)
+    except BadData:
+        return None
+    if not -AHEAD_S <= (wall_clock.now() - signed_at).total_seconds() <= LASTS_S:
+        return None
+    return hashlib.sha256(str(number).encode()).hexdigest()
+
+
+def _signer(token: str) -> URLSafeTimedSerializer:
+    return URLSafeTimedSerializer(token, salt="breastrig session")

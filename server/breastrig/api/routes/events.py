@@ -1,0 +1,108 @@
+"""The story of a fit, as a stream and page by page.
+
+Both tell what is stored, nothing else: whoever opens the stream late, or again, sees the same events with the
+same numbers.
+"""
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+from apiflask import APIBlueprint
+from flask import Response, request
+
+from breastrig.api.access.security import refuse
+from breastrig.api.app_context import behind
+from breastrig.api.environ_keys import READER_GONE
+from breastrig.api.routes.fits import FITS_TAG
+from breastrig.api.wire import common as wire
+from breastrig.service.follow import Heartbeat, Queued
+from breastrig.storage.rows.events import StoredEvent, events_after
+from breastrig.storage.rows.fits import get_fit
+
+events = APIBlueprint("events", __name__, url_prefix="/api/fits", tag=FITS_TAG)
+
+STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+RECONNECT_MS = 1000
+STREAM: Any = {
+    "content": {"text/event-stream": {"schema": {"type": "string"}}},
+    "description": "Server-sent events; `data` is the event's JSON",
+}
+
+
+@events.get("/<fit_id>/events")
+@events.input(wire.EventQuery, location="query")
+@events.doc(
+    operation_id="followFit",
+    responses={
+        200: STREAM,
+        204: "The fit has ended and no event is left to send; do not connect again",
+        503: "Too many open streams; use events.json",
+    },
+)
+def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
+    """Follow a fit: server-sent events
+
+    `id:` is the event's number, `event:` its kind.  Continues after `Last-Event-ID` (or `?after=`), sends comments
+    as heartbeats, and closes after done, failed or cancelled.  While the fit waits, an event `queued` without an
+    `id:` says its `position` in the queue (1: the next to run) each time that it changes.
+    """
+    here = behind()
+    after = max(query_data.after, _last_event_id())
+    fit = get_fit(here.service.storage, fit_id)
+    if fit.ended and fit.last_event <= after:
+        return Response(status=204)
+    if not here.service.streams.acquire(blocking=False):
+        raise refuse(
+            503, "Too many event streams are open; ask events.json instead, or try again later.", {"Retry-After": "5"}
+        )
+    gone = request.environ.get(READER_GONE)
+    response = Response(
+        _lines(here.service.follow(fit_id, after, here.config.heartbeat_s, gone)),
+        mimetype="text/event-stream",
+        headers=STREAM_HEADERS,
+    )
+    response.call_on_close(here.service.streams.release)
+    return response
+
+
+@events.get("/<fit_id>/events.json")
+@events.input(wire.EventPageQuery, location="query")
+@events.output(wire.EventPage)
+@events.doc(operation_id="pollFit")
+def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
+    """The same events for those who ask again and again
+
+    The story is complete when `state` has ended and `next` is null.
+    """
+    storage = behind().service.storage
+    state = get_fit(storage, fit_id).state  # first, so that an ended state comes with all of its events
+    limit = query_data.limit
+    found = events_after(storage, fit_id, query_data.after, limit + 1)
+    records = ",".join(f'{{"id":{event.number},"event":{event.json}}}' for event in found[:limit])
+    more = None
+    if len(found) > limit:
+        more = f"/api/fits/{fit_id}/events.json?after={found[limit - 1].number}&limit={limit}"
+    return Response(
+        f'{{"events":[{records}],"state":"{state}","next":{json.dumps(more)}}}', mimetype="application/json"
+    )
+
+
+def _lines(story: Iterator[StoredEvent | Queued | Heartbeat]) -> Iterator[str]:
+    yield f"retry: {RECONNECT_MS}\n\n"
+    for item in story:
+        if isinstance(item, Heartbeat):
+            yield ": still here\n\n"
+        elif isinstance(item, Queued):  # without a number: a viewer who comes again need not hear it
+            yield f'event: queued\ndata: {{"kind":"queued","position":{item.position}}}\n\n'
+        else:
+            yield f"id: {item.number}\nevent: {item.kind}\ndata: {item.json}\n\n"
+
+
+def _last_event_id() -> int:
+    text = request.headers.get("Last-Event-ID", "").strip()
+    if not text:
+        return 0
+    if not (text.isascii() and text.isdigit() and len(text) < 10):
+        raise refuse(400, "Last-Event-ID must be the number of an event.")
+    return int(text)

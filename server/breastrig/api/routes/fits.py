@@ -1,0 +1,269 @@
+"""Fits: ask for one, look at it, cancel it, fetch what it made."""
+
+import re
+
+from apiflask import APIBlueprint
+from flask import Response, request
+
+from breastrig.api.access.security import refuse
+from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answer, file_answer, file_of
+from breastrig.api.app_context import behind
+from breastrig.api.landmark_check import check_landmarks
+from breastrig.api.trusted_proxy import client_of
+from breastrig.api.wire import common as wire
+from breastrig.api.wire import files as wire_files
+from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
+from breastrig.drawings.patterns import asked_drawing
+from breastrig.fitting.recipe import preset_names
+from breastrig.storage.files import fit_place
+from breastrig.storage.rows.fits import FitRow, FitWish, Once, fits_page, get_fit, queue_position
+from breastrig.storage.rows.scans import get_landmarks, get_scan
+from breastrig.workflow.iteration_file import iteration_gltf
+
+FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it live, fetch the results."}
+
+fits = APIBlueprint("fits", __name__, url_prefix="/api/fits", tag=FITS_TAG)
+fits_of_scans = APIBlueprint("fits_of_scans", __name__, url_prefix="/api/scans", tag=FITS_TAG)
+
+MEDIA_TYPES = {
+    "result.json": JSON,
+    "fitted.glb": GLB,
+    "fitted.ply": BINARY,
+    "drawing.json": JSON,
+    "distances.bin": BINARY,
+}
+
+
+@fits.post("")
+@fits.input(wire.FitRequest)
+@fits.input(wire.FitHeaders, location="headers")
+@fits.output(wire.FitAccepted, status_code=202, description="The fit waits for a worker")
+@fits.doc(operation_id="startFit", responses={404: "No such scan", 429: "Too many of yours are waiting"})
+def start_fit(
+    json_data: wire.FitRequest, headers_data: wire.FitHeaders
+) -> tuple[wire.FitAccepted, int, dict[str, str]]:
+    """Fit the model to a scan
+
+    With an `Idempotency-Key` the same request may be sent again: it is answered with the fit that it started
+    first, as long as that fit is kept.  The same key with another request gives 422.
+
+    With `with` two stances of one patient are fitted together, by one job: each has a fit of its own, with its own
+    events and files, and names the other as its `partner`.  Cancelling one cancels both.
+
+    With `start_from` a fit goes on from an earlier one of the same scan: for when a landmark was moved.
+    """
+    here = behind()
+    storage = here.service.storage
+    rig = here.model.rig
+    presets = preset_names()
+    if json_data.preset not in presets:
+        raise BadSettings(unknown_name("preset", json_data.preset, presets))
+    if json_data.drawing is not None:
+        asked_drawing(rig, json_data.drawing)
+    other = json_data.with_
+    if other is not None and other.scan == json_data.scan:
+        raise BadScan("Two stances need two scans; leave `with` out to fit one scan.")
+    if json_data.start_from is not None:
+        _check_start(json_data, json_data.start_from)
+    wish = _wish(json_data, json_data)
+    fit_id = here.service.add_fit(
+        wish,
+        None if other is None else _wish(json_data, other),
+        _once(headers_data.idempotency_key, json_data),
+        client=client_of(request.remote_addr),
+    )
+    partner_id = get_fit(storage, fit_id).partner
+    partner = None if partner_id is None else wire.FitPartner(id=partner_id, links=fit_links(partner_id))
+    links = fit_links(fit_id)
+    return wire.FitAccepted(id=fit_id, links=links, partner=partner), 202, {"Location": links.self}
+
+
+def _check_start(asked: wire.FitRequest, start_from: str) -> None:
+    earlier = get_fit(behind().service.storage, start_from)
+    if asked.with_ is not None:
+        raise BadSettings("Two stances together find their own start; leave `start_from` or `with` out.")
+    if earlier.scan != asked.scan:
+        raise BadSettings("A fit goes on from a fit of the same scan; leave `start_from` out for another one.")
+    if earlier.state != "done":
+        raise Conflict(f"A fit goes on from one that is done; that one is {earlier.state}.")
+
+
+def _wish(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance) -> FitWish:
+    """One scan's part of the request."""
+    here = behind()
+    scan = get_scan(here.service.storage, stance.scan)
+    landmarks = stance.landmarks
+    if landmarks is None:
+        landmarks = get_landmarks(here.service.storage, scan.id)
+    check_landmarks(landmarks, scan, here.model)
+    return FitWish(
+        scan=scan.id,
+        stance=stance.stance,
+        preset=asked.preset,
+        drawing=asked.drawing,
+        landmarks_mm=landmarks,
+        refine=asked.refine,
+        start_from=asked.start_from,
+    )
+
+
+def _once(key: str | None, asked: wire.FitRequest) -> Once | None:
+    if key is None:
+        return None
+    if not re.fullmatch(r"[\x21-\x7e]{1,255}", key):
+        raise refuse(400, "An Idempotency-Key is 1 to 255 visible ASCII characters; a random UUID is a good one.")
+    return Once.of(key, asked.model_dump_json())
+
+
+@fits_of_scans.get("/<scan_id>/fits")
+@fits_of_scans.input(wire.PageQuery, location="query")
+@fits_of_scans.output(wire.FitPage)
+@fits_of_scans.doc(operation_id="listFits")
+def list_fits(scan_id: str, query_data: wire.PageQuery) -> wire.FitPage:
+    """The fits of a scan, the newest first"""
+    storage = behind().service.storage
+    get_scan(storage, scan_id)
+    rows, before = fits_page(storage, scan_id, query_data.limit, query_data.before)
+    more = None if before is None else f"/api/scans/{scan_id}/fits?before={before}&limit={query_data.limit}"
+    return wire.FitPage(fits=[fit_answer(row) for row in rows], next=more)
+
+
+@fits.get("/<fit_id>")
+@fits.output(wire.Fit)
+@fits.doc(operation_id="getFit")
+def show_fit(fit_id: str) -> wire.Fit:
+    """State and last numbers of a fit"""
+    return fit_answer(get_fit(behind().service.storage, fit_id))
+
+
+@fits.post("/<fit_id>/cancel")
+@fits.output(wire.Fit, status_code=202)
+@fits.doc(operation_id="cancelFit", responses={409: "It has already ended otherwise"})
+def cancel_fit(fit_id: str) -> tuple[wire.Fit, int]:
+    """Stop a fit
+
+    A fit that is already cancelled stays so; one that is done or failed gives 409.
+    """
+    return fit_answer(behind().service.cancel_fit(fit_id)), 202
+
+
+@fits.get("/<fit_id>/iterations/<int:iteration>.gltf")
+@fits.doc(operation_id="getIteration", responses={200: file_of(GLTF, "One iteration, complete")})
+def show_iteration(fit_id: str, iteration: int) -> Response:
+    """Iteration K as a complete glTF with the drawing
+
+    Its buffers are the model's immutable files.
+    """
+    here = behind()
+    fit = get_fit(here.service.storage, fit_id)
+    model = here.model
+    content = iteration_gltf(
+        here.service.storage, fit, iteration, model.rig, model.buffer_link, model.drawing_link(fit.drawing)
+    )
+    return bytes_answer(content, GLTF, PERSONAL)
+
+
+@fits.get("/<fit_id>/result.json")
+@fits.output(wire_files.ResultFile, description="Numbers and parameters")
+@fits.doc(operation_id="getResult", responses={409: "Not done"})
+def show_result(fit_id: str) -> Response:
+    """result.json, as the command line writes it"""
+    return _result_file(fit_id, "result.json")
+
+
+@fits.get("/<fit_id>/fitted.glb")
+@fits.doc(operation_id="getFittedGlb", responses={200: file_of(GLB, "The posed rig"), 409: "Not done"})
+def show_fitted_glb(fit_id: str) -> Response:
+    """The posed rig with drawing and replay, glTF"""
+    return _result_file(fit_id, "fitted.glb")
+
+
+@fits.get("/<fit_id>/fitted.ply")
+@fits.doc(operation_id="getFittedPly", responses={200: file_of(BINARY, "The posed surface"), 409: "Not done"})
+def show_fitted_ply(fit_id: str) -> Response:
+    """The posed model in the scan's frame and unit, PLY"""
+    return _result_file(fit_id, "fitted.ply")
+
+
+@fits.get("/<fit_id>/drawing.json")
+@fits.output(wire_files.DrawingFile, description="Polylines on the scan")
+@fits.doc(operation_id="getDrawing", responses={409: "Not done"})
+def show_drawing(fit_id: str) -> Response:
+    """The drawing on the scan's surface, in the scan's frame and unit"""
+    return _result_file(fit_id, "drawing.json")
+
+
+@fits.get("/<fit_id>/distances.bin")
+@fits.doc(
+    operation_id="getDistances",
+    responses={
+        200: file_of(
+            BINARY,
+            "float32, little-endian, one number for each vertex of the model in its order: signed distance to the "
+            "scan in millimetres, above zero where the model lies outside the skin, nan where no pair was accepted",
+        ),
+        404: "A fit of an older version has none",
+        409: "Not done",
+    },
+)
+def show_distances(fit_id: str) -> Response:
+    """The distance of each model vertex to the scan, mm, to colour the model by
+
+    The absolute values are those that `surface_distance_mm` of result.json summarises.
+    """
+    return _result_file(fit_id, "distances.bin")
+
+
+def _result_file(fit_id: str, name: str) -> Response:
+    storage = behind().service.storage
+    fit = get_fit(storage, fit_id)
+    if fit.state != "done":
+        raise Conflict(
+            f"This fit has no results: it is {fit.state}."
+            if fit.ended
+            else f"This fit is still {fit.state}; its results come when it is done."
+        )
+    file = storage.files.find(fit_place(fit_id), name)
+    if file is None:
+        raise NotFound(f"This fit has no {name}.")
+    return file_answer(file, MEDIA_TYPES[name], PERSONAL, download_as=name)
+
+
+def fit_links(fit_id: str) -> wire.FitLinks:
+    place = f"/api/fits/{fit_id}"
+    return wire.FitLinks(
+        self=place,
+        events=f"{place}/events",
+        result=f"{place}/result.json",
+        fitted_glb=f"{place}/fitted.glb",
+        fitted_ply=f"{place}/fitted.ply",
+        drawing=f"{place}/drawing.json",
+        distances=f"{place}/distances.bin",
+        report=f"{place}/report.pdf",
+        measures=f"{place}/measures.json",
+        cancel=f"{place}/cancel",
+        shares=f"{place}/shares",
+    )
+
+
+def fit_answer(row: FitRow) -> wire.Fit:
+    """The stored row as the API shows it."""
+    values = {
+        "id": row.id,
+        "scan": row.scan,
+        "state": row.state,
+        "queue_position": queue_position(behind().service.storage, row.id) if row.state == "queued" else None,
+        "created_at": row.created_at,
+        "stance": row.stance,
+        "preset": row.preset,
+        "drawing": row.drawing,
+        "refine": row.refine,
+        "start_from": row.start_from,
+        "partner": row.partner,
+        "last_event": row.last_event,
+        "iterations": row.iterations,
+        "numbers": row.numbers,
+        "reason": row.reason,
+        "links": fit_links(row.id),
+    }
+    return wire.Fit.model_validate(values)

@@ -1,0 +1,83 @@
+"""Who we are, and what there is to try."""
+
+from dataclasses import asdict
+
+from apiflask import APIBlueprint
+
+from breastrig import __version__
+from breastrig.api.app_context import behind
+from breastrig.api.routes.scans import scan_answer
+from breastrig.api.wire import common as wire
+from breastrig.api.wire import meta as wire_meta
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.drawings.pattern_parameters import pattern_forms
+from breastrig.drawings.patterns import offered_patterns
+from breastrig.fitting.recipe import preset_names
+
+meta = APIBlueprint("meta", __name__, tag={"name": "meta", "description": "Version, limits, examples."})
+
+
+@meta.get("/api/meta")
+@meta.output(wire_meta.Meta)
+@meta.doc(operation_id="getMeta")
+def about() -> wire_meta.Meta:
+    """Version, limits of use, limits of size, the model"""
+    here = behind()
+    rig = here.model.rig
+    uploads = here.config.uploads
+    return wire_meta.Meta(
+        name="BreastRig",
+        version=__version__,
+        notice=LIMITS_OF_USE,
+        limits=wire_meta.Limits(
+            upload_bytes=uploads.file_bytes, triangles=uploads.triangles, keep_days=here.config.keep_days
+        ),
+        units=list(wire.UNITS),
+        model=wire.ModelSummary(
+            name=rig.name,
+            sha256=rig.sha256,
+            vertices=len(rig.template),
+            bones=len(rig.bones),
+            blendshapes=len(rig.shapes),
+        ),
+        landmarks=[
+            wire_meta.LandmarkInfo(
+                name=landmark.name,
+                label=landmark.label,
+                latin=landmark.latin,
+                definition=landmark.definition,
+                easy=landmark.easy,
+                mirror=landmark.mirror,
+            )
+            for landmark in rig.landmarks
+        ],
+        presets=list(preset_names()),
+        drawings=[
+            wire_meta.DrawingInfo(name=name, label=label)
+            for name, label in (*((one.name, one.label) for one in rig.drawings), *offered_patterns(rig))
+        ],
+        patterns=[wire_meta.PatternInfo.model_validate(asdict(form)) for form in pattern_forms(rig)],
+    )
+
+
+@meta.get("/api/examples")
+@meta.output(wire_meta.Examples)
+@meta.doc(operation_id="listExamples")
+def list_examples() -> wire_meta.Examples:
+    """The example patient's scans"""
+    entries = [
+        wire_meta.ExampleEntry(name=example.name, label=example.label) for example in behind().service.examples()
+    ]
+    return wire_meta.Examples(examples=entries)
+
+
+@meta.post("/api/examples/<name>")
+@meta.output(wire_meta.ExampleScan, status_code=201, description="The example was read and stored as a scan")
+@meta.doc(operation_id="openExample")
+def open_example(name: str) -> tuple[wire_meta.ExampleScan, int, dict[str, str]]:
+    """Open an example as if it had been uploaded"""
+    row, points_mm = behind().service.add_example(name)
+    scan = scan_answer(row)
+    landmarks = wire.LandmarkFile(landmarks=points_mm)
+    answer = wire_meta.ExampleScan(**scan.model_dump(), example_landmarks=landmarks)
+    return answer, 201, {"Location": scan.links.self}

@@ -1,0 +1,67 @@
+"""The built page, and the page that says how to build it."""
+
+import mimetypes
+from os.path import isfile
+from pathlib import Path
+
+from flask import Blueprint, Response, abort
+from werkzeug.routing import BaseConverter
+from werkzeug.security import safe_join
+
+from breastrig.api.access.session import in_session
+from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER
+from breastrig.api.app_context import behind
+from breastrig.api.public_answers import public_answer
+from breastrig.core.assets import asset_folder
+
+page = Blueprint("page", __name__)
+
+
+class PageFile(BaseConverter):
+    """A path of the page; addresses of the API are never files of the page, so they keep their own errors."""
+
+    part_isolating = False
+    regex = r"(?!api(?:/|$)|(?:healthz|readyz|metrics)$)[^/].*?"
+
+
+NOT_BUILT = """<!doctype html>
+<html lang="en"><meta charset="utf-8"><title>BreastRig</title>
+<h1>The page is not built</h1>
+<p>The service runs, but this copy holds no page: run <code>make serve</code> in the checkout, or install the wheel.</p>
+<p>Scripts can use it all the same: <a href="/api/docs">the API</a>.</p>
+</html>
+"""
+
+
+@page.get("/")
+def index() -> Response:
+    """The page; its address never changes, so the browser asks each time.
+
+    Without a session it could show nothing but errors: then the sign-in page comes first.
+    """
+    here = behind()
+    token = here.config.token
+    if token is not None and not in_session(token, here.service.storage):
+        return Response(status=303, headers={"Location": "/sign-in", "Cache-Control": "no-store"})
+    folder = _folder()
+    if not (folder / "index.html").is_file():
+        return Response(NOT_BUILT, 503, mimetype="text/html", headers={"Cache-Control": "no-store"})
+    return _file(folder, "index.html", CHECK_AGAIN)
+
+
+@page.get("/<page_file:name>")
+def asset(name: str) -> Response:
+    """A file of the page; those below assets/ carry their hash in their name."""
+    return _file(_folder(), name, FOR_EVER if name.startswith("assets/") else CHECK_AGAIN)
+
+
+def _folder() -> Path:
+    return behind().config.web or asset_folder("web")
+
+
+def _file(folder: Path, name: str, caching: str) -> Response:
+    path = safe_join(str(folder), name)
+    if path is None or not isfile(path):  # pathlib's own raises for a name that is too long
+        abort(404)
+    media_type = mimetypes.guess_type(name)[0] or BINARY
+    return public_answer(Path(path).read_bytes(), media_type, caching)

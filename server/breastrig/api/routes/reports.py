@@ -1,0 +1,65 @@
+"""The report of a fit, as two pages of PDF and as numbers; made when it is first asked for."""
+
+from apiflask import APIBlueprint
+from flask import Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from breastrig.api.answers import JSON, PDF, PERSONAL, bytes_answer, file_of
+from breastrig.api.app_context import behind
+from breastrig.api.routes.fits import FITS_TAG
+from breastrig.api.wire import files as wire_files
+from breastrig.core.errors import BadSettings, Conflict
+from breastrig.storage.rows.fits import get_fit
+
+reports = APIBlueprint("reports", __name__, url_prefix="/api/fits", tag=FITS_TAG)
+
+
+class ReportQuery(BaseModel):
+    """Which other stance the report shows too."""
+
+    model_config = ConfigDict(extra="forbid", populate_by_name=True)
+
+    with_: str | None = Field(
+        None, alias="with", max_length=64, description="id of a fit of the same patient in another stance"
+    )
+
+
+@reports.get("/<fit_id>/report.pdf")
+@reports.input(ReportQuery, location="query")
+@reports.doc(
+    operation_id="getReport", responses={200: file_of(PDF, "Two pages: pictures, then numbers"), 409: "Not done"}
+)
+def show_report(fit_id: str, query_data: ReportQuery) -> Response:
+    """Pictures, measures and settings, PDF
+
+    With `with` both stances of one patient and the changes between them.
+    """
+    _check_done(fit_id, query_data.with_)
+    response = bytes_answer(behind().service.reports.pdf(fit_id, query_data.with_), PDF, PERSONAL)
+    response.headers["Content-Disposition"] = "attachment; filename=report.pdf"
+    return response
+
+
+@reports.get("/<fit_id>/measures.json")
+@reports.input(ReportQuery, location="query")
+@reports.output(wire_files.MeasuresFile, description="Measures of one stance, or of two and their changes")
+@reports.doc(operation_id="getMeasures", responses={409: "Not done"})
+def show_measures(fit_id: str, query_data: ReportQuery) -> Response:
+    """The report's numbers
+
+    Lengths straight and along the skin, volumes and ratios of both breasts; with `with` of both stances of one patient,
+    and the changes between them.
+    """
+    _check_done(fit_id, query_data.with_)
+    return bytes_answer(behind().service.reports.measures(fit_id, query_data.with_), JSON, PERSONAL)
+
+
+def _check_done(fit_id: str, other: str | None) -> None:
+    """Raises NotFound, Conflict, or BadSettings for a fit compared with itself."""
+    if other == fit_id:
+        raise BadSettings("A report shows two different fits; leave `with` out to show one.")
+    for known in (fit_id, other):
+        if known is not None:
+            fit = get_fit(behind().service.storage, known)
+            if fit.state != "done":
+                raise Conflict(f"The fit {fit.id} is {fit.state}; a report needs fits that are done.")

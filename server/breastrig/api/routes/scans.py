@@ -1,0 +1,141 @@
+"""Scans: upload, look at, delete; and the landmarks picked on them."""
+
+from pathlib import PurePosixPath
+
+from apiflask import APIBlueprint
+from flask import Response
+
+from breastrig.api.access.security import refuse
+from breastrig.api.answers import GLB, PERSONAL, file_answer, file_of
+from breastrig.api.app_context import behind
+from breastrig.api.landmark_check import check_landmarks
+from breastrig.api.wire import common as wire
+from breastrig.core.errors import NotFound
+from breastrig.storage.files import MESH, OpenedFile, scan_place
+from breastrig.storage.rows.scans import ScanRow, get_landmarks, get_scan, put_landmarks
+from breastrig.storage.storage import Storage
+
+TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, delete it with everything made of it."}
+
+scans = APIBlueprint("scans", __name__, url_prefix="/api/scans", tag=TAG)
+
+FILE_TYPES = ("ply", "obj", "stl", "glb", "zip")
+
+
+@scans.post("")
+@scans.input(wire.ScanUpload, location="files")
+@scans.output(wire.Scan, status_code=201, description="The scan was read and stored")
+@scans.doc(
+    operation_id="uploadScan",
+    responses={413: "Too large", 415: "Not a scan file", 422: "Cannot be read", 429: "Too many"},
+)
+def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, str]]:
+    """Upload a scan
+
+    The file's name serves only to tell its type and is not kept.
+    """
+    suffix = PurePosixPath(files_data.file.filename or "").suffix.lower().lstrip(".")
+    if suffix not in FILE_TYPES:
+        raise refuse(415, "This is not a scan file; send PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image.")
+    row = behind().service.add_scan(files_data.file.stream, suffix, files_data.units)
+    answer = scan_answer(row)
+    return answer, 201, {"Location": answer.links.self}
+
+
+@scans.get("/<scan_id>")
+@scans.output(wire.Scan)
+@scans.doc(operation_id="getScan")
+def show_scan(scan_id: str) -> wire.Scan:
+    """What is known of a scan"""
+    return scan_answer(get_scan(behind().service.storage, scan_id))
+
+
+@scans.delete("/<scan_id>")
+@scans.output({}, status_code=204)
+@scans.doc(operation_id="deleteScan", responses={500: "Deleted, but files are left; they are tried again"})
+def remove_scan(scan_id: str) -> tuple[str, int]:
+    """Delete a scan with its landmarks, fits and files
+
+    Running fits are stopped.  Deleting what is not there is no error.  204 says that all files are gone.
+    """
+    behind().service.delete_scan(scan_id)
+    return "", 204
+
+
+@scans.get("/<scan_id>/mesh.glb")
+@scans.doc(operation_id="getScanMesh", responses={200: file_of(GLB, "The mesh, metres")})
+def show_mesh(scan_id: str) -> Response:
+    """The scan for display: glTF, metres, the scan's own axes"""
+    storage = behind().service.storage
+    get_scan(storage, scan_id)
+    return file_answer(mesh_file(storage, scan_id), GLB, PERSONAL)
+
+
+def mesh_file(storage: Storage, scan_id: str) -> OpenedFile:
+    """The scan for display.  Raises NotFound when it was deleted meanwhile."""
+    file = storage.files.find(scan_place(scan_id), MESH)
+    if file is None:
+        raise NotFound("This scan has no mesh; it may have been deleted.")
+    return file
+
+
+@scans.get("/<scan_id>/landmarks")
+@scans.output(wire.LandmarkFile)
+@scans.doc(operation_id="getLandmarks")
+def show_landmarks(scan_id: str) -> wire.LandmarkFile:
+    """The landmarks picked so far, mm"""
+    storage = behind().service.storage
+    get_scan(storage, scan_id)
+    return wire.LandmarkFile(landmarks=get_landmarks(storage, scan_id))
+
+
+@scans.put("/<scan_id>/landmarks")
+@scans.input(wire.LandmarkFile)
+@scans.output(wire.LandmarkFile)
+@scans.doc(operation_id="putLandmarks")
+def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile) -> wire.LandmarkFile:
+    """Replace the landmarks, mm
+
+    Names must be landmarks of the model; points must lie near the scan.
+    """
+    here = behind()
+    row = get_scan(here.service.storage, scan_id)
+    check_landmarks(json_data.landmarks, row, here.model)
+    put_landmarks(here.service.storage, scan_id, json_data.landmarks)
+    return json_data
+
+
+@scans.get("/<scan_id>/landmarks/proposed")
+@scans.output(wire.ProposedLandmarks)
+@scans.doc(
+    operation_id="proposeLandmarks",
+    responses={202: "Still being looked for; ask again after Retry-After seconds", 422: "None can be proposed"},
+)
+def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
+    """Landmarks that the model proposes on this scan, mm
+
+    The first call answers once they are found, most often within a second; later calls answer at once.
+    A large scan on a busy machine may take longer than a request should: then 202 comes first.  Proposals are for
+    a person to check; they are not stored as the scan's landmarks.
+    """
+    here = behind()
+    row = get_scan(here.service.storage, scan_id)
+    found = here.service.proposed_landmarks(row, here.model.rig.sha256, here.config.proposal_wait_s)
+    if found is None:
+        return Response(status=202, headers={"Retry-After": "1"})
+    return wire.ProposedLandmarks(landmarks=found)
+
+
+def scan_answer(row: ScanRow) -> wire.Scan:
+    """The stored row as the API shows it."""
+    place = f"/api/scans/{row.id}"
+    links = wire.ScanLinks(
+        self=place,
+        mesh=f"{place}/mesh.glb",
+        landmarks=f"{place}/landmarks",
+        proposed=f"{place}/landmarks/proposed",
+        drawing=f"{place}/drawing",
+        fits=f"{place}/fits",
+    )
+    shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
+    return wire.Scan(id=row.id, created_at=row.created_at, links=links, **shown)

@@ -1,0 +1,133 @@
+"""Who comes with a share link: first with the secret of the link, then with the credential of a visit.
+
+The secret is 192 random bits in the link's fragment, which browsers do not send; the page posts it once.  It is
+answered with a cookie of 256 random bits for this visit.  The cookie belongs to one share in three ways: its name and
+its path hold the share's id, so that a browser with several links open sends to each its own; and what is stored of it
+is an HMAC over that id, so that at another share it is nothing.  It holds nothing of the link: a copy of it is worth
+nothing once the visit was closed, is too old, or the link has ended, all of which is asked anew at every call.
+
+The cookie ends with the browser.  A second one, sent only to `/api/shared/open`, lists the visits of a browser by what
+is stored of them, which opens nothing: so a link that is opened again leaves no earlier visit behind, and the oldest
+visit ends before there are too many.
+"""
+
+import hashlib
+import hmac
+import re
+import secrets
+from datetime import UTC, datetime, timedelta
+
+from flask import Response, request
+
+from breastrig.api.access.security import refuse
+from breastrig.api.app_context import behind
+from breastrig.api.share_limits import COOKIES, VISIT_S, WRONG_PASSCODES
+from breastrig.storage.rows.shares import ShareRow, add_opening, end_visit, share_of_token, share_of_visit
+from breastrig.storage.storage import iso_utc, utc_now
+
+PATH = "/api/shared"
+OPENED_COOKIE = "breastrig_opened"
+OPENED_PATH = f"{PATH}/open"
+LISTED = re.compile(r"([\w-]{1,32})=([0-9a-f]{64})", re.ASCII)  # a share and what is stored of a visit
+LOCKED = (
+    f"This link takes no passcode any more, because {WRONG_PASSCODES} wrong ones were given; ask the person who sent "
+    "it to unlock it."
+)
+
+
+def new_token() -> str:
+    """192 random bits as 32 URL-safe characters."""
+    return secrets.token_urlsafe(24)
+
+
+def token_sha256(token: str) -> str:
+    """What is stored of the secret; it has too many bits to be found from its hash."""
+    return hashlib.sha256(token.encode("utf-8", "replace")).hexdigest()
+
+
+def share_of_secret(token: str) -> ShareRow:
+    """The share that the secret opens.  Raises 404 for none, 410 for one that is over."""
+    share = share_of_token(behind().service.storage, token_sha256(token))
+    if share is None:
+        raise refuse(404, "This link opens nothing; ask the person who sent it for a new one.")
+    return _still_valid(share)
+
+
+def begin_visit(response: Response, share: ShareRow) -> None:
+    """Notes the opening and sets the cookie for the calls that follow.  Raises 423 when the link is locked."""
+    credential = secrets.token_urlsafe(32)
+    stored = _visit_hmac(credential, share.id)
+    if not add_opening(behind().service.storage, share.id, utc_now(), stored, WRONG_PASSCODES):
+        raise refuse(423, LOCKED)
+    _set_cookie(response, cookie_name(share.id), credential, cookie_path(share.id))
+    visits = {share.id: stored}
+    for listed in LISTED.finditer(request.cookies.get(OPENED_COOKIE, "")):
+        earlier, its_stored = listed.groups()
+        if earlier in visits or len(visits) >= COOKIES:
+            end_visit(behind().service.storage, earlier, its_stored)
+            if earlier not in visits:
+                _delete_cookie(response, earlier)
+        else:
+            visits[earlier] = its_stored
+    _set_cookie(response, OPENED_COOKIE, ".".join(f"{one}={its}" for one, its in visits.items()), OPENED_PATH)
+
+
+def visited_share(share_id: str) -> ShareRow:
+    """The share, if the request's cookie is of a visit of it.  Raises 401 without one, 410 for a share that is over."""
+    opened_after = iso_utc(datetime.now(UTC) - timedelta(seconds=VISIT_S))
+    stored = _visit_hmac(_credential(share_id), share_id)
+    share = share_of_visit(behind().service.storage, share_id, stored, opened_after)
+    if share is None:
+        raise _not_open()
+    return _still_valid(share)
+
+
+def close_visit(response: Response, share_id: str) -> None:
+    """Ends the visit, here and for every copy of its cookie.  Raises 401 when the request comes from none."""
+    if not end_visit(behind().service.storage, share_id, _visit_hmac(_credential(share_id), share_id)):
+        raise _not_open()
+    _delete_cookie(response, share_id)
+
+
+def cookie_name(share_id: str) -> str:
+    return f"breastrig_share_{share_id}"
+
+
+def cookie_path(share_id: str) -> str:
+    """The cookie is sent nowhere else."""
+    return f"{PATH}/{share_id}"
+
+
+def _credential(share_id: str) -> str:
+    credential = request.cookies.get(cookie_name(share_id), "")
+    if not credential:
+        raise _not_open()
+    return credential
+
+
+def _not_open() -> Exception:
+    return refuse(401, "This link is not open in this browser; open it again as it was sent to you.")
+
+
+def _still_valid(share: ShareRow) -> ShareRow:
+    if not share.is_valid(utc_now()):
+        raise refuse(410, "This link has expired or was revoked; ask the person who sent it for a new one.")
+    return share
+
+
+def _visit_hmac(credential: str, share_id: str) -> str:
+    """What is stored of a visit's credential: made with it as the key, over the id of the share that it is for."""
+    return hmac.new(
+        credential.encode("utf-8", "replace"), share_id.encode("utf-8", "replace"), hashlib.sha256
+    ).hexdigest()
+
+
+def _set_cookie(response: Response, name: str, value: str, path: str) -> None:
+    """Without a time: it ends with the browser."""
+    response.set_cookie(name, value, path=path, secure=request.is_secure, httponly=True, samesite="Strict")
+
+
+def _delete_cookie(response: Response, share_id: str) -> None:
+    response.delete_cookie(
+        cookie_name(share_id), cookie_path(share_id), secure=request.is_secure, httponly=True, samesite="Strict"
+    )

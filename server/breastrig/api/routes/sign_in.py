@@ -1,0 +1,71 @@
+"""The page on which a person gives the token, so that the browser may ask for the rest.  Plain HTML, no script."""
+
+import hmac
+
+from flask import Blueprint, Response, redirect, render_template, request
+
+from breastrig.api.access.session import end_session, in_session, start_session
+from breastrig.api.answers import CHECK_AGAIN, bytes_answer
+from breastrig.api.app_context import behind
+
+sign_in = Blueprint("sign_in", __name__, template_folder="templates")
+
+# Under "no-referrer", which all else has, browsers say "Origin: null" for a form: it would look foreign.
+PAGE_HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "same-origin"}
+WRONG = "This is not the token. Whoever started the service knows it."
+NOT_NEEDED = "This service needs no token."
+
+
+@sign_in.get("/sign-in")
+def ask() -> Response:
+    return _page()
+
+
+@sign_in.post("/sign-in")
+def answer() -> Response:
+    """Sets the cookie and leads to the page, or asks again."""
+    here = behind()
+    token = here.config.token
+    if token is None:
+        return _to("/")
+    seconds = here.rates.wait_s("sign-in")
+    if seconds:
+        refused = _page(f"Too many attempts. Try again in {seconds} s.", 429)
+        refused.headers["Retry-After"] = str(seconds)
+        return refused
+    given = request.form.get("token", "").strip()
+    if not hmac.compare_digest(given.encode("utf-8", "replace"), token.encode()):
+        return _page(WRONG, 401)
+    response = _to("/")
+    start_session(response, token)
+    return response
+
+
+@sign_in.post("/sign-out")
+def leave() -> Response:
+    response = _to("/sign-in")
+    # What the browser keeps of patients.  Not "cookies": that would be those of the whole domain, other programs' too.
+    response.headers["Clear-Site-Data"] = '"cache", "storage"'
+    end_session(response, behind().config.token, behind().service.storage)
+    return response
+
+
+@sign_in.get("/sign-in/style.css")
+def style() -> Response:
+    return bytes_answer(render_template("sign_in.css").encode(), "text/css", CHECK_AGAIN)
+
+
+def _page(problem: str = "", status: int = 200) -> Response:
+    here = behind()
+    token = here.config.token
+    note = NOT_NEEDED if token is None else problem
+    signed_in = token is not None and in_session(token, here.service.storage)
+    html = render_template("sign_in.html", needed=token is not None, note=note, signed_in=signed_in)
+    return Response(html, status, mimetype="text/html", headers=PAGE_HEADERS)
+
+
+def _to(place: str) -> Response:
+    response = redirect(place, 303)
+    assert isinstance(response, Response)
+    response.headers["Cache-Control"] = "no-store"
+    return response

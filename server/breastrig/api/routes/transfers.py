@@ -1,0 +1,40 @@
+"""Transfers: a drawing made on one scan, shown on another.  Nothing is stored; the drawing is the answer."""
+
+from apiflask import APIBlueprint
+
+from breastrig.api.app_context import behind
+from breastrig.api.wire import transfers as wire_transfers
+from breastrig.core.errors import Conflict
+from breastrig.storage.rows.fits import get_fit
+
+transfers = APIBlueprint(
+    "transfers",
+    __name__,
+    url_prefix="/api/transfers",
+    tag={"name": "transfers", "description": "Show a drawing of one scan on another."},
+)
+
+
+@transfers.post("")
+@transfers.input(wire_transfers.TransferRequest)
+@transfers.output(wire_transfers.CarriedDrawing, status_code=201, description="The drawing on the target scan")
+@transfers.doc(operation_id="transferDrawing", responses={404: "No such fit", 409: "A fit is not done"})
+def transfer_drawing(json_data: wire_transfers.TransferRequest) -> tuple[wire_transfers.CarriedDrawing, int]:
+    """Show a drawing of one scan on another
+
+    Both fits must be done.  Between two stances of one patient the skin is followed; with `other_patient` the same
+    place of the model is shown.  Every point lies on the target's skin or is marked as bridged.
+    """
+    service = behind().service
+    for fit_id in (json_data.from_fit, json_data.to_fit):
+        fit = get_fit(service.storage, fit_id)
+        if fit.state != "done":
+            raise Conflict(f"The fit {fit.id} is {fit.state}; a drawing can be carried between fits that are done.")
+    drawing = json_data.drawing
+    carried = service.transfer(
+        json_data.from_fit,
+        json_data.to_fit,
+        None if drawing is None else drawing.model_dump(mode="json", by_alias=True, exclude_none=True),
+        json_data.other_patient,
+    )
+    return wire_transfers.CarriedDrawing.model_validate(carried), 201

@@ -1,0 +1,274 @@
+"""The JSON shapes that page, scripts and service share; the source of openapi.json and of the page's types.
+
+Requests forbid unknown fields, so that a misspelt name is answered with a sentence and not ignored.
+Landmarks are always millimetres in the scan's own frame; everything else in space is metres, and its name or
+description says so.
+"""
+
+from typing import Annotated, Literal
+
+from apiflask.fields import UploadFile
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+
+from breastrig.workflow.events import FitEvent
+
+Units = Literal["auto", "m", "dm", "cm", "mm", "in"]
+StanceWish = Literal["auto", "standing", "supine"]
+StanceName = Literal["standing", "supine"]
+FitState = Literal["queued", "running", "done", "failed", "cancelled"]
+Point = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
+Three = Annotated[list[float], Field(min_length=3, max_length=3)]
+Name = Annotated[str, Field(min_length=1, max_length=100)]
+
+UNITS: tuple[Units, ...] = ("auto", "m", "dm", "cm", "mm", "in")
+
+
+class Wire(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class ScanUpload(Wire):
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+    file: UploadFile = Field(description="PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image")
+    units: Units = Field("auto", description="unit of the file's numbers; auto decides from the size and says so")
+
+
+class Bounds(Wire):
+    min: Three
+    max: Three
+
+
+class Frame(Wire):
+    """How the body seems to lie in the scan's own axes; a proposal for the camera."""
+
+    up: Three = Field(description="unit vector towards the head")
+    front: Three = Field(description="unit vector towards the patient's front")
+    confidence: float = Field(ge=0, le=1)
+    reason: str
+
+
+class Stance(Wire):
+    proposed: StanceName
+    reason: str
+
+
+class ScanLinks(Wire):
+    self: str
+    mesh: str
+    landmarks: str
+    proposed: str
+    drawing: str
+    fits: str
+
+
+class Scan(Wire):
+    id: str
+    unit: Literal["m", "dm", "cm", "mm", "in"] = Field(description="unit that the file was read in")
+    unit_reason: str
+    vertices: int
+    triangles: int
+    bounds_m: Bounds = Field(description="metres, the scan's own axes")
+    colours: Literal["none", "vertex", "texture"]
+    notes: list[str] = Field(description="what reading found, one sentence each")
+    frame: Frame
+    stance: Stance
+    created_at: str = Field(description="ISO 8601, UTC")
+    links: ScanLinks
+
+
+class LandmarkFile(Wire):
+    """The landmark file of the command line as well; here the unit is always mm."""
+
+    schema_: Literal["breastrig/landmarks@1"] = Field(default="breastrig/landmarks@1", alias="schema")
+    unit: Literal["mm"] = "mm"
+    landmarks: dict[Name, Point] = Field(description="millimetres, the scan's own frame", max_length=200)
+
+
+class ProposedLandmark(Wire):
+    point: Three = Field(description="millimetres, the scan's own frame")
+    confidence: float = Field(ge=0, le=1, description="1 is sure; one half is about 10 mm off")
+    on_scan: bool = Field(description="false where the scan shows no skin and only the model knows")
+
+
+class ProposedLandmarks(Wire):
+    unit: Literal["mm"] = "mm"
+    landmarks: dict[str, ProposedLandmark]
+
+
+class FitRequest(Wire):
+    scan: Name = Field(description="id of the scan")
+    stance: StanceWish = "auto"
+    preset: Name = "default"
+    drawing: Name | None = Field("lumpectomy", description="null for none")
+    landmarks: dict[Name, Point] | None = Field(
+        None, max_length=200, description="millimetres, the scan's own frame; by default those stored with the scan"
+    )
+    refine: bool = Field(
+        False, strict=True, description="after the fit a smooth free-form layer where the scan shows skin"
+    )
+    start_from: Name | None = Field(
+        None,
+        description="id of a fit of the same scan that is done: this one goes on from there, with its landmarks "
+        "where they are now, in fewer iterations",
+    )
+    with_: "OtherStance | None" = Field(
+        None,
+        alias="with",
+        description="another scan of the same patient: both are fitted together, sharing the body; preset, drawing "
+        "and refine hold for both",
+    )
+
+
+class OtherStance(Wire):
+    """The second scan of a fit of two stances together."""
+
+    scan: Name = Field(description="id of the second scan, of the same patient")
+    stance: StanceWish = "auto"
+    landmarks: dict[Name, Point] | None = Field(
+        None, max_length=200, description="millimetres, the second scan's own frame; by default those stored with it"
+    )
+
+
+class FitHeaders(BaseModel):
+    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+    idempotency_key: str | None = Field(
+        None,
+        alias="Idempotency-Key",
+        description="1 to 255 visible ASCII characters; the same request with the same key starts no second fit",
+    )
+
+
+class FitLinks(Wire):
+    self: str
+    events: str
+    result: str
+    fitted_glb: str
+    fitted_ply: str
+    drawing: str
+    distances: str
+    report: str
+    measures: str
+    cancel: str
+    shares: str
+
+
+class FitPartner(Wire):
+    id: str
+    links: FitLinks
+
+
+class FitAccepted(Wire):
+    id: str
+    links: FitLinks
+    partner: FitPartner | None = Field(None, description="the fit of the second scan, when there is one")
+
+
+class IterationNumbers(Wire):
+    """An iterated event without its nodes."""
+
+    iteration: int
+    stage: str
+    energy: float
+    mean_distance_mm: float
+    landmark_distance_mm: float | None
+    coverage: float
+    elapsed_s: float
+
+
+class Fit(Wire):
+    id: str
+    scan: str
+    state: FitState
+    queue_position: int | None = Field(description="1 for the next to run; null when the fit does not wait")
+    created_at: str = Field(description="ISO 8601, UTC")
+    stance: StanceWish = Field(description="as asked for; once started, as decided")
+    preset: str
+    drawing: str | None
+    refine: bool
+    start_from: str | None = Field(description="id of the fit that this one went on from")
+    partner: str | None = Field(description="id of the other stance's fit when both are fitted together")
+    last_event: int = Field(description="number of the last stored event, 0 before the first")
+    iterations: int = Field(description="number of iterated events so far")
+    numbers: IterationNumbers | None = Field(description="of the last iteration")
+    reason: str | None = Field(description="why it failed or was cancelled")
+    links: FitLinks
+
+
+class EventRecord(Wire):
+    id: int = Field(description="number of the event, from 1; the stream's `id:`")
+    event: FitEvent
+
+
+class EventPage(Wire):
+    events: list[EventRecord]
+    state: FitState
+    next: str | None = Field(description="address of the next events that are there already, null when these are all")
+
+
+class EventQuery(Wire):
+    after: int = Field(0, ge=0, le=2**31, description="send only events with a greater number")
+
+
+class EventPageQuery(EventQuery):
+    limit: int = Field(200, ge=1, le=1000, description="at most so many events")
+
+
+class FitPage(Wire):
+    fits: list[Fit] = Field(description="the newest first")
+    next: str | None = Field(description="address of the next page, null on the last")
+
+
+class PageQuery(Wire):
+    limit: int = Field(50, ge=1, le=200, description="at most so many entries")
+    before: int | None = Field(None, ge=0, le=2**31, description="as the link to the next page says")
+
+
+class ModelSummary(Wire):
+    name: str
+    sha256: str
+    vertices: int
+    bones: int
+    blendshapes: int
+
+
+class SurfacePoint(Wire):
+    face: int
+    barycentric: Three
+
+
+class ModelDrawnShape(Wire):
+    name: str
+    label: str
+    closed: bool
+    color: str
+    surface_points: list[SurfacePoint]
+
+
+class ModelDrawing(Wire):
+    name: str
+    label: str
+    shapes: list[ModelDrawnShape]
+
+
+class ModelSide(BaseModel):
+    """The model's side file with the drawings merged in; further fields as in the file."""
+
+    model_config = ConfigDict(extra="allow")
+    name: str
+    shape_names: list[str] = Field(description="in the order of the mesh's morph targets")
+    drawings: list[ModelDrawing]
+
+
+class FieldError(Wire):
+    field: str
+    message: str
+
+
+class Problem(Wire):
+    """RFC 9457 problem details."""
+
+    type: str
+    title: str
+    status: int
+    detail: str = Field(description="one sentence: what is wrong, what to do")
+    errors: list[FieldError] | None = Field(None, description="each field that was refused")

@@ -1,0 +1,145 @@
+"""The JSON shapes of the files that a fit leaves, as far as the API describes them."""
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from breastrig.api.wire.common import ModelSummary, StanceName, Three
+from breastrig.workflow.events import DoubtedPick
+
+
+class Document(BaseModel):
+    """A file that another part of BreastRig writes; here only to describe it, so it may hold more."""
+
+    model_config = ConfigDict(extra="allow")
+
+
+class Distances(Document):
+    mean: float | None
+    std: float | None
+    max: float | None
+    p95: float | None
+
+
+class SurfaceDistances(Distances):
+    coverage: float = Field(description="share of the model's vertices with an accepted pair")
+
+
+class LandmarkDistances(Document):
+    mean: float | None
+    std: float | None
+    max: float | None
+    min: float | None
+    each: dict[str, float]
+
+
+class ResultScan(Document):
+    vertices: int
+    triangles: int
+    unit: str
+    sha256: str
+
+
+class ResultBone(Document):
+    name: str
+    rotation_xyzw: list[float]
+    translation_m: list[float]
+    scale: list[float]
+
+
+class ResultParameters(Document):
+    bones: list[ResultBone]
+    blendshapes: dict[str, float]
+
+
+class Verdict(Document):
+    level: Literal["good", "check", "unusable"]
+    reasons: list[str] = Field(description="one sentence each, the strongest first; none when it is good")
+
+
+class ResultFile(Document):
+    """result.json; also the `result` of a done event."""
+
+    schema_: Literal["breastrig/result@1"] = Field(alias="schema")
+    scan: ResultScan
+    model: ModelSummary
+    stance: StanceName
+    stance_reason: str
+    preset: str
+    refined: bool = Field(description="whether surface, drawing and distances are those of the free-form layer")
+    verdict: Verdict | None = Field(None, description="whether to trust the fit; null in results of versions before")
+    converged: bool
+    stop_reason: str
+    iterations: int
+    timing_s: dict[str, float]
+    surface_distance_mm: SurfaceDistances
+    scan_to_model_mm: Distances
+    landmark_distance_mm: LandmarkDistances
+    landmarks_not_followed: list[DoubtedPick] = Field([], description="picks that cannot be right, by name")
+    landmarks: dict[str, Three] = Field(description="of the fitted model, in the scan's frame and unit")
+    landmarks_picked: dict[str, Three] = Field({}, description="as given, in the scan's frame and unit")
+    parameters: ResultParameters
+    notes: list[str]
+    versions: dict[str, str]
+
+
+class DrawnShape(Document):
+    name: str
+    closed: bool
+    color: str | None = None
+    points: list[Three] = Field(description="on the scan's surface, in the scan's frame and unit")
+    bridged: list[bool] | None = Field(
+        None, description="true where the scan has a hole and the model carries the line"
+    )
+
+
+class DrawingFile(Document):
+    """drawing.json"""
+
+    schema_: Literal["breastrig/drawing@1"] = Field(alias="schema")
+    unit: str
+    shapes: list[DrawnShape]
+
+
+class MeasuredStance(Document):
+    """One fit of the report: its name there, and parts of its result.json."""
+
+    name: str
+    stance: StanceName
+    preset: str
+    verdict: Verdict | None = None
+    scan: ResultScan
+    surface_distance_mm: SurfaceDistances
+    scan_to_model_mm: Distances
+    landmark_distance_mm: LandmarkDistances
+    notes: list[str]
+
+
+class Measure(Document):
+    """One measure of one stance, or its change from the first stance to the second; sided, or one value for both."""
+
+    stance: str = Field(description="name of the stance; `second - first` for a change")
+    measure: str
+    kind: str = Field(description="straight, along the skin, ratio, volume")
+    unit: Literal["mm", "ml", "1"]
+    left: float | None = Field(description="the patient's left")
+    left_low: float | None = Field(description="low end of the band, where one is known")
+    left_high: float | None
+    right: float | None
+    right_low: float | None
+    right_high: float | None
+    difference: float | None = Field(description="left less right")
+    value: float | None = Field(description="of a measure without sides")
+    landmarks: str = Field(description="what it was measured between, each with its source: picked, or the model's")
+    method: str
+
+
+class MeasuresFile(Document):
+    """measures.json; what `breastrig report` writes as report.json."""
+
+    schema_: Literal["breastrig/report@1"] = Field(alias="schema")
+    notice: str
+    breastrig: str = Field(description="version of the program")
+    stances: list[MeasuredStance]
+    signs: str = Field(description="how differences and changes are to be read")
+    measures: list[Measure]

@@ -1,0 +1,77 @@
+"""The JSON shapes of share links."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from breastrig.api.share_limits import PASSCODE_LENGTH
+from breastrig.api.wire.common import Name, Wire
+
+ShareScan = Literal["none", "plain", "full"]
+
+
+class ShareRequest(Wire):
+    expires_in_days: int = Field(7, ge=1, le=90)
+    passcode: str | None = Field(
+        None, min_length=PASSCODE_LENGTH, max_length=100, description="asked for at the opening"
+    )
+    scan: ShareScan = Field(
+        "none", description="whether the scan is shown: not at all, its shape without colours, or with its colours"
+    )
+
+
+class ShareLinks(Wire):
+    self: str
+    unlock: str
+
+
+class Share(Wire):
+    id: str = Field(description="stands in the addresses of the owner and of visitors; it opens nothing")
+    created_at: str = Field(description="ISO 8601, UTC")
+    expires_at: str
+    revoked_at: str | None
+    is_open: bool = Field(description="neither expired nor revoked nor locked")
+    is_locked: bool = Field(description="so many wrong passcodes were given that it takes none until it is unlocked")
+    scan: ShareScan
+    has_passcode: bool
+    openings: int
+    last_opened_at: str | None
+    wrong_passcodes: int = Field(description="given in all, whoever gave them")
+    last_wrong_passcode_at: str | None
+    links: ShareLinks
+
+
+class ShareMade(Share):
+    url: str = Field(description="address of the page with the secret behind #; it is told only once")
+
+
+class ShareWithOpenings(Share):
+    opened_at: list[str] = Field(description="the last openings, the newest first; nothing about who")
+
+
+class SharePage(Wire):
+    shares: list[Share] = Field(description="the newest first")
+    next: str | None = Field(description="address of the next page, null on the last")
+
+
+class ShareOpening(Wire):
+    token: Name = Field(description="what stands behind # in the link")
+    passcode: str | None = Field(None, max_length=100)
+
+
+class SharedLinks(Wire):
+    self: str
+    result: str
+    fitted_glb: str
+    fitted_ply: str
+    drawing: str
+    distances: str
+    report: str | None = Field(description="null when the link does not show the scan, which the report pictures")
+    mesh: str | None = Field(description="null when the link does not show the scan")
+    close: str
+
+
+class SharedResult(Wire):
+    id: str = Field(description="of the share; it opens nothing")
+    expires_at: str
+    links: SharedLinks

@@ -1,0 +1,1 @@
+"""Many fits from one table."""

@@ -1,0 +1,263 @@
+"""Many fits, one after the other as far as memory goes, side by side as far as workers go.
+
+Workers give bytes back and only this process writes: a result is a folder that appears whole under its name, with
+a record of what it was made from.  So whatever ends a batch, a second one finds only whole results and goes on.
+
+At most a few scans more than there are workers are in memory: enough that a worker never waits for the next one.
+"""
+
+import hashlib
+import json
+import os
+import queue
+import secrets
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError, Future
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from fcntl import LOCK_EX, LOCK_NB, flock
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+from breastrig import __version__
+from breastrig.batch.manifest import INPUTS, INPUTS_SCHEMA, BatchRow
+from breastrig.batch.table import Outcome, numbers_of
+from breastrig.batch.task import FitOfBytes, Runner, fit_of_bytes
+from breastrig.core.errors import BadInput, BadSettings, BreastRigError
+from breastrig.core.output_files import (
+    Output,
+    OutputSet,
+    check_output,
+    private_folder,
+    read_ordinary,
+    recorded,
+    write_private,
+)
+from breastrig.execution.executor import Executor
+from breastrig.execution.limits import FitLimits
+from breastrig.scan.landmark_files import LIMIT_BYTES
+from breastrig.scan.limits import FILE_BYTES
+from breastrig.workflow.fit_files import FIT_FILES, RESULT, RESULT_SCHEMA, json_bytes
+from breastrig.workflow.run_fit import run_fit
+
+SPARE = 8  # scans at most that wait beside the workers; a large cluster needs no more to be kept busy
+LOOK_S = 0.2  # between two looks whether to stop
+DIED = "The fit's process ended unexpectedly, perhaps for want of memory; run the batch again, or give a smaller scan."
+BROKEN = "The fit broke for a reason inside BreastRig ({})."
+MEMORY = "The fit needed more memory than it may use; give a smaller scan."
+
+
+class BatchStopped(BreastRigError):
+    """The batch cannot go on; what is done is kept."""
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What to do and where; `model_sha256` is the hash of the rig that the workers have."""
+
+    rows: Sequence[BatchRow]
+    folder: Path
+    model_sha256: str
+    again: bool = False  # do also what is done
+    runner: Runner = run_fit
+    wall_s: float = FitLimits().wall_s
+    force: bool = False  # replace also what no batch has written
+
+
+@contextmanager
+def exclusive(folder: Path) -> Iterator[None]:
+    """Makes the folder, holds it for one batch, and removes what a killed one left half-written.
+
+    Raises BadSettings.
+    """
+    try:
+        private_folder(folder)
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    except OSError as error:
+        raise BadSettings(f"The folder {folder} cannot be made ({error.strerror}); choose another with -o.") from error
+    try:
+        flock(handle, LOCK_EX | LOCK_NB)
+        _remove_halves(folder)
+        yield
+    except BlockingIOError as error:
+        raise BadSettings(f"Another batch is writing into {folder}; wait for its end, or choose another.") from error
+    finally:
+        os.close(handle)
+
+
+def run_batch(
+    batch: Batch, executor: Executor, tell: Callable[[Outcome], None], stop: Event | None = None
+) -> list[Outcome]:
+    """One outcome for each row, in the rows' order; `tell` is called with each as it comes.
+
+    Raises BatchStopped when nothing can be written, or no worker be reached, any more, and KeyboardInterrupt soon
+    after `stop` is set.
+    """
+    asked_to_stop = stop or Event()
+    outcomes: dict[str, Outcome] = {}
+    ended: queue.SimpleQueue[Future[dict[str, bytes]]] = queue.SimpleQueue()
+    in_flight: dict[Future[dict[str, bytes]], tuple[BatchRow, dict[str, Any]]] = {}
+    rows = iter(batch.rows)
+
+    def note(outcome: Outcome) -> None:
+        outcomes[outcome.name] = outcome
+        tell(outcome)
+
+    try:
+        while True:
+            while len(in_flight) < executor.workers + min(executor.workers, SPARE) and not asked_to_stop.is_set():
+                row = next(rows, None)
+                if row is None:
+                    break
+                try:
+                    wish = _wish(row)
+                except OSError as error:
+                    note(Outcome(row.name, f"The files of this row cannot be read any more ({error.strerror})."))
+                    continue
+                inputs = _inputs(batch, wish)
+                found = None if batch.again else _found(batch.folder / row.name, inputs)
+                if found is not None:
+                    note(found)
+                    continue
+                try:
+                    check_output(_output(batch, row))
+                except BadInput as error:
+                    note(Outcome(row.name, str(error)))
+                    continue
+                future = executor.schedule(fit_of_bytes, (wish, batch.runner), batch.wall_s)
+                in_flight[future] = row, inputs
+                future.add_done_callback(ended.put)
+            if not in_flight:
+                return [outcomes[row.name] for row in batch.rows]
+            if asked_to_stop.is_set():
+                raise KeyboardInterrupt
+            with suppress(queue.Empty):
+                future = ended.get(timeout=LOOK_S)
+                row, inputs = in_flight.pop(future)
+                note(_outcome(batch, row, inputs, future))
+    finally:
+        for future in in_flight:
+            future.cancel()
+        _remove_halves(batch.folder)
+
+
+def _wish(row: BatchRow) -> FitOfBytes:
+    return FitOfBytes(
+        scan=read_ordinary(row.scan, FILE_BYTES),
+        ending=row.scan.suffix,
+        landmarks=read_ordinary(row.landmarks, LIMIT_BYTES) if row.landmarks else None,
+        landmarks_ending=row.landmarks.suffix if row.landmarks else "",
+        units=row.units,
+        stance=row.stance,
+        preset=row.preset,
+        preset_file=read_ordinary(Path(row.preset), LIMIT_BYTES) if row.preset.endswith(".toml") else None,
+        drawing=row.drawing,
+        refine=row.refine,
+    )
+
+
+def _inputs(batch: Batch, wish: FitOfBytes) -> dict[str, Any]:
+    """Everything that a result depends on; no name of a file is among it."""
+    return {
+        "schema": INPUTS_SCHEMA,
+        "scan_sha256": _sha256(wish.scan),
+        "landmarks_sha256": _sha256(wish.landmarks),
+        "units": wish.units,
+        "stance": wish.stance,
+        "preset": wish.preset if wish.preset_file is None else None,
+        "preset_sha256": _sha256(wish.preset_file),
+        "drawing": wish.drawing,
+        "refine": wish.refine,
+        "model_sha256": batch.model_sha256,
+        "breastrig": __version__,
+    }
+
+
+def _output(batch: Batch, row: BatchRow) -> Output:
+    """The result's folder; a damaged result of a batch counts as written by it."""
+    inputs = tuple(file for file in (row.scan, row.landmarks) if file is not None)
+    files = OutputSet(Path(), (*FIT_FILES, INPUTS), RESULT, RESULT_SCHEMA, known=lambda file: _of_a_batch(file.parent))
+    return Output(batch.folder / row.name, (files,), inputs, batch.force)
+
+
+def _of_a_batch(folder: Path) -> bool:
+    try:
+        document = json.loads((folder / INPUTS).read_bytes())
+    except (OSError, ValueError):
+        return False
+    return isinstance(document, dict) and document.get("schema") == INPUTS_SCHEMA
+
+
+def _sha256(content: bytes | None) -> str | None:
+    return None if content is None else hashlib.sha256(content).hexdigest()
+
+
+def _found(folder: Path, inputs: dict[str, Any]) -> Outcome | None:
+    """A whole result of the same inputs, from an earlier batch."""
+    try:
+        if json.loads((folder / INPUTS).read_bytes()) != inputs:
+            return None
+        return Outcome(folder.name, None, numbers_of(json.loads((folder / "result.json").read_bytes())))
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _outcome(batch: Batch, row: BatchRow, inputs: dict[str, Any], future: "Future[dict[str, bytes]]") -> Outcome:
+    """Of a fit that has ended; a result is kept.  Raises BatchStopped."""
+    try:
+        files = future.result()
+        numbers = numbers_of(json.loads(files["result.json"]))
+    except (CancelledError, TimeoutError, BreastRigError, MemoryError, OSError, RuntimeError) as error:
+        return Outcome(row.name, _why(error, batch.wall_s))
+    except Exception as error:
+        return Outcome(row.name, BROKEN.format(type(error).__name__))
+    try:
+        beside = {name: content for name, content in files.items() if name != RESULT} | {INPUTS: json_bytes(inputs)}
+        _keep(batch.folder, row.name, {RESULT: recorded(files[RESULT], beside), **beside})
+    except OSError as error:
+        raise BatchStopped(
+            f"The results cannot be written ({error.strerror}); free space, then run the same command: it goes on."
+        ) from error
+    return Outcome(row.name, None, numbers)
+
+
+def _why(error: BaseException, wall_s: float) -> str:
+    """The sentence for a fit that has no result.  Raises BatchStopped when none will have one any more."""
+    if isinstance(error, ConnectionError):
+        raise BatchStopped("The scheduler was lost; run the same command again, it goes on where it was.") from error
+    if isinstance(error, TimeoutError):
+        return f"The fit took longer than {wall_s:g} s and was stopped."
+    if isinstance(error, BreastRigError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return MEMORY
+    if isinstance(error, OSError) and error.errno is not None:
+        return f"The fit's worker met an error of its disk or system ({error.strerror}); run the batch again."
+    return DIED
+
+
+def _keep(folder: Path, name: str, files: dict[str, bytes]) -> None:
+    """The result's folder, whole or not at all, in the place of an older one; what others put there stays."""
+    half = folder / f".part-{secrets.token_hex(8)}"
+    private_folder(half)
+    for file, content in files.items():
+        write_private(half / file, content)
+    place = folder / name
+    if place.is_dir() and any(each.name not in files for each in place.iterdir()):
+        write_private(place / INPUTS, json_bytes({"schema": INPUTS_SCHEMA}))  # until all are there: made again
+        for file in sorted(files, key=INPUTS.__eq__):
+            os.replace(half / file, place / file)
+        half.rmdir()
+        return
+    old = folder / f".old-{secrets.token_hex(8)}"
+    if place.exists():
+        place.rename(old)
+    half.rename(place)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def _remove_halves(folder: Path) -> None:
+    for half in (*folder.glob(".part-*"), *folder.glob(".old-*")):
+        shutil.rmtree(half, ignore_errors=True)

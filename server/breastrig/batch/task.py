@@ -1,0 +1,66 @@
+"""One fit of a batch in a worker: bytes in, bytes out, so that a worker needs no disk in common with anyone."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from breastrig.core.scratch import scratch_folder
+from breastrig.core.units import METRES_PER_UNIT
+from breastrig.scan.landmark_files import landmark_confidences, read_landmarks
+from breastrig.scan.read import read_scan
+from breastrig.workflow.events import Event
+from breastrig.workflow.run_fit import FitJob
+
+Runner = Callable[[FitJob], Iterator[Event]]
+
+
+@dataclass(frozen=True, repr=False)
+class FitOfBytes:
+    """What `breastrig fit` is given, with the files' contents in the place of their names."""
+
+    scan: bytes
+    ending: str  # of the scan's name, as in .ply
+    landmarks: bytes | None
+    landmarks_ending: str
+    units: str
+    stance: str
+    preset: str
+    preset_file: bytes | None  # a preset of the user's own
+    drawing: str | None
+    refine: bool
+
+    def landmarks_mm(self) -> dict[str, list[float]]:
+        """The picks in mm; those without a unit of their own have the scan's."""
+        if self.landmarks is None:
+            return {}
+        places, unit = read_landmarks(self.landmarks, self.landmarks_ending)
+        metres = (
+            METRES_PER_UNIT[unit]
+            if unit
+            else read_scan(self.scan, self.ending, self.units, texture=False).metres_per_unit
+        )
+        return {name: [1e3 * metres * float(value) for value in place] for name, place in places.items()}
+
+
+def fit_of_bytes(wish: FitOfBytes, runner: Runner) -> dict[str, bytes]:
+    """The files that a fit leaves, by name.  Raises a BreastRigError when it cannot be done."""
+    with scratch_folder() as folder:
+        scan = folder / f"scan{wish.ending}"
+        scan.write_bytes(wish.scan)
+        preset = wish.preset
+        if wish.preset_file is not None:
+            preset = str(folder / "preset.toml")
+            (folder / "preset.toml").write_bytes(wish.preset_file)
+        job = FitJob(
+            scan=scan,
+            out=folder / "out",
+            landmarks_mm=wish.landmarks_mm(),
+            landmark_confidence=landmark_confidences(wish.landmarks) if wish.landmarks is not None else {},
+            units=wish.units,
+            stance=wish.stance,
+            preset=preset,
+            drawing=wish.drawing,
+            refine=wish.refine,
+        )
+        for _ in runner(job):
+            pass  # the files say it all
+        return {file.name: file.read_bytes() for file in sorted(job.out.iterdir())}

@@ -1,0 +1,50 @@
+"""The questions by name, each as a function of cases, rig, recipe and its own settings."""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
+from breastrig.evaluation.cohort import Case
+from breastrig.evaluation.studies import accuracy, peers, sensitivity, unseen
+from breastrig.evaluation.studies import landmarks as landmark_study
+from breastrig.evaluation.studies import orientation as orientation_study
+from breastrig.evaluation.studies.case import read_scene
+from breastrig.evaluation.studies.other_patient import other_patient
+from breastrig.evaluation.studies.transfer import transfer_study
+from breastrig.evaluation.studies.two_stances import gain
+from breastrig.fitting.recipe import Recipe
+from breastrig.rig.model import Rig
+
+Answer = Callable[..., dict[str, Any]]
+
+
+def _of_one_case(question: Answer) -> Answer:
+    @wraps(question)
+    def answer(cases: tuple[Case, ...], rig: Rig, recipe: Recipe, **settings: Any) -> dict[str, Any]:
+        (case,) = cases
+        return question(read_scene(case), rig, recipe, **settings)
+
+    return answer
+
+
+def two_stances(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[str, Any]:
+    """The gain of fitting two stances of one patient together."""
+    return {"rows": gain(cases, rig, recipe, lambda _: None)}
+
+
+ANSWERS: dict[str, Answer] = {
+    "accuracy": _of_one_case(accuracy.accuracy),
+    "halves": _of_one_case(landmark_study.halves),
+    "no_landmarks": _of_one_case(landmark_study.no_landmarks),
+    "clicks": _of_one_case(landmark_study.clicks),
+    "one_wrong": _of_one_case(landmark_study.one_wrong),
+    "exchanged_sides": _of_one_case(landmark_study.exchanged_sides),
+    "random_turns": _of_one_case(orientation_study.random_turns),
+    "compliance": _of_one_case(sensitivity.compliance),
+    "shape_count": _of_one_case(sensitivity.shape_count),
+    "unseen": _of_one_case(unseen.unseen),
+    "peer": _of_one_case(peers.peer),
+    "two_stances": two_stances,
+    "transfer": transfer_study,
+    "other_patient": other_patient,
+}

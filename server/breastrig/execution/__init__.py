@@ -1,0 +1,1 @@
+"""Tasks in other processes: this machine's or a cluster's.  Knows nothing of bodies."""

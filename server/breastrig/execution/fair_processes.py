@@ -1,0 +1,161 @@
+"""The processes that read uploads and make reports, shared fairly between clients.
+
+Pebble's own queue is first come, first served: one client with many slow scans would keep everybody waiting.  So no
+more tasks are handed to it than it has processes; the others wait here and are taken in turns, one of each client.
+How many a client may have here is limited, because each holds a thread of the server.
+"""
+
+import threading
+from collections import Counter
+from collections.abc import Callable
+from concurrent.futures import Future, InvalidStateError
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+from breastrig.core.errors import TooMany
+from breastrig.core.round_robin import RoundRobin
+from breastrig.execution.asking_client import asking_client
+from breastrig.execution.processes import Processes
+
+RETRY_S = 2  # a scan is read within a second or two
+
+
+class _Task(Future[Any]):
+    """What the caller holds; ends as the process's own future does."""
+
+    def __init__(self, owner: "FairProcesses", client: str, call: Callable[[], "Future[Any]"]) -> None:
+        super().__init__()
+        self.client = client
+        self.call = call
+        self.inner: Future[Any] | None = None
+        self._owner = owner
+        self._once = threading.RLock()
+
+    def cancel(self) -> bool:
+        return self._owner.withdraw(self)
+
+    def end_cancelled(self) -> None:
+        with self._once:
+            if not self.done() and super().cancel():
+                self.set_running_or_notify_cancel()  # wakes those who wait for it
+
+
+class FairProcesses:
+    """An Executor around a pool.  `waiting_per_client` counts what a client has under way or waiting."""
+
+    def __init__(self, processes: Processes, waiting_per_client: int) -> None:
+        self._processes = processes
+        self._most = waiting_per_client
+        self._changed = threading.Condition()
+        self._waiting: RoundRobin[_Task] = RoundRobin()
+        self._running: Counter[str] = Counter()  # tasks in a process, by client
+        self._handed_over: set[_Task] = set()
+        self._stopped = False
+        self._thread = threading.Thread(target=self._hand_over, name="breastrig-readers", daemon=True)
+
+    @property
+    def workers(self) -> int:
+        return self._processes.workers
+
+    def warm_up(self) -> None:
+        self._processes.warm_up()
+        self._thread.start()
+
+    def schedule(self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float) -> "Future[Any]":
+        """As `Processes.schedule`; `timeout` counts from the start of the task.
+
+        Raises TooMany when the client that asks has as many tasks here as one may have.
+        """
+        client = asking_client.get()
+        task = _Task(self, client or "", lambda: self._processes.schedule(function, args, timeout))
+        with self._changed:
+            if self._stopped:
+                raise RuntimeError("the processes are stopped")
+            if client is not None and self._waiting.waiting(client) + self._running[client] >= self._most:
+                raise TooMany(
+                    f"{self._most} of your scans and reports are being worked on, as many as one client may have; "
+                    f"ask again in {RETRY_S} s.",
+                    RETRY_S,
+                )
+            self._waiting.put(task.client, task)
+            self._changed.notify_all()
+        return task
+
+    def result(self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float) -> Any:
+        """As `Processes.result`: tried once more when the process was lost before it began."""
+        try:
+            return self.schedule(function, args, timeout).result()
+        except BrokenProcessPool:
+            return self.schedule(function, args, timeout).result()
+
+    def answer(self, wait_s: float) -> bool:
+        return self._processes.answer(wait_s)
+
+    def stop(self) -> None:
+        """Kills what runs, and ends what waits with a RuntimeError."""
+        left = []
+        with self._changed:
+            self._stopped = True
+            while (taken := self._waiting.take()) is not None:
+                left.append(taken[1])
+            self._changed.notify_all()
+        if self._thread.is_alive():
+            self._thread.join()
+        self._processes.stop()
+        for task in (*left, *list(self._handed_over)):  # a pool that stops may forget what it was about to begin
+            with suppress(InvalidStateError):  # it has ended
+                task.set_exception(RuntimeError("the processes are stopped"))
+
+    def withdraw(self, task: _Task) -> bool:
+        """Ends a task that nobody wants any more; kills its process when it has one."""
+        with self._changed:
+            waited, inner = self._waiting.discard(task.client, task), task.inner
+        if inner is not None:
+            return bool(inner.cancel())
+        task.end_cancelled()
+        return waited
+
+    def _hand_over(self) -> None:
+        """In a thread of its own: a task that ends tells so in a thread that may hold the pool's lock."""
+        while True:
+            with self._changed:
+                self._changed.wait_for(
+                    lambda: self._stopped or (self._waiting and self._running.total() < self.workers)
+                )
+                if self._stopped:
+                    return
+                taken = self._waiting.take()
+                assert taken is not None
+                client, task = taken
+                self._running[client] += 1
+                self._handed_over.add(task)
+            try:
+                inner = task.call()
+            except Exception as error:
+                self._one_less(task)
+                with suppress(InvalidStateError):
+                    task.set_exception(error)
+                continue
+            task.inner = inner
+            inner.add_done_callback(partial(self._end, task))
+            if task.cancelled():  # between the queue and the process
+                inner.cancel()
+
+    def _end(self, task: _Task, ended: "Future[Any]") -> None:
+        self._one_less(task)
+        with suppress(InvalidStateError):
+            if ended.cancelled():
+                task.end_cancelled()
+            elif (error := ended.exception()) is not None:
+                task.set_exception(error)
+            else:
+                task.set_result(ended.result())
+
+    def _one_less(self, task: _Task) -> None:
+        with self._changed:
+            self._handed_over.discard(task)
+            self._running[task.client] -= 1
+            self._running += Counter()  # forgets clients with none
+            self._changed.notify_all()

@@ -1,0 +1,171 @@
+"""Worker processes that can be timed out and killed, one task each.
+
+A process carries out one task and is replaced: nothing of one patient's data is left for the next task, a task
+that is killed can never take another one with it, and limits of memory and CPU time hold for each task alone.
+That is cheap because a fork server has imported everything once: the next process is ready, waiting, when the
+task arrives.
+
+Tried and dropped: long-lived workers.  When a task is cancelled at the moment at which it ends, Pebble may kill
+the process that has already begun the next one.
+"""
+
+import multiprocessing
+import os
+import resource
+import sys
+import threading
+from collections.abc import Callable
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
+from typing import Any
+
+from pebble import ProcessFuture, ProcessPool
+from threadpoolctl import threadpool_limits
+
+from breastrig.core.log_lines import set_up_logs_as_told
+
+PRELOAD = (
+    "__main__",
+    "breastrig.service.fit_worker",
+    "breastrig.workflow.propose_on_scan",
+    "breastrig.workflow.read_upload",
+    "breastrig.workflow.report",
+    "breastrig.workflow.run_fit",
+    "breastrig.workflow.run_pair",
+    "breastrig.workflow.transfer",
+    "breastrig.workflow.write_plain_mesh",
+)
+REMOTE = ("breastrig.storage.postgres", "psycopg", "breastrig.storage.store_files", "s3fs")  # half a second to import
+_preloaded = list(PRELOAD)
+
+
+def preload_remote() -> None:
+    """For processes that will find rows or files elsewhere, before the first pool; what is not installed is left."""
+    _preloaded.extend(name for name in REMOTE if name not in _preloaded)
+
+
+class Processes:
+    """A pool that survives the loss of any of its processes."""
+
+    def __init__(self, workers: int, *, memory_bytes: int, cpu_s: int | None = None) -> None:
+        self.workers = workers
+        self._limits = (memory_bytes, cpu_s)
+        self._lock = threading.Lock()
+        self._stopped = False
+        self._unfinished = 0
+        self._context = _LockKeepingContext()
+        self._pool = self._new_pool()
+
+    def warm_up(self) -> None:
+        """Starts the processes and waits until one has answered."""
+        self.schedule(_nothing, (), timeout=60.0).result()
+
+    def schedule(self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float) -> "ProcessFuture[Any]":
+        """Runs `function(*args)` in a process of its own.  Both must be importable there by name.
+
+        The future ends with the result, the function's own exception, TimeoutError, or an OSError or RuntimeError
+        when the process died; `cancel` kills the process.
+        """
+        with self._lock:
+            if self._stopped:
+                raise RuntimeError("the processes are stopped")
+            try:
+                future = self._pool.schedule(function, args, timeout=timeout)
+            except RuntimeError:  # an idle process was killed from outside, which breaks the pool
+                self._end_pool()
+                self._pool = self._new_pool()
+                future = self._pool.schedule(function, args, timeout=timeout)
+            self._unfinished += 1
+        future.add_done_callback(self._one_less)
+        return future
+
+    def result(self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float) -> Any:
+        """What `schedule` brings, for a function that may be begun twice.
+
+        Processes that only wait for work may be killed from outside, when memory is short; the task that one of them
+        would have had never began, and is tried once more.
+        """
+        try:
+            return self.schedule(function, args, timeout).result()
+        except BrokenProcessPool:
+            return self.schedule(function, args, timeout).result()
+
+    def answer(self, wait_s: float) -> bool:
+        """Whether a process carries out a task; taken for granted while all are at work."""
+        if self._unfinished >= self.workers:
+            return not self._stopped
+        try:
+            self.schedule(_nothing, (), timeout=wait_s).result(timeout=wait_s)
+        except (OSError, RuntimeError, TimeoutError):
+            return False
+        return True
+
+    def stop(self) -> None:
+        """Kills what still runs and waits until it is gone."""
+        with self._lock:
+            self._stopped = True
+            self._end_pool()
+
+    def _one_less(self, _future: Any) -> None:
+        self._unfinished -= 1
+
+    def _new_pool(self) -> ProcessPool:
+        return ProcessPool(self.workers, max_tasks=1, initializer=_limit, initargs=self._limits, context=self._context)
+
+    def _end_pool(self) -> None:
+        self._pool.stop()
+        with suppress(RuntimeError):
+            self._pool.join()
+        self._context.locks.clear()
+
+
+class _LockKeepingContext:
+    """The fork server, and a hold on every lock that it made.
+
+    A stopping pool lets go of its locks, which removes them from the system, before it kills its processes; one
+    that is only starting then would not find them, and would die with a traceback.
+    """
+
+    def __init__(self) -> None:
+        self._server = multiprocessing.get_context("forkserver")
+        self._server.set_forkserver_preload([*_preloaded, *_imported()])
+        self.locks: list[Any] = []
+
+    def RLock(self) -> Any:
+        self.locks.append(self._server.RLock())
+        return self.locks[-1]
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._server, name)
+
+
+def _imported() -> list[str]:
+    """All of ours that the program has imported.
+
+    Each process first imports what the program's main module imports, which for `breastrig serve` is Flask and all
+    the rest: 0.4 s of work before each task, unless the fork server has done it already.
+    """
+    return sorted(name for name in sys.modules if name.startswith("breastrig."))
+
+
+def _limit(memory_bytes: int, cpu_s: int | None) -> None:
+    """In the child, before its task."""
+    resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a core dump would hold a patient's scan
+    if cpu_s is not None:
+        resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))
+    set_up_logs_as_told()
+    threading.Thread(target=_die_with_the_server, daemon=True).start()
+    threadpool_limits(1)  # more BLAS threads are slower at this size, and fits would fight over the cores
+
+
+def _die_with_the_server() -> None:
+    """A server that is killed cannot stop its processes; each one notices by itself."""
+    server = multiprocessing.parent_process()
+    if server is not None:
+        server.join()
+        os._exit(1)
+
+
+def _nothing() -> None:
+    pass

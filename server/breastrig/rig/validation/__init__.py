@@ -1,0 +1,1 @@
+"""The proof that a rig is sound."""

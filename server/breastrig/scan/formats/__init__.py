@@ -1,0 +1,1 @@
+"""One file format a module: bytes in, arrays out; hostile until proven otherwise."""

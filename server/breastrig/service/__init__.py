@@ -1,0 +1,1 @@
+"""What the HTTP floor needs done: scans kept, fits run, events followed."""

@@ -1,0 +1,63 @@
+"""One attempt's part in the story of a fit: it stores what no attempt before it has stored."""
+
+import json
+from contextlib import suppress
+from typing import Any
+
+from breastrig.core.errors import Conflict, FitFailed, NotFound
+from breastrig.storage.rows.events import append, events_of_kind
+from breastrig.storage.rows.fits import FitRow, get_fit
+from breastrig.storage.storage import Storage
+from breastrig.workflow.events import LAST_KINDS, Event, Started
+
+OTHER_MODEL = "The model was exchanged after this fit had begun; start the fit again."
+
+
+class Over(Exception):
+    """The story has been ended by someone else, or another worker tells it."""
+
+
+class Telling:
+    """Tells the story of a fit as it was claimed, from the first event on, whatever is known of it already."""
+
+    def __init__(self, storage: Storage, fit: FitRow) -> None:
+        self.fit = fit
+        self._storage = storage
+        self._told = 0
+
+    def tell(self, event: Event) -> None:
+        """Stores the event if it is new.
+
+        Raises Over when the story has ended, is gone, or is another worker's by now; FitFailed when it cannot go on
+        as it began.
+        """
+        self._told += 1
+        if self.fit.ended:  # of two stances one may be done when their worker is lost
+            return
+        if event.kind not in LAST_KINDS and self._told <= self.fit.last_event:
+            if isinstance(event, Started):
+                self._check_model(event)
+            return
+        try:
+            append(self._storage, self.fit.id, event_json(event), self.fit.attempt)
+        except (NotFound, Conflict) as error:
+            raise Over from error
+
+    def goes_on(self) -> bool:
+        """Whether another worker has the fit, or has brought it to its end: then its files are that one's."""
+        with suppress(NotFound):
+            return get_fit(self._storage, self.fit.id).state in ("queued", "running", "done")
+        return False
+
+    def _check_model(self, event: Started) -> None:
+        known = events_of_kind(self._storage, self.fit.id, "started")
+        if known and json.loads(known[0].json).get("model_sha256") != event.model_sha256:
+            raise FitFailed(OTHER_MODEL)
+
+
+def event_json(event: Event) -> dict[str, Any]:
+    """The event as it is stored and sent; a node names only what changes."""
+    body = event.model_dump(mode="json")
+    if "nodes" in body:
+        body["nodes"] = [{key: value for key, value in node.items() if value is not None} for node in body["nodes"]]
+    return body

@@ -1,0 +1,185 @@
+"""The worker's side of one fit: claim it, run it, store each event before anyone can see it.
+
+Whatever goes wrong becomes the story's last event with a sentence, unless the story has been ended from outside
+(cancelled, deleted) or another worker has taken it over: then the worker just stops.
+
+A fit whose worker was lost with its machine or its server is begun again, and its story goes on where it stopped:
+fits do the same each time, so the events that are known already are only counted.
+"""
+
+import json
+import logging
+from collections.abc import Callable, Generator, Iterator
+from contextlib import ExitStack, closing, contextmanager, suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from breastrig.core.errors import BadSettings, BreastRigError, NotFound
+from breastrig.core.scratch import scratch_folder
+from breastrig.service.event_writer import Over, Telling
+from breastrig.storage.disk_files import FolderDraft
+from breastrig.storage.files import Draft, fit_place, scan_place, upload_name
+from breastrig.storage.location import Location
+from breastrig.storage.rows.events import events_of_kind
+from breastrig.storage.rows.fits import FitRow, claim_fit, get_fit
+from breastrig.storage.rows.scans import ScanRow, get_scan
+from breastrig.storage.storage import Storage
+from breastrig.workflow.events import Event, Failed
+from breastrig.workflow.fit_start import EarlierFit
+from breastrig.workflow.run_fit import FitJob
+
+Runner = Callable[[FitJob], Iterator[Event]]
+PairRunner = Callable[[FitJob, FitJob], Iterator[tuple[int, Event]]]
+
+
+@dataclass(frozen=True)
+class Runners:
+    """How a fit is carried out, and how two stances together; both importable by name in a worker process."""
+
+    one: Runner
+    two: PairRunner
+
+
+UNWRITTEN = "What this fit found could not be stored, perhaps because the server's disk was full; start the fit again."
+
+UNSEEN = (
+    "The worker of this fit cannot reach the service's data; workers on other machines need a service with --database "
+    "and --files."
+)
+TOO_OFTEN = "This fit was begun {} times and came to no end, as its server or worker ended first; start the fit again."
+ATTEMPTS = 3  # one that takes its machine down with it must not do so for ever
+
+log = logging.getLogger(__name__)
+
+
+def carry_out(location: Location, fit_id: str, runners: Runners, model: Path | None) -> None:
+    """Runs the fit, and its partner with it, to the end; does nothing when both have ended.
+
+    Holds the fits before the claim, so that whoever has ended one can wait until nothing more is written for it.
+    """
+    storage = Storage(location)
+    try:
+        if not storage.has_files():
+            raise BadSettings(UNSEEN)
+        with ExitStack() as stack:
+            for each in get_fit(storage, fit_id).both:
+                stack.enter_context(storage.held(each))
+            fit = claim_fit(storage, fit_id)
+            if fit is not None:
+                both = [fit, *(get_fit(storage, each) for each in fit.both[1:])]
+                _run(storage, [Telling(storage, each) for each in both], runners, model)
+    except (FileNotFoundError, NotFound):
+        log.info("fit %s was deleted before it ran", fit_id)
+    except Over:
+        pass
+    finally:
+        storage.close()
+
+
+def _run(storage: Storage, tellings: list[Telling], runners: Runners, model: Path | None) -> None:
+    first = tellings[0].fit
+
+    def fail(reason: str) -> None:
+        for each in tellings:
+            with suppress(Over):
+                each.tell(Failed(reason=reason))
+
+    if max(each.fit.attempt for each in tellings) > ATTEMPTS:
+        fail(TOO_OFTEN.format(ATTEMPTS))
+        return
+    try:
+        with ExitStack() as stack:
+            drafts = [stack.enter_context(_draft(storage, each.fit)) for each in tellings]
+            jobs = [
+                stack.enter_context(_job(storage, each.fit, draft.folder, model))
+                for each, draft in zip(tellings, drafts, strict=True)
+            ]
+            for which, event in stack.enter_context(closing(_story(runners, jobs))):
+                _tell(tellings[which], event, drafts[which])
+    except BreastRigError as error:
+        fail(str(error))
+    except MemoryError:
+        fail("The fit needed more memory than it may use; give a smaller scan.")
+    except Over:
+        raise
+    except SQLAlchemyError:
+        fail(UNWRITTEN)
+    except OSError as error:
+        log.error("fit %s met an error of the disk or the system: %s", first.id, error.strerror)
+        fail(UNWRITTEN)
+    except Exception:
+        log.exception("fit %s broke", first.id)
+        fail("The fit broke for a reason inside BreastRig; the server's log says it.")
+
+
+def _story(runners: Runners, jobs: list[FitJob]) -> Generator[tuple[int, Event], None, None]:
+    """(0, or 1 for the partner, and its next event)."""
+    if len(jobs) == 1:
+        with closing(runners.one(jobs[0])) as events:  # type: ignore[type-var]
+            for event in events:
+                yield 0, event
+        return
+    with closing(runners.two(jobs[0], jobs[1])) as pairs:  # type: ignore[type-var]
+        yield from pairs
+
+
+def _tell(telling: Telling, event: Event, draft: Draft) -> None:
+    """Stores the event; the files come before the event that says that they are there."""
+    if event.kind != "done" or telling.fit.ended:
+        telling.tell(event)
+        return
+    draft.keep()
+    try:
+        telling.tell(event)
+    except Over:
+        if not telling.goes_on():
+            draft.take_back()
+        raise
+
+
+@contextmanager
+def _draft(storage: Storage, fit: FitRow) -> Iterator[Draft]:
+    """Where the fit's files are written; those of one that has ended already lead nowhere."""
+    if fit.ended:
+        with scratch_folder() as folder:
+            yield FolderDraft(folder)
+        return
+    with storage.files.writing(fit_place(fit.id)) as draft:
+        yield draft
+
+
+@contextmanager
+def _job(storage: Storage, fit: FitRow, out: Path, model: Path | None) -> Iterator[FitJob]:
+    """The fit's task, with its scan at hand."""
+    scan = get_scan(storage, fit.scan)
+    with storage.files.reading(scan_place(scan.id), [upload_name(scan.file_type)]) as folder:
+        yield replace(fit_job(scan, fit, folder, out, model), earlier=_earlier(storage, fit))
+
+
+def _earlier(storage: Storage, fit: FitRow) -> EarlierFit | None:
+    """The fit that this one goes on from, as its story told it last."""
+    if fit.start_from is None:
+        return None
+    earlier = get_fit(storage, fit.start_from)
+    first = events_of_kind(storage, earlier.id, "started")
+    last = events_of_kind(storage, earlier.id, "iterated", offset=earlier.iterations - 1)
+    return EarlierFit(earlier.stance, json.loads(last[0].json)["nodes"], json.loads(first[0].json)["model_sha256"])
+
+
+def fit_job(scan: ScanRow, fit: FitRow, folder: Path, out: Path, model: Path | None) -> FitJob:
+    """What the runner is told.  The unit is the one that was decided, and shown, at the upload."""
+    return FitJob(
+        scan=folder / upload_name(scan.file_type),
+        out=out,
+        landmarks_mm=fit.landmarks_mm,
+        units=scan.facts["unit"],
+        file_type=scan.file_type,
+        stance=fit.asked_stance,
+        preset=fit.preset,
+        drawing=fit.drawing,
+        model=model,
+        refine=fit.refine,
+        orientation=scan.facts.get("orientation"),
+    )

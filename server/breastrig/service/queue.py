@@ -1,0 +1,222 @@
+"""Which fit runs when.  The queue is the table of fits; this only keeps the workers busy with its oldest rows.
+
+A fit leaves the table's queue when a worker claims it, so a server that dies loses nothing: at the next start the
+fits that ran go back to their places in the queue, and go on with their stories.  A fit whose own process died is
+not begun again, because it would most likely die again: it fails with a sentence.
+"""
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import wait
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from breastrig.core.errors import BreastRigError, Conflict, NotFound
+from breastrig.execution.executor import Executor
+from breastrig.execution.limits import FitLimits
+from breastrig.service.event_writer import event_json
+from breastrig.service.fit_worker import UNWRITTEN, Runners, carry_out
+from breastrig.storage.rows.events import append
+from breastrig.storage.rows.fits import FitRow, fits_in_state, get_fit, next_queued, put_back
+from breastrig.storage.storage import Storage
+from breastrig.workflow.events import Cancelled, Event, Failed
+
+STARTS = 3  # a process may die before it has claimed its fit; then the fit is started again, so often at most
+SETTLE_AGAIN_S = 1.0
+LOOK_S = 1.0  # how soon a worker that has joined a cluster is given a waiting fit
+KILL_S = 10.0  # Pebble asks a process to end, and after 3 s makes it
+DIED = "The fit's process ended unexpectedly, perhaps for want of memory; start the fit again or give a smaller scan."
+LOST = "The cluster's scheduler was lost while this fit ran; start the fit again."
+SILENT = "The fit ended without a result; this is an error inside BreastRig."
+
+log = logging.getLogger(__name__)
+
+
+class FitQueue:
+    """Starts, watches and stops fits.  All methods may be called from any thread."""
+
+    def __init__(
+        self, storage: Storage, processes: Executor, limits: FitLimits, runners: Runners, model: Path | None
+    ) -> None:
+        self._storage = storage
+        self._processes = processes
+        self._limits = limits
+        self._runners = runners
+        self._model = model
+        self._lock = threading.RLock()
+        self._running: dict[str, Any] = {}  # fit id -> future
+        self._starts: dict[str, int] = {}
+        self._began: dict[str, float] = {}  # fit id -> time.monotonic() of its last start
+        self.tell_end: Callable[[str, float], None] | None = None  # (state, seconds) of each fit that ends
+        self._stopping = False
+        self._stop_looking = threading.Event()
+        self._look = threading.Thread(target=self._look_on, name="breastrig-queue", daemon=True)
+
+    def recover(self) -> tuple[int, int]:
+        """After a start: takes up the fits that ran, and those that waited.  (how many ran, how many wait now)."""
+        interrupted = self._storage.with_room(lambda: put_back(self._storage))
+        waiting = len(fits_in_state(self._storage, "queued"))
+        self.wake()
+        self._look.start()
+        return interrupted, waiting
+
+    def wake(self) -> None:
+        """Gives free workers the oldest waiting fits."""
+        with self._lock:
+            while not self._stopping and len(self._running) < self._processes.workers:
+                fit_id = next_queued(self._storage, set(self._running))
+                if fit_id is None:
+                    return
+                self._start(fit_id)
+
+    def cancel(self, fit_id: str) -> FitRow:
+        """Ends the fit, and its partner, and kills their process.
+
+        Raises NotFound, or Conflict when it is done or failed.
+        """
+        asked = get_fit(self._storage, fit_id)
+        if asked.ended and asked.state != "cancelled":
+            raise Conflict(f"This fit has already ended: it is {asked.state}.")
+        for each in asked.both:
+            self._end(each, Cancelled())
+        self._kill(asked.both[0])
+        found = get_fit(self._storage, fit_id)
+        if found.state != "cancelled":  # it came to its own end in between
+            raise Conflict(f"This fit has already ended: it is {found.state}.")
+        return found
+
+    def drop(self, fit_ids: list[str]) -> None:
+        """Ends fits that are about to be deleted, or already are, and waits until their processes are dead."""
+        for fit_id in fit_ids:
+            for each in self._both(fit_id):
+                why = "The scan was deleted." if each in fit_ids else "The other stance's scan was deleted."
+                self._end_surely(each, Cancelled(reason=why))
+                self._kill(each)
+        for fit_id in fit_ids:
+            if not self._storage.wait_until_free(fit_id, KILL_S):
+                log.error("the process of fit %s does not end", fit_id)
+
+    def stop(self) -> None:
+        """Waits a little for running fits, then kills them; they go back into the table's queue."""
+        with self._lock:
+            self._stopping = True
+            running = dict(self._running)
+        self._stop_looking.set()
+        wait(running.values(), timeout=self._limits.grace_s)
+        self._processes.stop()
+        try:
+            put_back(self._storage)
+        except SQLAlchemyError as unwritten:  # the next start does it
+            log.error("the fits that ran cannot be put back yet: %s", type(unwritten).__name__)
+
+    def _look_on(self) -> None:
+        """Whoever adds or ends a fit wakes the queue; only the workers come and go without a word."""
+        while not self._stop_looking.wait(LOOK_S):
+            try:
+                self.wake()
+            except Exception:
+                log.exception("the queue cannot be read")
+
+    def _start(self, fit_id: str) -> None:
+        self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
+        self._began[fit_id] = time.monotonic()
+        args = (self._storage.location, fit_id, self._runners, self._model)
+        future = self._processes.schedule(carry_out, args, timeout=self._limits.wall_s)
+        self._running[fit_id] = future
+        future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
+
+    def _on_end(self, fit_id: str, future: Any) -> None:
+        """In Pebble's thread, or in the thread that cancelled."""
+        try:
+            with self._lock:
+                self._running.pop(fit_id, None)
+                seconds = time.monotonic() - self._began.pop(fit_id)
+                if self._stopping:
+                    return
+            if not future.cancelled():
+                self._settle_surely(fit_id, future.exception())
+            self._tell(fit_id, seconds)
+            self.wake()
+        except Exception:
+            log.exception("after the end of fit %s", fit_id)
+
+    def _tell(self, fit_id: str, seconds: float) -> None:
+        if self.tell_end is not None:
+            with suppress(NotFound):
+                fit = get_fit(self._storage, fit_id)
+                if fit.ended:
+                    self.tell_end(fit.state, seconds)
+
+    def _settle_surely(self, fit_id: str, error: BaseException | None) -> None:
+        """The same, again and again while nothing can be stored: the disk is full, or the database is held."""
+        try:
+            self._settle(fit_id, error)
+        except SQLAlchemyError as unwritten:
+            log.error("the end of fit %s cannot be stored yet: %s", fit_id, type(unwritten).__name__)
+            if not self._stopping:  # else the next start says it
+                again = threading.Timer(SETTLE_AGAIN_S, self._settle_surely, (fit_id, error))
+                again.daemon = True
+                again.start()
+
+    def _settle(self, fit_id: str, error: BaseException | None) -> None:
+        """Makes sure that the fit, and its partner, have an end."""
+        for each in self._both(fit_id):
+            try:
+                fit = get_fit(self._storage, each)
+            except NotFound:  # deleted in the meantime
+                continue
+            if fit.ended:
+                continue
+            if isinstance(error, TimeoutError):
+                self._end(each, Failed(reason=f"The fit took longer than {self._limits.wall_s:g} s and was stopped."))
+            elif fit.state == "queued" and self._starts[fit_id] < STARTS:
+                return
+            else:
+                log.error("fit %s ended without an end: %s", each, type(error).__name__)
+                self._end(each, Failed(reason=_why(error)))
+        self._starts.pop(fit_id, None)
+
+    def _both(self, fit_id: str) -> tuple[str, ...]:
+        """The fit and its partner, the leading one first, as far as they are still known."""
+        with suppress(NotFound):
+            return get_fit(self._storage, fit_id).both
+        return (fit_id,)
+
+    def _end(self, fit_id: str, event: Event) -> None:
+        with suppress(NotFound, Conflict):  # it may have ended otherwise in the meantime
+            append(self._storage, fit_id, event_json(event))
+
+    def _end_surely(self, fit_id: str, event: Event) -> None:
+        """The same for a deletion, which a full disk must not hinder."""
+        try:
+            self._storage.with_room(lambda: self._end(fit_id, event))
+        except SQLAlchemyError as unwritten:
+            log.error("the end of fit %s cannot be stored yet: %s", fit_id, type(unwritten).__name__)
+            if not self._stopping:
+                again = threading.Timer(SETTLE_AGAIN_S, self._end_surely, (fit_id, event))
+                again.daemon = True
+                again.start()
+
+    def _kill(self, fit_id: str) -> None:
+        with self._lock:
+            future = self._running.get(fit_id)
+        if future is not None:
+            future.cancel()
+        else:
+            self.wake()
+
+
+def _why(error: BaseException | None) -> str:
+    """The sentence for a fit whose process came back without an end."""
+    if error is None:
+        return SILENT
+    if isinstance(error, BreastRigError):
+        return str(error)
+    if isinstance(error, ConnectionError):
+        return LOST
+    return UNWRITTEN if isinstance(error, SQLAlchemyError) else DIED

@@ -1,0 +1,299 @@
+"""What the HTTP floor needs done: scans kept, fits run, stories told.
+
+    with Service(storage, runner).started() as service: ...
+
+owns two pools of processes (uploads, fits), the queue and the bell; `started` starts all and leaves nothing
+running.  Another executor may carry out the fits; it is the service's then.
+"""
+
+import hashlib
+import json
+import logging
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from breastrig.core.assets import asset_folder
+from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound, NotRemoved, unknown_name
+from breastrig.execution.executor import Executor
+from breastrig.execution.fair_processes import FairProcesses
+from breastrig.execution.limits import FitLimits, UploadLimits
+from breastrig.execution.processes import Processes
+from breastrig.execution.scratch_sweeper import scratch_swept
+from breastrig.scan.stored_scan import STORED
+from breastrig.service.fit_worker import PairRunner, Runner, Runners
+from breastrig.service.follow import Bell, Heartbeat, Queued, follow
+from breastrig.service.plain_meshes import PlainMeshes
+from breastrig.service.proposals import Proposals, Proposer
+from breastrig.service.queue import FitQueue
+from breastrig.service.readiness import Readiness
+from breastrig.service.reports import Reports
+from breastrig.service.sweep import KEEP_DAYS, Sweep
+from breastrig.service.waiting_cap import WaitingCap
+from breastrig.storage.deletion import delete_rows, discard, finish_deletions, remove_files
+from breastrig.storage.file_journal import note_making
+from breastrig.storage.files import MESH, fit_place, scan_place, upload_name
+from breastrig.storage.folders import new_id
+from breastrig.storage.rows import scans as scan_rows
+from breastrig.storage.rows.events import StoredEvent
+from breastrig.storage.rows.fits import FitRow, FitWish, Once, add_fits, fits_of_scan, get_fit, made_before
+from breastrig.storage.rows.scans import Points, ScanRow
+from breastrig.storage.storage import Storage, utc_now
+from breastrig.workflow.propose_on_scan import propose_on_file
+from breastrig.workflow.read_upload import UploadJob, read_upload
+from breastrig.workflow.run_fit import run_fit
+from breastrig.workflow.run_pair import run_pair
+from breastrig.workflow.transfer import TransferJob, transfer
+
+CHUNK = 2**20
+TRANSFER_WALL_S = 60.0  # a transfer takes a second or two; a slow machine with huge scans may take many
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Example:
+    name: str
+    label: str
+    scan: Path
+    landmarks: Path
+
+
+class Service:
+    """One data folder at work."""
+
+    def __init__(
+        self,
+        storage: Storage,
+        *,
+        runner: Runner = run_fit,
+        pair_runner: PairRunner = run_pair,
+        proposer: Proposer = propose_on_file,
+        model: Path | None = None,
+        examples: Path | None = None,
+        uploads: UploadLimits | None = None,
+        fits: FitLimits | None = None,
+        executor: Executor | None = None,
+        streams: int = 24,
+        keep_days: float | None = KEEP_DAYS,
+    ) -> None:
+        self.storage = storage
+        self.streams = threading.BoundedSemaphore(streams)  # each open stream holds a thread of the server
+        self._uploads = uploads or UploadLimits()
+        fit_limits = fits or FitLimits()
+        self._readers = FairProcesses(
+            Processes(self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s),
+            self._uploads.waiting_per_client,
+        )
+        self._workers = executor or Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes)
+        self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner), model)
+        self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
+        self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
+        self._model = model
+        self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
+        self.reports = Reports(storage, self._readers, model)
+        self.plain_meshes = PlainMeshes(storage, self._readers)
+        self._bell = Bell(storage)
+        self._sweep = Sweep(storage, self.delete_scan, keep_days)
+        self._examples = examples
+
+    @contextmanager
+    def started(self) -> Iterator["Service"]:
+        """Holds the data folder, starts the processes, takes up what an earlier server left; stops all at the end."""
+        swept = nullcontext() if self.storage.location.files is None else scratch_swept()
+        with self.storage.exclusive(), swept:
+            self.storage.prepare()
+            self._clean()
+            self.storage.forget_deleted()  # from here on the database's file holds nearly all, so damage is seen
+            self.storage.refill_reserve()
+            try:
+                self._readers.warm_up()
+                self._workers.warm_up()
+                self._bell.start()
+                interrupted, waiting = self._queue.recover()
+                if waiting:
+                    log.warning("after the restart: %d fits wait, %d of them had begun", waiting, interrupted)
+                self._sweep.start()
+                yield self
+            finally:
+                self._sweep.stop()
+                self._bell.stop()
+                self._queue.stop()
+                self._readers.stop()
+                self.storage.close()
+
+    @property
+    def workers(self) -> int:
+        """How many fits can run at once."""
+        return self._workers.workers
+
+    def on_fit_end(self, tell: Callable[[str, float], None]) -> None:
+        """`tell(state, seconds)` is called when a fit has ended, in any thread."""
+        self._queue.tell_end = tell
+
+    def end_streams(self) -> None:
+        """Ends every open story, so that the server's threads are free to go."""
+        self._bell.stop()
+
+    def add_scan(self, source: IO[bytes], file_type: str, units: str) -> ScanRow:
+        """Reads an upload and keeps what was read of it, without names, comments and picture metadata.
+
+        Raises BadScan or TooLarge with a sentence, and then keeps nothing.
+        """
+        scan_id = new_id()
+        place = scan_place(scan_id)
+        note_making(self.storage, scan_id, [place])
+        try:
+            self.storage.files.make(place)
+            with self.storage.files.writing(place) as draft:
+                upload = draft.folder / upload_name(file_type)
+                sha256 = _keep(source, upload)
+                kept = draft.folder / upload_name(STORED)
+                mesh = draft.folder / MESH
+                facts = self._read(UploadJob(upload, units, kept, mesh, self._uploads.triangles, self._model))
+                upload.unlink()
+                draft.keep()
+            row = ScanRow(scan_id, utc_now(), STORED, sha256, facts)
+            scan_rows.add_scan(self.storage, row)
+        except BaseException:
+            discard(self.storage, scan_id, place)
+            raise
+        return row
+
+    def delete_scan(self, scan_id: str) -> None:
+        """Removes the scan, its landmarks and its fits: rows and files.  No such scan is no error.
+
+        Raises NotRemoved when files are left; they are tried again from time to time.
+        """
+        self._proposals.drop(scan_id)
+        self._queue.drop(fits_of_scan(self.storage, scan_id))
+        gone = delete_rows(self.storage, scan_id)
+        self._queue.drop(gone)  # a fit may have been asked for in between
+        left = remove_files(self.storage, scan_id)
+        self._bell.ring()
+        if left:
+            raise NotRemoved(len(left))
+
+    def proposed_landmarks(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
+        """The landmarks that the model proposes on the scan; None when they are still being looked for."""
+        return self._proposals.get(scan, model_sha256, wait_s)
+
+    def examples(self) -> tuple[Example, ...]:
+        """The packaged example scans, in the order standing, supine, others."""
+        folder = self._examples or asset_folder("example")
+        names = sorted(scan.parent.name for scan in folder.glob("*/scan.ply"))
+        return tuple(
+            Example(name, f"Example patient, {name}", folder / name / "scan.ply", folder / name / "landmarks.json")
+            for name in names
+        )
+
+    def add_example(self, name: str) -> tuple[ScanRow, Points]:
+        """Opens an example like an upload; also its landmarks in mm.  Raises NotFound."""
+        examples = {example.name: example for example in self.examples()}
+        if not examples:
+            raise NotFound("This copy of BreastRig holds no examples.")
+        if name not in examples:
+            raise NotFound(unknown_name("example", name, tuple(examples)))
+        example = examples[name]
+        with example.scan.open("rb") as source:
+            row = self.add_scan(source, "ply", "auto")
+        return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
+
+    def add_fit(
+        self, wish: FitWish, other: FitWish | None = None, once: Once | None = None, client: str | None = None
+    ) -> str:
+        """Puts a fit into the queue; its id.  With `other` it is fitted together with a second stance.
+
+        The same request `once` more gives the id of the first.  Raises NotFound when a scan is gone, BadInput when
+        `once` has the key of another request, TooMany when so many fits of the `client` wait already.
+        """
+        if once is not None:
+            made = made_before(self.storage, once)
+            if made is not None:
+                return made
+        with self._waiting.place(client) as waits:
+            made = self._add_fit(wish, other, once)
+            waits(made)
+        self._queue.wake()
+        return made
+
+    def _add_fit(self, wish: FitWish, other: FitWish | None, once: Once | None) -> str:
+        wishes = {new_id(): one for one in (wish, other) if one is not None}
+        places = [fit_place(fit_id) for fit_id in wishes]
+        note_making(self.storage, wish.scan, places)
+        try:
+            for fit_id in wishes:
+                self.storage.make_fit(fit_id)
+            made = add_fits(self.storage, utc_now(), wishes, once)
+        except BaseException:
+            discard(self.storage, wish.scan, *places)
+            raise
+        if made not in wishes:
+            discard(self.storage, wish.scan, *places)
+        return made
+
+    def cancel_fit(self, fit_id: str) -> FitRow:
+        """Raises NotFound, or Conflict when the fit is done or failed."""
+        return self._queue.cancel(fit_id)
+
+    def follow(
+        self, fit_id: str, after: int, heartbeat_s: float, gone: Callable[[], bool] | None = None
+    ) -> Iterator[StoredEvent | Queued | Heartbeat]:
+        """The fit's events above `after`, as they come; before the first, its place in the queue."""
+        return follow(self.storage, self._bell, fit_id, after, heartbeat_s, gone)
+
+    def transfer(
+        self, from_fit: str, to_fit: str, drawing: dict[str, Any] | None, other_patient: bool
+    ) -> dict[str, Any]:
+        """A drawing of one fit's scan, on the other's (breastrig/drawing@1), made in a process of its own.
+
+        Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
+        """
+        files = self.storage.files
+        try:
+            with files.reading(fit_place(from_fit)) as source, files.reading(fit_place(to_fit)) as goal:
+                job = TransferJob(source, goal, drawing, other_patient, self._model)
+                carried: dict[str, Any] = self._readers.result(transfer, (job,), TRANSFER_WALL_S)
+        except BreastRigError:
+            for fit_id in (from_fit, to_fit):
+                get_fit(self.storage, fit_id)
+            raise
+        except TimeoutError as error:
+            raise FitFailed(
+                f"Carrying this drawing took longer than {TRANSFER_WALL_S:g} s; give smaller scans."
+            ) from error
+        except (OSError, RuntimeError) as error:
+            log.warning("the process that carried a drawing died: %r", error)
+            raise FitFailed("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
+        return carried
+
+    def _read(self, job: UploadJob) -> dict[str, object]:
+        try:
+            facts: dict[str, object] = self._readers.result(read_upload, (job,), self._uploads.wall_s)
+        except TimeoutError as error:
+            raise BadScan(
+                f"Reading this scan took longer than {self._uploads.wall_s:g} s; simplify it first."
+            ) from error
+        except (OSError, RuntimeError) as error:
+            log.warning("the process that read an upload died: %r", error)
+            raise BadScan("Reading this scan needs more memory or time than it may use; simplify it first.") from error
+        return facts
+
+    def _clean(self) -> None:
+        for left in finish_deletions(self.storage):
+            log.error("files of a deleted scan cannot be removed (%s); `breastrig purge` lists them", left.reason)
+
+
+def _keep(source: IO[bytes], path: Path) -> str:
+    """Writes the bytes to the file; their sha256.  Raises BadScan when there are none."""
+    digest = hashlib.sha256()
+    with path.open("xb") as target:
+        while chunk := source.read(CHUNK):
+            digest.update(chunk)
+            target.write(chunk)
+        if target.tell() == 0:
+            raise BadScan("This file is empty; export the scan again.")
+    return digest.hexdigest()

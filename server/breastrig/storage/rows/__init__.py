@@ -1,0 +1,1 @@
+"""Reading and writing the rows, one table a module."""

@@ -1,0 +1,268 @@
+"""Rows of fits.  The table is also the queue: the oldest queued row is the next to run."""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from sqlalchemy import ColumnElement, Connection, Row, case, func, insert, or_, select, update
+
+from breastrig.core.errors import BadInput, NotFound
+from breastrig.storage import schema
+from breastrig.storage.file_journal import strike_out
+from breastrig.storage.files import fit_place
+from breastrig.storage.rows.scans import Points
+from breastrig.storage.storage import Storage
+
+STATES = ("queued", "running", "done", "failed", "cancelled")
+ENDED = frozenset(STATES[2:])
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitWish:
+    """What was asked for."""
+
+    scan: str
+    stance: str = "auto"
+    preset: str = "default"
+    drawing: str | None = None
+    landmarks_mm: Points
+    refine: bool = False
+    start_from: str | None = None  # an earlier fit of the same scan
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitRow(FitWish):
+    """What was asked for, and how far it has come; `stance` is the decided one once the fit has started."""
+
+    id: str
+    asked_stance: str  # auto, standing, supine
+    partner: str | None  # the fit of the other stance, made by the same job
+    leads: bool  # of two partners the one that waits in the queue for both
+    created_at: str
+    state: str  # queued, running, done, failed, cancelled
+    attempt: int  # how often a worker has begun it; events of an earlier attempt are refused
+    last_event: int
+    iterations: int
+    numbers: dict[str, Any] | None  # the last iterated event without its nodes
+    reason: str | None
+
+    @property
+    def ended(self) -> bool:
+        return self.state in ENDED
+
+    @property
+    def both(self) -> tuple[str, ...]:
+        """The ids of this fit and its partner, the leading one first."""
+        if self.partner is None:
+            return (self.id,)
+        return (self.id, self.partner) if self.leads else (self.partner, self.id)
+
+
+@dataclass(frozen=True)
+class Once:
+    """A request that may be sent again without being carried out again."""
+
+    key_sha256: str
+    request_sha256: str
+
+    @classmethod
+    def of(cls, key: str, request: str) -> "Once":
+        """From the Idempotency-Key and the request's text."""
+        key_sha256, request_sha256 = (hashlib.sha256(text.encode()).hexdigest() for text in (key, request))
+        return cls(key_sha256, request_sha256)
+
+
+def add_fits(storage: Storage, created_at: str, wishes: dict[str, FitWish], once: Once | None = None) -> str:
+    """Puts a fit {id: wish}, or two stances to be fitted together, at the end of the queue.
+
+    Gives the first id, or that of the fit which the same request has made before.  Raises NotFound when a scan is
+    gone, BadInput when the key came with another request.
+    """
+    first, *others = wishes
+    with storage.database.writing() as connection:
+        if once is not None:
+            made = _made_before(connection, once)
+            if made is not None:
+                return made
+        for fit_id, wish in wishes.items():
+            if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == wish.scan)).first() is None:
+                raise NotFound("There is no such scan; it may have been deleted.")
+            place = connection.execute(select(func.coalesce(func.max(schema.fits.c.place), 0) + 1)).scalar_one()
+            partner = others[0] if others and fit_id == first else first
+            values = {
+                **asdict(wish),
+                "asked_stance": wish.stance,
+                "landmarks_mm": json.dumps(wish.landmarks_mm),
+                "id": fit_id,
+                "partner": partner if others else None,
+                "leads": fit_id == first,
+                "place": place,
+                "created_at": created_at,
+                "state": "queued",
+                "last_event": 0,
+                "iterations": 0,
+            }
+            connection.execute(insert(schema.fits).values(values))
+        strike_out(connection, map(fit_place, wishes))
+        if once is not None:
+            connection.execute(insert(schema.asked_once).values(fit=first, **asdict(once)))
+    return first
+
+
+def _made_before(connection: Connection, once: Once) -> str | None:
+    table = schema.asked_once
+    row = connection.execute(select(table).where(table.c.key_sha256 == once.key_sha256)).one_or_none()
+    if row is None:
+        return None
+    if row.request_sha256 != once.request_sha256:
+        raise BadInput("This Idempotency-Key came with another request before; use a new key for a new fit.")
+    return str(row.fit)
+
+
+def get_fit(storage: Storage, fit_id: str) -> FitRow:
+    """Raises NotFound."""
+    with storage.database.reading() as connection:
+        row = connection.execute(select(schema.fits).where(schema.fits.c.id == fit_id)).one_or_none()
+    if row is None:
+        raise NotFound("There is no such fit; it may have been deleted.")
+    return _fit_row(row)
+
+
+def claim_fit(storage: Storage, fit_id: str) -> FitRow | None:
+    """Begins a new attempt at a fit that waits or runs, and at its partner; None when there is nothing to do.
+
+    Whoever was at it before can store nothing more.  One of two partners may have ended already.
+    """
+    table = schema.fits
+    with storage.database.writing() as connection:
+        row = connection.execute(select(table).where(table.c.id == fit_id)).one_or_none()
+        if row is None:
+            return None
+        begun = connection.execute(
+            update(table)
+            .where(table.c.id.in_((fit_id, row.partner)), table.c.state.in_(("queued", "running")))
+            .values(state="running", attempt=table.c.attempt + 1)
+        )
+        if begun.rowcount == 0:
+            return None
+        return _fit_row(connection.execute(select(table).where(table.c.id == fit_id)).one())
+
+
+def put_back(storage: Storage) -> int:
+    """Puts the fits that run back into the queue, at their old places, because nobody carries them out any more.
+
+    How many they were.  A worker that is still at one can store nothing more, as the fit no longer runs.
+    """
+    table = schema.fits
+    with storage.database.writing() as connection:
+        return connection.execute(update(table).where(table.c.state == "running").values(state="queued")).rowcount
+
+
+def _leader() -> ColumnElement[str]:
+    """The id under which a fit is carried out: that of the leading partner, who may have ended already."""
+    table = schema.fits
+    return case((or_(table.c.leads, table.c.partner.is_(None)), table.c.id), else_=table.c.partner)
+
+
+def next_queued(storage: Storage, besides: set[str]) -> str | None:
+    """The oldest queued fit that is not among `besides`; of two partners the one that leads."""
+    table = schema.fits
+    with storage.database.reading() as connection:
+        query = (
+            select(_leader())
+            .where(table.c.state == "queued", _leader().not_in(besides))
+            .order_by(table.c.place)
+            .limit(1)
+        )
+        return connection.execute(query).scalar_one_or_none()
+
+
+def queue_position(storage: Storage, fit_id: str) -> int | None:
+    """1 for the next to run, 2 for the one after it; None when the fit does not wait.
+
+    Two stances fitted together stand in the queue once.
+    """
+    table = schema.fits
+    with storage.database.reading() as connection:
+        fit = connection.execute(
+            select(table.c.place, table.c.leads, table.c.partner).where(table.c.id == fit_id, table.c.state == "queued")
+        ).one_or_none()
+        if fit is None:
+            return None
+        place = fit.place
+        if not fit.leads:
+            place = connection.execute(select(table.c.place).where(table.c.id == fit.partner)).scalar_one()
+        before = select(func.count(_leader().distinct())).where(table.c.state == "queued", table.c.place < place)
+        return 1 + int(connection.execute(before).scalar_one())
+
+
+def still_queued(storage: Storage, fit_ids: set[str]) -> set[str]:
+    """Those of the fits that wait."""
+    table = schema.fits
+    with storage.database.reading() as connection:
+        query = select(table.c.id).where(table.c.state == "queued", table.c.id.in_(fit_ids))
+        return set(connection.execute(query).scalars())
+
+
+def count_by_state(storage: Storage) -> dict[str, int]:
+    """How many fits are in each state that any fit is in."""
+    table = schema.fits
+    with storage.database.reading() as connection:
+        rows = connection.execute(select(table.c.state, func.count()).group_by(table.c.state))
+        return {row[0]: int(row[1]) for row in rows}
+
+
+def made_before(storage: Storage, once: Once) -> str | None:
+    """The fit that the same request has made; BadInput when the key came with another request."""
+    with storage.database.reading() as connection:
+        return _made_before(connection, once)
+
+
+def fits_in_state(storage: Storage, state: str) -> list[str]:
+    with storage.database.reading() as connection:
+        return list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.state == state)).scalars())
+
+
+def fits_of_scan(storage: Storage, scan_id: str) -> list[str]:
+    with storage.database.reading() as connection:
+        return list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.scan == scan_id)).scalars())
+
+
+def fits_page(storage: Storage, scan_id: str, limit: int, before: int | None = None) -> tuple[list[FitRow], int | None]:
+    """Fits of a scan, the newest first, and where the next page goes on (None: there is none)."""
+    table = schema.fits
+    query = select(table).where(table.c.scan == scan_id).order_by(table.c.place.desc()).limit(limit + 1)
+    if before is not None:
+        query = query.where(table.c.place < before)
+    with storage.database.reading() as connection:
+        rows = list(connection.execute(query))
+    return [_fit_row(row) for row in rows[:limit]], rows[limit - 1].place if len(rows) > limit else None
+
+
+def fit_ids(storage: Storage) -> set[str]:
+    with storage.database.reading() as connection:
+        return set(connection.execute(select(schema.fits.c.id)).scalars())
+
+
+def _fit_row(row: Row[Any]) -> FitRow:
+    return FitRow(
+        id=row.id,
+        partner=row.partner,
+        leads=row.leads,
+        scan=row.scan,
+        created_at=row.created_at,
+        state=row.state,
+        attempt=row.attempt,
+        stance=row.stance,
+        asked_stance=row.asked_stance or row.stance,
+        preset=row.preset,
+        drawing=row.drawing,
+        landmarks_mm=json.loads(row.landmarks_mm),
+        refine=row.refine,
+        start_from=row.start_from,
+        last_event=row.last_event,
+        iterations=row.iterations,
+        numbers=None if row.numbers is None else json.loads(row.numbers),
+        reason=row.reason,
+    )

@@ -1,0 +1,81 @@
+"""What a fit tells the world, in order: started, iterated …, then exactly one of done, failed, cancelled.
+
+The events are the single story of a fit: stored first, then sent, replayed from any number.  `nodes` speaks
+glTF's own words, so that the page applies an event and a .gltf file with the same code.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class EventPart(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Event(EventPart):
+    kind: str
+
+
+class NodePose(EventPart):
+    """One glTF node by name; absent fields stay as they are."""
+
+    name: str
+    translation: list[float] | None = Field(None, description="x y z, metres, relative to the parent node")
+    rotation: list[float] | None = Field(None, description="quaternion x y z w, relative to the parent node")
+    scale: list[float] | None = Field(None, description="scale per local axis (on the nodes *_scale)")
+    weights: list[float] | None = Field(None, description="blendshape weights in the model's order (on the mesh node)")
+
+
+class DoubtedPick(EventPart):
+    """Picked landmarks that the fit did not follow."""
+
+    names: list[str] = Field(description="which ones")
+    reason: str = Field(description="one sentence")
+
+
+class Started(Event):
+    kind: Literal["started"] = "started"
+    stance: Literal["standing", "supine"]
+    stance_reason: str
+    preset: str
+    model_sha256: str
+    drawing: str | None
+    iterations_limit: int
+    notes: list[str] = Field(default=[], description="what reading and cleaning the scan found, one sentence each")
+    landmarks_not_followed: list[DoubtedPick] = Field(
+        default=[], description="picks that are doubted before the first step; `done` tells all of them"
+    )
+
+
+class Iterated(Event):
+    kind: Literal["iterated"] = "iterated"
+    iteration: int = Field(description="0 is the start, before the first step")
+    stage: str
+    energy: float = Field(description="comparable within one iteration only: matches and sigmas change")
+    mean_distance_mm: float = Field(description="mean distance of matched model vertices to the scan")
+    landmark_distance_mm: float | None = Field(description="mean over the picked landmarks")
+    coverage: float = Field(description="share of the model's vertices with an accepted match")
+    elapsed_s: float
+    nodes: list[NodePose]
+
+
+class Done(Event):
+    kind: Literal["done"] = "done"
+    result: dict[str, object] = Field(
+        description="result.json; `verdict` says whether to trust it, `landmarks_not_followed` names every doubted pick"
+    )
+
+
+class Failed(Event):
+    kind: Literal["failed"] = "failed"
+    reason: str
+
+
+class Cancelled(Event):
+    kind: Literal["cancelled"] = "cancelled"
+    reason: str = "The fit was cancelled."
+
+
+FitEvent = Annotated[Started | Iterated | Done | Failed | Cancelled, Field(discriminator="kind")]
+LAST_KINDS = frozenset({"done", "failed", "cancelled"})

@@ -1,0 +1,41 @@
+"""A fit's folder turned into files for other programs (Blender, MeshLab, tetrahedral meshers)."""
+
+from pathlib import Path
+
+from breastrig.gltf.lines_glb import lines_glb
+from breastrig.report.exported import closed_model, vertex_sets
+from breastrig.report.line_files import obj_lines, ply_lines, rgb
+from breastrig.report.surface_files import surface_ply, surface_stl
+from breastrig.workflow.fit_files import json_bytes
+from breastrig.workflow.fit_folder import read_fit_folder
+from breastrig.workflow.report import stance_of, write_all
+
+EXPORT_RECORD = "surface.json"
+EXPORT_FILES = ("drawing.glb", "drawing.obj", "drawing.ply", "surface.ply", "surface.stl", EXPORT_RECORD)
+
+
+def export_files(folder: Path, model: Path | None = None) -> dict[str, bytes]:
+    """drawing.{glb,obj,ply}, where the fit has a drawing, and surface.{ply,stl,json}; by name.
+
+    Everything is in the scan's frame and unit, apart from drawing.glb, which is in metres as glTF demands.
+    Raises BadInput for a folder that is no fit.
+    """
+    fit = read_fit_folder(folder, model)
+    stance = stance_of(folder, fit)
+    per_unit, unit = fit.metres_per_unit, fit.unit
+    files = {}
+    if stance.lines:
+        named = [(line.name, line.points, line.closed, rgb(line.color)) for line in stance.lines]
+        files["drawing.glb"] = lines_glb(named, {"unit": "m", "scan_unit": unit})
+        files["drawing.obj"] = obj_lines(stance.lines, per_unit, unit)
+        files["drawing.ply"] = ply_lines(stance.lines, per_unit, unit)
+    closed = closed_model(stance)
+    files["surface.ply"] = surface_ply(closed.surface.vertices, closed.surface.faces, per_unit)
+    files["surface.stl"] = surface_stl(closed.surface.vertices, closed.surface.faces, per_unit)
+    files["surface.json"] = json_bytes(vertex_sets(stance, closed, unit))
+    return files
+
+
+def write_export(folder: Path, out: Path, model: Path | None = None) -> None:
+    """Writes the files into `out`; BadInput when it cannot be written."""
+    write_all(export_files(folder, model), out)

@@ -1,0 +1,181 @@
+"""What a finished fit leaves on disk (paragraph 5 of the specification)."""
+
+import json
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from breastrig import __version__
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BadInput
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.output_files import private_folder, write_private
+from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.project_drawing import ScanLine
+from breastrig.fitting.landmark_check import Doubt
+from breastrig.fitting.verdict import Verdict
+from breastrig.geometry.rotations import quaternion_from_rotation
+from breastrig.gltf.replay import fitted_glb
+from breastrig.least_squares.newton import Status
+from breastrig.report.distances import (
+    SurfaceDistances,
+    landmark_summary_mm,
+    signed_distances,
+    summary_mm,
+    surface_summary_mm,
+)
+from breastrig.report.surface_files import surface_ply
+from breastrig.rig.model import ModelDrawing, Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.scan.scan import Scan
+from breastrig.workflow.events import Iterated
+
+RESULT = "result.json"
+RESULT_SCHEMA = "breastrig/result@1"
+FIT_FILES = ("scan.ply", "fitted.ply", "fitted.glb", "drawing.json", "distances.bin", "fit.log.jsonl", RESULT)
+
+
+@dataclass(frozen=True, eq=False)
+class FitOutcome:
+    """All that is known at the end of a fit; parameters are in the scan's frame, metres."""
+
+    scan: Scan
+    target: ScanTarget  # the cleaned scan, in the frame shifted by `centre`
+    rig: Rig
+    stance: str
+    stance_reason: str
+    preset: str
+    parameters: RigParameters
+    vertices: Array  # (V, 3) m, the fitted surface in the scan's frame, refined or not
+    refined: bool
+    history: tuple[RigParameters, ...]
+    times_s: tuple[float, ...]
+    log: tuple[Iterated, ...]
+    status: Status
+    timing_s: dict[str, float]
+    distances: SurfaceDistances
+    landmarks: dict[str, Array]  # picked, m
+    doubts: tuple[Doubt, ...]  # picks that were not followed
+    drawing: ModelDrawing | None
+    lines: tuple[ScanLine, ...]  # in the frame shifted by `centre`
+    centre: Array  # (3,) m
+    notes: tuple[str, ...]
+    verdict: Verdict
+    table_triangles: int  # of the scan, cut away as table
+
+
+def _rounded(values: Array, digits: int = 6) -> list[float]:
+    return [round(float(value), digits) for value in np.asarray(values).ravel()]
+
+
+def result_json(outcome: FitOutcome) -> dict[str, object]:
+    """The document breastrig/result@1."""
+    rig, x, scan = outcome.rig, outcome.parameters, outcome.scan
+    per_unit = scan.metres_per_unit
+    model_points = rig.landmark_points().positions(outcome.vertices, rig.faces)
+    model_landmarks = dict(zip(rig.landmark_names, model_points, strict=True))
+    quaternions = quaternion_from_rotation(x.rotations)
+    return {
+        "schema": RESULT_SCHEMA,
+        "notice": LIMITS_OF_USE,
+        "scan": {
+            "vertices": len(scan.vertices),
+            "triangles": len(scan.faces),
+            "unit": scan.unit,
+            "unit_reason": scan.unit_reason,
+            "sha256": scan.sha256,
+            "table_triangles": outcome.table_triangles,
+        },
+        "model": {
+            "name": rig.name,
+            "sha256": rig.sha256,
+            "vertices": len(rig.template),
+            "bones": len(rig.bones),
+            "blendshapes": len(rig.shapes),
+        },
+        "stance": outcome.stance,
+        "stance_reason": outcome.stance_reason,
+        "preset": outcome.preset,
+        "refined": outcome.refined,
+        "converged": outcome.status is Status.CONVERGED,
+        "stop_reason": outcome.status.value,
+        "verdict": {"level": outcome.verdict.level, "reasons": list(outcome.verdict.reasons)},
+        "iterations": outcome.log[-1].iteration,
+        "timing_s": {name: round(seconds, 4) for name, seconds in outcome.timing_s.items()},
+        "surface_distance_mm": surface_summary_mm(outcome.distances.model),
+        "scan_to_model_mm": summary_mm(outcome.distances.scan),
+        "landmark_distance_mm": landmark_summary_mm(model_landmarks, outcome.landmarks),
+        "landmarks_not_followed": [{"names": list(d.names), "reason": d.reason} for d in outcome.doubts],
+        "landmarks": {name: _rounded(place / per_unit) for name, place in model_landmarks.items()},
+        "landmarks_picked": {name: _rounded(place / per_unit) for name, place in outcome.landmarks.items()},
+        "parameters": {
+            "bones": [
+                {
+                    "name": name,
+                    "rotation_xyzw": _rounded(quaternions[j], 9),
+                    "translation_m": _rounded(x.translations[j], 9),
+                    "scale": _rounded(x.scales[j], 9),
+                }
+                for j, name in enumerate(rig.bone_names)
+            ],
+            "blendshapes": dict(zip(rig.shape_names, _rounded(x.weights, 9), strict=True)),
+        },
+        "notes": list(outcome.notes),
+        "versions": {"breastrig": __version__} | {name: version(name) for name in ("numpy", "scipy", "trimesh")},
+    }
+
+
+def drawing_json(outcome: FitOutcome) -> dict[str, object]:
+    """The drawing on the scan, in the scan's frame and unit."""
+    return {
+        "schema": "breastrig/drawing@1",
+        "name": outcome.drawing.name if outcome.drawing else None,
+        "unit": outcome.scan.unit,
+        "notice": LIMITS_OF_USE,
+        "shapes": [
+            {
+                "name": line.name,
+                "closed": line.closed,
+                "color": line.color,
+                "points": [_rounded(p) for p in (line.points + outcome.centre) / outcome.scan.metres_per_unit],
+                "bridged": line.bridged.tolist(),
+            }
+            for line in outcome.lines
+        ],
+    }
+
+
+def distances_bin(outcome: FitOutcome) -> bytes:
+    """Of each model vertex the signed distance to the scan: little-endian float32, mm, nan where no pair was accepted.
+
+    Above zero the model lies outside the scan's skin.
+    """
+    signed = signed_distances(outcome.target, outcome.vertices - outcome.centre, outcome.rig.faces)
+    return (1e3 * signed).astype("<f4").tobytes()
+
+
+def json_bytes(document: object) -> bytes:
+    return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
+
+
+def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
+    """Writes the seven files and returns result.json's document; BadInput when the folder cannot be written."""
+    per_unit = outcome.scan.metres_per_unit
+    ply = surface_ply(outcome.vertices, outcome.rig.faces, per_unit)
+    scan = surface_ply(outcome.target.vertices + outcome.centre, outcome.target.faces, per_unit)
+    glb = fitted_glb(outcome.rig, outcome.history, outcome.times_s, outcome.drawing, {"preset": outcome.preset})
+    distances = distances_bin(outcome)
+    result = result_json(outcome)
+    log = "".join(event.model_dump_json(exclude={"nodes"}) + "\n" for event in outcome.log)
+    try:
+        private_folder(folder)
+        contents = (scan, ply, glb, json_bytes(drawing_json(outcome)), distances, log.encode(), json_bytes(result))
+        for name, content in zip(FIT_FILES, contents, strict=True):
+            write_private(folder / name, content)
+    except OSError as error:
+        raise BadInput(
+            f"The results cannot be written ({error.strerror}); free space or choose another folder."
+        ) from error
+    return result

@@ -1,0 +1,205 @@
+"""The report of one fit, or of two stances of one patient, from the folders that `breastrig fit` wrote."""
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+
+from breastrig.core.errors import BadInput
+from breastrig.core.output_files import private_folder, read_ordinary, write_private
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.report.document import Reported, report_document, stance_names
+from breastrig.report.measures import measures
+from breastrig.report.pdf import report_pdf
+from breastrig.report.stance import DrawnLine, Stance
+from breastrig.report.table import csv_bytes
+from breastrig.rig.model import Rig
+from breastrig.workflow.fit_files import json_bytes
+from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
+
+DRAWING_BYTES = 20_000_000  # a drawing that a fit leaves has some thirty thousand
+REPORT_RECORD = "report.json"
+REPORT_FILES = ("measures.csv", "report.pdf", REPORT_RECORD)
+
+
+@dataclass(frozen=True)
+class ReportJob:
+    """What a report needs to know, as plain values that travel between processes."""
+
+    fit: Path  # folder of a fit
+    other: Path | None = None  # of the same patient in another stance
+    model: Path | None = None  # None: the torso of the package
+
+
+class _Shape(BaseModel):
+    model_config = ConfigDict(extra="ignore")
+
+    name: str
+    closed: bool
+    color: str | None = None
+    points: list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]] = Field(min_length=1)
+    bridged: list[bool] | None = None
+
+
+class _Drawing(BaseModel):
+    model_config = ConfigDict(extra="ignore")
+
+    shapes: list[_Shape]
+
+
+class _Distances(BaseModel):
+    mean: FiniteFloat | None
+    p95: FiniteFloat | None
+    max: FiniteFloat | None
+    coverage: FiniteFloat | None = None
+
+
+class _Landmarks(BaseModel):
+    mean: FiniteFloat | None
+    max: FiniteFloat | None
+    each: dict[str, FiniteFloat]
+
+
+class _Scan(BaseModel):
+    vertices: int
+    triangles: int
+    unit: str
+    sha256: str
+
+
+class _Model(BaseModel):
+    name: str
+    bones: int
+    blendshapes: int
+    sha256: str
+
+
+class _Doubt(BaseModel):
+    reason: str
+
+
+class _Verdict(BaseModel):
+    level: Literal["good", "check", "unusable"]
+    reasons: list[str]
+
+
+class _Result(BaseModel):
+    """The part of result.json that is shown."""
+
+    scan: _Scan
+    model: _Model
+    stance: str
+    preset: str
+    verdict: _Verdict | None = None
+    stop_reason: str
+    iterations: int
+    surface_distance_mm: _Distances
+    scan_to_model_mm: _Distances
+    landmark_distance_mm: _Landmarks
+    landmarks_not_followed: list[_Doubt]
+    notes: list[str]
+    versions: dict[str, str]
+
+
+def drawn_lines(folder: Path, metres_per_unit: float) -> tuple[DrawnLine, ...]:
+    """The lines of the folder's drawing.json, in metres; none where there is no such file."""
+    file = folder / "drawing.json"
+    if not os.path.lexists(file):
+        return ()
+    try:
+        drawing = _Drawing.model_validate_json(read_ordinary(file, DRAWING_BYTES))
+    except (OSError, ValidationError) as error:
+        raise BadInput(f"{folder.resolve().name}/drawing.json is damaged; fit the scan again.") from error
+    lines = []
+    for shape in drawing.shapes:
+        bridged = np.array(shape.bridged or [False] * len(shape.points), dtype=np.bool_)
+        if len(bridged) != len(shape.points):
+            raise BadInput(f"{folder.resolve().name}/drawing.json is damaged ({shape.name[:60]}); fit the scan again.")
+        points = metres_per_unit * np.array(shape.points, dtype=np.float64)
+        lines.append(DrawnLine(shape.name, shape.closed, shape.color, points, bridged))
+    return tuple(lines)
+
+
+def stance_of(folder: Path, fit: FitFolder) -> Stance:
+    """A fit's folder as measures, pictures and exports want it."""
+    return Stance(
+        rig=fit.rig,
+        vertices=fit.vertices,
+        scan_vertices=fit.surface.vertices,
+        scan_faces=fit.surface.faces,
+        name=fit.stance,
+        picked=fit.landmarks,
+        lines=drawn_lines(folder, fit.metres_per_unit),
+    )
+
+
+def reported(job: ReportJob) -> list[Reported]:
+    """Reads and measures; BadInput says what is wrong with a folder."""
+    rig: Rig = read_rig(job.model or default_rig_path())
+    folders = [job.fit] if job.other is None else [job.fit, job.other]
+    fits = [fit_folder_of(folder, rig) for folder in folders]
+    for folder, fit in zip(folders, fits, strict=True):
+        _check_shown(folder, fit.result)
+    stances = [stance_of(folder, fit) for folder, fit in zip(folders, fits, strict=True)]
+    names = stance_names([stance.name for stance in stances])
+    return [
+        Reported(name, stance, fit.result, measures(stance))
+        for name, stance, fit in zip(names, stances, fits, strict=True)
+    ]
+
+
+def _check_shown(folder: Path, result: dict[str, Any]) -> None:
+    try:
+        _Result.model_validate(result)
+    except ValidationError as error:
+        where = ".".join(map(str, error.errors(include_url=False, include_input=False)[0]["loc"]))
+        shown = f"{folder.resolve().name}/result.json"
+        raise BadInput(f"{shown} is damaged or of another version ({where}); fit the scan again.") from error
+
+
+def report_files(job: ReportJob) -> dict[str, bytes]:
+    """report.json, measures.csv and report.pdf."""
+    stances = reported(job)
+    document = report_document(stances)
+    rows: Any = document["measures"]
+    return {
+        "report.json": json_bytes(document),
+        "measures.csv": csv_bytes(rows),
+        "report.pdf": report_pdf(stances),
+    }
+
+
+def write_report(job: ReportJob, folder: Path) -> None:
+    """Writes the three files; BadInput when the folder cannot be written."""
+    write_all(report_files(job), folder)
+
+
+def write_all(files: dict[str, bytes], folder: Path) -> None:
+    """Each file whole or not at all; BadInput when the folder cannot be written."""
+    try:
+        private_folder(folder)
+        for name, content in files.items():
+            write_private(folder / name, content)
+    except OSError as error:
+        raise BadInput(f"{folder} cannot be written ({error.strerror}); choose another folder.") from error
+
+
+def report_pdf_of(job: ReportJob) -> bytes:
+    """The PDF alone: what the service's worker makes."""
+    return _within_memory(lambda: report_pdf(reported(job)))
+
+
+def measures_json_of(job: ReportJob) -> bytes:
+    """report.json alone, likewise."""
+    return _within_memory(lambda: json_bytes(report_document(reported(job))))
+
+
+def _within_memory(make: Callable[[], bytes]) -> bytes:
+    try:
+        return make()
+    except MemoryError as error:
+        raise BadInput("The report of this scan needs more memory than it may use; give a smaller scan.") from error

@@ -1,0 +1,108 @@
+"""A drawing made on the scan of one fit, shown on the scan of another: from folders to a document.
+
+It reads two scans and solves a small dense system, about a second of work in all, so the service runs it in a
+process of its own, as it does with everything that reads scans.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BadDrawing, BadInput, TooLarge
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.output_files import read_ordinary, shown
+from breastrig.drawings.drawing_file import GivenDrawing, ScanShape, parsed_drawing
+from breastrig.drawings.project_drawing import on_scan
+from breastrig.drawings.transfer import CarriedShape, centred, transferred
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import ModelDrawing
+from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
+
+DRAWING_BYTES = 20_000_000  # a drawing that a fit leaves has some thirty thousand
+
+
+@dataclass(frozen=True)
+class TransferJob:
+    """Everything that a transfer needs to know, as plain values that travel between processes."""
+
+    from_fit: Path  # folder of a fit
+    to_fit: Path
+    drawing: dict[str, Any] | None  # a document breastrig/drawing@1; None: the drawing that the first fit left
+    other_patient: bool = False  # the scans are of two patients: the model decides which skin is which
+    model: Path | None = None  # None: the torso of the package
+
+
+def drawing_document(file: Path) -> dict[str, Any]:
+    """A drawing file's JSON object."""
+    try:
+        content = read_ordinary(file, DRAWING_BYTES)
+        if len(content) > DRAWING_BYTES:
+            raise TooLarge(f"{shown(file.name)} is larger than {DRAWING_BYTES // 1_000_000} MB; this is no drawing.")
+    except OSError as error:
+        raise BadDrawing(f"There is no drawing {shown(file.name)} that can be read; check the name.") from error
+    try:
+        document = json.loads(content)
+    except (ValueError, RecursionError) as error:
+        raise BadDrawing(f"{file.name} is not JSON; give a file such as drawing.json that a fit leaves.") from error
+    if not isinstance(document, dict):
+        raise BadDrawing(f"{file.name} is no drawing; it must hold a JSON object of the form breastrig/drawing@1.")
+    return document
+
+
+def transfer(job: TransferJob) -> dict[str, Any]:
+    """The drawing on the target scan (breastrig/drawing@1), in its frame and unit.  Raises BadInput."""
+    rig = read_rig(job.model or default_rig_path())
+    source, goal = fit_folder_of(job.from_fit, rig), fit_folder_of(job.to_fit, rig)
+    document = drawing_document(job.from_fit / "drawing.json") if job.drawing is None else job.drawing
+    given = parsed_drawing(document, rig, source.unit)
+    a, centre_a = centred(source.surface, source.vertices, source.landmarks, source.stance)
+    b, centre_b = centred(goal.surface, goal.vertices, goal.landmarks, goal.stance)
+    shapes = [_moved(shape, -centre_a) for shape in given.on_scan]
+    if given.on_model:
+        drawn = ModelDrawing(given.name, given.name, given.on_model)
+        shapes += [
+            ScanShape(line.name, line.closed, line.color, line.points, line.bridged)
+            for line in on_scan(rig, a.vertices, drawn, a.target)
+        ]
+    try:
+        carried = transferred(rig, a, b, shapes, job.other_patient)
+    except MemoryError as error:
+        raise BadInput("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
+    return _document(given, goal, carried, centre_b, job.other_patient)
+
+
+def _moved(shape: ScanShape, by: Array) -> ScanShape:
+    return ScanShape(shape.name, shape.closed, shape.color, shape.points + by, shape.bridged)
+
+
+def _document(
+    given: GivenDrawing, goal: FitFolder, carried: tuple[CarriedShape, ...], centre: Array, other_patient: bool
+) -> dict[str, Any]:
+    return {
+        "schema": "breastrig/drawing@1",
+        "name": given.name,
+        "unit": goal.unit,
+        "notice": LIMITS_OF_USE,
+        "carried_by": "model" if other_patient else "skin",
+        "shapes": [
+            {
+                "name": shape.name,
+                "closed": shape.closed,
+                "color": shape.color,
+                "points": [[round(float(v), 6) for v in p] for p in (shape.points + centre) / goal.metres_per_unit],
+                "bridged": shape.bridged.tolist(),
+                "distance_from_mm": _mm(shape.distance_from),
+                "distance_to_mm": _mm(shape.distance_to),
+            }
+            for shape in carried
+        ],
+    }
+
+
+def _mm(distances: Array) -> list[float | None]:
+    """Where there is no skin there is no distance."""
+    return [round(1e3 * float(value), 3) if np.isfinite(value) else None for value in distances]

@@ -1,0 +1,125 @@
+"""What the questions rest on: turned bodies, scaled compliances, rigs with fewer shapes, the table taken away."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from breastrig.evaluation.cohort import read_cohort
+from breastrig.evaluation.studies.case import read_scene
+from breastrig.evaluation.studies.orientation import turned, without_table, wrong_way
+from breastrig.evaluation.studies.sensitivity import TERMS, scaled_compliance, with_shapes
+from breastrig.evaluation.studies.unseen import CUTS, cut_fit, unseen, whole_fit
+from breastrig.fitting.recipe import load_recipe
+from breastrig.geometry.rotations import exp_so3
+from breastrig.rig.model import Rig
+
+
+@pytest.mark.parametrize(
+    ("turn", "wrong"),
+    [
+        ((0.0, 0.0, 0.0), set()),
+        ((0.3, 0.3, 0.3), set()),  # 30 degrees
+        ((0.0, 0.0, np.pi), {"up", "sides"}),  # upside down, still facing
+        ((0.0, np.pi, 0.0), {"facing", "sides"}),  # front to back
+        ((np.pi, 0.0, 0.0), {"up", "facing"}),  # upside down and front to back: sides stay
+        ((0.0, 0.0, 1.0), {"up"}),  # 57 degrees
+    ],
+)
+def test_the_wrong_way_is_told_by_axis(rig: Rig, turn: tuple[float, float, float], wrong: set[str]) -> None:
+    places = rig.landmark_points().positions(rig.template, rig.faces)
+    true = dict(zip(rig.landmark_names, 1.1 * places + 0.3, strict=True))
+    found = wrong_way(rig, rig.template @ exp_so3(np.array(turn)).T, true)
+    assert {axis for axis, is_wrong in found.items() if is_wrong} == wrong
+
+
+def test_a_turned_scene_is_the_same_body_elsewhere(cohort: Path, rig: Rig) -> None:
+    scene = read_scene(read_cohort(cohort)[0])
+    rotation, shift = exp_so3(np.array([1.0, 2.0, -1.0])), np.array([0.5, -1.0, 0.2])
+    moved, middle = turned(scene, rotation, shift)
+    assert np.allclose((moved.target.vertices + middle - shift) @ rotation, scene.target.vertices)
+    assert np.allclose(moved.target.vertices.mean(axis=0), 0.0, atol=1e-12)
+    for name, place in scene.landmarks.items():
+        assert np.allclose((moved.landmarks[name] + middle - shift) @ rotation, place)
+
+
+def test_without_the_table_only_the_body_is_left(cohort: Path, rig: Rig) -> None:
+    place = cohort / "patient_x" / "supine"
+    body = trimesh.load(place / "scan.ply", process=False)
+    table = trimesh.creation.box((2.0, 2.0, 0.01)).subdivide_loop(4)
+    table.apply_translation((0.0, 0.0, body.vertices[:, 2].min() - 0.1))
+    trimesh.util.concatenate([body, table]).export(place / "scan.ply")
+    scene = read_scene(next(case for case in read_cohort(cohort) if case.name == "supine"))
+    bare = without_table(scene)
+    assert len(bare.target.faces) == pytest.approx(len(body.faces), rel=0.01)  # cleaning may drop a few
+    assert len(scene.target.faces) > len(bare.target.faces) + 1000
+
+
+def test_a_cut_leaves_what_lies_above_it_and_its_fit_is_told_as_a_share_of_the_whole(cohort: Path, rig: Rig) -> None:
+    scene, recipe = read_scene(read_cohort(cohort)[0]), load_recipe("default")
+    whole = whole_fit(scene, rig, recipe)
+    numbers = unseen(scene, rig, recipe)
+    assert set(numbers) == set(CUTS)
+    for cut, of in numbers.items():
+        part = cut_fit(scene, rig, recipe, whole, cut)
+        assert part is not None
+        assert of["kept"] == len(part.scene.target.faces) / len(scene.target.faces)
+        assert of["most_moved_mm"] >= of["moved_mm"] > 0.0
+        assert of["smallest_scale"] <= 1.0 <= of["largest_scale"]
+        gap = 1e3 * np.linalg.norm(part.fit.vertices - whole.vertices, axis=1)
+        assert of["moved_mm"] == pytest.approx(gap.mean())
+    assert numbers["half"]["kept"] == pytest.approx(0.5, abs=0.05)
+    assert numbers["nipples"]["kept"] < numbers["navel"]["kept"] < 1.0
+    half = cut_fit(scene, rig, recipe, whole, "half")
+    assert half is not None
+    assert {"xiphoid", "nipple_L"} <= set(half.scene.landmarks)
+    assert "nipple_R" not in half.scene.landmarks
+
+
+@pytest.mark.parametrize("term", TERMS)
+@pytest.mark.parametrize("preset", ["default", "paper"])
+def test_a_compliance_is_the_square_of_its_sigmas_and_of_no_others(preset: str, term: str) -> None:
+    recipe = load_recipe(preset)
+    assert scaled_compliance(recipe, term, 1.0) == recipe
+    before, after = recipe.model_dump(), scaled_compliance(recipe, term, 100.0).model_dump()
+    changed = set()
+
+    def compare(path: str, a: object, b: object) -> None:
+        if isinstance(a, dict):
+            assert isinstance(b, dict)
+            for key in a:
+                compare(key if path == "" else f"{path}.{key}", a[key], b[key])
+        elif isinstance(a, list | tuple) and a and isinstance(a[0], dict):
+            assert isinstance(b, list | tuple)
+            for each_a, each_b in zip(a, b, strict=True):
+                compare(path, each_a, each_b)
+        elif a != b:
+            assert np.allclose(b, 10.0 * np.asarray(a))
+            changed.add(path)
+
+    compare("", before, after)
+    allowed = {
+        "data": {"stages.data_sigma", "stages.along_sigma"},
+        "landmarks": {"stages.landmark_sigma"},
+        "scales": {"scales.sigma", "scales.neighbour_sigma"},
+        "shapes": {"shapes.sigma", "shapes.factor"},
+        "joints": {
+            *("joints.rotation_sigma", "joints.translation_sigma"),
+            *("joints.rotation_factor", "joints.translation_factor"),
+        },
+    }
+    assert changed
+    assert changed <= allowed[term]
+
+
+def test_a_rig_with_fewer_shapes_keeps_what_is_named(rig: Rig) -> None:
+    left = next(shape for shape in rig.shapes if shape.mirror != shape.name)
+    chosen = with_shapes(rig, (left.name,))
+    assert chosen.shape_names == (left.name,)
+    assert chosen.shapes[0].mirror == left.name  # its partner is left out
+    assert np.array_equal(chosen.blendshapes[0], rig.blendshapes[rig.shape_names.index(left.name)])
+    both = with_shapes(rig, (left.name, left.mirror))
+    assert [shape.mirror for shape in both.shapes] == [left.mirror, left.name]
+    assert not with_shapes(rig, ()).blendshapes.any()
+    assert np.array_equal(with_shapes(rig, rig.shape_names).blendshapes, rig.blendshapes)

@@ -1,0 +1,73 @@
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from helpers import in_worker
+from helpers.real_server import children
+from helpers.waiting import until
+
+from breastrig.execution.processes import Processes
+
+GIB = 2**30
+
+
+@pytest.fixture
+def processes() -> Iterator[Processes]:
+    processes = Processes(1, memory_bytes=4 * GIB, cpu_s=1)
+    processes.warm_up()
+    yield processes
+    processes.stop()
+
+
+def test_a_task_runs_alone_within_its_limits_and_with_one_thread(processes: Processes) -> None:
+    first, second = (processes.schedule(in_worker.describe, (), 30.0).result() for _ in range(2))
+    assert first["pid"] != second["pid"]
+    assert (first["memory"], first["cpu"], first["core"]) == ((4 * GIB, 4 * GIB), (1, 6), (0, 0))
+    assert first["threads"] == [1]
+    assert first["imported"]
+
+
+def test_a_task_that_burns_the_processor_is_stopped_and_the_next_one_runs(processes: Processes) -> None:
+    with pytest.raises(OSError, match="Abnormal termination"):
+        processes.schedule(in_worker.burn, (), 30.0).result()
+    assert processes.schedule(in_worker.describe, (), 30.0).result()["threads"] == [1]
+
+
+def test_a_task_that_takes_too_long_is_stopped(processes: Processes) -> None:
+    with pytest.raises(TimeoutError):
+        processes.schedule(in_worker.rest, (60.0,), 0.2).result()
+
+
+def test_a_process_that_is_killed_while_it_waits_for_work_is_not_missed(processes: Processes) -> None:
+    for _ in range(5):
+        waiting = {pid for pid in children(os.getpid()) if not children(pid) and b"forkserver" in command(pid)}
+        for pid in waiting:
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        assert processes.result(in_worker.describe, (), 30.0)["pid"] not in waiting
+
+
+def command(pid: int) -> bytes:
+    with suppress(OSError):
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    return b""
+
+
+def test_stopping_kills_what_runs_and_takes_nothing_more() -> None:
+    processes = Processes(1, memory_bytes=4 * GIB)
+    future = processes.schedule(in_worker.rest, (60.0,), 60.0)
+    until(future.running, "the task to run")
+    processes.stop()
+    with pytest.raises(RuntimeError, match="stopped"):
+        processes.schedule(in_worker.rest, (0.0,), 1.0)
+
+
+def test_stopping_while_a_process_starts_leaves_no_traceback() -> None:
+    program = Path(in_worker.__file__).with_name("stop_early.py")
+    answer = subprocess.run([sys.executable, str(program)], capture_output=True, text=True, check=False, timeout=120)
+    assert (answer.returncode, answer.stderr) == (0, "")

@@ -1,0 +1,63 @@
+"""A data folder, and services around it with runners of the test's choice."""
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+
+import pytest
+from helpers.fake_fit import quick_pair
+from helpers.fake_proposals import at_the_nipple
+
+from breastrig.execution.limits import FitLimits, UploadLimits
+from breastrig.service.fit_worker import PairRunner, Runner
+from breastrig.service.proposals import Proposer
+from breastrig.service.service import Service
+from breastrig.storage.folders import new_id
+from breastrig.storage.rows.scans import ScanRow, add_scan
+from breastrig.storage.storage import Storage, utc_now
+
+FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
+MakeService = Callable[..., AbstractContextManager[Service]]
+
+
+@pytest.fixture
+def storage(tmp_path: Path) -> Iterator[Storage]:
+    storage = Storage(tmp_path / "data")
+    storage.prepare()
+    yield storage
+    storage.close()
+
+
+@pytest.fixture
+def scan_id(storage: Storage) -> str:
+    scan_id = new_id()
+    storage.folders.make(storage.folders.scan(scan_id))
+    storage.folders.uploaded(scan_id, "ply").write_bytes(b"ply")
+    add_scan(storage, ScanRow(scan_id, utc_now(), "ply", "ab" * 32, FACTS))
+    return scan_id
+
+
+@pytest.fixture
+def serving(storage: Storage) -> MakeService:
+    """`with serving(runner) as service:`, with two workers and short patience."""
+
+    def make(
+        runner: Runner,
+        pair_runner: PairRunner = quick_pair,
+        proposer: Proposer = at_the_nipple,
+        uploads: UploadLimits | None = None,
+        **limits: float,
+    ) -> AbstractContextManager[Service]:
+        fits = FitLimits(**{"workers": 2, "wall_s": 30.0, "grace_s": 0.2, **limits})
+        service = Service(
+            Storage(storage.root),
+            runner=runner,
+            pair_runner=pair_runner,
+            proposer=proposer,
+            uploads=uploads,
+            fits=fits,
+            keep_days=None,
+        )
+        return service.started()
+
+    return make

@@ -1,0 +1,135 @@
+"""The scan without its colours: made once in another process, kept with the scan, gone with it."""
+
+import errno
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers import fake_fit
+
+from breastrig.core.errors import FitFailed, NotFound
+from breastrig.core.glb import split_glb
+from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.gltf.plain_mesh import plain_mesh
+from breastrig.service.service import Service
+from breastrig.storage.storage import Storage
+from breastrig.workflow.write_plain_mesh import PlainMeshJob, write_plain_mesh
+
+VERTICES = np.random.default_rng(5).normal(size=(90, 3))
+COLOURED = mesh_glb(VERTICES, np.arange(90).reshape(30, 3), colours=np.full((90, 3), 200, dtype=np.uint8))
+
+
+@pytest.fixture
+def mesh(storage: Storage, scan_id: str) -> Path:
+    path = storage.folders.mesh(scan_id)
+    path.write_bytes(COLOURED)
+    return path
+
+
+def counted(service: Service, monkeypatch: pytest.MonkeyPatch, before: Callable[[], None] = lambda: None) -> list[int]:
+    """One entry for each time that it is made."""
+    made, real = [], service._readers.result
+
+    def result(function: object, args: tuple[PlainMeshJob], timeout: float) -> None:
+        assert function is write_plain_mesh
+        made.append(1)
+        before()
+        real(function, args, timeout)
+
+    monkeypatch.setattr(service._readers, "result", result)
+    return made
+
+
+def test_it_is_made_once_however_many_ask_and_kept(
+    serving, storage: Storage, scan_id: str, mesh: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with serving(fake_fit.quick) as service:
+        made = counted(service, monkeypatch)
+        with ThreadPoolExecutor(8) as pool:
+            files = [task.result() for task in [pool.submit(service.plain_meshes.get, scan_id) for _ in range(8)]]
+        assert len(made) == 1
+        assert len({file.etag for file in files}) == 1
+        with files[0].open() as file:
+            content = file.read()
+    assert content == plain_mesh(COLOURED)
+    assert "COLOR_0" not in split_glb(content)[0]["meshes"][0]["primitives"][0]["attributes"]
+    with serving(fake_fit.quick) as service:
+        made = counted(service, monkeypatch)
+        assert service.plain_meshes.get(scan_id).size == len(content)
+        assert made == []
+        service.delete_scan(scan_id)
+        with pytest.raises(NotFound):
+            service.plain_meshes.get(scan_id)
+    assert list(storage.root.rglob("plain.glb*")) == []
+
+
+def test_it_is_not_made_in_the_servers_own_process(
+    serving, scan_id: str, mesh: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What it takes in memory ends with the process that took it."""
+    with serving(fake_fit.quick) as service:
+        monkeypatch.setattr("breastrig.workflow.write_plain_mesh.plain_mesh", lambda _glb: os._exit(1))
+        assert service.plain_meshes.get(scan_id).size > 0
+
+
+def test_a_scan_that_is_deleted_while_it_is_made_leaves_nothing(
+    serving, storage: Storage, scan_id: str, mesh: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with serving(fake_fit.quick) as service:
+        counted(service, monkeypatch, before=lambda: service.delete_scan(scan_id))
+        with pytest.raises(NotFound):
+            service.plain_meshes.get(scan_id)
+    assert not storage.folders.scan(scan_id).exists()
+    assert list(storage.root.rglob("plain.glb*")) == []
+
+
+def test_a_full_disk_is_no_broken_process(serving, scan_id: str, mesh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with serving(fake_fit.quick) as service:
+
+        def full(*_args: object) -> None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+        with monkeypatch.context() as disk:
+            disk.setattr(service._readers, "result", full)
+            with pytest.raises(OSError, match="No space") as refused:
+                service.plain_meshes.get(scan_id)
+        assert refused.value.errno == errno.ENOSPC
+        assert service.plain_meshes.get(scan_id).size > 0
+
+
+@pytest.mark.parametrize("broken", [TimeoutError(), RuntimeError("it died"), OSError("it died")])
+def test_a_process_that_dies_is_a_sentence_and_the_next_one_tries_again(
+    serving, scan_id: str, mesh: Path, monkeypatch: pytest.MonkeyPatch, broken: Exception
+) -> None:
+    with serving(fake_fit.quick) as service:
+
+        def dies(*_args: object) -> None:
+            raise broken
+
+        with monkeypatch.context() as process:
+            process.setattr(service._readers, "result", dies)
+            with pytest.raises(FitFailed, match=r"try again.*\.$"):
+                service.plain_meshes.get(scan_id)
+        assert service.plain_meshes.get(scan_id).size > 0
+
+
+def test_a_scan_without_a_mesh_or_no_scan_at_all_is_not_found(serving, scan_id: str) -> None:
+    with serving(fake_fit.quick) as service:
+        for unknown in (scan_id, "nobody"):
+            with pytest.raises(NotFound):
+                service.plain_meshes.get(unknown)
+
+
+def test_too_little_memory_is_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "mesh.glb").write_bytes(COLOURED)
+
+    def too_large(_glb: bytes) -> bytes:
+        raise MemoryError
+
+    monkeypatch.setattr("breastrig.workflow.write_plain_mesh.plain_mesh", too_large)
+    with pytest.raises(Exception, match=r"too large to be shown without its colours; simplify it first\.$"):
+        write_plain_mesh(PlainMeshJob(tmp_path / "mesh.glb", tmp_path / "plain.glb"))
+    assert not (tmp_path / "plain.glb").exists()

@@ -1,0 +1,97 @@
+import threading
+from dataclasses import replace
+
+import pytest
+from helpers import fake_fit, fake_proposals
+from helpers.waiting import until
+
+from breastrig.core.errors import BreastRigError, FitFailed, NotFound
+from breastrig.execution.limits import UploadLimits
+from breastrig.storage.rows.proposals import get_proposals
+from breastrig.storage.rows.scans import get_scan
+from breastrig.storage.storage import Storage
+
+FOUND = {"nipple_L": {"point": [70.0, 350.0, 120.0], "confidence": 0.5, "on_scan": True}}
+
+
+def times_made(storage: Storage, scan_id: str) -> int:
+    return len((storage.folders.scan(scan_id) / "proposed").read_text().splitlines())
+
+
+def test_whoever_asks_gets_one_computation_which_outlives_the_server(serving, storage: Storage, scan_id: str) -> None:
+    scan = get_scan(storage, scan_id)
+    with serving(fake_fit.quick) as service:
+        answers: list[object] = []
+        threads = [
+            threading.Thread(target=lambda: answers.append(service.proposed_landmarks(scan, "a" * 64, 20.0)))
+            for _ in range(5)
+        ]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert answers == [FOUND] * 5
+        assert service.proposed_landmarks(scan, "a" * 64, 20.0) == FOUND
+        until(lambda: get_proposals(storage, scan_id, "a" * 64) is not None, "the row")
+    with serving(fake_fit.quick, proposer=fake_proposals.failing) as service:
+        assert service.proposed_landmarks(scan, "a" * 64, 0.0) == FOUND
+    assert times_made(storage, scan_id) == 1
+
+
+def test_another_model_proposes_anew(serving, storage: Storage, scan_id: str) -> None:
+    scan = get_scan(storage, scan_id)
+    with serving(fake_fit.quick) as service:
+        for made, model in enumerate(("a" * 64, "b" * 64), start=1):
+            assert service.proposed_landmarks(scan, model, 20.0) == FOUND
+            until(lambda model=model: get_proposals(storage, scan_id, model) is not None, "the row")
+            assert times_made(storage, scan_id) == made
+        assert get_proposals(storage, scan_id, "a" * 64) is None
+
+
+def test_who_does_not_wait_finds_them_later(serving, storage: Storage, scan_id: str) -> None:
+    scan = get_scan(storage, scan_id)
+    with serving(fake_fit.quick) as service:
+        assert service.proposed_landmarks(scan, "a" * 64, 0.0) is None
+        until(lambda: service.proposed_landmarks(scan, "a" * 64, 0.0) == FOUND, "the proposals")
+    assert times_made(storage, scan_id) == 1
+
+
+@pytest.mark.parametrize(
+    ("proposer", "sentence"),
+    [
+        (fake_proposals.failing, "The model found no skin near it; place three landmarks."),
+        (fake_proposals.broken, "Finding landmarks on this scan broke"),
+        (fake_proposals.dying, "Finding landmarks on this scan broke"),
+        (fake_proposals.hanging, "Finding landmarks took longer than 0.3 s"),
+    ],
+)
+def test_a_failure_is_a_sentence_and_is_not_kept(
+    serving, storage: Storage, scan_id: str, proposer, sentence: str
+) -> None:
+    scan = get_scan(storage, scan_id)
+    with serving(fake_fit.quick, proposer=proposer, uploads=replace(UploadLimits(), wall_s=0.3)) as service:
+        for _ in range(2):
+            with pytest.raises(FitFailed, match=sentence):
+                service.proposed_landmarks(scan, "a" * 64, 20.0)
+        assert service._proposals._running == {}
+    assert get_proposals(storage, scan_id, "a" * 64) is None
+
+
+def test_deleting_the_scan_ends_the_search_and_removes_what_was_found(serving, storage: Storage, scan_id: str) -> None:
+    scan = get_scan(storage, scan_id)
+    with serving(fake_fit.quick, proposer=fake_proposals.hanging) as service:
+        told: list[BreastRigError] = []
+
+        def ask() -> None:
+            try:
+                service.proposed_landmarks(scan, "a" * 64, 20.0)
+            except BreastRigError as error:
+                told.append(error)
+
+        thread = threading.Thread(target=ask)
+        thread.start()
+        until(lambda: scan_id in service._proposals._running, "the search")
+        service.delete_scan(scan_id)
+        thread.join(timeout=10)
+        assert [type(error) for error in told] == [NotFound]
+        assert get_proposals(storage, scan_id, "a" * 64) is None

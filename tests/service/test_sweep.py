@@ -1,0 +1,247 @@
+from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+from helpers import fake_fit
+from helpers.on_disk import bytes_below
+from helpers.rows import add_waiting_fit
+from helpers.waiting import until
+
+from breastrig.cli.main import main
+from breastrig.core import wall_clock
+from breastrig.execution.limits import FitLimits
+from breastrig.service.service import Service
+from breastrig.service.sweep import Retention, Sweep
+from breastrig.storage.expiring_scans import aged_scans, announce
+from breastrig.storage.rows.scans import ScanRow, add_scan, scan_ids
+from breastrig.storage.storage import Storage, iso_utc
+
+FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}
+AGES_DAYS = {"new": 0.0, "nearly": 29.9, "old": 30.1, "very_old": 400.0}
+
+
+@pytest.fixture
+def aged(storage: Storage) -> Storage:
+    """Scans of several ages, each with a fit and files."""
+    for scan_id, age in AGES_DAYS.items():
+        storage.folders.make(storage.folders.scan(scan_id))
+        storage.folders.uploaded(scan_id, "ply").write_bytes(f"skin of {scan_id}".encode())
+        add_scan(storage, ScanRow(scan_id, iso_utc(datetime.now(UTC) - timedelta(days=age)), "ply", "ab" * 32, FACTS))
+        storage.folders.make(storage.folders.fit(f"fit_of_{scan_id}"))
+        (storage.folders.fit(f"fit_of_{scan_id}") / "result.json").write_text(f"result of {scan_id}")
+        add_waiting_fit(storage, scan_id, f"fit_of_{scan_id}")
+    return storage
+
+
+def names_left(root: Path) -> str:
+    """Everything that the data folder holds, as one text."""
+    names = " ".join(path.as_posix() for path in root.rglob("*"))
+    return names + bytes_below(root).decode("latin-1")
+
+
+class Clock:
+    """Stands in for the clock and the uptime of the machine."""
+
+    def __init__(self) -> None:
+        self.now = datetime(2026, 3, 1, tzinfo=UTC)
+        self.uptime_s = 1e5
+
+    def run(self, **time: float) -> None:
+        """Time passes."""
+        self.now += timedelta(**time)
+        self.uptime_s += timedelta(**time).total_seconds()
+
+    def jump(self, **time: float) -> None:
+        """Somebody sets the clock."""
+        self.now += timedelta(**time)
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    clock = Clock()
+    monkeypatch.setattr(wall_clock, "now", lambda: clock.now)
+    monkeypatch.setattr(wall_clock, "uptime_s", lambda: clock.uptime_s)
+    return clock
+
+
+@pytest.fixture
+def upload(storage: Storage, clock: Clock) -> Callable[[str], None]:
+    return lambda name: add_scan(storage, ScanRow(name, iso_utc(clock.now), "ply", "ab" * 32, FACTS))
+
+
+def test_a_scan_is_deleted_when_its_time_is_over_and_not_an_hour_before(
+    storage: Storage, clock: Clock, upload: Callable[[str], None], caplog: pytest.LogCaptureFixture
+) -> None:
+    upload("scan")
+    day = iso_utc(clock.now + timedelta(days=30))
+    server = Retention(storage, 30)
+    due = []
+    for _ in range(24 * 30 + 1):
+        due.append(server.due())
+        clock.run(hours=1)
+    assert due == [[]] * 24 * 30 + [["scan"]]
+    assert [record.getMessage() for record in caplog.records] == [
+        f"1 scans are older than 30 days or soon will be; if the clock is right, they are deleted from {day} on"
+    ]
+
+
+def test_starts_with_a_clock_that_is_40_days_ahead_delete_nothing(
+    storage: Storage, clock: Clock, upload: Callable[[str], None]
+) -> None:
+    for name in ("older", "newer"):
+        upload(name)
+        clock.run(days=5)
+    for _ in range(3):
+        clock.jump(days=40)
+        server = Retention(storage, 30)
+        for _ in range(23):
+            assert server.due() == []
+            clock.run(hours=1)
+        clock.jump(days=-40)
+        server = Retention(storage, 30)
+        assert server.due() == []
+        assert [scan for scan in aged_scans(storage, "0") if scan.announced_at] == []
+
+
+def test_a_clock_that_jumps_while_the_server_runs_deletes_nothing_however_often(
+    storage: Storage, clock: Clock, upload: Callable[[str], None], caplog: pytest.LogCaptureFixture
+) -> None:
+    upload("scan")
+    server = Retention(storage, 30)
+    for _ in range(10):
+        assert server.due() == []
+        clock.jump(days=40)
+        clock.run(hours=2)
+    clock.jump(days=-400)
+    assert server.due() == []
+    assert caplog.records[-1].getMessage() == "1 scans are not as old as the clock said before; they are kept"
+
+
+def test_what_grew_old_while_no_server_ran_is_deleted_a_day_after_its_start_and_that_is_said(
+    storage: Storage, clock: Clock, upload: Callable[[str], None], caplog: pytest.LogCaptureFixture
+) -> None:
+    upload("scan")
+    clock.run(days=40)
+    day = iso_utc(clock.now + timedelta(days=1))
+    server = Retention(storage, 30)
+    for _ in range(24):
+        assert server.due() == []
+        clock.run(hours=1)
+    assert server.due() == ["scan"]
+    assert f"they are deleted from {day} on" in caplog.text
+
+
+def test_a_server_that_never_runs_for_a_day_deletes_too(
+    storage: Storage, clock: Clock, upload: Callable[[str], None]
+) -> None:
+    upload("scan")
+    due = []
+    for _ in range(7):
+        server = Retention(storage, 30)
+        due.append(server.due())
+        clock.run(hours=1)
+        due.append(server.due())
+        clock.run(days=7)
+    assert due == [[]] * 12 + [["scan"]] * 2  # announced after 35 days, deleted a week later
+
+
+def test_a_clock_that_begins_before_the_upload_neither_deletes_nor_withdraws(
+    storage: Storage, clock: Clock, upload: Callable[[str], None]
+) -> None:
+    """Of a machine without a battery, which asks the network for the time."""
+    upload("scan")
+    clock.run(days=29.5)
+    assert Retention(storage, 30).due() == []
+    clock.run(days=2)
+    right = clock.now
+    clock.now = datetime(1970, 1, 1, tzinfo=UTC)
+    server = Retention(storage, 30)
+    assert server.due() == []
+    clock.now = right
+    assert server.due() == ["scan"]
+
+
+def test_a_time_shorter_than_a_day_is_kept_too(storage: Storage, clock: Clock, upload: Callable[[str], None]) -> None:
+    upload("scan")
+    server = Retention(storage, 0.25)
+    due = []
+    for _ in range(7):
+        due.append(server.due())
+        clock.run(hours=1)
+    assert due == [[]] * 6 + [["scan"]]
+
+
+def test_a_running_server_deletes_what_is_older_than_it_keeps(aged: Storage) -> None:
+    limits = FitLimits(workers=1, grace_s=0.2)
+    announce(aged, ["nearly", "old", "very_old"], iso_utc(datetime.now(UTC) - timedelta(days=1)))
+    service = Service(Storage(aged.root), runner=fake_fit.quick, fits=limits, keep_days=30)
+    with service.started():
+        until(lambda: scan_ids(aged) == {"new", "nearly"}, "the sweep")
+        until(lambda: not list((aged.root / "rubbish").iterdir()), "the end of the sweep")
+    for trace in ("very_old", "fit_of_old", "skin of old", "result of old"):
+        assert trace not in names_left(aged.root)
+    assert aged.folders.uploaded("new", "ply").is_file()
+
+
+def test_a_server_that_keeps_forever_deletes_nothing(aged: Storage) -> None:
+    service = Service(Storage(aged.root), runner=fake_fit.quick, fits=FitLimits(workers=1, grace_s=0.2), keep_days=None)
+    announce(aged, AGES_DAYS, iso_utc(datetime.now(UTC) - timedelta(days=1)))
+    with service.started():
+        assert scan_ids(aged) == set(AGES_DAYS)
+    deleted: list[str] = []
+    sweep = Sweep(aged, deleted.append, None)
+    sweep.start()
+    sweep.stop()  # it has looked once by then
+    assert deleted == []
+
+
+def test_purge_deletes_the_older_ones_without_a_trace(aged: Storage, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["purge", "--older-than", "30", "--data", str(aged.root)]) == 0
+    assert capsys.readouterr().out.startswith("2 scans deleted")
+    assert scan_ids(aged) == {"new", "nearly"}
+    left = names_left(aged.root)
+    for trace in ("very_old", "fit_of_old", "skin of old", "result of old"):
+        assert trace not in left
+    assert "skin of new" in left
+
+
+def test_purge_of_all_leaves_an_empty_data_folder(aged: Storage, capsys: pytest.CaptureFixture[str]) -> None:
+    aged.close()
+    assert main(["purge", "--all", "--data", str(aged.root)]) == 0
+    assert capsys.readouterr().out.startswith("4 scans deleted")
+    left = names_left(aged.root)
+    for scan_id in AGES_DAYS:
+        assert f"skin of {scan_id}" not in left
+        assert f"fit_of_{scan_id}" not in left
+    assert not list(aged.root.glob("*/*"))
+    assert main(["purge", "--all", "--data", str(aged.root)]) == 0
+    assert capsys.readouterr().out.startswith("0 scans deleted")
+
+
+def test_purge_of_a_folder_that_is_none_or_is_held_by_a_server_says_so(
+    aged: Storage, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["purge", "--all", "--data", str(tmp_path / "nothing")]) == 2
+    assert "There is no BreastRig data folder" in capsys.readouterr().err
+    assert not (tmp_path / "nothing").exists()
+    with aged.exclusive():
+        assert main(["purge", "--all", "--data", str(aged.root)]) == 2
+    assert "Another BreastRig server uses" in capsys.readouterr().err
+    assert scan_ids(aged) == set(AGES_DAYS)
+
+
+@pytest.mark.parametrize(
+    "options", [[], ["--older-than", "-1"], ["--older-than", "a week"], ["--all", "--older-than", "1"]]
+)
+def test_purge_asks_what_to_delete(options: list[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["purge", *options])
+    assert stop.value.code == 2
+
+
+@pytest.mark.parametrize("days", ["0", "-1", "often"])
+def test_a_server_is_not_told_to_delete_at_once(days: str) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["serve", "--keep-days", days])
+    assert stop.value.code == 2

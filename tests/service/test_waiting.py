@@ -1,0 +1,75 @@
+"""A place in the queue that is told, and a share of the queue that nobody exceeds."""
+
+import pytest
+from helpers import fake_fit
+from helpers.waiting import ended, until
+
+from breastrig.core.errors import TooMany
+from breastrig.service.follow import Queued
+from breastrig.service.service import Service
+from breastrig.storage.rows.events import StoredEvent
+from breastrig.storage.rows.fits import FitWish, Once, get_fit, queue_position
+
+
+def ask(service: Service, scan_id: str, client: str | None = None, **more: object) -> str:
+    return service.add_fit(FitWish(scan=scan_id, preset="paper", landmarks_mm={}), client=client, **more)
+
+
+def test_places_in_the_queue_count_from_one_and_move_up(serving, scan_id: str) -> None:
+    with serving(fake_fit.patient, workers=1) as service:
+        running, *waiting = [ask(service, scan_id) for _ in range(4)]
+        until(lambda: get_fit(service.storage, running).state == "running", "the first to run")
+        assert [queue_position(service.storage, fit) for fit in (running, *waiting)] == [None, 1, 2, 3]
+        service.cancel_fit(waiting[0])
+        assert [queue_position(service.storage, fit) for fit in waiting] == [None, 1, 2]
+
+
+def test_two_stances_stand_in_the_queue_once(serving, scan_id: str) -> None:
+    with serving(fake_fit.patient, fake_fit.patient_pair, workers=1) as service:
+        running = ask(service, scan_id)
+        until(lambda: get_fit(service.storage, running).state == "running", "the first to run")
+        leading = ask(service, scan_id, other=FitWish(scan=scan_id, landmarks_mm={}))
+        partner = get_fit(service.storage, leading).partner
+        last = ask(service, scan_id)
+        assert [queue_position(service.storage, fit) for fit in (leading, partner, last)] == [1, 1, 2]
+
+
+def test_who_follows_a_waiting_fit_hears_its_place_each_time_it_changes(serving, scan_id: str) -> None:
+    with serving(fake_fit.patient, workers=1) as service:
+        running, second, third = (ask(service, scan_id) for _ in range(3))
+        until(lambda: get_fit(service.storage, running).state == "running", "the first to run")
+        heard = service.follow(third, 0, 60.0)
+        assert next(heard) == Queued(2)
+        service.cancel_fit(second)
+        assert next(heard) == Queued(1)
+        service.cancel_fit(running)
+        first = next(heard)
+        assert isinstance(first, StoredEvent)
+        assert (first.number, first.kind) == (1, "started")
+        heard.close()
+
+
+def test_nobody_has_more_fits_waiting_than_a_share(serving, scan_id: str) -> None:
+    with serving(fake_fit.patient, workers=1, waiting_per_client=2) as service:
+        running = ask(service, scan_id, "a")
+        until(lambda: get_fit(service.storage, running).state == "running", "the first to run")
+        once = Once.of("key", "request")
+        waiting = [ask(service, scan_id, "a"), ask(service, scan_id, "a", once=once)]
+        with pytest.raises(TooMany, match="2 of your fits are waiting already") as caught:
+            ask(service, scan_id, "a")
+        assert caught.value.retry_after_s > 0
+        assert ask(service, scan_id, "a", once=once) == waiting[1]  # asks for nothing new
+        ask(service, scan_id, "b")
+        ask(service, scan_id)
+        service.cancel_fit(waiting[0])
+        ask(service, scan_id, "a")
+        with pytest.raises(TooMany):
+            ask(service, scan_id, "a")
+
+
+def test_a_refused_fit_leaves_no_folder_and_takes_no_place(serving, scan_id: str) -> None:
+    with serving(fake_fit.quick, workers=1, waiting_per_client=0) as service:
+        with pytest.raises(TooMany):
+            ask(service, scan_id, "a")
+        assert not list((service.storage.root / "fits").iterdir())
+        assert ended(service, ask(service, scan_id)).state == "done"

@@ -1,0 +1,163 @@
+"""What the upload finds of a scan is found once: proposals and fits begin with it, and nothing is fitted twice."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.example_patient import EXAMPLE
+from helpers.toy_rig import toy_rig
+
+import breastrig.fitting.orientation as orientation_module
+import breastrig.fitting.stance as stance_module
+from breastrig.core.assets import asset_folder
+from breastrig.execution.limits import FitLimits
+from breastrig.fitting import checked_fit, fit, prepare_scan, propose, scan_orientation
+from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.gltf.write_rig import write_rig
+from breastrig.service.service import Service
+from breastrig.storage.storage import Storage
+from breastrig.workflow import propose_on_scan as propose_module
+from breastrig.workflow.events import Event
+from breastrig.workflow.propose_on_scan import ProposeJob, propose_on_file
+from breastrig.workflow.read_upload import UploadJob, read_upload
+from breastrig.workflow.run_fit import FitJob, run_fit
+
+SUPINE = asset_folder("example") / "supine"
+PICKS = json.loads((EXAMPLE / "landmarks.json").read_text())["landmarks"]
+
+
+@pytest.fixture
+def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
+    """How often the costly things are done: whole fits, and searches for front, table and start."""
+    count = {"fits": 0, "fronts": 0, "starts": 0}
+    of_fit, of_front, of_start = fit.fit_iterates, prepare_scan.propose_frame, orientation_module.start_from_scan
+
+    def fitted(task: FitTask) -> Iterator[FitIterate]:
+        count["fits"] += 1
+        return of_fit(task)
+
+    def fronts(*args: object) -> object:
+        count["fronts"] += 1
+        return of_front(*args)
+
+    def starts(*args: object) -> object:
+        count["starts"] += 1
+        return of_start(*args)
+
+    for module in (stance_module, checked_fit, propose):
+        monkeypatch.setattr(module, "fit_iterates", fitted)
+    monkeypatch.setattr(prepare_scan, "propose_frame", fronts)
+    for module in (orientation_module, scan_orientation):
+        monkeypatch.setattr(module, "start_from_scan", starts)
+    return count
+
+
+def upload(scan: Path, folder: Path, model: Path | None = None) -> dict:
+    """The facts as they come back from the database."""
+    return json.loads(json.dumps(read_upload(UploadJob(scan, "auto", folder / "mesh.glb", 10**6, model))))
+
+
+def events_of(scan: Path, out: Path, picks: dict[str, list[float]], **more: object) -> list[Event]:
+    return list(run_fit(FitJob(scan, out, picks, **more)))
+
+
+@pytest.mark.parametrize("picks", [PICKS, {}], ids=["with landmarks", "without"])
+def test_with_stance_auto_the_fit_that_shows_the_stance_is_the_fit(
+    picks: dict[str, list[float]], calls: dict[str, int], tmp_path: Path
+) -> None:
+    auto = events_of(EXAMPLE / "scan.ply", tmp_path / "auto", picks)
+    assert calls["fits"] == 1
+    asked = events_of(EXAMPLE / "scan.ply", tmp_path / "asked", picks, stance="standing")
+    assert auto[0].stance == "standing"
+    assert "arms hang" in auto[0].stance_reason
+    assert [each.nodes for each in auto[1:-1]] == [each.nodes for each in asked[1:-1]]
+    names = ("surface_distance_mm", "landmark_distance_mm", "parameters", "iterations", "stop_reason")
+    assert [auto[-1].result[name] for name in names] == [asked[-1].result[name] for name in names]
+
+
+def test_the_time_that_finding_the_stance_takes_is_time_of_solving(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A clock that goes on by one at each look shows where the fit's looks are booked."""
+    now = iter(range(10**6))
+    monkeypatch.setattr("breastrig.workflow.scan_fit.time.perf_counter", lambda: float(next(now)))
+    done = events_of(EXAMPLE / "scan.ply", tmp_path, PICKS)[-1]
+    timing = done.result["timing_s"]
+    assert set(timing) == {"read", "prepare", "align", "solve", "total"}
+    assert timing["align"] <= 2.0
+    assert timing["solve"] > timing["read"] + timing["prepare"] + timing["align"]
+    assert timing["read"] + timing["prepare"] + timing["align"] + timing["solve"] <= timing["total"]
+
+
+@pytest.mark.parametrize("scan", [EXAMPLE, SUPINE], ids=["standing", "supine"])
+def test_proposals_and_fits_begin_with_what_the_upload_found(scan: Path, calls: dict[str, int], tmp_path: Path) -> None:
+    facts = upload(scan / "scan.ply", tmp_path)
+    unit, known = facts["unit"], facts["orientation"]
+    assert facts["stance"]["proposed"] == scan.name
+    assert calls == {"fits": int(scan is EXAMPLE), "fronts": 1, "starts": 1}
+    calls.update(fits=0, fronts=0, starts=0)
+    proposed = propose_on_file(ProposeJob(scan / "scan.ply", "ply", unit, None, known))
+    fitted = events_of(scan / "scan.ply", tmp_path / "known", {}, orientation=known)
+    assert calls == {"fits": 2, "fronts": 0, "starts": 0}
+    anew = propose_on_file(ProposeJob(scan / "scan.ply", "ply", unit))
+    fitted_anew = events_of(scan / "scan.ply", tmp_path / "anew", {})
+    for name, proposal in proposed.items():
+        np.testing.assert_allclose(proposal["point"], anew[name]["point"], atol=0.01)
+        assert proposal["confidence"] == anew[name]["confidence"]
+    first, second = (events[-1].result for events in (fitted, fitted_anew))
+    assert first["stance"] == second["stance"] == scan.name
+    assert first["stance_reason"] == second["stance_reason"]
+    assert first["scan"] == second["scan"]
+    assert first["surface_distance_mm"]["mean"] == pytest.approx(second["surface_distance_mm"]["mean"], abs=1e-3)
+
+
+def test_an_upload_is_read_with_the_model_that_is_served_and_another_model_looks_anew(
+    calls: dict[str, int], tmp_path: Path
+) -> None:
+    write_rig(toy_rig(), tmp_path)
+    model = tmp_path / "toy.glb"
+    facts = upload(EXAMPLE / "scan.ply", tmp_path, model)
+    assert facts["orientation"]["model_sha256"] == read_rig(model).sha256
+    torso = upload(EXAMPLE / "scan.ply", tmp_path)
+    assert torso["orientation"]["model_sha256"] == read_rig(default_rig_path()).sha256
+    assert facts["frame"] != torso["frame"]
+    calls.update(fits=0, fronts=0, starts=0)
+    propose_on_file(ProposeJob(EXAMPLE / "scan.ply", "ply", "m", None, facts["orientation"]))
+    assert calls["fronts"] == calls["starts"] == 1
+
+
+def test_the_service_uploads_with_its_own_model(tmp_path: Path) -> None:
+    write_rig(toy_rig(), tmp_path)
+    model = tmp_path / "toy.glb"
+    with (
+        Service(Storage(tmp_path / "data"), model=model, fits=FitLimits(workers=1)).started() as service,
+        (EXAMPLE / "scan.ply").open("rb") as scan,
+    ):
+        row = service.add_scan(scan, "ply", "auto")
+    assert row.facts["orientation"]["model_sha256"] == read_rig(model).sha256
+
+
+def test_a_command_line_proposal_reads_prepares_and_orients_once(
+    calls: dict[str, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cleaned: list[int] = []
+    of_clean = propose_module.clean
+    monkeypatch.setattr(propose_module, "clean", lambda scan: cleaned.append(1) or of_clean(scan))
+    propose_on_file(ProposeJob(EXAMPLE / "scan.ply", "ply", "m"))
+    assert calls == {"fits": 1, "fronts": 1, "starts": 1}
+    assert cleaned == [1]
+
+
+def test_what_was_cut_as_table_stands_in_the_result(tmp_path: Path) -> None:
+    """Said or found: a lying patient's table goes, and result.json says how much of the scan that was."""
+    picks = json.loads((SUPINE / "landmarks.json").read_text())["landmarks"]
+    for stance in ("auto", "supine"):
+        result = events_of(SUPINE / "scan.ply", tmp_path / stance, picks, stance=stance)[-1].result
+        cut = result["scan"]["table_triangles"]
+        assert 0.3 < cut / result["scan"]["triangles"] < 0.45
+        assert f"{cut} triangles of the table under the patient were left out." in result["notes"]
+    standing = events_of(SUPINE / "scan.ply", tmp_path / "standing", picks, stance="standing")[-1].result
+    assert standing["scan"]["table_triangles"] == 0
