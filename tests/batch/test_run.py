@@ -171,7 +171,7 @@ def test_a_lost_scheduler_or_a_full_disk_ends_the_batch_with_one_sentence(
     result = json.dumps(fake_batch.result_of("fine")).encode()
     whole = Slow(1, lambda future, _: future.set_result({"result.json": result}))
     batch = batch_of(tmp_path, {"a": "fine", "b": "fine"})
-    monkeypatch.setattr(Path, "write_bytes", full)
+    monkeypatch.setattr("breastrig.batch.run.write_private", full)
     with pytest.raises(BatchStopped, match=r"No space left on device\); free space"):
         run_batch(batch, whole, silent)
     whole.stop()
@@ -183,7 +183,7 @@ def test_the_table_has_a_line_for_each_row(tmp_path: Path) -> None:
     head, first, second = (tmp_path / "batch.csv").read_text().splitlines()
     assert head == (
         "name,state,reason,stance,unit,triangles,mean_mm,std_mm,max_mm,p95_mm,coverage,landmark_mean_mm,iterations,"
-        "solve_s,total_s"
+        "solve_s,total_s,verdict"
     )
-    assert first == '"Zoë, 2",failed,It failed; try again.,,,,,,,,,,,,'
-    assert second == "b,done,,,,,0.5,,,,,,,,"
+    assert first == '"Zoë, 2",failed,It failed; try again.,,,,,,,,,,,,,'
+    assert second == "b,done,,,,,0.5,,,,,,,,,"

@@ -21,8 +21,11 @@ def lines_without_a_reason(text: str) -> list[str]:
 
 
 def test_every_number_of_every_preset_has_a_reason(repository: Path) -> None:
-    presets = sorted((repository / "server/breastrig/fitting/presets").glob("*.toml"))
-    assert {"default", "paper"} <= {path.stem for path in presets}
+    folders = ("presets", "verdicts")
+    presets = [
+        path for folder in folders for path in sorted((repository / "server/breastrig/fitting" / folder).glob("*.toml"))
+    ]
+    assert {"default", "paper", "torso"} <= {path.stem for path in presets}
     for path in presets:
         text = path.read_text(encoding="utf-8")
         assert tomllib.loads(text)

@@ -22,9 +22,11 @@ NUMBERS = {  # column -> its place in result.json
     "iterations": ("iterations",),
     "solve_s": ("timing_s", "solve"),
     "total_s": ("timing_s", "total"),
+    "verdict": ("verdict", "level"),
 }
 TIMES = ("solve_s", "total_s")  # all other columns are the same wherever and however often a fit runs
-COLUMNS = ("name", "state", "reason", *NUMBERS)
+FIRST = ("name", "state", "reason")
+COLUMNS = (*FIRST, *NUMBERS)
 FILE = "batch.csv"
 
 
@@ -42,10 +44,11 @@ class Outcome:
 
 
 def is_table(file: Path) -> bool:
-    """Whether a batch wrote it: its first line names our columns."""
+    """Whether a batch wrote it: its first line names our columns, of this version or of one with fewer."""
     try:
         with file.open("rb") as stream:
-            return stream.readline(1000).decode("utf-8", "replace").rstrip("\r\n") == ",".join(COLUMNS)
+            found = stream.readline(1000).decode("utf-8", "replace").rstrip("\r\n").split(",")
+        return len(found) > len(FIRST) and tuple(found) == COLUMNS[: len(found)]
     except OSError:
         return False
 
@@ -54,7 +57,7 @@ def numbers_of(result: Mapping[str, Any]) -> dict[str, Any]:
     """The columns' values from a result.json.  Raises KeyError or TypeError when it is none."""
     numbers = {}
     for column, place in NUMBERS.items():
-        value: Any = result
+        value: Any = {"verdict": {"level": None}} | dict(result)  # earlier results have no verdict
         for key in place:
             value = value[key]
         numbers[column] = value

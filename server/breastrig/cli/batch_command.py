@@ -149,7 +149,8 @@ def _run(batch: Batch, executor: Executor, silent: bool, stop: Event) -> list[Ou
             bar.update()
             if in_lines:
                 line: dict[str, object] = {"name": outcome.name, "state": outcome.state, "reason": outcome.reason}
-                line |= {"mean_mm": outcome.numbers.get("mean_mm"), "row": told, "of": len(batch.rows)}
+                numbers = {name: outcome.numbers.get(name) for name in ("mean_mm", "verdict")}
+                line |= {**numbers, "row": told, "of": len(batch.rows)}
                 print(json.dumps(line), flush=True)
             if outcome.reason is not None:
                 bar.write(f"breastrig: {outcome.name}: {outcome.reason}", file=sys.stderr)

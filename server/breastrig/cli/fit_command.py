@@ -27,6 +27,7 @@ from breastrig.workflow.run_fit import STANCES, FitJob, run_fit
 from breastrig.workflow.run_pair import PAIR_SCHEMA, run_pair
 
 PAIR = "pair.json"
+LEVELS = {"check": "check this fit", "unusable": "this fit is not usable"}
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -146,6 +147,9 @@ def run(options: argparse.Namespace) -> int:
                 results[which] = event.result
     for which, result in results.items():
         scan = f"{(options.scan, options.other)[which]}: " if len(results) > 1 else ""
+        verdict = result["verdict"]
+        for reason in verdict["reasons"]:
+            print(f"breastrig: {scan}{LEVELS[verdict['level']]}: {reason}", file=sys.stderr)
         for pick in result["landmarks_not_followed"]:
             print(f"breastrig: {scan}{pick['reason']}", file=sys.stderr)
         surface, landmarks = result["surface_distance_mm"], result["landmark_distance_mm"]

@@ -22,7 +22,7 @@ import stat
 import tempfile
 from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from fcntl import LOCK_EX, LOCK_NB, flock
 from pathlib import Path
 from typing import Any
@@ -44,6 +44,7 @@ class OutputSet:
     names: tuple[str, ...]
     record: str | None = None  # the one that tells what was written
     schema: str = ""  # of the record
+    _: KW_ONLY
     varying: bool = False  # files of other names may come; those of an earlier run that do not come again are removed
     known: Callable[[Path], bool] = lambda _file: False  # what no record tells: whether an earlier run wrote the file
 

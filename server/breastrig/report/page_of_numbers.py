@@ -13,6 +13,7 @@ from breastrig.report.table import changes
 ROW = 5.1  # mm
 NAME = 40.0  # mm of a row's name
 HALF = 0.5 * (WIDTH - 8.0)  # mm of a table beside another
+VERDICTS = {"good": "good", "check": "check: see doubts and notes", "unusable": "unusable: see doubts and notes"}
 Cell = tuple[float, float, str, Align]
 METHODS = (
     "Straight: distance in space. Along the skin: shortest way on the fitted model's skin, holes of the scan bridged. "
@@ -163,12 +164,18 @@ def _said(result: dict[str, Any]) -> dict[str, str]:
             if landmarks["mean"] is None
             else f"mean {landmarks['mean']:.1f} mm, largest {landmarks['max']:.1f} mm, of {len(landmarks['each'])}"
         ),
+        "Verdict": _verdict(result.get("verdict")),
         "End of the fit": f"{result['stop_reason'].rstrip('.')}; {result['iterations']} steps",
         "Preset, stance": f"{result['preset']}{', refined' if result.get('refined') else ''}; {result['stance']}",
         "Scan": f"{scan['vertices']:,} points, {scan['triangles']:,} triangles, {scan['unit']}; {scan['sha256'][:12]}",
         "Model": f"{model['name']}, {model['bones']} bones, {model['blendshapes']} shapes; {model['sha256'][:12]}",
         "Versions": versions,
     }
+
+
+def _verdict(verdict: dict[str, Any] | None) -> str:
+    """The level in words; results of earlier versions have none."""
+    return "not known" if verdict is None else VERDICTS[verdict["level"]]
 
 
 def _distances(found: dict[str, float | None]) -> str:
@@ -185,6 +192,7 @@ def _doubts(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
     told = []
     for one in stances:
         prefix = f"{one.name.capitalize()}: " if len(stances) > 1 else ""
+        told += [prefix + reason for reason in (one.result.get("verdict") or {}).get("reasons", [])]
         told += [prefix + pick["reason"] for pick in one.result.get("landmarks_not_followed", [])]
         told += [prefix + note for note in one.result.get("notes", [])]
         told += (

@@ -62,7 +62,9 @@ class Iterated(Event):
 
 class Done(Event):
     kind: Literal["done"] = "done"
-    result: dict[str, object] = Field(description="result.json; its landmarks_not_followed names every doubted pick")
+    result: dict[str, object] = Field(
+        description="result.json; `verdict` says whether to trust it, `landmarks_not_followed` names every doubted pick"
+    )
 
 
 class Failed(Event):

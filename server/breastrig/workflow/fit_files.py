@@ -15,6 +15,7 @@ from breastrig.core.output_files import private_folder, write_private
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.project_drawing import ScanLine
 from breastrig.fitting.landmark_check import Doubt
+from breastrig.fitting.verdict import Verdict
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
@@ -61,6 +62,7 @@ class FitOutcome:
     lines: tuple[ScanLine, ...]  # in the frame shifted by `centre`
     centre: Array  # (3,) m
     notes: tuple[str, ...]
+    verdict: Verdict
     table_triangles: int  # of the scan, cut away as table
 
 
@@ -99,6 +101,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         "refined": outcome.refined,
         "converged": outcome.status is Status.CONVERGED,
         "stop_reason": outcome.status.value,
+        "verdict": {"level": outcome.verdict.level, "reasons": list(outcome.verdict.reasons)},
         "iterations": outcome.log[-1].iteration,
         "timing_s": {name: round(seconds, 4) for name, seconds in outcome.timing_s.items()},
         "surface_distance_mm": surface_summary_mm(outcome.distances.model),

@@ -12,7 +12,8 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadSettings
-from breastrig.fitting.orientation import best_start
+from breastrig.fitting.landmark_check import MIN_LANDMARKS
+from breastrig.fitting.orientation import best_start, start_from_scan
 from breastrig.fitting.prepare_scan import AUTO, PreparedScan
 from breastrig.fitting.scan_orientation import ScanOrientation
 from breastrig.fitting.stance import FoundStance, found_stance
@@ -29,11 +30,18 @@ class EarlierFit:
     model_sha256: str  # of the rig whose nodes they are
 
 
-def with_start(task: FitTask, scan: PreparedScan, orientation: ScanOrientation | None) -> FitTask:
-    """The task with a start found for its scan and landmarks; `orientation` of the scan when it is known already."""
+def with_start(task: FitTask, scan: PreparedScan, orientation: ScanOrientation | None) -> tuple[FitTask, float | None]:
+    """The task with a start found for its scan and landmarks, and how clear that is (Start.margin).
+
+    None where landmarks placed it.  `orientation` is that of the scan when it is known already.
+    """
+    if orientation is None and len(task.landmarks) < MIN_LANDMARKS:
+        found = start_from_scan(task.rig, task.target, scan.frame.fronts)
+        return replace(task, start=found.parameters), found.margin
     known = None if orientation is None else orientation.start_around(scan.centre)
     start = best_start(task.rig, task.target, dict(task.landmarks), lambda: scan.frame.fronts, known)
-    return replace(task, start=start)
+    clear = orientation.margin if orientation is not None and len(task.landmarks) < MIN_LANDMARKS else None
+    return replace(task, start=start), clear
 
 
 def with_stance(

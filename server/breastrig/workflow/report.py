@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
@@ -82,6 +82,11 @@ class _Doubt(BaseModel):
     reason: str
 
 
+class _Verdict(BaseModel):
+    level: Literal["good", "check", "unusable"]
+    reasons: list[str]
+
+
 class _Result(BaseModel):
     """The part of result.json that is shown."""
 
@@ -89,6 +94,7 @@ class _Result(BaseModel):
     model: _Model
     stance: str
     preset: str
+    verdict: _Verdict | None = None
     stop_reason: str
     iterations: int
     surface_distance_mm: _Distances

@@ -17,12 +17,14 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.fit import FitIterate, FitTask
+from breastrig.fitting.fit_signals import fit_signals
 from breastrig.fitting.landmark_check import Doubt, doubts, sides_exchanged
 from breastrig.fitting.prepare_scan import AUTO, prepared
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.refine import refined
 from breastrig.fitting.scan_orientation import orientation_from
+from breastrig.fitting.verdict import verdict, verdict_limits
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
@@ -117,6 +119,7 @@ class ReadyScan:
     drawing: AskedDrawing | None
     stance_reason: str
     task: FitTask
+    clearness: float | None  # of the start, where the scan alone placed it
     begun: tuple[FitIterate, ...]  # all iterates of the task's fit, where they were needed to find the stance
     timing_s: dict[str, float]  # solve is what the stance took
 
@@ -162,11 +165,12 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
     errors = {name: expected_error(share) for name, share in job.landmark_confidence.items()}
     task = FitTask(rig, target, rest_parameters(rig), recipe, followed, landmark_errors=errors)
     if job.earlier is None:
-        task = with_start(task, ready, orientation)
+        task, clearness = with_start(task, ready, orientation)
         timing["align"] = clock.lap()
         task, stance = with_stance(task, job.stance, ready, orientation)
     else:
         task, stance = with_earlier_start(task, job.stance, job.earlier, centre)
+        clearness = None
         timing["align"] = clock.lap()
     timing["solve"] = clock.lap()
     return ReadyScan(
@@ -180,6 +184,7 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
         drawing=drawing,
         stance_reason=stance.reason,
         task=task,
+        clearness=clearness,
         begun=stance.iterates,
         timing_s=timing,
     )
@@ -203,9 +208,13 @@ class ScanStory:
         return self._events[-1]
 
     def finished(self, solve_s: float, clock: Clock) -> Done:
-        """Writes the seven files into the job's folder."""
+        """Writes the seven files into the job's folder; FitFailed, and no files, when this is no torso."""
         ready, (last, x) = self.ready, self._iterates[-1]
         rig, target = ready.task.rig, ready.task.target
+        signals = fit_signals(rig, target, last.parameters, ready.clearness)
+        found_verdict = verdict(signals, last.status, verdict_limits(rig.name))
+        if not found_verdict.is_torso:
+            raise FitFailed(found_verdict.refusal)
         timing = ready.timing_s | {"solve": solve_s}
         vertices = pose(rig, last.parameters)
         if ready.job.refine:
@@ -242,6 +251,7 @@ class ScanStory:
             centre=ready.centre,
             notes=ready.notes,
             table_triangles=ready.table_triangles,
+            verdict=found_verdict,
         )
         return Done(result=write_fit_files(outcome, ready.job.out))
 

@@ -43,7 +43,7 @@ export type Distances = {
 
 export type Done = {
   kind?: "done";
-  /** result.json; its landmarks_not_followed names every doubted pick */
+  /** result.json; `verdict` says whether to trust it, `landmarks_not_followed` names every doubted pick */
   result: Record<string, unknown>;
 };
 
@@ -336,6 +336,7 @@ export type MeasuredStance = {
   name: string;
   stance: "standing" | "supine";
   preset: string;
+  verdict?: Verdict | null;
   scan: ResultScan;
   surface_distance_mm: SurfaceDistances;
   scan_to_model_mm: Distances;
@@ -508,6 +509,8 @@ export type ResultFile = {
   preset: string;
   /** whether surface, drawing and distances are those of the free-form layer */
   refined: boolean;
+  /** whether to trust the fit; null in results of versions before */
+  verdict?: Verdict | null;
   converged: boolean;
   stop_reason: string;
   iterations: number;
@@ -729,4 +732,10 @@ export type TransferRequest = {
   drawing?: GivenDrawing | null;
   /** the scans are of two patients: the same place of the model, not the same skin */
   other_patient?: boolean;
+};
+
+export type Verdict = {
+  level: "good" | "check" | "unusable";
+  /** one sentence each, the strongest first; none when it is good */
+  reasons: string[];
 };

@@ -83,15 +83,21 @@ function ofResult(result: Result, state: Shown): HTMLElement[] {
   ];
 }
 
+const verdictLines = ({ level, reasons }: NonNullable<Result["verdict"]>): HTMLElement[] => [
+  el("p", { class: "label" }, words.verdicts[level]),
+  ...reasons.map((reason) => el("p", {}, reason)),
+];
+
 type Shown = Pick<PageSlice & FitSlice, "meta" | "fit">;
 
 export function createNumbersPanel(): Panel<Shown> {
   const mean = el("span", { class: "hero-number" });
   const hero = el("p", { class: "hero" }, mean, el("span", { class: "unit" }, " mm "), el("span", { class: "muted" }, words.meanDistance));
+  const verdict = el("div", { class: "look-here verdict", role: "status", hidden: true });
   const curve = createDistanceCurve();
   const body = el("div", { class: "numbers-body" });
   const before = el("p", { class: "muted" }, words.before);
-  const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, hero, curve.element, body);
+  const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, hero, verdict, curve.element, body);
   return {
     element,
     select: only("meta", "fit"),
@@ -103,6 +109,9 @@ export function createNumbersPanel(): Panel<Shown> {
       show(hero, Boolean(shown ?? result));
       const distance = result ? result.surface_distance_mm.mean : shown?.mean_distance_mm;
       setText(mean, distance === undefined ? "" : formatMm(distance));
+      const judged = result?.verdict;
+      show(verdict, judged != null && judged.level !== "good");
+      fill(verdict, [fit?.id, judged?.level, judged?.reasons.join()], () => (judged ? verdictLines(judged) : []));
       curve.update(state);
       fill(body, [fit?.id, result ? "result" : shown?.iteration, fit?.distances != null], () => (result ? ofResult(result, state) : shown ? ofIteration(shown) : []));
     },

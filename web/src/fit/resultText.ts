@@ -38,6 +38,7 @@ export const distances = {
 
 export const numbers = {
   title: "Numbers",
+  verdicts: { good: "", check: "Check this fit", unusable: "This fit is not usable" },
   before: "They appear here while the model is being fitted.",
   live: "This iteration",
   surface: "Model to scan",

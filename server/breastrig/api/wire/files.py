@@ -52,6 +52,11 @@ class ResultParameters(Document):
     blendshapes: dict[str, float]
 
 
+class Verdict(Document):
+    level: Literal["good", "check", "unusable"]
+    reasons: list[str] = Field(description="one sentence each, the strongest first; none when it is good")
+
+
 class ResultFile(Document):
     """result.json; also the `result` of a done event."""
 
@@ -62,6 +67,7 @@ class ResultFile(Document):
     stance_reason: str
     preset: str
     refined: bool = Field(description="whether surface, drawing and distances are those of the free-form layer")
+    verdict: Verdict | None = Field(None, description="whether to trust the fit; null in results of versions before")
     converged: bool
     stop_reason: str
     iterations: int
@@ -101,6 +107,7 @@ class MeasuredStance(Document):
     name: str
     stance: StanceName
     preset: str
+    verdict: Verdict | None = None
     scan: ResultScan
     surface_distance_mm: SurfaceDistances
     scan_to_model_mm: Distances

@@ -1,0 +1,102 @@
+"""Is this a torso, and does the model lie on it rightly?  A level and its reasons, from a fit's signals.
+
+Each signal has two limits, kept as data with their reasons: beyond the first a fit is to be looked at, beyond the
+second no right fit was ever found.  Each signal has its errors, so one alone never refuses a scan: what several of them
+say together is certain, what one says makes the fit unusable at most.
+"""
+
+import tomllib
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from importlib import resources
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from breastrig.fitting.fit_signals import FitSignals
+from breastrig.least_squares.newton import Status
+
+Level = Literal["good", "check", "unusable"]
+UNKNOWN_MODEL = "Nothing is known of what right fits of this model look like; judge it by eye."
+NOT_CONVERGED = "The fit did not come to rest; look at it closely, or place more landmarks."
+PER_UNIT = {"percent": 100.0, "mm": 1e3, "degrees": 180.0 / np.pi}
+SHOWN = 2  # reasons in the sentence of a refusal: the strongest
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class SignalLimits(_Part):
+    """Of one signal; `above` says on which side of the limits it speaks against the fit."""
+
+    above: bool
+    check: float
+    no_torso: float
+    unit: Literal["percent", "mm", "degrees"]  # in which the sentence tells a share, m, rad
+    reason: str  # a sentence; {value} is the signal
+
+
+class VerdictLimits(_Part):
+    """Of one model."""
+
+    unusable_at: Annotated[int, Field(ge=1)]
+    refused_at: Annotated[int, Field(ge=2)]
+    signals: dict[str, SignalLimits]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is to be thought of a fit."""
+
+    level: Level
+    reasons: tuple[str, ...]  # sentences, the strongest first; none when it is good
+    is_torso: bool = True  # False: certainly none
+
+    @property
+    def refusal(self) -> str:
+        """One sentence, for what is no torso."""
+        reasons = [reason.split(";")[0].rstrip(".") for reason in self.reasons[:SHOWN]]
+        inner = ", and ".join(reason[:1].lower() + reason[1:] for reason in reasons)
+        return f"This does not look like a torso: {inner}; check scan and unit, or place landmarks if it is one."
+
+
+@lru_cache(maxsize=8)
+def verdict_limits(model: str) -> VerdictLimits | None:
+    """For a model of this name; None when nobody has found any."""
+    file = resources.files("breastrig.fitting") / "verdicts" / "torso.toml"
+    if model != "torso":
+        return None
+    return VerdictLimits.model_validate(tomllib.loads(file.read_text("utf-8")))
+
+
+def verdict(signals: FitSignals, status: Status, limits: VerdictLimits | None) -> Verdict:
+    """`status` is why the fit stopped."""
+    stopped = () if status is Status.CONVERGED else (NOT_CONVERGED,)
+    if limits is None:
+        return Verdict("check", (*stopped, UNKNOWN_MODEL))
+    found = {
+        name: _strength(asdict(signals)[name], limit)
+        for name, limit in limits.signals.items()
+        if np.isfinite(asdict(signals)[name])
+    }
+    order = sorted((name for name, strength in found.items() if strength > 0.0), key=found.__getitem__, reverse=True)
+    reasons = tuple(_reason(asdict(signals)[name], limits.signals[name]) for name in order)
+    impossible = sum(strength >= 1.0 for strength in found.values())
+    nothing = not np.isfinite(signals.distance_p95) or not np.isfinite(signals.scan_p95)
+    if nothing:
+        reasons = ("The model found no skin that faces as it does; check the scan.", *reasons)
+    refused = impossible >= limits.refused_at or nothing
+    if refused or impossible >= limits.unusable_at:
+        return Verdict("unusable", (*reasons, *stopped), is_torso=not refused)
+    return Verdict("check" if reasons or stopped else "good", (*reasons, *stopped))
+
+
+def _strength(value: float, limit: SignalLimits) -> float:
+    """0 up to the first limit, 1 at the second, more beyond."""
+    return float(max((value - limit.check) / (limit.no_torso - limit.check), 0.0))
+
+
+def _reason(value: float, limit: SignalLimits) -> str:
+    return limit.reason.format(value=PER_UNIT[limit.unit] * value)

@@ -1,0 +1,98 @@
+"""A fit's level follows from its signals: several together refuse, one alone never does."""
+
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+
+from breastrig.fitting.fit_signals import FitSignals
+from breastrig.fitting.verdict import UNKNOWN_MODEL, verdict, verdict_limits
+from breastrig.least_squares.newton import Status
+
+RIGHT = FitSignals(
+    clearness=0.15,
+    seen=0.78,
+    distance_p95=0.002,
+    beyond=0.002,
+    angle_p90=0.15,
+    scan_p95=0.003,
+    explained=0.995,
+    facing=0.98,
+    stretch=0.1,
+    limits=0.03,
+)
+LIMITS = verdict_limits("torso")
+assert LIMITS is not None
+NAMES = list(LIMITS.signals)
+
+
+def beyond_no_torso(*names: str) -> FitSignals:
+    """A right fit but for these signals, which are a little beyond their second limit."""
+    assert LIMITS is not None
+    values = {}
+    for name in names:
+        limit = LIMITS.signals[name]
+        values[name] = limit.no_torso + 0.05 * (limit.no_torso - limit.check)
+    return replace(RIGHT, **values)
+
+
+def test_the_limits_stand_on_the_side_that_they_say() -> None:
+    assert LIMITS is not None
+    for name, limit in LIMITS.signals.items():
+        assert (limit.no_torso > limit.check) == limit.above, name
+        value = asdict(RIGHT)[name]
+        assert (value < limit.check) == limit.above, name
+
+
+def test_a_right_fit_is_good_and_has_no_reasons() -> None:
+    found = verdict(RIGHT, Status.CONVERGED, LIMITS)
+    assert (found.level, found.reasons, found.is_torso) == ("good", (), True)
+    placed = verdict(replace(RIGHT, clearness=np.nan), Status.CONVERGED, LIMITS)  # by landmarks
+    assert placed.level == "good"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_one_signal_alone_is_to_be_checked_and_named(name: str) -> None:
+    found = verdict(beyond_no_torso(name), Status.CONVERGED, LIMITS)
+    assert (found.level, found.is_torso, len(found.reasons)) == ("check", True, 1)
+    assert found.reasons[0].endswith(".")
+    assert "{" not in found.reasons[0]
+
+
+def test_more_and_more_signals_make_it_unusable_and_then_no_torso() -> None:
+    assert LIMITS is not None
+    levels = [verdict(beyond_no_torso(*NAMES[:count]), Status.CONVERGED, LIMITS) for count in range(len(NAMES) + 1)]
+    for count, found in enumerate(levels):
+        assert len(found.reasons) == count
+        assert (found.level == "unusable") == (count >= LIMITS.unusable_at)
+        assert found.is_torso == (count < LIMITS.refused_at)
+
+
+def test_the_strongest_reasons_come_first_and_make_one_sentence() -> None:
+    far = replace(beyond_no_torso(*NAMES), scan_p95=0.4)
+    found = verdict(far, Status.CONVERGED, LIMITS)
+    assert "400 mm" in found.reasons[0]
+    assert found.refusal.startswith("This does not look like a torso: one in twenty places of the scan")
+    assert found.refusal.count(". ") == 0
+    assert found.refusal.endswith(".")
+    assert len(found.refusal) < 400
+
+
+def test_a_fit_that_did_not_come_to_rest_is_to_be_checked() -> None:
+    for status in (Status.OUT_OF_ITERATIONS, Status.STALLED):
+        found = verdict(RIGHT, status, LIMITS)
+        assert found.level == "check"
+        assert "did not come to rest" in found.reasons[0]
+
+
+def test_a_model_that_found_no_skin_at_all_is_refused() -> None:
+    nothing = replace(RIGHT, seen=0.0, distance_p95=np.nan, beyond=np.nan, angle_p90=np.nan, scan_p95=np.nan)
+    found = verdict(nothing, Status.STALLED, LIMITS)
+    assert not found.is_torso
+    assert "found no skin" in found.refusal
+
+
+def test_of_another_model_nothing_is_known() -> None:
+    assert verdict_limits("toy") is None
+    found = verdict(RIGHT, Status.CONVERGED, None)
+    assert (found.level, found.reasons, found.is_torso) == ("check", (UNKNOWN_MODEL,), True)
