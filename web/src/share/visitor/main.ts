@@ -7,7 +7,7 @@ import { drawing as drawingText } from "../../drawing/text";
 import { createColourBar } from "../../fit/ColourBar";
 import { createNumbersPanel } from "../../fit/NumbersPanel";
 import { hasBoth, viewBarShown, withDistances } from "../../fit/state";
-import { errors as fitErrors, result as resultText } from "../../fit/text";
+import { errors as fitErrors, numbers as numbersText, result as resultText } from "../../fit/text";
 import { createStore } from "../../store/store";
 import { button } from "../../ui/controls";
 import { el, fill, icon, setText, show } from "../../ui/dom";
@@ -59,7 +59,7 @@ const shapes = el("ul", { class: "shapes" });
 const files = el("ul", { class: "files" });
 const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, el("h2", {}, resultText.drawing), shapes, el("h2", {}, resultText.files), files);
 const numbers = createNumbersPanel();
-const aside = el("aside", { class: "aside", tabindex: 0, "aria-label": text.numbers.title }, numbers.element); // it scrolls by keys too
+const aside = el("aside", { class: "aside", tabindex: 0, "aria-label": numbersText.title }, numbers.element); // it scrolls by keys too
 const leave = button(words.close, () => void close(), "quiet outlined", "close");
 const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, name), el("span", { class: "scan-title" }, words.title), el("span", { class: "spring" }), leave);
 const footer = el("footer", { class: "footer" }, el("strong", {}, noticeLong));
