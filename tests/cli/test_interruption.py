@@ -33,8 +33,8 @@ def swallowing():
     except BaseException:
         pass
 
-def interrupted(task):
-    for k, iterate in enumerate(original(task)):
+def interrupted(*given, **named):
+    for k, iterate in enumerate(original(*given, **named)):
         if k == 3:
             {act}
         yield iterate

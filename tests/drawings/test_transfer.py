@@ -192,7 +192,7 @@ def lines_on_a_sphere(rng: np.random.Generator, target: ScanTarget, count: int) 
     for k in range(count):
         middle = rng.normal(size=3)
         corners = 0.1 * middle / np.linalg.norm(middle) + rng.normal(scale=0.02, size=(int(rng.integers(1, 6)), 3))
-        points = target.search.query(corners, candidates=16).points
+        points = target.search.query(corners).points
         bridged = np.array([k == 1] * len(points))
         shapes.append(ScanShape(f"line {k}", bool(k % 2), "#123456", points, bridged))
     return shapes

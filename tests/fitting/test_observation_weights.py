@@ -45,7 +45,7 @@ def places(rig: Rig, target: ScanTarget, landmarks: dict[str, Array], recipe: Re
 def assert_same_body(first: tuple[Array, Array], second: tuple[Array, Array], rig: Rig) -> None:
     """The vertices that both rigs have lie on one surface, and the landmarks at the same places."""
     surface = ScanTarget(first[0], rig.faces).search
-    off = surface.query(second[0][: len(rig.template)], candidates=16).distances
+    off = surface.query(second[0][: len(rig.template)]).distances
     assert off.mean() < SAME, f"{1e3 * off.mean():.3f} mm"
     assert np.percentile(off, 95) < 2.0 * SAME
     moved = np.linalg.norm(first[1] - second[1], axis=1)

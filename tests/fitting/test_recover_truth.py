@@ -76,7 +76,7 @@ class Rescanned:
         last = list(fit_iterates(FitTask(rig, self.target, start, recipe, self.landmarks)))[-1]
         assert last.status is Status.CONVERGED
         vertices = pose(rig, last.parameters)
-        off = ScanTarget(self._truth, rig.faces).search.query(vertices, candidates=16).distances
+        off = ScanTarget(self._truth, rig.faces).search.query(vertices).distances
         slid = np.linalg.norm(vertices - self._truth, axis=1)
         gaps = np.linalg.norm(rig.landmark_points().positions(vertices, rig.faces) - self._exact, axis=1)
         return 1e3 * float(off.mean()), 1e3 * float(slid.mean()), 1e3 * float(gaps.mean())
@@ -175,7 +175,7 @@ def test_hard_joints_hold_where_others_give_millimetres(torso: Rig) -> None:
         iterates, target, _ = fitted(torso, 1, each)
         last = iterates[-1].parameters
         assert iterates[-1].status is Status.CONVERGED
-        assert target.search.query(pose(torso, last), candidates=16).distances.mean() < 0.6e-3
+        assert target.search.query(pose(torso, last)).distances.mean() < 0.6e-3
         gaps.append(float(np.linalg.norm(joints.motion(last).gap, axis=1).max()))
     assert gaps[0] > 2e-3
     assert gaps[1] < 5e-6  # what turning further in the last step opened; the step itself leaves none

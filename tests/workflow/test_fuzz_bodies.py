@@ -19,7 +19,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from breastrig.core.errors import BreastRigError
-from breastrig.fitting.orientation import upright_frame
+from breastrig.fitting.prepare_scan import prepared
+from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
@@ -42,13 +44,15 @@ def refused(error: BreastRigError) -> str:
 def test_every_body_gets_a_frame_or_a_sentence(what: tuple[str, int, int]) -> None:
     try:
         surface = clean(read_scan(file_of(*what), "ply", "m"))
-        frame = upright_frame(read_rig(default_rig_path()), surface.vertices, surface.faces)
+        rig, recipe = read_rig(default_rig_path()), load_recipe("default")
+        frame = scan_orientation(rig, prepared(surface, "auto"), recipe)[0].body_frame()
     except BreastRigError as error:
         count(f"frame of a {what[0]}", refused(error))
         return
     count(f"frame of a {what[0]}", "proposed")
-    np.testing.assert_allclose(frame.rotation.T @ frame.rotation, np.eye(3), atol=1e-9)
-    assert 0.0 <= frame.confidence <= 1.0
+    axes = np.array([frame["up"], frame["front"]])
+    np.testing.assert_allclose(axes @ axes.T, np.eye(2), atol=1e-9)
+    assert 0.0 <= frame["confidence"] <= 1.0
 
 
 def numbers(document: Any) -> list[float]:

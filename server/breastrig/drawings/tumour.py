@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from breastrig.core.errors import BadDrawing
-from breastrig.core.units import distance_text
+from breastrig.core.units import BEYOND, distance_text
 from breastrig.drawings.clock import SIDES, FittedSkin, angle_of, circle_around, on_clock
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape
@@ -70,7 +70,8 @@ class PickedTumour(BaseModel):
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """The circle around the skin's point next to the place; BadDrawing when that is off the skin."""
-        place = skin.origin + 1e-3 * np.array([self.x_mm, self.y_mm, self.z_mm])
+        named = np.clip([self.x_mm, self.y_mm, self.z_mm], -BEYOND, BEYOND)  # farther is as far off the skin
+        place = skin.origin + 1e-3 * named
         centre = skin.nearest(place[None])
         at = skin.at(centre)[0]
         gap = float(np.linalg.norm(at - place))

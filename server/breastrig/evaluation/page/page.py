@@ -100,7 +100,7 @@ def page(
     pictures: Sequence[FitPicture],
 ) -> str:
     """The HTML text."""
-    source = (resources.files("breastrig.evaluation") / "page.html").read_text("utf-8")
+    source = (resources.files("breastrig.evaluation.page") / "page.html").read_text("utf-8")
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined)
     return environment.from_string(source).render(
         headline=headline(results),
