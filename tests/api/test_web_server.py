@@ -85,6 +85,7 @@ def serve(service: Service, config: Config) -> Serve:
         served = Served(listen(app, used, 0, lambda: None, limits))
         app.add_url_rule("/test/block", "block", served.block)
         app.add_url_rule("/test/big", "big", served.big)
+        app.add_url_rule("/test/cut", "cut", lambda: Response(cut(), mimetype="text/plain"))
         app.add_url_rule("/test/broken", "broken", lambda: Response(broken(), mimetype="text/plain"))
         runs = threading.Thread(target=served.server.run)
         runs.start()
@@ -103,6 +104,11 @@ def serve(service: Service, config: Config) -> Serve:
 def broken() -> Iterator[bytes]:
     yield bytes(200_000)
     raise ZeroDivisionError
+
+
+def cut() -> Iterator[bytes]:
+    yield bytes(200_000)
+    raise ConnectionAbortedError("another reader needed the place")
 
 
 def problem_of(connection: socket.socket, status: int) -> str:
@@ -407,6 +413,17 @@ def test_an_answer_that_breaks_off_ends_the_connection_and_is_logged_without_its
     assert "ZeroDivisionError" in caplog.text
     assert "Miller" not in caplog.text
     assert "/test" not in caplog.text
+
+
+def test_a_reader_that_is_sent_away_on_purpose_is_no_error(serve: Serve, caplog: pytest.LogCaptureFixture) -> None:
+    with serve() as served, connected(served.port) as connection:
+        connection.sendall(request("/test/cut"))
+        received = b""
+        while chunk := connection.recv(100_000):
+            received += chunk
+        assert len(received) > 200_000
+        assert not received.endswith(b"0\r\n\r\n")
+    assert [record for record in caplog.records if record.levelname == "ERROR"] == []
 
 
 def test_requests_that_come_together_are_answered_in_their_order(serve: Serve) -> None:

@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -12,8 +13,9 @@ import pytest
 from helpers.real_server import children, server
 from helpers.toy_rig import toy_rig
 
+from breastrig.cli import interruption, serve_command
 from breastrig.cli.main import main
-from breastrig.cli.serve_command import _Stop
+from breastrig.cli.serve_command import _stop_on_signals
 from breastrig.gltf.write_rig import write_rig
 
 
@@ -53,7 +55,7 @@ def test_no_process_of_the_service_inherits_its_secrets(tmp_path: Path, model: P
     assert not any(token.encode() in environment for environment in environments)
 
 
-@pytest.mark.parametrize(("number", "codes"), [(signal.SIGINT, {130, -signal.SIGINT}), (signal.SIGTERM, {0})])
+@pytest.mark.parametrize(("number", "codes"), [(signal.SIGINT, {130, -signal.SIGINT}), (signal.SIGTERM, {143})])
 def test_a_service_that_is_stopped_while_it_starts_says_so_and_ends(
     number: signal.Signals, codes: set[int], tmp_path: Path, model: Path
 ) -> None:
@@ -72,22 +74,47 @@ def test_a_service_that_is_stopped_while_it_starts_says_so_and_ends(
         assert process.stdout is not None
         assert process.stdout.read() == b""  # and no child is left that could write
     said = [line for line in errors.read_text().splitlines() if not line.startswith("{")]
-    assert said == (["breastrig: stopped."] if number == signal.SIGINT else [])
+    assert said == ["breastrig: stopped."]
 
 
-def test_a_signal_that_python_swallows_still_stops_the_service() -> None:
+@pytest.fixture
+def handlers() -> Iterator[None]:
+    """Puts back what the tests' own process does on signals."""
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    ended: list[bool] = []
-    try:
-        stop = _Stop()
+    yield
+    interruption.watch()  # forgets that a signal came
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("handlers")
+def test_a_signal_that_python_swallows_while_the_service_starts_still_stops_it(
+    tmp_path: Path, model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted() -> None:
         with suppress(KeyboardInterrupt):
-            signal.raise_signal(signal.SIGINT)
-        assert not ended
-        stop.when_serving(lambda: ended.append(True))
-        assert ended == [True]
-        signal.raise_signal(signal.SIGTERM)
-        signal.raise_signal(signal.SIGTERM)
-        assert ended == [True, True]  # the second does not disturb
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+            signal.raise_signal(signal.SIGTERM)
+
+    interruption.watch()
+    monkeypatch.setattr(serve_command, "start_fork_server", interrupted)
+    assert main(["serve", "--port", "0", "--data", str(tmp_path / "data"), "--model", str(model)]) == 143
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.endswith("breastrig: stopped.\n")
+
+
+@pytest.mark.usefixtures("handlers")
+def test_the_first_signal_ends_the_service_and_a_second_does_not_disturb() -> None:
+    ended: list[bool] = []
+    _stop_on_signals(lambda: ended.append(True))
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGINT):
+        signal.raise_signal(number)
+    assert ended == [True]
+
+
+@pytest.mark.usefixtures("handlers")
+def test_a_signal_that_was_ignored_stays_ignored() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _stop_on_signals(lambda: None)
+    assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    assert signal.getsignal(signal.SIGTERM) not in (signal.SIG_IGN, signal.SIG_DFL)

@@ -13,6 +13,7 @@ from breastrig.api.app import create_app
 from breastrig.api.config import TOKEN_VARIABLE, Config, checked_token
 from breastrig.api.settings import location_of, token_source
 from breastrig.api.web_server.wsgi_server import listen
+from breastrig.cli.interruption import NUMBERS, raise_if_asked
 from breastrig.cli.service_options import add_service_options, service_settings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.core.notice import RESEARCH_USE_ONLY
@@ -43,7 +44,6 @@ def run(options: argparse.Namespace) -> int:
 
 def serve(options: argparse.Namespace, runner: Runner) -> int:
     """The same with another way to carry out a fit."""
-    stop = _Stop()
     found = service_settings(options)
     setting = {name: one.value for name, one in found.items()}
     set_up_logs(setting["log"])
@@ -87,7 +87,8 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
         server = listen(app, config, setting["port"], service.end_streams)
         stack.callback(server.close)
         with service.started():
-            stop.when_serving(server.stop)
+            _stop_on_signals(server.stop)
+            raise_if_asked()  # someone may have swallowed an interruption while the service started
             shown = f"[{config.host}]" if ":" in config.host else config.host
             print(f"BreastRig is ready: http://{shown}:{server.effective_port}/   (Ctrl-C stops it)", flush=True)
             print(RESEARCH_USE_ONLY, flush=True)
@@ -104,33 +105,15 @@ def _cluster(address: str, limits: FitLimits) -> Executor:
     return DaskPool(address, memory_bytes=limits.memory_bytes)
 
 
-class _Stop:
-    """Ctrl-C and SIGTERM, from the first moment on.
+def _stop_on_signals(end: Callable[[], None]) -> None:
+    """Until now a signal interrupted the start.  From now on the first one calls `end`, and later ones do not disturb
+    the tidying up; one that is ignored (nohup, background) stays ignored."""
 
-    While the service starts they interrupt whatever it is doing.  Python may swallow such an interruption, in a
-    destructor for one: then it is made up for as soon as the service has started.  Later they end it in order, and
-    further ones do not disturb the tidying up.
-    """
+    def stop(_number: int, _frame: FrameType | None) -> None:
+        for number in NUMBERS:
+            signal.signal(number, signal.SIG_IGN)
+        end()
 
-    def __init__(self) -> None:
-        self._asked = False
-        self._end: Callable[[], None] | None = None
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._on_signal)
-
-    def when_serving(self, end: Callable[[], None]) -> None:
-        """From now on `end` is called instead; at once when it was asked for before."""
-        self._end = end
-        if self._asked:
-            end()
-
-    def _on_signal(self, number: int, _frame: FrameType | None) -> None:
-        self._asked = True
-        if self._end is not None:
-            for each in (signal.SIGINT, signal.SIGTERM):
-                signal.signal(each, signal.SIG_IGN)
-            self._end()
-        elif number == signal.SIGINT:
-            raise KeyboardInterrupt
-        else:
-            raise SystemExit(0)
+    for number in NUMBERS:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, stop)

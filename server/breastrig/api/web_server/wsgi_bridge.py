@@ -88,7 +88,8 @@ class WsgiBridge:
         except SenderGone:
             pass
         except Exception as error:
-            log.error("an answer broke off: %s", type(error).__name__)
+            if not isinstance(error, ConnectionError):  # that one says itself that a reader was sent away
+                log.error("an answer broke off: %s", type(error).__name__)
             if not answers.begun:
                 await answers.begin(500, [(name.lower().encode(), value.encode()) for name, value in BROKEN.headers])
                 await answers.piece(BROKEN.get_data(), last=True)

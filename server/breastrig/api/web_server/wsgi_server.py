@@ -11,7 +11,10 @@ Four clients at work beside 24 open streams of events; requests answered in 6 s 
     granian                    1800 (8)     1900 (5)         1720 (7)                 0                  0
     cheroot                    2000 (4)     drops most              0                 0                  0
     uvicorn + a2wsgi          1522 (10)    1456 (15)        1514 (11)                 0                  0
-    this                      FIGURES
+    this (*)                   860 (66)     534 (71)         870 (43)          868 (60)          582 (70)
+
+(*) Another run, on a busier machine (load average 12 to 15): compare its columns, not its row with others.
+Waitress, as it was, then answered 1532 (11) undisturbed, and again nothing in the other four.
 
 None has it all.  gunicorn and granian run the application in processes of their own, none of them asks the
 application before it takes a body, and only waitress and uvicorn let us say what a broken request is answered.
