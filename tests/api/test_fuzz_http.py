@@ -24,6 +24,8 @@ from hypothesis import strategies as st
 from schemathesis.checks import not_a_server_error
 from schemathesis.generation import GenerationMode
 from schemathesis.specs.openapi.checks import content_type_conformance, response_schema_conformance
+from werkzeug.datastructures import FileStorage
+from werkzeug.test import encode_multipart
 
 from breastrig.api.app import openapi_document
 from breastrig.core.glb import pack_glb, split_glb
@@ -138,7 +140,9 @@ def uploads(draw: st.DrawFn) -> tuple[str, bytes]:
 def test_an_upload_of_anything_is_a_scan_or_one_sentence(app: APIFlask, upload: tuple[str, bytes], units: str) -> None:
     ending, data = upload
     client = app.test_client()
-    answer = client.post("/api/scans", data={"file": (io.BytesIO(data), f"scan.{ending}"), "units": units})
+    file = FileStorage(io.BytesIO(data), filename=f"scan.{ending}")
+    boundary, body_sent = encode_multipart({"file": file, "units": units})  # the client's own would leave a file open
+    answer = client.post("/api/scans", data=body_sent, content_type=f"multipart/form-data; boundary={boundary}")
     count(f"upload of a {ending}", str(answer.status_code))
     if answer.status_code != 201:
         assert answer.status_code in (413, 422)
