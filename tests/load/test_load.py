@@ -11,7 +11,7 @@ from load.watched import StoredEvents
 
 def test_clients_work_while_viewers_watch_and_hundreds_are_slow_without_any_error() -> None:
     slow = SlowClients(idle=300, headers=20, bodies=20, readers=20)
-    found = run(seconds=3.0, clients=2, viewers=8, slow=slow)
+    found = run(seconds=8.0, clients=2, viewers=8, slow=slow)  # long enough for whole fits beside other tests
     assert found.measured.errors == []
     assert [kept.held for kept in found.slow.values()] == [300, 20, 20, 20]
     assert found.slow["idle"].sent_away == sum(kept.not_let_in for kept in found.slow.values()) == 0
@@ -22,7 +22,7 @@ def test_clients_work_while_viewers_watch_and_hundreds_are_slow_without_any_erro
     calls = found.measured.seconds
     assert len(calls["POST scans"]) == len(calls["GET fitted.glb"]) == len(calls["DELETE scan"]) == found.measured.fits
     assert found.measured.late_s
-    assert all(used.server_mb > 0 and used.threads > 50 for _, used in found.memory)
+    assert all(used.server_mb > 0 and 1 < used.threads < 200 for _, used in found.memory)  # they start as they are needed
 
 
 def test_the_table_counts_and_ranks() -> None:
