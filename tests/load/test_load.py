@@ -22,7 +22,7 @@ def test_clients_work_while_viewers_watch_and_hundreds_are_slow_without_any_erro
     calls = found.measured.seconds
     assert len(calls["POST scans"]) == len(calls["GET fitted.glb"]) == len(calls["DELETE scan"]) == found.measured.fits
     assert found.measured.late_s
-    assert all(used.server_mb > 0 and 1 < used.threads < 200 for _, used in found.memory)  # they start as they are needed
+    assert all(used.server_mb > 0 and 1 < used.threads < 200 for _, used in found.memory)
 
 
 def test_the_table_counts_and_ranks() -> None:
