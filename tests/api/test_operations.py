@@ -108,11 +108,12 @@ def test_operations_need_no_token_and_show_nothing_that_needs_one(config: Config
 
 
 def test_a_killed_idle_process_does_not_make_the_service_unready(serving_readers: Service) -> None:
-    manager = serving_readers._readers._pool._pool_manager.worker_manager
+    pool = serving_readers._readers._processes._pool
+    manager = pool._pool_manager.worker_manager
     for pid in list(manager.workers):
         with suppress(ProcessLookupError):
             os.kill(pid, 9)
-    until(lambda: not serving_readers._readers._pool.active, "the pool to notice")
+    until(lambda: not pool.active, "the pool to notice")
     assert serving_readers.readiness.troubles() == ()
 
 

@@ -56,7 +56,7 @@ def test_the_folder_of_a_killed_process_is_removed_and_that_of_a_living_one_is_n
 
 
 def test_whoever_kills_processes_sweeps_on(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("breastrig.core.scratch.SWEEP_S", 0.01)
+    monkeypatch.setattr("breastrig.execution.scratch_sweeper.SWEEP_S", 0.01)
     with scratch_swept():
         for name in ("left", "left_again"):
             (place / name).mkdir(parents=True, mode=0o700)
