@@ -22,7 +22,8 @@ from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import RigParameters, rest_parameters
+from breastrig.rig.parameters import rest_parameters
+from breastrig.rig.state import BodyState
 
 
 def matches(rig: Rig, rng: np.random.Generator) -> Correspondences:
@@ -30,6 +31,10 @@ def matches(rig: Rig, rng: np.random.Generator) -> Correspondences:
     normals = rng.normal(size=(40, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return Correspondences(chosen, rig.template[chosen] + 0.02 * rng.normal(size=(40, 3)), normals, np.zeros(40))
+
+
+def random_state(rig: Rig, rng: np.random.Generator) -> BodyState:
+    return BodyState(rig, random_parameters(rig, rng))
 
 
 def tight_joints(rig: Rig) -> Joints:
@@ -57,7 +62,7 @@ TERMS: dict[str, Callable[[Rig, np.random.Generator], Any]] = {
 
 def test_point_to_point_can_stand_for_point_to_plane_too(toy_rig: Rig) -> None:
     rng = np.random.default_rng(1)
-    found, weights, x = matches(toy_rig, rng), rng.uniform(0.1, 1, 40), random_parameters(toy_rig, rng)
+    found, weights, x = matches(toy_rig, rng), rng.uniform(0.1, 1, 40), random_state(toy_rig, rng)
     both = PointToPoint(toy_rig, found, weights, 0.01, 0.003)
     assert_jacobian_matches_finite_differences(both, toy_rig, x)
     apart = [PointToPoint(toy_rig, found, weights, 0.01), PointToPlane(toy_rig, found, weights, 0.003)]
@@ -76,12 +81,12 @@ def test_no_term_is_forgotten() -> None:
 def test_the_jacobian_matches_finite_differences(name: str, seed: int, toy_rig: Rig) -> None:
     rng = np.random.default_rng(seed)
     term = TERMS[name](toy_rig, rng)
-    assert_jacobian_matches_finite_differences(term, toy_rig, random_parameters(toy_rig, rng))
+    assert_jacobian_matches_finite_differences(term, toy_rig, random_state(toy_rig, rng))
 
 
 @pytest.mark.parametrize("name", ["shape_prior", "scale_prior", "symmetry", "joint_rest", "joint_limits"])
 def test_a_rig_at_rest_costs_nothing(name: str, toy_rig: Rig) -> None:
-    rest = rest_parameters(toy_rig)
+    rest = BodyState(toy_rig, rest_parameters(toy_rig))
     term = {
         "shape_prior": ShapePrior(np.ones(len(toy_rig.shapes)), np.zeros(len(toy_rig.shapes))),
         "scale_prior": ScalePrior(toy_rig, 0.1, 0.05),
@@ -94,16 +99,16 @@ def test_a_rig_at_rest_costs_nothing(name: str, toy_rig: Rig) -> None:
 
 def test_a_rigid_move_of_the_whole_rig_strains_no_joint(toy_rig: Rig) -> None:
     rng = np.random.default_rng(4)
-    rest: RigParameters = rest_parameters(toy_rig)
+    rest = rest_parameters(toy_rig)
     turned = random_parameters(toy_rig, rng).rotations[0]
-    moved = rest.moved(turned, rng.normal(size=3))
+    moved = BodyState(toy_rig, rest.moved(turned, rng.normal(size=3)))
     np.testing.assert_allclose(JointRest(Joints(toy_rig, toy_rig.joints)).residual(moved), 0.0, atol=1e-9)
 
 
 def test_a_joint_inside_its_limit_costs_nothing_and_one_beyond_it_does(toy_rig: Rig) -> None:
     joints = tight_joints(toy_rig)
-    x = random_parameters(toy_rig, np.random.default_rng(5))
+    x = random_state(toy_rig, np.random.default_rng(5))
     residual = JointLimits(joints, 0.03).residual(x)
-    angles = np.linalg.norm(joints.motion(x).turn, axis=1)
+    angles = np.linalg.norm(x.motion(joints).turn, axis=1)
     np.testing.assert_allclose(residual[1:], (angles[1:] - 0.05) / 0.03, atol=1e-12)
     assert residual[0] == 0.0

@@ -8,8 +8,8 @@ from helpers.rig_patient import patient
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.landmark_check import start_from_landmarks
 from breastrig.fitting.observation_weights import observation_weights
+from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.recipe import Observations, Recipe, load_recipe
 from breastrig.geometry.normals import face_areas
 from breastrig.gltf.read_rig import default_rig_path, read_rig

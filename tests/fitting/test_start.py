@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from breastrig.core.errors import BadLandmarks, BadSettings
-from breastrig.fitting.landmark_check import start_from_landmarks
+from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.recipe import load_recipe, preset_names
 from breastrig.fitting.similarity import umeyama
 from breastrig.geometry.rotations import exp_so3

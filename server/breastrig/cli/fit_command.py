@@ -19,7 +19,7 @@ from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.output_files import Output, OutputSet, all_or_nothing, is_ordinary, shown
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import pattern_help, tumour_text
-from breastrig.fitting.coupling import ALIKE, ONE_BODY
+from breastrig.fitting.two_stances import ALIKE, ONE_BODY
 from breastrig.scan.landmark_files import landmark_confidences, read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Done, Event, Iterated, Started

@@ -11,7 +11,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.least_squares.problem import Linearisation
 from breastrig.rig.joints import Joints
-from breastrig.rig.parameters import RigParameters
+from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,19 +25,19 @@ class JointLimits:
         """(J,) rad"""
         return np.array([joint.rotation_limit for joint in self.joints.joints])
 
-    def _angles(self, x: RigParameters) -> tuple[Array, Array, Array]:
+    def _angles(self, state: BodyState) -> tuple[Array, Array, Array]:
         """(J, 3) turn, (J,) its angle, (J,) excess over the limit"""
-        turn = self.joints.motion(x).turn
+        turn = state.motion(self.joints).turn
         angle = np.linalg.norm(turn, axis=1)
         return turn, angle, np.maximum(angle - self._limits, 0.0)
 
-    def residual(self, x: RigParameters) -> Array:
+    def residual(self, state: BodyState) -> Array:
         """(J,)"""
-        return np.asarray(self._angles(x)[2] / self.sigma)
+        return np.asarray(self._angles(state)[2] / self.sigma)
 
-    def linearise(self, x: RigParameters) -> Linearisation:
+    def linearise(self, state: BodyState) -> Linearisation:
         """(J,), (J, P)"""
-        turn, angle, excess = self._angles(x)
+        turn, angle, excess = self._angles(state)
         direction = np.where((excess > 0.0)[:, None], turn / np.maximum(angle, 1e-12)[:, None], 0.0)
-        jacobian = np.einsum("ji,jip->jp", direction, self.joints.jacobian(x)[:, 3:]) / self.sigma
+        jacobian = np.einsum("ji,jip->jp", direction, state.motion(self.joints).jacobian[:, 3:]) / self.sigma
         return Linearisation(excess / self.sigma, jacobian)

@@ -12,7 +12,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.least_squares.problem import Linearisation
 from breastrig.rig.joints import Joints
-from breastrig.rig.parameters import RigParameters
+from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,11 +26,11 @@ class JointRest:
         rows = [[j.translation_sigma**2] * 3 + [j.rotation_sigma**2] * 3 for j in self.joints.joints]
         return np.asarray(rows, dtype=np.float64).ravel()
 
-    def residual(self, x: RigParameters) -> Array:
+    def residual(self, state: BodyState) -> Array:
         """(6J,)"""
-        motion = self.joints.motion(x)
+        motion = state.motion(self.joints)
         return np.concatenate([motion.gap, motion.turn], axis=1).ravel()
 
-    def linearise(self, x: RigParameters) -> Linearisation:
+    def linearise(self, state: BodyState) -> Linearisation:
         """(6J,), (6J, P)"""
-        return Linearisation(self.residual(x), self.joints.jacobian(x).reshape(-1, x.dof))
+        return Linearisation(self.residual(state), state.motion(self.joints).jacobian.reshape(-1, state.dof))

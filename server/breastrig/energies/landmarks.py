@@ -12,8 +12,7 @@ from breastrig.core.arrays import Array
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.least_squares.problem import Linearisation
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import RigParameters
-from breastrig.rig.skinning import posed
+from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,16 +23,16 @@ class Landmarks:
     sigma: Array  # (L,) m, expected error of each pick
     name: str = "landmarks"
 
-    def residual(self, x: RigParameters) -> Array:
+    def residual(self, state: BodyState) -> Array:
         """(3L,), axis by axis"""
-        gap = self.points.positions(posed(self.rig, x).vertices, self.rig.faces) - self.targets
+        gap = self.points.positions(state.posed.vertices, self.rig.faces) - self.targets
         return np.asarray((gap / self.sigma[:, None]).T.ravel())
 
-    def linearise(self, x: RigParameters) -> Linearisation:
+    def linearise(self, state: BodyState) -> Linearisation:
         """(3L,), (3L, P)"""
-        body = posed(self.rig, x)
+        body = state.posed
         corners = self.rig.faces[self.points.faces].ravel()  # (3L,)
         weight = (self.points.barycentric / self.sigma[:, None]).ravel()
         directions = (np.eye(3)[:, None] * weight[:, None]).reshape(-1, 3)  # (9L, 3)
         rows = body.rows(np.tile(corners, 3), directions)
-        return Linearisation(self.residual(x), rows[0::3] + rows[1::3] + rows[2::3])  # a landmark's three corners
+        return Linearisation(self.residual(state), rows[0::3] + rows[1::3] + rows[2::3])  # a landmark's three corners

@@ -13,8 +13,7 @@ from breastrig.core.arrays import Array
 from breastrig.correspondence.match import Correspondences
 from breastrig.least_squares.problem import Linearisation
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import RigParameters
-from breastrig.rig.skinning import posed
+from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,12 +24,12 @@ class PointToPlane:
     sigma: float  # m, expected distance of a well fitted model
     name: str = "point_to_plane"
 
-    def residual(self, x: RigParameters) -> Array:
+    def residual(self, state: BodyState) -> Array:
         """(M,)"""
-        gap = posed(self.rig, x).vertices[self.matches.vertices] - self.matches.points
+        gap = state.posed.vertices[self.matches.vertices] - self.matches.points
         return np.asarray(np.einsum("mi,mi->m", self.matches.normals, gap) * np.sqrt(self.weights) / self.sigma)
 
-    def linearise(self, x: RigParameters) -> Linearisation:
+    def linearise(self, state: BodyState) -> Linearisation:
         """(M,), (M, P)"""
         directions = self.matches.normals * (np.sqrt(self.weights) / self.sigma)[:, None]
-        return Linearisation(self.residual(x), posed(self.rig, x).rows(self.matches.vertices, directions))
+        return Linearisation(self.residual(state), state.posed.rows(self.matches.vertices, directions))

@@ -13,8 +13,7 @@ from breastrig.core.arrays import Array
 from breastrig.correspondence.match import Correspondences
 from breastrig.least_squares.problem import Linearisation
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import RigParameters
-from breastrig.rig.skinning import posed
+from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,12 +34,12 @@ class PointToPoint:
         turned = along * np.eye(3) + (across - along) * n[:, :, None] * n[:, None, :]
         return np.asarray(turned * np.sqrt(self.weights)[:, None, None])
 
-    def residual(self, x: RigParameters) -> Array:
+    def residual(self, state: BodyState) -> Array:
         """(3M,), axis by axis"""
-        gap = posed(self.rig, x).vertices[self.matches.vertices] - self.matches.points
+        gap = state.posed.vertices[self.matches.vertices] - self.matches.points
         return np.asarray(np.einsum("mij,mj->im", self._weighing, gap).ravel())
 
-    def linearise(self, x: RigParameters) -> Linearisation:
+    def linearise(self, state: BodyState) -> Linearisation:
         """(3M,), (3M, P)"""
         directions = self._weighing.transpose(1, 0, 2).reshape(-1, 3)
-        return Linearisation(self.residual(x), posed(self.rig, x).rows(np.tile(self.matches.vertices, 3), directions))
+        return Linearisation(self.residual(state), state.posed.rows(np.tile(self.matches.vertices, 3), directions))

@@ -13,7 +13,8 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.least_squares.problem import Linearisation
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import BONE_DOFS, RigParameters
+from breastrig.rig.parameters import BONE_DOFS
+from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +38,9 @@ class ScalePrior:
             rows.append(row / self.neighbour_sigma)
         return np.concatenate(rows)
 
-    def residual(self, x: RigParameters) -> Array:
+    def residual(self, state: BodyState) -> Array:
         """(M,)"""
-        return np.asarray(np.einsum("mba,ba->m", self._matrix, x.scales - 1.0))
+        return np.asarray(np.einsum("mba,ba->m", self._matrix, state.x.scales - 1.0))
 
     @cached_property
     def _jacobian(self) -> Array:
@@ -50,6 +51,6 @@ class ScalePrior:
         jacobian.flags.writeable = False
         return jacobian
 
-    def linearise(self, x: RigParameters) -> Linearisation:
+    def linearise(self, state: BodyState) -> Linearisation:
         """(M,), (M, P)"""
-        return Linearisation(self.residual(x), self._jacobian)
+        return Linearisation(self.residual(state), self._jacobian)

@@ -9,7 +9,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.least_squares.problem import Linearisation
-from breastrig.rig.parameters import RigParameters
+from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,13 +18,13 @@ class ShapePrior:
     centre: Array  # (S,) expected value of each weight (not zero for gravity shapes of a supine scan)
     name: str = "shape_prior"
 
-    def residual(self, x: RigParameters) -> Array:
+    def residual(self, state: BodyState) -> Array:
         """(S,)"""
-        return np.asarray((x.weights - self.centre) / self.sigma)
+        return np.asarray((state.x.weights - self.centre) / self.sigma)
 
-    def linearise(self, x: RigParameters) -> Linearisation:
+    def linearise(self, state: BodyState) -> Linearisation:
         """(S,), (S, P)"""
-        shapes = len(x.weights)
-        jacobian = np.zeros((shapes, x.dof))
-        jacobian[:, x.dof - shapes :] = np.diag(1.0 / self.sigma)
-        return Linearisation(self.residual(x), jacobian)
+        shapes = len(state.x.weights)
+        jacobian = np.zeros((shapes, state.dof))
+        jacobian[:, state.dof - shapes :] = np.diag(1.0 / self.sigma)
+        return Linearisation(self.residual(state), jacobian)

@@ -11,7 +11,8 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.least_squares.problem import Linearisation
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import BONE_DOFS, RigParameters
+from breastrig.rig.parameters import BONE_DOFS
+from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,11 +31,11 @@ class Symmetry:
         bones = [(j, bone_index[b.mirror]) for j, b in enumerate(rig.bones) if j < bone_index[b.mirror]]
         return shapes, bones
 
-    def residual(self, x: RigParameters) -> Array:
+    def residual(self, state: BodyState) -> Array:
         """(M,)"""
         shapes, bones = self._pairs
-        weights = [(x.weights[a] - x.weights[b]) / (self.shape_sigma * sigma) for a, b, sigma in shapes]
-        scales = [(x.scales[a] - x.scales[b]) / self.scale_sigma for a, b in bones]
+        weights = [(state.x.weights[a] - state.x.weights[b]) / (self.shape_sigma * sigma) for a, b, sigma in shapes]
+        scales = [(state.x.scales[a] - state.x.scales[b]) / self.scale_sigma for a, b in bones]
         return np.concatenate([np.asarray(weights, dtype=np.float64), *scales])
 
     @cached_property
@@ -54,6 +55,6 @@ class Symmetry:
         jacobian.flags.writeable = False
         return jacobian
 
-    def linearise(self, x: RigParameters) -> Linearisation:
+    def linearise(self, state: BodyState) -> Linearisation:
         """(M,), (M, P)"""
-        return Linearisation(self.residual(x), self._jacobian)
+        return Linearisation(self.residual(state), self._jacobian)

@@ -1,57 +1,205 @@
-"""The registration: match, build the terms, one damped Newton step, yield; stage after stage.
+"""The registration: match, build the terms, one damped Gauss-Newton step, yield; stage after stage.
 
 A generator of frozen iterates is the only way to run a fit: the command line, the service and the tests all
-consume it, and whoever stops consuming cancels the fit.  Nothing here prints, stores or draws.
+consume it, and whoever stops consuming cancels the fit.  Nothing here prints, stores or draws.  One scan or two of the
+same patient (two_stances.py) go through the same loop.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from breastrig.fitting.bounds import allowed_start, free_unknowns, step_bounds
-from breastrig.fitting.stance_fit import StanceFit, Stillness, mean_distance, stage_progress
+from breastrig.core.arrays import Array, Booleans
+from breastrig.correspondence.match import Correspondences
+from breastrig.fitting.problem import ScanProblem, Terms, mean_distance
+from breastrig.fitting.recipe import Recipe, Stage, Stop
 from breastrig.fitting.task import FitIterate, FitTask
-from breastrig.least_squares.newton import Status, newton_step
+from breastrig.least_squares.newton import Point, Status, System, Value, damped_step
+from breastrig.least_squares.quadratic_program import Bounds
+from breastrig.rig.state import BodyState
 
 __all__ = ["FitIterate", "FitTask", "fit_iterates"]
+
+P = TypeVar("P", bound=Point)
+
+
+class Problem(Protocol[P]):
+    """The scans that are fitted together, and how their unknowns make one point of N unknowns."""
+
+    @property
+    def scans(self) -> tuple[ScanProblem, ...]: ...
+
+    @property
+    def recipe(self) -> Recipe: ...
+
+    @property
+    def scaling(self) -> Array:
+        """(N,) see damped_step."""
+
+    def start(self) -> P: ...
+
+    def states(self, point: P, /) -> tuple[BodyState, ...]:
+        """Of the model on each scan."""
+
+    def free(self, stage: Stage, /) -> Booleans:
+        """(N,) what the stage lets move."""
+
+    def bounds(self, point: P, /) -> Bounds:
+        """Where a step may go."""
+
+    def system(self, terms: Sequence[Terms], point: P, /) -> System:
+        """The quadratic model, with each scan's terms."""
+
+    def value(self, terms: Sequence[Terms], point: P, /) -> Value:
+        """What is to become small."""
+
+
+@dataclass(frozen=True, eq=False)
+class OneScan:
+    """The problem of a single scan."""
+
+    scan: ScanProblem
+
+    @property
+    def scans(self) -> tuple[ScanProblem, ...]:
+        return (self.scan,)
+
+    @property
+    def recipe(self) -> Recipe:
+        return self.scan.task.recipe
+
+    @property
+    def scaling(self) -> Array:
+        return self.scan.scaling
+
+    def start(self) -> BodyState:
+        return self.scan.start()
+
+    def states(self, point: BodyState) -> tuple[BodyState, ...]:
+        return (point,)
+
+    def free(self, stage: Stage) -> Booleans:
+        return self.scan.free(stage)
+
+    def bounds(self, point: BodyState) -> Bounds:
+        return self.scan.bounds(point)
+
+    def system(self, terms: Sequence[Terms], point: BodyState) -> System:
+        return self.scan.system(terms[0], point)
+
+    def value(self, terms: Sequence[Terms], point: BodyState) -> Value:
+        return self.scan.value(terms[0], point)
+
+
+class _Stillness:
+    """Counts the iterations in a row in which a scan's mean distance hardly changed."""
+
+    def __init__(self, stop: Stop) -> None:
+        self._stop, self._previous, self._quiet = stop, np.inf, 0
+
+    def new_stage(self) -> None:
+        self._quiet = 0
+
+    def reached(self, mean: float, progress: float) -> bool:
+        """Whether the fit may end at this mean distance (m); only a stage that has tightened can be still."""
+        still = progress == 1.0 and abs(mean - self._previous) < self._stop.distance_change_m
+        self._quiet = self._quiet + 1 if still else 0
+        self._previous = mean
+        return self._quiet >= self._stop.patience
+
+
+def stage_progress(stage: Stage, step: int) -> float:
+    """How far the stage has tightened before its step number `step`: 0 to 1."""
+    return min(step / max(stage.tighten - 1, 1), 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _Iteration(Generic[P]):
+    """The state of an iteration: where the model is, and what it meets there."""
+
+    number: int
+    stage: Stage
+    progress: float
+    point: P
+    energy: float
+    scans: tuple[ScanProblem, ...]
+    states: tuple[BodyState, ...]  # of the model on each scan
+    matches: tuple[Correspondences, ...]
+
+    def terms(self) -> list[Terms]:
+        """Of each scan."""
+        parts = zip(self.scans, self.states, self.matches, strict=True)
+        return [scan.terms(self.stage, self.progress, state, found) for scan, state, found in parts]
+
+    def lost(self) -> bool:
+        """Nothing holds the model on one of the scans."""
+        return any(scan.lost(found) for scan, found in zip(self.scans, self.matches, strict=True))
+
+    def reported(self, status: Status) -> tuple[FitIterate, ...]:
+        """An iterate for each scan."""
+        parts = zip(self.scans, self.states, self.matches, strict=True)
+        return tuple(
+            scan.iterate(self.number, self.stage, state, self.energy, found, status) for scan, state, found in parts
+        )
+
+
+def _matched(problem: Problem[P], number: int, stage: Stage, progress: float, point: P, energy: float) -> _Iteration[P]:
+    scans, states = problem.scans, problem.states(point)
+    matches = tuple(scan.matches(stage, progress, state) for scan, state in zip(scans, states, strict=True))
+    return _Iteration(number, stage, progress, point, energy, scans, states, matches)
+
+
+def iterates(problem: Problem[P]) -> Iterator[tuple[FitIterate, ...]]:
+    """One iterate for each scan: first the start as iteration 0, then one a step; the last status says why it stopped.
+
+    The energy in each is that of all scans together.
+    """
+    recipe = problem.recipe
+    stillness = [_Stillness(recipe.stop) for _ in problem.scans]
+    point, energy, number = problem.start(), np.nan, 0
+    for stage in recipe.stages:
+        free, last_stage, damping = problem.free(stage), stage is recipe.stages[-1], recipe.damping
+        for rule in stillness:
+            rule.new_stage()
+        for step_number in range(stage.iterations):
+            now = _matched(problem, number, stage, stage_progress(stage, step_number), point, energy)
+            still = [
+                rule.reached(mean_distance(found, np.inf), now.progress)
+                for rule, found in zip(stillness, now.matches, strict=True)
+            ]
+            if last_stage and all(still):
+                yield now.reported(Status.CONVERGED)
+                return
+            if now.lost():
+                yield now.reported(Status.STALLED)
+                return
+            yield now.reported(Status.RUNNING)
+            terms = now.terms()
+            step = damped_step(
+                problem.system(terms, point),
+                partial(problem.value, terms),
+                point,
+                scaling=problem.scaling,
+                damping=damping,
+                least_damping=recipe.damping,
+                bounds=problem.bounds(point),
+                free=free,
+            )
+            if step.status is Status.NOT_FINITE:
+                yield now.reported(Status.NOT_FINITE)
+                return
+            point, energy, damping = step.x, step.energy, step.damping
+            number += 1
+            if step.status is Status.STALLED and last_stage:
+                yield replace(now, number=number, energy=energy).reported(Status.STALLED)
+                return
+    yield _matched(problem, number, recipe.stages[-1], 1.0, point, energy).reported(Status.OUT_OF_ITERATIONS)
 
 
 def fit_iterates(task: FitTask) -> Iterator[FitIterate]:
     """Yields the start as iteration 0, then one iterate a step; the last one's status says why it stopped."""
-    recipe, fit, stillness = task.recipe, StanceFit(task), Stillness(task.recipe.stop)
-    x, energy, iteration = allowed_start(task), np.nan, 0
-    for stage in recipe.stages:
-        free = free_unknowns(task, stage, x.dof)
-        last_stage = stage is recipe.stages[-1]
-        stillness.new_stage()
-        damping = recipe.damping
-        for step_number in range(stage.iterations):
-            progress = stage_progress(stage, step_number)
-            matches = fit.matches(stage, progress, x)
-            still = stillness.reached(mean_distance(matches, np.inf), progress)
-            if last_stage and still:
-                yield fit.iterate(iteration, stage, x, energy, matches, Status.CONVERGED)
-                return
-            if fit.lost(matches):
-                yield fit.iterate(iteration, stage, x, energy, matches, Status.STALLED)
-                return
-            yield fit.iterate(iteration, stage, x, energy, matches, Status.RUNNING)
-            step = newton_step(
-                fit.terms(stage, progress, x, matches),
-                fit.held,
-                x,
-                scaling=fit.scaling,
-                damping=damping,
-                least_damping=recipe.damping,
-                bounds=step_bounds(task, x),
-                free=free,
-            )
-            if step.status is Status.NOT_FINITE:
-                yield fit.iterate(iteration, stage, x, energy, matches, Status.NOT_FINITE)
-                return
-            x, energy, damping = step.x, step.energy, step.damping
-            iteration += 1
-            if step.status is Status.STALLED and last_stage:
-                yield fit.iterate(iteration, stage, x, energy, matches, Status.STALLED)
-                return
-    yield fit.iterate(iteration, stage, x, energy, fit.matches(stage, 1.0, x), Status.OUT_OF_ITERATIONS)
+    for (iterate,) in iterates(OneScan(ScanProblem(task))):
+        yield iterate

@@ -1,8 +1,11 @@
-"""Where a fit starts without landmarks: which way is up, and where on the body the scan is.
+"""Where a fit starts: on its landmarks, or where the scan itself says which way is up and what of the body it shows.
 
-The front is known (scan/orient.py reads it from what the camera saw, to about ten degrees); the turn around it and
-the height are not.  So the rest pose is tried at every turn and several heights, each followed by a few rigid
-steps of iterative closest points on few vertices, scored by capped distances both ways (model to scan, so that
+Landmarks are met by a similarity that trusts the majority (iteratively reweighted Umeyama), so that one pick on the
+wrong place or two exchanged sides do not turn it.
+
+Without them the front is known (scan/orient.py reads it from what the camera saw, to about ten degrees); the turn
+around it and the height are not.  So the rest pose is tried at every turn and several heights, each followed by a few
+rigid steps of iterative closest points on few vertices, scored by capped distances both ways (model to scan, so that
 it lies on skin; scan to model, so that it covers the skin there is), and the best few are followed further.
 On the ten dev scans, turned at random, the right turn wins by 15 % to 25 % of the score over the next basin.
 A scan that shows all sides has no known front: then all six directions of its axes are tried (1 s instead of 0.2);
@@ -17,15 +20,16 @@ from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.landmark_check import MIN_LANDMARKS, start_from_landmarks
-from breastrig.fitting.similarities import Similarities, nearest_similarities
-from breastrig.fitting.similarity import Similarity, similar_parameters
+from breastrig.fitting.similarity import Similarities, Similarity, nearest_similarities, similar_parameters, umeyama
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 
+TRUST = 0.04  # m; patients' landmarks lie within about 3 cm of a similarity of the model's
+ADULT_SCALE = (0.75, 1.3)  # of the model
+MIN_LANDMARKS = 3  # fewer leave the similarity open
 CAP = 0.05  # m; beyond it a distance says only "elsewhere"
 REACH = 0.08  # m; how far a step looks for skin
 TURNS = 24  # around the front: every 15 degrees, the basin is about 20 wide on each side
@@ -38,6 +42,28 @@ SURE_LANDMARKS = 6  # so many never lie on one line
 AGREED = 0.08  # m, mean distance of the landmarks to a start that they agree with; the dev scans' are under 5 cm
 SCALE = (0.85, 1.15)  # of the rest pose; the fit itself may go further
 FEWEST_PAIRS = 20  # of a step; fewer would turn the body towards a scrap
+
+
+def trusted_similarity(model: Array, picked: Array) -> tuple[Similarity, Array]:
+    """A similarity that the majority of the (L, 3) pairs agree on, and the (L,) residuals in m."""
+    found = umeyama(model, picked)
+    residual = np.linalg.norm(found.apply(model) - picked, axis=1)
+    for scale in (4.0 * TRUST, 2.0 * TRUST, TRUST, TRUST, TRUST):
+        found = umeyama(model, picked, 1.0 / (1.0 + (residual / scale) ** 2) ** 2)
+        residual = np.linalg.norm(found.apply(model) - picked, axis=1)
+    return found, residual
+
+
+def start_from_landmarks(rig: Rig, landmarks: dict[str, Array]) -> RigParameters:
+    """The rest pose on three or more landmarks (3,) m; the scale is kept within what adults have."""
+    names = tuple(landmarks)
+    model = rig.landmark_points(names).positions(rig.template, rig.faces)
+    picked = np.array([landmarks[name] for name in names])
+    found, residual = trusted_similarity(model, picked)
+    scale = float(np.clip(found.scale, *ADULT_SCALE))
+    share = 1.0 / (1.0 + (residual / TRUST) ** 2) ** 2
+    shift = share @ (picked - scale * model @ found.rotation.T) / share.sum()
+    return similar_parameters(rig, Similarity(scale, found.rotation, shift))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,6 @@
 """Landmarks proposed from the scan alone: a fit without any, its landmarks laid on the skin, a confidence each.
 
-The confidence is 1 / (1 + (e / 10 mm)²) with the error e that proposals of that landmark had on the dev scans:
+The confidence is 1 / (1 + (e / 10 mm)²) with the error e that proposals of that landmark are expected to have:
 landmarks with a form of their own (breastbone, nipples, folds) are found, those on a smooth slope (shoulder tip,
 navel of a slim belly) slide.  It is halved where the scan shows no skin, and it falls when the body's
 orientation was not clear.
@@ -20,17 +20,6 @@ from breastrig.geometry.normals import vertex_normals
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 
-EXPECTED_ERROR = {  # m, mean over the ten dev scans; names without their side
-    "suprasternal_notch": 0.009,
-    "mid_sternum": 0.007,
-    "xiphoid": 0.007,
-    "midclavicle": 0.013,
-    "acromion": 0.021,
-    "nipple": 0.007,
-    "inframammary_fold": 0.009,
-    "umbilicus": 0.018,
-}
-UNKNOWN_ERROR = 0.02  # m, for landmarks of other rigs
 USEFUL = 0.01  # m; a proposal this far off still saves the user a search: confidence one half
 LEAST = 0.01  # confidence; 0.1 m off, which no longer pulls at anything
 CLEAR_MARGIN = 0.1  # of start_from_scan; the dev scans have 0.08 to 0.19
@@ -71,7 +60,7 @@ def propose_landmarks(
     clear = float(np.clip(orientation.margin / CLEAR_MARGIN, 0.0, 1.0))
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
-        error = EXPECTED_ERROR.get(name.removesuffix("_L").removesuffix("_R"), UNKNOWN_ERROR)
+        error = recipe.landmark_errors(name).proposal
         trust = clear / (1.0 + (error / USEFUL) ** 2) * (1.0 if seen[k] else 0.5)
         proposals[name] = Proposal(places[k], round(trust, 2), bool(seen[k]))
     return proposals

@@ -1,4 +1,4 @@
-"""How a fit goes, as data: stages, priors, stop rule.  Preset files are TOML beside this module.
+"""How a fit goes, as data: stages, priors, stop rule, outliers.  Preset files are TOML beside this module.
 
 Every expected size (sigma) has a unit; the paper's compliance λ of a term is its σ² (equations 8 and 9).
 A pair [start, end] is run through geometrically while the stage tightens.
@@ -13,6 +13,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.core.output_files import is_ordinary, shown
+
+COMMON, COMMON_PARTS = "default", ("outliers", "stance_rule", "landmarks")  # taken from it where a preset is silent
 
 Positive = Annotated[float, Field(gt=0.0)]
 Range = tuple[Positive, Positive]
@@ -83,6 +85,32 @@ class Stage(_Part):
         return self
 
 
+class Outliers(_Part):
+    """When a picked landmark is not followed; see landmark_outliers.py."""
+
+    limit: Positive  # m, of a pick's distance had it not been given
+    neighbour: Annotated[float, Field(gt=0.0, le=1.0)]  # share of the limit, where another pick is far already
+    most: Annotated[float, Field(ge=0.0, lt=1.0)]  # share of the picks that may be dropped
+    doubtful: Positive  # m from a pick to the fitted landmark: it is named
+    near_partner: Positive  # m; a pick this near the other side's landmark was meant for it
+    exchanged_gain: Annotated[float, Field(gt=0.0, lt=1.0)]  # share below which exchanging sides must bring the misfit
+
+
+class LandmarkErrors(_Part):
+    """Of one landmark, or of all that are not named."""
+
+    proposal: Positive  # m, expected error where the scan alone proposes it
+    outlier_limit: Positive | None = None  # m; absent: that of all
+
+
+class StanceRule(_Part):
+    """Standing or lying, where no table tells; see stance.py."""
+
+    arms_hanging: Positive  # rad from the chest's long axis; nobody lies with the arms this close
+    arms_between: Positive  # rad, between standing and lying patients
+    per_radian: Positive  # units of energy that an angle beyond it counts
+
+
 class Recipe(_Part):
     name: str
     description: str
@@ -92,11 +120,22 @@ class Recipe(_Part):
     joints: Joints
     scales: Scales
     shapes: Shapes
+    outliers: Outliers
+    stance_rule: StanceRule
+    landmarks: dict[str, LandmarkErrors]  # by name without its side; "other" for those that are not named
     stages: Annotated[tuple[Stage, ...], Field(min_length=1)]
 
     @property
     def iterations_limit(self) -> int:
         return sum(stage.iterations for stage in self.stages)
+
+    def landmark_errors(self, name: str) -> LandmarkErrors:
+        """What is known of the landmark of this name."""
+        return self.landmarks.get(name.removesuffix("_L").removesuffix("_R"), self.landmarks["other"])
+
+    def outlier_limit(self, name: str) -> float:
+        """m, for the landmark of this name."""
+        return self.landmark_errors(name).outlier_limit or self.outliers.limit
 
     @property
     def continued(self) -> "Recipe":
@@ -110,10 +149,14 @@ def preset_names() -> tuple[str, ...]:
     return tuple(sorted(Path(str(item)).stem for item in folder.iterdir() if item.name.endswith(".toml")))
 
 
+def _preset_text(name: str) -> str:
+    return (resources.files("breastrig.fitting") / "presets" / f"{name}.toml").read_text("utf-8")
+
+
 def load_recipe(name_or_file: str | Path) -> Recipe:
     """A preset by name, or a TOML file of the same form; BadSettings says what is wrong with it."""
     if str(name_or_file) in preset_names():
-        text = (resources.files("breastrig.fitting") / "presets" / f"{name_or_file}.toml").read_text("utf-8")
+        text = _preset_text(str(name_or_file))
     elif Path(name_or_file).suffix == ".toml" and is_ordinary(Path(name_or_file)):
         try:
             text = Path(name_or_file).read_text("utf-8")
@@ -122,7 +165,9 @@ def load_recipe(name_or_file: str | Path) -> Recipe:
     else:
         raise BadSettings(unknown_name("preset", shown(name_or_file), preset_names()))
     try:
-        return Recipe.model_validate(tomllib.loads(text))
+        given = tomllib.loads(text)
+        common = {name: part for name, part in tomllib.loads(_preset_text(COMMON)).items() if name in COMMON_PARTS}
+        return Recipe.model_validate(common | given)
     except (tomllib.TOMLDecodeError, ValidationError) as error:
         first = str(error.errors()[0]["msg"]) if isinstance(error, ValidationError) else str(error)
         where = ".".join(map(str, error.errors()[0]["loc"])) if isinstance(error, ValidationError) else "the file"

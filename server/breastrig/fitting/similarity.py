@@ -1,13 +1,16 @@
-"""Similarities: the best one between two sets of points, and the rest pose carried by one.
+"""Similarities: the best one between two sets of points, or many at once, and the rest pose carried by one.
+
+The tries of orientation.py go through their few steps together: one by one the calls would cost more than the work.
 
 Umeyama, Least-squares estimation of transformation parameters between two point patterns, 1991.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadLandmarks
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
@@ -26,6 +29,46 @@ class Similarity:
         return np.asarray(self.scale * points @ self.rotation.T + self.translation)
 
 
+@dataclass(frozen=True, eq=False)
+class Similarities:
+    """T times x -> scale * rotation @ x + translation"""
+
+    scales: Array  # (T,)
+    rotations: Array  # (T, 3, 3)
+    translations: Array  # (T, 3) m
+
+    @classmethod
+    def of(cls, each: Sequence[Similarity]) -> "Similarities":
+        return cls(
+            np.array([one.scale for one in each]),
+            np.array([one.rotation for one in each]),
+            np.array([one.translation for one in each]),
+        )
+
+    def one(self, number: int) -> Similarity:
+        return Similarity(float(self.scales[number]), self.rotations[number], self.translations[number])
+
+    def chosen(self, numbers: Integers) -> "Similarities":
+        return Similarities(self.scales[numbers], self.rotations[numbers], self.translations[numbers])
+
+    def where(self, stays: Booleans, other: "Similarities") -> "Similarities":
+        """These where `stays` (T,), the other ones elsewhere."""
+        return Similarities(
+            np.where(stays, self.scales, other.scales),
+            np.where(stays[:, None, None], self.rotations, other.rotations),
+            np.where(stays[:, None], self.translations, other.translations),
+        )
+
+    def apply(self, points: Array) -> Array:
+        """(M, 3) -> (T, M, 3)"""
+        turned = points @ self.rotations.transpose(0, 2, 1)
+        return np.asarray(self.scales[:, None, None] * turned + self.translations[:, None])
+
+    def undone(self, points: Array) -> Array:
+        """(M, 3) -> (T, M, 3), the way back"""
+        return np.asarray((points - self.translations[:, None]) @ self.rotations / self.scales[:, None, None])
+
+
 def umeyama(source: Array, target: Array, weights: Array | None = None) -> Similarity:
     """The similarity (no reflection) that carries (M, 3) source points to target points best; M >= 3.
 
@@ -42,6 +85,26 @@ def umeyama(source: Array, target: Array, weights: Array | None = None) -> Simil
     rotation = (u * signs) @ vt
     scale = float((d * signs).sum() / (share @ (centred_s**2).sum(axis=1)))
     return Similarity(scale, rotation, mean_t - scale * rotation @ mean_s)
+
+
+def nearest_similarities(
+    source: Array, targets: Array, used: Booleans, scales: tuple[float, float] = (0.0, np.inf)
+) -> Similarities:
+    """The similarities that carry (M, 3) source points to (T, M, 3) target points best, over the pairs `used` (T, M).
+
+    `umeyama`, T times, with the scale kept within bounds.  A try with fewer than three pairs,
+    or with pairs on one line, gives some similarity that means nothing.
+    """
+    share = used / np.maximum(used.sum(axis=1, keepdims=True), 1)
+    mean_s, mean_t = share @ source, np.einsum("tm,tmi->ti", share, targets)
+    crossed = (targets * share[:, :, None]).transpose(0, 2, 1) @ source - mean_t[:, :, None] * mean_s[:, None, :]
+    spread = share @ (source**2).sum(axis=1) - (mean_s**2).sum(axis=1)
+    u, d, vt = np.linalg.svd(crossed)
+    signs = np.ones_like(d)
+    signs[:, 2] = np.sign(np.linalg.det(u @ vt))
+    rotations = (u * signs[:, None, :]) @ vt
+    found = np.clip((d * signs).sum(axis=1) / np.maximum(spread, 1e-12), *scales)
+    return Similarities(found, rotations, mean_t - found[:, None] * np.einsum("tij,tj->ti", rotations, mean_s))
 
 
 def similar_parameters(rig: Rig, similarity: Similarity) -> RigParameters:

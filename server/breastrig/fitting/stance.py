@@ -18,12 +18,6 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.scan.orient import Frame
 
-ARMS_BETWEEN = np.radians(
-    47.0
-)  # rad from hanging; standing patients of the 24 scans have 19 to 38, lying ones 54 to 79
-ARMS_HANGING = np.radians(30.0)  # rad; nobody lies with the arms this close, so one fit is enough
-PER_RADIAN = 0.3 / np.radians(1.0)  # units of energy; the middle of what separates the 24 scans
-
 
 def _arm_angles(rig: Rig, x: RigParameters) -> Array:
     """(A,) rad between each upper arm and hanging down along its grandparent, the chest."""
@@ -54,12 +48,13 @@ def found_stance(task: FitTask, frame: Frame) -> FoundStance:
     """
     if frame.stance == "supine" or not any(shape.kind == "gravity" for shape in task.rig.shapes):
         return FoundStance(frame.stance, frame.stance_reason)
+    rule = task.recipe.stance_rule
     standing = tuple(fit_iterates(replace(task, stance="standing")))
     arms = _arm_angles(task.rig, standing[-1].parameters)
-    if not len(arms) or arms.mean() < ARMS_HANGING:
+    if not len(arms) or arms.mean() < rule.arms_hanging:
         return FoundStance("standing", "There is no table in the scan, and the arms hang.", standing)
     supine = tuple(fit_iterates(replace(task, stance="supine")))
-    score = standing[-1].energy - supine[-1].energy + PER_RADIAN * (arms.mean() - ARMS_BETWEEN)
+    score = standing[-1].energy - supine[-1].energy + rule.per_radian * (arms.mean() - rule.arms_between)
     if score > 0.0:
         reason = "There is no table in the scan, but breasts and arms are as in a lying patient."
         return FoundStance("supine", reason, supine)

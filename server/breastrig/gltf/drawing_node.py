@@ -14,6 +14,7 @@ from breastrig.gltf.ribbon import Ribbon, exact_in, ribbons
 from breastrig.gltf.skinned import SkinnedNodes, as_float32
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import pose
 
 UNLIT = "KHR_materials_unlit"
 
@@ -54,7 +55,8 @@ def add_drawing(
 
 def positions_exact_in(rig: Rig, drawing: ModelDrawing, x: RigParameters) -> list[Array]:
     """Rest positions of the drawing's ribbons, with which they lie on the mesh posed by `x`."""
-    return [exact_in(rig, line, x) for line in ribbons(rig, drawing)]
+    mesh = pose(rig, x)
+    return [exact_in(rig, line, x, mesh) for line in ribbons(rig, drawing)]
 
 
 def add_positions(buffer: BufferWriter, positions: Array) -> int:

@@ -25,7 +25,7 @@ from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.skinned import joints_and_weights
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.rig.skinning import bone_matrices, posed
+from breastrig.rig.skinning import bone_matrices
 
 WIDTH = 0.002  # m, a surgical marker's line
 LIFT = 0.0005  # m, above the skin, so that line and skin do not fight for the same pixel
@@ -72,9 +72,8 @@ def ribbons(rig: Rig, drawing: ModelDrawing) -> tuple[Ribbon, ...]:
     return tuple(ribbon for ribbon in made if ribbon is not None)
 
 
-def exact_in(rig: Rig, ribbon: Ribbon, x: RigParameters) -> Array:
-    """(2M, 3) m: rest positions such that the ribbon, posed by `x`, lies exactly on the posed mesh, lifted."""
-    mesh = posed(rig, x).vertices
+def exact_in(rig: Rig, ribbon: Ribbon, x: RigParameters, mesh: Array) -> Array:
+    """(2M, 3) m: rest positions such that the ribbon, posed by `x`, lies exactly on the posed mesh (V, 3), lifted."""
     wanted = ribbon.points.positions(mesh, rig.faces) + LIFT * _facing(
         ribbon.points, vertex_normals(mesh, rig.faces), rig.faces
     )

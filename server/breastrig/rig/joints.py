@@ -11,7 +11,7 @@ the scalable bones").  The derivatives are for a step of rig/parameters.py.
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
@@ -19,14 +19,6 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.rotations import exp_so3, hat, log_so3, right_jacobian_inverse
 from breastrig.rig.model import Joint, Rig
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
-
-
-@dataclass(frozen=True, eq=False)
-class JointMotion:
-    """At J joints."""
-
-    gap: Array  # (J, 3) m
-    turn: Array  # (J, 3) rad
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,50 +40,67 @@ class Joints:
         u_c = np.einsum("jab,ja->jb", q_c, anchors - rig.rest_origins[c])
         return p, c, q_p, q_c, u_p, u_c
 
-    def motion(self, x: RigParameters) -> JointMotion:
+    def motion(self, x: RigParameters) -> "JointMotion":
         """Gaps and turns at x."""
-        gap, turn, into_parent = _parts(self, x)
-        return JointMotion(np.einsum("jab,jb->ja", into_parent, gap), turn)
+        return JointMotion(self, x)
 
-    def jacobian(self, x: RigParameters) -> Array:
+
+@dataclass(frozen=True, eq=False)
+class JointMotion:
+    """At J joints of a rig with parameters x; everything is computed once, when it is first asked for."""
+
+    joints: Joints
+    x: RigParameters
+
+    @cached_property
+    def _into_parent(self) -> Array:
+        """(J, 3, 3) world axes to the parent's rest axes."""
+        p, _, q_p, _, _, _ = self.joints.arms
+        return np.asarray(q_p @ self.x.rotations[p].transpose(0, 2, 1))
+
+    @cached_property
+    def _world_gap(self) -> Array:
+        """(J, 3) m, in world axes."""
+        x = self.x
+        p, c, _, _, u_p, u_c = self.joints.arms
+        at_p = np.einsum("jab,jb->ja", x.rotations[p], x.scales[p] * u_p) + x.translations[p]
+        at_c = np.einsum("jab,jb->ja", x.rotations[c], x.scales[c] * u_c) + x.translations[c]
+        return np.asarray(at_c - at_p)
+
+    @cached_property
+    def gap(self) -> Array:
+        """(J, 3) m, in the parent's rest axes."""
+        return np.asarray(np.einsum("jab,jb->ja", self._into_parent, self._world_gap))
+
+    @cached_property
+    def turn(self) -> Array:
+        """(J, 3) rad, rotation vectors beyond the rest."""
+        _, c, _, q_c, _, _ = self.joints.arms
+        relative = self._into_parent @ self.x.rotations[c] @ q_c.transpose(0, 2, 1)
+        if self.joints.rest is not None:
+            relative = exp_so3(self.joints.rest).transpose(0, 2, 1) @ relative
+        return log_so3(relative)
+
+    @cached_property
+    def jacobian(self) -> Array:
         """(J, 6, P), read-only: the derivatives of each joint's gap (first three rows) and turn."""
-        return _jacobian(self, x)
-
-
-@lru_cache(maxsize=8)
-def _parts(joints: Joints, x: RigParameters) -> tuple[Array, Array, Array]:
-    """(J, 3) gap in world axes, (J, 3) turn, (J, 3, 3) world to parent's rest axes; once for all terms, as `posed`."""
-    p, c, q_p, q_c, u_p, u_c = joints.arms
-    r_p, r_c = x.rotations[p], x.rotations[c]
-    at_p = np.einsum("jab,jb->ja", r_p, x.scales[p] * u_p) + x.translations[p]
-    at_c = np.einsum("jab,jb->ja", r_c, x.scales[c] * u_c) + x.translations[c]
-    into_parent = q_p @ r_p.transpose(0, 2, 1)
-    relative = into_parent @ r_c @ q_c.transpose(0, 2, 1)
-    if joints.rest is not None:
-        relative = exp_so3(joints.rest).transpose(0, 2, 1) @ relative
-    return at_c - at_p, log_so3(relative), into_parent
-
-
-@lru_cache(maxsize=8)
-def _jacobian(joints: Joints, x: RigParameters) -> Array:
-    """(J, 6, P), read-only, as `Joints.jacobian`."""
-    p, c, q_p, q_c, u_p, u_c = joints.arms
-    r_p, r_c = x.rotations[p], x.rotations[c]
-    gap, turn, into_parent = _parts(joints, x)
-    inverse = right_jacobian_inverse(turn)
-    local_gap = np.einsum("jba,jb->ja", r_p, gap)
-    parent, child = np.zeros((2, len(p), 6, BONE_DOFS))
-    parent[:, :3, 0:3] = q_p @ (hat(local_gap) + hat(x.scales[p] * u_p))
-    parent[:, :3, 3:6] = -into_parent
-    parent[:, :3, 6:9] = -q_p * u_p[:, None, :]
-    child[:, :3, 0:3] = -into_parent @ r_c @ hat(x.scales[c] * u_c)
-    child[:, :3, 3:6] = into_parent
-    child[:, :3, 6:9] = (into_parent @ r_c) * u_c[:, None, :]
-    child[:, 3:, 0:3] = inverse @ q_c
-    parent[:, 3:, 0:3] = -inverse @ q_c @ r_c.transpose(0, 2, 1) @ r_p
-    result = np.zeros((len(p), 6, x.dof))
-    blocks = result[:, :, : BONE_DOFS * len(x.scales)].reshape(len(p), 6, -1, BONE_DOFS)
-    rows = np.arange(len(p))
-    blocks[rows, :, p], blocks[rows, :, c] = parent, child
-    result.flags.writeable = False
-    return result
+        x, into_parent = self.x, self._into_parent
+        p, c, q_p, q_c, u_p, u_c = self.joints.arms
+        r_p, r_c = x.rotations[p], x.rotations[c]
+        inverse = right_jacobian_inverse(self.turn)
+        local_gap = np.einsum("jba,jb->ja", r_p, self._world_gap)
+        parent, child = np.zeros((2, len(p), 6, BONE_DOFS))
+        parent[:, :3, 0:3] = q_p @ (hat(local_gap) + hat(x.scales[p] * u_p))
+        parent[:, :3, 3:6] = -into_parent
+        parent[:, :3, 6:9] = -q_p * u_p[:, None, :]
+        child[:, :3, 0:3] = -into_parent @ r_c @ hat(x.scales[c] * u_c)
+        child[:, :3, 3:6] = into_parent
+        child[:, :3, 6:9] = (into_parent @ r_c) * u_c[:, None, :]
+        child[:, 3:, 0:3] = inverse @ q_c
+        parent[:, 3:, 0:3] = -inverse @ q_c @ r_c.transpose(0, 2, 1) @ r_p
+        result = np.zeros((len(p), 6, x.dof))
+        blocks = result[:, :, : BONE_DOFS * len(x.scales)].reshape(len(p), 6, -1, BONE_DOFS)
+        rows = np.arange(len(p))
+        blocks[rows, :, p], blocks[rows, :, c] = parent, child
+        result.flags.writeable = False
+        return result

@@ -11,7 +11,7 @@ A_i = Σ_j w_ij R_j S_j Q_jᵀ:
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
@@ -83,12 +83,6 @@ class Posed:
         pulled = np.einsum("mij,mi->mj", self.linear[chosen], directions)  # A_iᵀ d
         columns[BONE_DOFS * bones :] = np.matmul(pulled[:, None, :], rig.shapes_by_vertex[chosen])[:, 0].T
         return columns.T
-
-
-@lru_cache(maxsize=8)
-def posed(rig: Rig, x: RigParameters) -> Posed:
-    """The same `Posed` for all terms that look at the same (immutable, compared by identity) parameters."""
-    return Posed(rig, x)
 
 
 def pose(rig: Rig, x: RigParameters) -> Array:

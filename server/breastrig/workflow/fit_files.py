@@ -14,7 +14,7 @@ from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.output_files import private_folder, write_private
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.project_drawing import ScanLine
-from breastrig.fitting.landmark_check import Doubt
+from breastrig.fitting.landmark_outliers import Doubt
 from breastrig.fitting.verdict import Verdict
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb

@@ -12,8 +12,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadSettings
-from breastrig.fitting.landmark_check import MIN_LANDMARKS
-from breastrig.fitting.orientation import best_start, start_from_scan
+from breastrig.fitting.orientation import MIN_LANDMARKS, best_start, start_from_scan
 from breastrig.fitting.prepare_scan import AUTO, PreparedScan
 from breastrig.fitting.scan_orientation import ScanOrientation
 from breastrig.fitting.stance import FoundStance, found_stance

@@ -5,7 +5,7 @@ Whoever stops consuming the generator cancels the fit; nothing is written then b
 
 from collections.abc import Iterator
 
-from breastrig.fitting.checked_fit import checked_iterates
+from breastrig.fitting.landmark_outliers import checked_iterates
 from breastrig.workflow.events import Event
 from breastrig.workflow.scan_fit import STANCES, Clock, FitJob, ScanStory, made_ready, read_model
 

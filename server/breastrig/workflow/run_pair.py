@@ -12,10 +12,8 @@ from typing import Any
 from breastrig.core.errors import BadInput, BadScan, BadSettings
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.output_files import write_private
-from breastrig.fitting.checked_fit import agreeing_picks
-from breastrig.fitting.coupling import ONE_BODY, Coupling
-from breastrig.fitting.pair import fit_pair_iterates
-from breastrig.fitting.shared_body import SharedBody
+from breastrig.fitting.landmark_outliers import agreeing_picks
+from breastrig.fitting.two_stances import ONE_BODY, Coupling, SharedBody, fit_pair_iterates
 from breastrig.rig.model import Rig
 from breastrig.workflow.events import Done, Event
 from breastrig.workflow.fit_files import json_bytes

@@ -18,7 +18,7 @@ from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.fit_signals import fit_signals
-from breastrig.fitting.landmark_check import Doubt, doubts, sides_exchanged
+from breastrig.fitting.landmark_outliers import Doubt, doubts, sides_exchanged
 from breastrig.fitting.prepare_scan import AUTO, prepared
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import load_recipe
@@ -160,7 +160,7 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
     _near_the_scan(picked, target)
     _warm(target)
     timing["prepare"] = clock.lap()
-    exchanged = (Doubt(tuple(picked), ALL_EXCHANGED),) if sides_exchanged(rig, picked) else ()
+    exchanged = (Doubt(tuple(picked), ALL_EXCHANGED),) if sides_exchanged(rig, picked, recipe.outliers) else ()
     followed = {} if exchanged else picked
     errors = {name: expected_error(share) for name, share in job.landmark_confidence.items()}
     task = FitTask(rig, target, rest_parameters(rig), recipe, followed, landmark_errors=errors)
@@ -223,7 +223,9 @@ class ScanStory:
             timing["refine"] = clock.lap()
         fitted_landmarks = rig.landmark_points().positions(vertices, rig.faces)
         found = dict(zip(rig.landmark_names, fitted_landmarks, strict=True))
-        doubtful = ready.exchanged or doubts(rig, found, ready.task.landmarks, last.not_followed)
+        doubtful = ready.exchanged or doubts(
+            rig, ready.task.recipe.outliers, found, ready.task.landmarks, last.not_followed
+        )
         distances = surface_distances(target, vertices, rig.faces)
         drawing = ready.drawing.on_model(rig, vertices, -ready.centre) if ready.drawing else None
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()

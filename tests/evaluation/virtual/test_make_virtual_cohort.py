@@ -13,7 +13,7 @@ from breastrig.evaluation.cohort import Case, read_cohort
 from breastrig.evaluation.virtual import make_cohort
 from breastrig.evaluation.virtual.bodies import read_bodies
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.landmark_check import start_from_landmarks
+from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.boundary import boundary_edges
 from breastrig.geometry.closest_point import ClosestPointSearch

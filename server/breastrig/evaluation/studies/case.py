@@ -17,9 +17,8 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.cohort import Case
-from breastrig.fitting.checked_fit import checked_iterates
 from breastrig.fitting.fit import FitTask
-from breastrig.fitting.landmark_check import Doubt, doubts
+from breastrig.fitting.landmark_outliers import Doubt, checked_iterates, doubts
 from breastrig.fitting.orientation import best_start
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import Recipe
@@ -121,10 +120,11 @@ class Scene:
             "landmarks_mm": summary_mm(self.landmark_errors(rig, vertices))["mean"],
         }
 
-    def doubts(self, rig: Rig, fit: Fitted, picked: dict[str, Array]) -> tuple[Doubt, ...]:
+    def doubts(self, rig: Rig, recipe: Recipe, fit: Fitted, picked: dict[str, Array]) -> tuple[Doubt, ...]:
         """What the program says of these picks after the fit."""
         places = rig.landmark_points().positions(fit.vertices, rig.faces)
-        return doubts(rig, dict(zip(rig.landmark_names, places, strict=True)), picked, fit.not_followed)
+        found = dict(zip(rig.landmark_names, places, strict=True))
+        return doubts(rig, recipe.outliers, found, picked, fit.not_followed)
 
     def along_the_skin(self, place: Array, distance: float, rng: np.random.Generator) -> Array:
         """A pick on the scan's skin about `distance` m away from (3,) m, in a random direction."""

@@ -28,10 +28,9 @@ from breastrig.drawings.project_drawing import ON_SKIN
 from breastrig.drawings.skin_map import FittedScan, carried
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.studies.case import SEEN_COSINE, SEEN_DISTANCE, Scene, read_scene
-from breastrig.fitting.coupling import ALIKE, ONE_BODY, Coupling
 from breastrig.fitting.fit import FitTask
-from breastrig.fitting.pair import fit_pair_iterates
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, fit_pair_iterates
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints

@@ -15,18 +15,25 @@ from breastrig.energies.landmarks import Landmarks
 from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
-from breastrig.fitting.coupling import ALIKE, ONE_BODY, Coupling, Springs
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.landmark_check import start_from_landmarks
-from breastrig.fitting.orientation import best_start
-from breastrig.fitting.pair import PairIterate, fit_pair_iterates
+from breastrig.fitting.orientation import best_start, start_from_landmarks
 from breastrig.fitting.recipe import Recipe, load_recipe
-from breastrig.fitting.shared_body import SharedBody, TwoStances
+from breastrig.fitting.two_stances import (
+    ALIKE,
+    ONE_BODY,
+    Coupling,
+    PairIterate,
+    SharedBody,
+    Springs,
+    TwoStances,
+    fit_pair_iterates,
+)
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status, assemble, value
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
+from breastrig.rig.state import BodyState
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +137,7 @@ def test_the_joint_gradient_equals_finite_differences(coupling: Coupling) -> Non
     rng = np.random.default_rng(11)
     layout = SharedBody(rig, coupling.exact)
     springs = Springs(rig, coupling, layout)
-    state = layout.agreed(random_parameters(rig, rng), random_parameters(rig, rng))
+    state = layout.agreed(*(BodyState(rig, random_parameters(rig, rng)) for _ in range(2)))
     points = rig.landmark_points()
     terms = [
         [
@@ -160,7 +167,7 @@ def test_the_springs_hessian_is_the_gradients_derivative() -> None:
     rng = np.random.default_rng(12)
     layout = SharedBody(rig, exact=False)
     springs = Springs(rig, ALIKE, layout)
-    state = layout.agreed(random_parameters(rig, rng), random_parameters(rig, rng))
+    state = layout.agreed(*(BodyState(rig, random_parameters(rig, rng)) for _ in range(2)))
     nothing = layout.system(assemble([], [], state.first), assemble([], [], state.second))
     system, move = springs.added_to(nothing, state), rng.normal(size=layout.size)
     change = springs.added_to(nothing, state.retract(move)).gradient - system.gradient

@@ -7,10 +7,9 @@ import pytest
 from helpers.rig_patient import patient
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.checked_fit import checked_iterates, contradicted
 from breastrig.fitting.fit import FitTask, fit_iterates
-from breastrig.fitting.landmark_check import start_from_landmarks
-from breastrig.fitting.left_out import LeftOut
+from breastrig.fitting.landmark_outliers import LeaveOneOut, checked_iterates, contradicted
+from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
@@ -43,16 +42,16 @@ def test_first_order_agrees_with_a_fit_without_the_pick(torso: Rig, name: str) -
     along = np.array([0.0, 0.010, 0.0])
     task = task_with(torso, 4, {name: along})
     last = list(fit_iterates(task))[-1]
-    gap = LeftOut(task, last.parameters).gaps()[name]
+    gap = LeaveOneOut(task, last.parameters).gaps()[name]
     real = left_out_for_real(task, name)
     assert gap == pytest.approx(real, abs=0.0025), "m, of a pick moved by 10 mm"
-    own = LeftOut(task, last.parameters).distances[name]
+    own = LeaveOneOut(task, last.parameters).distances[name]
     assert gap > own, "a pick that was followed looks better than it is"
 
 
 def test_leaving_two_out_is_leaving_one_out_twice(torso: Rig) -> None:
     task = task_with(torso, 4, {"acromion_R": np.array([0.02, 0.0, 0.0])})
-    picks = LeftOut(task, list(fit_iterates(task))[-1].parameters)
+    picks = LeaveOneOut(task, list(fit_iterates(task))[-1].parameters)
     assert picks.gaps(without=("nipple_L",))["nipple_L"] == pytest.approx(picks.gaps()["nipple_L"], rel=1e-9)
     alone, both = picks.gaps(), picks.gaps(without=("acromion_R", "acromion_L"))
     assert both["acromion_R"] != pytest.approx(alone["acromion_R"], rel=1e-6)

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from breastrig.fitting.similarities import Similarities, nearest_similarities
-from breastrig.fitting.similarity import Similarity, umeyama
+from breastrig.fitting.similarity import Similarities, Similarity, nearest_similarities, umeyama
 from breastrig.geometry.rotations import exp_so3
 
 
