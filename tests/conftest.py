@@ -1,9 +1,11 @@
-"""Fixtures that every test may use, and one BLAS thread.
+"""Fixtures that every test may use, one BLAS thread, and signals as on a terminal.
 
 One thread: at the sizes of this project more are slower, and times and last digits wander.
+A shell starts what runs in the background with SIGINT ignored, and programs that tests start would inherit that.
 """
 
 import os
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +17,9 @@ from breastrig.rig.model import Rig
 
 threadpool_limits(limits=1)  # this process
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # and those that tests start
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 

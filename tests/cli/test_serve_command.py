@@ -66,11 +66,14 @@ def test_a_service_that_is_stopped_while_it_starts_says_so_and_ends(
         errors.open("w") as file,
         subprocess.Popen([*command, "--data", str(tmp_path / "data")], stdout=subprocess.PIPE, stderr=file) as process,
     ):
-        while not (tmp_path / "data").exists():  # its lock comes next, long before the service is ready
-            assert process.poll() is None, errors.read_text()
-            time.sleep(0.01)
-        process.send_signal(number)
-        assert process.wait(timeout=60) in codes
+        try:
+            while not (tmp_path / "data").exists():  # its lock comes next, long before the service is ready
+                assert process.poll() is None, errors.read_text()
+                time.sleep(0.01)
+            process.send_signal(number)
+            assert process.wait(timeout=60) in codes
+        finally:
+            process.kill()
         assert process.stdout is not None
         assert process.stdout.read() == b""  # and no child is left that could write
     said = [line for line in errors.read_text().splitlines() if not line.startswith("{")]

@@ -8,6 +8,9 @@ from helpers.subdivide import subdivided
 
 Mesh = tuple[np.ndarray, np.ndarray]
 
+EDGE = 0.014  # m, at most, of a scan's triangles
+NOISE = 0.0015  # m, of a depth camera
+
 
 def plate(random: np.random.Generator) -> Mesh:
     """A slab, a sheet without thickness, or a wave."""
@@ -84,6 +87,13 @@ def body(kind: str, seed: int, divisions: int) -> Mesh:
         vertices, faces = subdivided(vertices, faces)
     turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
     return vertices @ turn, faces
+
+
+def scanned(kind: str, seed: int) -> Mesh:
+    """A body as dense as a scan and with a scanner's noise; unturned."""
+    random = np.random.default_rng(seed)
+    vertices, faces = trimesh.remesh.subdivide_to_size(*BODIES[kind](random), EDGE, max_iter=30)
+    return vertices + random.normal(scale=NOISE, size=vertices.shape), faces
 
 
 def any_body() -> st.SearchStrategy[tuple[str, int, int]]:

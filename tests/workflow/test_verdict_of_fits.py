@@ -1,0 +1,86 @@
+"""What a fit to a scan comes to: torsos are good, halves that the model lies across are not, the rest is refused."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from helpers.bodies import BODIES, scanned
+
+from breastrig.cli.main import main
+from breastrig.core.assets import asset_folder
+from breastrig.core.errors import FitFailed
+from breastrig.core.units import METRES_PER_UNIT
+from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.read import read_scan
+from breastrig.workflow.events import Done
+from breastrig.workflow.run_fit import FitJob, run_fit
+
+EXAMPLE = asset_folder("example")
+SOLID = sorted(set(BODIES) - {"soup"})  # triangles at random have no surface; see test_fuzz_bodies.py
+
+
+def picks_mm(stance: str) -> dict[str, list[float]]:
+    places, unit = read_landmarks(EXAMPLE / stance / "landmarks.json")
+    factor = 1e3 * METRES_PER_UNIT[str(unit)]
+    return {name: (factor * place).tolist() for name, place in places.items()}
+
+
+def verdict(scan: Path, out: Path, picks: dict[str, list[float]], units: str = "auto") -> dict[str, object]:
+    """Of result.json, which the last event tells as well."""
+    *_, last = run_fit(FitJob(scan=scan, out=out, landmarks_mm=picks, units=units, drawing=None))
+    assert isinstance(last, Done)
+    written = json.loads((out / "result.json").read_text())["verdict"]
+    assert written == last.result["verdict"]
+    return dict(written)
+
+
+@pytest.mark.parametrize("stance", ["standing", "supine"])
+@pytest.mark.parametrize("picked", [True, False])
+def test_a_torso_is_good_with_landmarks_and_without(stance: str, picked: bool, tmp_path: Path) -> None:
+    found = verdict(EXAMPLE / stance / "scan.ply", tmp_path / "out", picks_mm(stance) if picked else {})
+    assert found == {"level": "good", "reasons": []}
+
+
+@pytest.mark.parametrize("kind", SOLID)
+def test_what_is_no_torso_is_refused_and_leaves_nothing(kind: str, tmp_path: Path) -> None:
+    trimesh.Trimesh(*scanned(kind, 11), process=False).export(tmp_path / "body.ply")
+    with pytest.raises(FitFailed, match="This does not look like a torso: ") as failed:
+        verdict(tmp_path / "body.ply", tmp_path / "out", {}, "m")
+    assert str(failed.value).endswith(".")
+    assert not (tmp_path / "out").exists()
+
+
+def half(folder: Path, stance: str) -> tuple[Path, dict[str, list[float]]]:
+    """The left half of the example's scan in metres, and the picks on it."""
+    scan, picks = read_scan(EXAMPLE / stance / "scan.ply"), picks_mm(stance)
+    places = {name: 1e-3 * np.array(place) for name, place in picks.items()}
+    left = places["acromion_L"] - places["acromion_R"]
+
+    def beside(points: np.ndarray) -> np.ndarray:
+        return np.asarray((points - places["xiphoid"]) @ left / np.linalg.norm(left) > -0.005)
+
+    kept = scan.faces[beside(scan.vertices)[scan.faces].all(axis=1)]
+    trimesh.Trimesh(scan.vertices, kept).export(folder / "half.ply")
+    return folder / "half.ply", {name: pick for name, pick in picks.items() if beside(places[name][None])[0]}
+
+
+def test_half_a_torso_is_fitted_by_its_landmarks_and_doubted_without(tmp_path: Path) -> None:
+    scan, picks = half(tmp_path, "standing")
+    assert verdict(scan, tmp_path / "picked", picks, "m")["level"] == "good"
+    try:
+        level = verdict(scan, tmp_path / "alone", {}, "m")["level"]
+    except FitFailed:
+        level = "refused"
+    assert level != "good"
+
+
+def test_the_command_line_says_it_in_one_line_and_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    trimesh.Trimesh(*scanned("ball", 3), process=False).export(tmp_path / "duck.ply")
+    assert main(["fit", str(tmp_path / "duck.ply"), "--units", "m", "-o", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("breastrig: This does not look like a torso: ")
+    assert said.err.count("\n") == 1
+    assert not (tmp_path / "out").exists()
