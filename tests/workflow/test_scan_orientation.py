@@ -13,7 +13,7 @@ import breastrig.fitting.orientation as orientation_module
 import breastrig.fitting.stance as stance_module
 from breastrig.core.assets import asset_folder
 from breastrig.execution.limits import FitLimits
-from breastrig.fitting import checked_fit, fit, prepare_scan, propose, scan_orientation
+from breastrig.fitting import fit, landmark_outliers, prepare_scan, propose, scan_orientation
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.write_rig import write_rig
@@ -47,7 +47,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
         count["starts"] += 1
         return of_start(*args)
 
-    for module in (stance_module, checked_fit, propose):
+    for module in (stance_module, landmark_outliers, propose):
         monkeypatch.setattr(module, "fit_iterates", fitted)
     monkeypatch.setattr(prepare_scan, "propose_frame", fronts)
     for module in (orientation_module, scan_orientation):

@@ -1,7 +1,8 @@
 """A scan made ready to be asked for matches: built once a fit, then only read.
 
-Holds the scan centred at its mean (float32 rays are precise near the origin), smoothed normals, the open
-borders, the ray scene, the tree of triangles and the k-d tree of vertices.
+Everything goes in and comes out in the scan's own frame, wherever its origin is; what works in float32 keeps an origin
+of its own (geometry/rays.py).  Holds smoothed normals, the open borders, the ray scene, the tree of triangles and the
+k-d tree of vertices.
 """
 
 from dataclasses import dataclass

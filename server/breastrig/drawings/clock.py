@@ -6,7 +6,7 @@ tape on the skin.  The clock's face is the plane that the circle of that distanc
 which follows a breast that points sideways or down.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -29,7 +29,6 @@ class FittedSkin:
 
     rig: Rig
     vertices: Array
-    origin: Array = field(default_factory=lambda: np.zeros(3))  # (3,) m: where the scan's own origin is in this frame
 
     @cached_property
     def geodesics(self) -> Geodesics:

@@ -15,7 +15,6 @@ from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from breastrig.core.arrays import Array
@@ -50,9 +49,9 @@ class AskedDrawing:
     fixed: tuple[ModelDrawing, ...]
     patterns: tuple[tuple[str, Pattern], ...]
 
-    def on_model(self, rig: Rig, vertices: Array, origin: Array | None = None) -> ModelDrawing:
-        """All of it as surface points, for (V, 3) m fitted vertices; `origin` (3,) m is the scan's in that frame."""
-        skin = FittedSkin(rig, vertices, np.zeros(3) if origin is None else origin)
+    def on_model(self, rig: Rig, vertices: Array) -> ModelDrawing:
+        """All of it as surface points, for (V, 3) m fitted vertices in the scan's frame."""
+        skin = FittedSkin(rig, vertices)
         shapes = [shape for drawing in self.fixed for shape in drawing.shapes]
         shapes += [shape for _, pattern in self.patterns for shape in pattern.drawn(skin)]
         names = [drawing.name for drawing in self.fixed] + [name for name, _ in self.patterns]

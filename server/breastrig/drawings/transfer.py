@@ -157,8 +157,6 @@ def _unit(vectors: Array) -> Array:
     return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12))
 
 
-def centred(surface: Surface, vertices: Array, landmarks: dict[str, Array], stance: str) -> tuple[FittedScan, Array]:
-    """A fitted scan around the origin, where rays are precise, and the (3,) m that were taken off."""
-    centre = surface.vertices.mean(axis=0)
-    places = {name: place - centre for name, place in landmarks.items()}
-    return FittedScan(ScanTarget(surface.vertices - centre, surface.faces), vertices - centre, places, stance), centre
+def fitted_scan(surface: Surface, vertices: Array, landmarks: dict[str, Array], stance: str) -> FittedScan:
+    """A cleaned scan with its fit."""
+    return FittedScan(ScanTarget(surface.vertices, surface.faces), vertices, landmarks, stance)

@@ -71,7 +71,7 @@ class PickedTumour(BaseModel):
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """The circle around the skin's point next to the place; BadDrawing when that is off the skin."""
         named = np.clip([self.x_mm, self.y_mm, self.z_mm], -BEYOND, BEYOND)  # farther is as far off the skin
-        place = skin.origin + 1e-3 * named
+        place = 1e-3 * named
         centre = skin.nearest(place[None])
         at = skin.at(centre)[0]
         gap = float(np.linalg.norm(at - place))

@@ -42,7 +42,7 @@ class FitSignals:
 
 
 def fit_signals(rig: Rig, target: ScanTarget, x: RigParameters, clearness: float | None) -> FitSignals:
-    """Of the model posed by `x` in the target's frame."""
+    """Of the model posed by `x`."""
     vertices = pose(rig, x)
     normals = vertex_normals(vertices, rig.faces)
     found = match(target, vertices, normals, ACCEPTED)

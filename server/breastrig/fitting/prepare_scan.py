@@ -1,4 +1,4 @@
-"""A cleaned scan made ready for a fit: the table under a lying patient cut away, moved to its middle, to be indexed.
+"""A cleaned scan made ready for a fit: the table under a lying patient cut away, to be indexed.
 
 Upload, proposals, fits and evaluations all come through here, so that they look at the same skin.  What the upload has
 found of the scan's directions is handed on with the scan and not looked for again.
@@ -9,7 +9,6 @@ from functools import cached_property
 
 import numpy as np
 
-from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.scan.clean import MIN_TRIANGLES, Surface, compact, without_fragments
 from breastrig.scan.orient import Frame, propose_frame
@@ -23,8 +22,7 @@ class PreparedScan:
     """What is fitted to."""
 
     surface: Surface  # in the scan's own frame, table included
-    target: ScanTarget  # without the table, shifted by `centre`
-    centre: Array  # (3,) m
+    target: ScanTarget  # without the table
     table_triangles: int  # how many were cut away as table
     known_frame: Frame | None = None
 
@@ -55,5 +53,4 @@ def prepared(surface: Surface, stance: str, frame: Frame | None = None) -> Prepa
                 kept, _ = without_fragments(vertices, faces[~table])  # what curled up at the table's edge
                 cut = len(faces) - len(kept)
                 vertices, faces = compact(vertices, kept)
-    centre = vertices.mean(axis=0)
-    return PreparedScan(surface, ScanTarget(vertices - centre, faces), centre, cut, frame)
+    return PreparedScan(surface, ScanTarget(vertices, faces), cut, frame)

@@ -35,7 +35,7 @@ def expected_error(confidence: float) -> float:
 class Proposal:
     """Where a landmark probably is."""
 
-    point: Array  # (3,) m, in the target's frame
+    point: Array  # (3,) m, in the scan's frame
     confidence: float  # 0 to 1
     on_scan: bool  # on skin that the scan shows
 

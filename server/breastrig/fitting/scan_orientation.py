@@ -1,7 +1,7 @@
 """How a patient lies in her scan, found from the scan alone: once, at the upload, then known to proposals and fits.
 
-In the scan's own frame, so that it holds wherever a fit puts its origin, and as plain numbers, so that it is kept with
-the scan.  The place of the model's rest pose belongs to one model; another one has to look anew.
+In the scan's own frame and as plain numbers, so that it is kept with the scan.  The place of the model's rest pose
+belongs to one model; another one has to look anew.
 """
 
 from dataclasses import dataclass, replace
@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from breastrig.core.arrays import Array
 from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
@@ -32,10 +31,6 @@ class ScanOrientation:
     margin: float  # see fitting/orientation.py: how clear the start is
     stance: str  # standing | supine
     stance_reason: str
-
-    def start_around(self, centre: Array) -> Similarity:
-        """The start in a frame whose origin is at (3,) `centre` m of the scan's."""
-        return replace(self.start, translation=self.start.translation - centre)
 
     def body_frame(self) -> dict[str, Any]:
         """Up and front of the body as the model found them, for the page's camera."""
@@ -104,13 +99,11 @@ def scan_orientation(
     start = start_from_scan(rig, scan.target, scan.frame.fronts)
     task = FitTask(rig, scan.target, start.parameters, recipe, {})
     found = found_stance(task, scan.frame)
-    similarity = start.similarity
-    in_scan = replace(similarity, translation=similarity.translation + scan.centre)
-    orientation = ScanOrientation(rig.sha256, scan.frame, in_scan, start.margin, found.stance, found.reason)
+    orientation = ScanOrientation(rig.sha256, scan.frame, start.similarity, start.margin, found.stance, found.reason)
     return orientation, replace(task, stance=found.stance), found.iterates
 
 
 def orientation_task(rig: Rig, scan: PreparedScan, orientation: ScanOrientation, recipe: Recipe) -> FitTask:
     """The task of fitting the scan without landmarks from where it was found to lie."""
-    start = similar_parameters(rig, orientation.start_around(scan.centre))
+    start = similar_parameters(rig, orientation.start)
     return FitTask(rig, scan.target, start, recipe, {}, stance=orientation.stance)

@@ -13,7 +13,7 @@ from breastrig.rig.parameters import RigParameters
 
 @dataclass(frozen=True, eq=False)
 class FitIterate:
-    """One state of a fit, in the frame of the target (m)."""
+    """One state of a fit, in the scan's frame (m)."""
 
     iteration: int  # 0 is the start
     stage: str
@@ -35,6 +35,6 @@ class FitTask:
     target: ScanTarget
     start: RigParameters
     recipe: Recipe
-    landmarks: dict[str, Array]  # name -> (3,) m, in the target's frame
+    landmarks: dict[str, Array]  # name -> (3,) m, in the scan's frame
     stance: str = "standing"  # standing | supine
     landmark_errors: Mapping[str, float] = field(default_factory=dict)  # m, expected beyond a click's; absent: none

@@ -47,9 +47,7 @@ class Stance:
     @cached_property
     def distances(self) -> Array:
         """(V,) m, above zero where the model lies outside the scan's skin; nan where the scan shows nothing."""
-        centre = self.scan_vertices.mean(axis=0)  # the search works in float32 around the origin
-        target = ScanTarget(self.scan_vertices - centre, self.scan_faces)
-        return signed_distances(target, self.vertices - centre, self.rig.faces)
+        return signed_distances(ScanTarget(self.scan_vertices, self.scan_faces), self.vertices, self.rig.faces)
 
     def on_model(self, points: Array) -> SurfacePoints:
         """The points of the fitted surface closest to (M, 3) m points."""

@@ -18,7 +18,7 @@ from breastrig.drawings.prepare_polyline import OFF_THE_SKIN
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.superimposition import gaps
 from breastrig.drawings.superimposition_picture import body_frame, superimposed
-from breastrig.drawings.transfer import centred
+from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing
 from breastrig.workflow.fit_files import json_bytes
@@ -45,14 +45,11 @@ def compare(job: CompareJob) -> dict[str, Any]:
     """Writes compare.json, compare.csv and compare.png into job.out; the first one's document.  Raises BadInput."""
     rig = read_rig(job.model or default_rig_path())
     folder = fit_folder_of(job.fit, rig)
-    scan, centre = centred(folder.surface, folder.vertices, folder.landmarks, folder.stance)
+    scan = fitted_scan(folder.surface, folder.vertices, folder.landmarks, folder.stance)
     shapes = []
     for file in (job.first, job.second):
         given = parsed_drawing(drawing_document(file), rig, folder.unit)
-        on_skin = [
-            ScanShape(shape.name, shape.closed, shape.color, shape.points - centre, shape.bridged)
-            for shape in given.on_scan
-        ]
+        on_skin = list(given.on_scan)
         for shape in on_skin:
             off = scan.target.search.query(shape.points[~shape.bridged]).distances
             if (off > OFF_THE_SKIN).any():

@@ -42,7 +42,7 @@ class FitOutcome:
     """All that is known at the end of a fit; parameters are in the scan's frame, metres."""
 
     scan: Scan
-    target: ScanTarget  # the cleaned scan, in the frame shifted by `centre`
+    target: ScanTarget  # the cleaned scan
     rig: Rig
     stance: str
     stance_reason: str
@@ -59,8 +59,7 @@ class FitOutcome:
     landmarks: dict[str, Array]  # picked, m
     doubts: tuple[Doubt, ...]  # picks that were not followed
     drawing: ModelDrawing | None
-    lines: tuple[ScanLine, ...]  # in the frame shifted by `centre`
-    centre: Array  # (3,) m
+    lines: tuple[ScanLine, ...]
     notes: tuple[str, ...]
     verdict: Verdict
     table_triangles: int  # of the scan, cut away as table
@@ -139,7 +138,7 @@ def drawing_json(outcome: FitOutcome) -> dict[str, object]:
                 "name": line.name,
                 "closed": line.closed,
                 "color": line.color,
-                "points": [_rounded(p) for p in (line.points + outcome.centre) / outcome.scan.metres_per_unit],
+                "points": [_rounded(p) for p in line.points / outcome.scan.metres_per_unit],
                 "bridged": line.bridged.tolist(),
             }
             for line in outcome.lines
@@ -152,7 +151,7 @@ def distances_bin(outcome: FitOutcome) -> bytes:
 
     Above zero the model lies outside the scan's skin.
     """
-    signed = signed_distances(outcome.target, outcome.vertices - outcome.centre, outcome.rig.faces)
+    signed = signed_distances(outcome.target, outcome.vertices, outcome.rig.faces)
     return (1e3 * signed).astype("<f4").tobytes()
 
 
@@ -164,7 +163,7 @@ def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
     """Writes the seven files and returns result.json's document; BadInput when the folder cannot be written."""
     per_unit = outcome.scan.metres_per_unit
     ply = surface_ply(outcome.vertices, outcome.rig.faces, per_unit)
-    scan = surface_ply(outcome.target.vertices + outcome.centre, outcome.target.faces, per_unit)
+    scan = surface_ply(outcome.target.vertices, outcome.target.faces, per_unit)
     glb = fitted_glb(outcome.rig, outcome.history, outcome.times_s, outcome.drawing, {"preset": outcome.preset})
     distances = distances_bin(outcome)
     result = result_json(outcome)

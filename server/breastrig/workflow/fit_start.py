@@ -8,9 +8,6 @@ fit, up to what the last iterations leave open (0.1 to 0.6 mm on average, measur
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
-from breastrig.core.arrays import Array
 from breastrig.core.errors import BadSettings
 from breastrig.fitting.orientation import MIN_LANDMARKS, best_start, start_from_scan
 from breastrig.fitting.prepare_scan import AUTO, PreparedScan
@@ -37,7 +34,7 @@ def with_start(task: FitTask, scan: PreparedScan, orientation: ScanOrientation |
     if orientation is None and len(task.landmarks) < MIN_LANDMARKS:
         found = start_from_scan(task.rig, task.target, scan.frame.fronts)
         return replace(task, start=found.parameters), found.margin
-    known = None if orientation is None else orientation.start_around(scan.centre)
+    known = None if orientation is None else orientation.start
     start = best_start(task.rig, task.target, dict(task.landmarks), lambda: scan.frame.fronts, known)
     clear = orientation.margin if orientation is not None and len(task.landmarks) < MIN_LANDMARKS else None
     return replace(task, start=start), clear
@@ -60,14 +57,14 @@ def with_stance(
     return replace(task, stance=found.stance), found
 
 
-def with_earlier_start(task: FitTask, stance: str, earlier: EarlierFit, centre: Array) -> tuple[FitTask, FoundStance]:
-    """Start and stance of an earlier fit; `centre` (3,) m is where the task's frame has its origin in the scan's.
+def with_earlier_start(task: FitTask, stance: str, earlier: EarlierFit) -> tuple[FitTask, FoundStance]:
+    """Start and stance of an earlier fit.
 
     Raises BadSettings when another rig made that fit.
     """
     if earlier.model_sha256 != task.rig.sha256:
         raise BadSettings("The fit to go on from was made with another model; fit the scan anew.")
-    start = posed_by_nodes(task.rig, earlier.nodes).moved(np.eye(3), -centre)
+    start = posed_by_nodes(task.rig, earlier.nodes)
     found = FoundStance(earlier.stance, "As in the fit that this one goes on from.")
     if stance != AUTO:
         found = FoundStance(stance, "As asked for.")

@@ -4,7 +4,7 @@
 stranger's; it gives back nothing but names and numbers.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -32,8 +32,7 @@ class ProposeJob:
 def propose_on_scan(rig: Rig, scan: Scan, orientation: ScanOrientation | None = None) -> dict[str, Proposal]:
     """All landmarks of the rig, points in metres in the scan's own frame; `orientation` when it is known already."""
     ready = prepared(clean(scan), AUTO, None if orientation is None else orientation.frame)
-    proposals = propose_landmarks(rig, ready, load_recipe("default"), orientation)
-    return {name: replace(proposal, point=proposal.point + ready.centre) for name, proposal in proposals.items()}
+    return propose_landmarks(rig, ready, load_recipe("default"), orientation)
 
 
 def propose_on_file(job: ProposeJob) -> dict[str, Any]:

@@ -30,7 +30,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 from breastrig.report.distances import surface_distances
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import RigParameters, rest_parameters
+from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
@@ -107,13 +107,12 @@ def _near_the_scan(landmarks: dict[str, Array], target: ScanTarget) -> None:
 
 @dataclass(frozen=True, eq=False)
 class ReadyScan:
-    """A scan with its task, before the first iteration; the task's frame is the scan's, shifted by `centre`."""
+    """A scan with its task, before the first iteration."""
 
     job: FitJob
     scan: Scan
     notes: tuple[str, ...]
     table_triangles: int  # cut away as table
-    centre: Array  # (3,) m
     landmarks: dict[str, Array]  # picked, m, in the scan's frame
     exchanged: tuple[Doubt, ...]
     drawing: AskedDrawing | None
@@ -155,13 +154,12 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
     orientation = orientation_from(job.orientation, rig)
     wished = job.earlier.stance if job.earlier is not None and job.stance == AUTO else job.stance
     ready = prepared(clean(scan), wished, None if orientation is None else orientation.frame)
-    target, centre = ready.target, ready.centre
-    picked = {name: place - centre for name, place in landmarks.items()}
-    _near_the_scan(picked, target)
+    target = ready.target
+    _near_the_scan(landmarks, target)
     _warm(target)
     timing["prepare"] = clock.lap()
-    exchanged = (Doubt(tuple(picked), ALL_EXCHANGED),) if sides_exchanged(rig, picked, recipe.outliers) else ()
-    followed = {} if exchanged else picked
+    exchanged = (Doubt(tuple(landmarks), ALL_EXCHANGED),) if sides_exchanged(rig, landmarks, recipe.outliers) else ()
+    followed = {} if exchanged else landmarks
     errors = {name: expected_error(share) for name, share in job.landmark_confidence.items()}
     task = FitTask(rig, target, rest_parameters(rig), recipe, followed, landmark_errors=errors)
     if job.earlier is None:
@@ -169,7 +167,7 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
         timing["align"] = clock.lap()
         task, stance = with_stance(task, job.stance, ready, orientation)
     else:
-        task, stance = with_earlier_start(task, job.stance, job.earlier, centre)
+        task, stance = with_earlier_start(task, job.stance, job.earlier)
         clearness = None
         timing["align"] = clock.lap()
     timing["solve"] = clock.lap()
@@ -178,7 +176,6 @@ def made_ready(job: FitJob, rig: Rig) -> ReadyScan:
         scan=scan,
         notes=(*scan.notes, *ready.notes),
         table_triangles=ready.table_triangles,
-        centre=centre,
         landmarks=landmarks,
         exchanged=exchanged,
         drawing=drawing,
@@ -195,21 +192,20 @@ class ScanStory:
     """What has been told of one scan's iterations, and the files at the end."""
 
     ready: ReadyScan
-    _iterates: list[tuple[FitIterate, RigParameters]] = field(default_factory=list)
+    _iterates: list[FitIterate] = field(default_factory=list)
     _events: list[Iterated] = field(default_factory=list)
 
     def told(self, iterate: FitIterate) -> Iterated:
         """The event of an iterate; FitFailed when the fit broke down."""
         if iterate.status is Status.NOT_FINITE or not np.isfinite(iterate.mean_distance):
             raise FitFailed(_why_failed(iterate))
-        x = iterate.parameters.moved(np.eye(3), self.ready.centre)
-        self._iterates.append((iterate, x))
-        self._events.append(_iterated(self.ready.task.rig, iterate, x))
+        self._iterates.append(iterate)
+        self._events.append(_iterated(self.ready.task.rig, iterate))
         return self._events[-1]
 
     def finished(self, solve_s: float, clock: Clock) -> Done:
         """Writes the seven files into the job's folder; FitFailed, and no files, when this is no torso."""
-        ready, (last, x) = self.ready, self._iterates[-1]
+        ready, last = self.ready, self._iterates[-1]
         rig, target = ready.task.rig, ready.task.target
         signals = fit_signals(rig, target, last.parameters, ready.clearness)
         found_verdict = verdict(signals, last.status, verdict_limits(rig.name))
@@ -227,7 +223,7 @@ class ScanStory:
             rig, ready.task.recipe.outliers, found, ready.task.landmarks, last.not_followed
         )
         distances = surface_distances(target, vertices, rig.faces)
-        drawing = ready.drawing.on_model(rig, vertices, -ready.centre) if ready.drawing else None
+        drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()
         timing["total"] = clock.total()
         outcome = FitOutcome(
@@ -237,11 +233,11 @@ class ScanStory:
             stance=ready.task.stance,
             stance_reason=ready.stance_reason,
             preset=ready.task.recipe.name,
-            parameters=x,
-            vertices=vertices + ready.centre,
+            parameters=last.parameters,
+            vertices=vertices,
             refined=ready.job.refine,
-            history=tuple(x for _, x in self._iterates),
-            times_s=tuple(iterate.elapsed_s for iterate, _ in self._iterates),
+            history=tuple(iterate.parameters for iterate in self._iterates),
+            times_s=tuple(iterate.elapsed_s for iterate in self._iterates),
             log=tuple(self._events),
             status=last.status,
             timing_s=timing,
@@ -250,7 +246,6 @@ class ScanStory:
             doubts=doubtful,
             drawing=drawing,
             lines=lines,
-            centre=ready.centre,
             notes=ready.notes,
             table_triangles=ready.table_triangles,
             verdict=found_verdict,
@@ -258,7 +253,7 @@ class ScanStory:
         return Done(result=write_fit_files(outcome, ready.job.out))
 
 
-def _iterated(rig: Rig, iterate: FitIterate, x: RigParameters) -> Iterated:
+def _iterated(rig: Rig, iterate: FitIterate) -> Iterated:
     gap = iterate.landmark_distance
     return Iterated(
         iteration=iterate.iteration,
@@ -268,7 +263,7 @@ def _iterated(rig: Rig, iterate: FitIterate, x: RigParameters) -> Iterated:
         landmark_distance_mm=None if gap is None else round(1e3 * gap, 4),
         coverage=round(iterate.coverage, 4),
         elapsed_s=round(iterate.elapsed_s, 4),
-        nodes=[NodePose.model_validate(node) for node in node_poses(rig, x)],
+        nodes=[NodePose.model_validate(node) for node in node_poses(rig, iterate.parameters)],
     )
 
 

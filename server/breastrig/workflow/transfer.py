@@ -17,7 +17,7 @@ from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.output_files import read_ordinary, shown
 from breastrig.drawings.drawing_file import GivenDrawing, ScanShape, parsed_drawing
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.drawings.transfer import CarriedShape, centred, transferred
+from breastrig.drawings.transfer import CarriedShape, fitted_scan, transferred
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing
 from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
@@ -59,9 +59,9 @@ def transfer(job: TransferJob) -> dict[str, Any]:
     source, goal = fit_folder_of(job.from_fit, rig), fit_folder_of(job.to_fit, rig)
     document = drawing_document(job.from_fit / "drawing.json") if job.drawing is None else job.drawing
     given = parsed_drawing(document, rig, source.unit)
-    a, centre_a = centred(source.surface, source.vertices, source.landmarks, source.stance)
-    b, centre_b = centred(goal.surface, goal.vertices, goal.landmarks, goal.stance)
-    shapes = [_moved(shape, -centre_a) for shape in given.on_scan]
+    a = fitted_scan(source.surface, source.vertices, source.landmarks, source.stance)
+    b = fitted_scan(goal.surface, goal.vertices, goal.landmarks, goal.stance)
+    shapes = list(given.on_scan)
     if given.on_model:
         drawn = ModelDrawing(given.name, given.name, given.on_model)
         shapes += [
@@ -72,15 +72,11 @@ def transfer(job: TransferJob) -> dict[str, Any]:
         carried = transferred(rig, a, b, shapes, job.other_patient)
     except MemoryError as error:
         raise BadInput("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
-    return _document(given, goal, carried, centre_b, job.other_patient)
-
-
-def _moved(shape: ScanShape, by: Array) -> ScanShape:
-    return ScanShape(shape.name, shape.closed, shape.color, shape.points + by, shape.bridged)
+    return _document(given, goal, carried, job.other_patient)
 
 
 def _document(
-    given: GivenDrawing, goal: FitFolder, carried: tuple[CarriedShape, ...], centre: Array, other_patient: bool
+    given: GivenDrawing, goal: FitFolder, carried: tuple[CarriedShape, ...], other_patient: bool
 ) -> dict[str, Any]:
     return {
         "schema": "breastrig/drawing@1",
@@ -93,7 +89,7 @@ def _document(
                 "name": shape.name,
                 "closed": shape.closed,
                 "color": shape.color,
-                "points": [[round(float(v), 6) for v in p] for p in (shape.points + centre) / goal.metres_per_unit],
+                "points": [[round(float(v), 6) for v in p] for p in shape.points / goal.metres_per_unit],
                 "bridged": shape.bridged.tolist(),
                 "distance_from_mm": _mm(shape.distance_from),
                 "distance_to_mm": _mm(shape.distance_to),

@@ -5,7 +5,7 @@ surface.  Scenes of the last cases are kept, because the questions come case by 
 """
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -51,12 +51,11 @@ class Fitted:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A scan around the origin, and what is known of it."""
+    """A scan, in its own frame (m), and what is known of it."""
 
     case: Case
     target: ScanTarget  # as the program fits it in this stance: without the table under a lying patient
     whole: Surface  # with the table
-    centre: Array  # (3,) m, taken off everything
     landmarks: dict[str, Array]  # true places, (3,) m
     truth: ClosestPointSearch | None
 
@@ -148,15 +147,13 @@ def read_scene(case: Case) -> Scene:
     """The case's files; BadInput says what is wrong with them."""
     scan = read_scan(case.folder / "scan.ply", None, case.unit, texture=False)
     scanned = prepared(clean(scan), case.stance)
-    centre = scanned.centre
     places, unit = read_landmarks(case.folder / "landmarks.json")
     per_unit = METRES_PER_UNIT[unit or scan.unit]
-    landmarks = {name: per_unit * np.asarray(place) - centre for name, place in places.items()}
+    landmarks = {name: per_unit * np.asarray(place) for name, place in places.items()}
     truth = None
     if (case.folder / "truth.ply").is_file():
         clear = read_scan(case.folder / "truth.ply", None, scan.unit, texture=False)
-        truth = ClosestPointSearch(clear.vertices - centre, np.asarray(clear.faces))
+        truth = ClosestPointSearch(clear.vertices, np.asarray(clear.faces))
     if not landmarks:
         raise BadScan(f"{case.folder / 'landmarks.json'} is empty; a case needs true landmarks to be measured.")
-    whole = replace(scanned.surface, vertices=scanned.surface.vertices - centre)
-    return Scene(case, ready(scanned.target), whole, centre, landmarks, truth)
+    return Scene(case, ready(scanned.target), scanned.surface, landmarks, truth)

@@ -37,14 +37,12 @@ def without_table(scene: Scene) -> Scene:
     return replace(scene, whole=surface, target=ready(ScanTarget(surface.vertices, surface.faces)))
 
 
-def turned(scene: Scene, rotation: Array, shift: Array) -> tuple[Scene, Array]:
-    """The scan at another place, moved to the middle of its own points as the program does, and that (3,) middle."""
+def turned(scene: Scene, rotation: Array, shift: Array) -> Scene:
+    """The scan at another place."""
     moved = replace(scene.whole, vertices=scene.whole.vertices @ rotation.T + shift)
     scanned = prepared(moved, AUTO)
-    middle = scanned.centre
-    whole = replace(moved, vertices=moved.vertices - middle)
-    landmarks = {name: rotation @ place + shift - middle for name, place in scene.landmarks.items()}
-    return Scene(scene.case, ready(scanned.target), whole, middle, landmarks, None), middle
+    landmarks = {name: rotation @ place + shift for name, place in scene.landmarks.items()}
+    return Scene(scene.case, ready(scanned.target), moved, landmarks, None)
 
 
 def wrong_way(rig: Rig, vertices: Array, true: dict[str, Array]) -> dict[str, bool]:
@@ -71,11 +69,11 @@ def random_turns(scene: Scene, rig: Rig, recipe: Recipe, rotations: int) -> dict
         for rotation, shift in zip(turns, shifts, strict=True):
             about: dict[str, Any] = {"variant": variant, "failed": None}
             try:
-                now, middle = turned(of, rotation, shift)
+                now = turned(of, rotation, shift)
                 start = now.start(rig, {})
                 about["stance"] = now.found_stance(rig, recipe, start)
                 fit = now.fitted(rig, recipe, {}, start=start, stance=about["stance"])
-                back = (fit.vertices + middle - shift) @ rotation
+                back = (fit.vertices - shift) @ rotation
                 about |= wrong_way(rig, back, of.landmarks) | of.numbers(rig, back)
             except BreastRigError as error:
                 about["failed"] = str(error)
