@@ -68,6 +68,11 @@ def test_more_and_more_signals_make_it_unusable_and_then_no_torso() -> None:
         assert found.is_torso == (count < LIMITS.refused_at)
 
 
+def test_who_named_landmarks_is_not_told_that_it_is_no_torso() -> None:
+    found = verdict(beyond_no_torso(*NAMES), Status.CONVERGED, LIMITS, placed=True)
+    assert (found.level, found.is_torso) == ("unusable", True)
+
+
 def test_the_strongest_reasons_come_first_and_make_one_sentence() -> None:
     far = replace(beyond_no_torso(*NAMES), scan_p95=0.4)
     found = verdict(far, Status.CONVERGED, LIMITS)

@@ -27,9 +27,11 @@ def picks_mm(stance: str) -> dict[str, list[float]]:
     return {name: (factor * place).tolist() for name, place in places.items()}
 
 
-def verdict(scan: Path, out: Path, picks: dict[str, list[float]], units: str = "auto") -> dict[str, object]:
+def verdict(
+    scan: Path, out: Path, picks: dict[str, list[float]], units: str = "auto", preset: str = "default"
+) -> dict[str, object]:
     """Of result.json, which the last event tells as well."""
-    *_, last = run_fit(FitJob(scan=scan, out=out, landmarks_mm=picks, units=units, drawing=None))
+    *_, last = run_fit(FitJob(scan=scan, out=out, landmarks_mm=picks, units=units, preset=preset, drawing=None))
     assert isinstance(last, Done)
     written = json.loads((out / "result.json").read_text())["verdict"]
     assert written == last.result["verdict"]
@@ -41,6 +43,18 @@ def verdict(scan: Path, out: Path, picks: dict[str, list[float]], units: str = "
 def test_a_torso_is_good_with_landmarks_and_without(stance: str, picked: bool, tmp_path: Path) -> None:
     found = verdict(EXAMPLE / stance / "scan.ply", tmp_path / "out", picks_mm(stance) if picked else {})
     assert found == {"level": "good", "reasons": []}
+
+
+def test_a_poor_fit_of_a_torso_with_landmarks_is_never_refused(tmp_path: Path) -> None:
+    """Squeezed sideways, as no adult is, and fitted by the preset with the poorest fits."""
+    scan = read_scan(EXAMPLE / "standing" / "scan.ply")
+    squeezed = np.array([0.5, 1.0, 1.6])
+    trimesh.Trimesh(scan.vertices * squeezed, scan.faces).export(tmp_path / "squeezed.ply")
+    picks = {name: (squeezed * place).tolist() for name, place in picks_mm("standing").items()}
+    with pytest.raises(FitFailed, match="This does not look like a torso"):
+        verdict(tmp_path / "squeezed.ply", tmp_path / "alone", {}, "m", "paper")
+    found = verdict(tmp_path / "squeezed.ply", tmp_path / "picked", picks, "m", "paper")
+    assert found["level"] == "unusable"
 
 
 @pytest.mark.parametrize("kind", SOLID)

@@ -71,8 +71,11 @@ def verdict_limits(model: str) -> VerdictLimits | None:
     return VerdictLimits.model_validate(tomllib.loads(file.read_text("utf-8")))
 
 
-def verdict(signals: FitSignals, status: Status, limits: VerdictLimits | None) -> Verdict:
-    """`status` is why the fit stopped."""
+def verdict(signals: FitSignals, status: Status, limits: VerdictLimits | None, placed: bool = False) -> Verdict:
+    """`status` is why the fit stopped, `placed` whether a person's landmarks placed it.
+
+    Who names landmarks has seen a torso: such a fit is unusable at most.
+    """
     stopped = () if status is Status.CONVERGED else (NOT_CONVERGED,)
     if limits is None:
         return Verdict("check", (*stopped, UNKNOWN_MODEL))
@@ -87,7 +90,7 @@ def verdict(signals: FitSignals, status: Status, limits: VerdictLimits | None) -
     nothing = not np.isfinite(signals.distance_p95) or not np.isfinite(signals.scan_p95)
     if nothing:
         reasons = ("The model found no skin that faces as it does; check the scan.", *reasons)
-    refused = impossible >= limits.refused_at or nothing
+    refused = nothing or (impossible >= limits.refused_at and not placed)
     if refused or impossible >= limits.unusable_at:
         return Verdict("unusable", (*reasons, *stopped), is_torso=not refused)
     return Verdict("check" if reasons or stopped else "good", (*reasons, *stopped))

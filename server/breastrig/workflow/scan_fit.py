@@ -19,6 +19,7 @@ from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.fit_signals import fit_signals
 from breastrig.fitting.landmark_outliers import Doubt, doubts, sides_exchanged
+from breastrig.fitting.orientation import MIN_LANDMARKS
 from breastrig.fitting.prepare_scan import AUTO, prepared
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import load_recipe
@@ -208,7 +209,8 @@ class ScanStory:
         ready, last = self.ready, self._iterates[-1]
         rig, target = ready.task.rig, ready.task.target
         signals = fit_signals(rig, target, last.parameters, ready.clearness)
-        found_verdict = verdict(signals, last.status, verdict_limits(rig.name))
+        placed = len(ready.task.landmarks) >= MIN_LANDMARKS
+        found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed)
         if not found_verdict.is_torso:
             raise FitFailed(found_verdict.refusal)
         timing = ready.timing_s | {"solve": solve_s}
