@@ -38,6 +38,7 @@ async function untilReady(base: string, hasEnded: () => boolean, said: () => str
 
 export interface Running {
   readonly base: string;
+  readonly data: string; // its folder
   readonly stop: () => Promise<void>;
 }
 
@@ -70,5 +71,5 @@ export async function startService(environment: Record<string, string> = {}): Pr
     await stop();
     throw error;
   }
-  return { base, stop };
+  return { base, data, stop };
 }

@@ -1,10 +1,13 @@
-// Two stances of one patient: each with its own landmarks and fit, side by side with linked cameras, a drawing carried from one
-// to the other, and the measures of both; all of it again after a reload.
-import { readFileSync } from "node:fs";
+// The surgeon's whole day: two stances of one patient, each with its own landmarks and fit, side by side with linked cameras, a
+// drawing carried from one to the other, the measures and the report of both; all of it again after a reload, shown to a
+// colleague through a link, and in the end deleted without a trace.
+import { readdirSync, readFileSync, statSync } from "node:fs";
+import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { CarriedDrawing, MeasuresFile, Vector } from "../src/api/types";
 import { formatCell } from "../src/stances/measuresTable";
 import { distance, hook, test, untilFitted, untilStill } from "./page";
+import { type Running, startService } from "./service";
 
 const state = (page: Page) => page.evaluate(() => window.__breastrig!.state());
 const other = (page: Page) => page.evaluate(() => window.__breastrig!.other());
@@ -12,6 +15,19 @@ const pose = (page: Page) => page.evaluate(() => window.__breastrig!.pose());
 const unit = ([x, y, z]: Vector): Vector => [x / Math.hypot(x, y, z), y / Math.hypot(x, y, z), z / Math.hypot(x, y, z)];
 const gaze = ({ eye, target }: { eye: Vector; target: Vector }): Vector => unit([eye[0] - target[0], eye[1] - target[1], eye[2] - target[2]]);
 const degrees = (a: Vector, b: Vector): number => (Math.acos(Math.min(1, a[0] * b[0] + a[1] * b[1] + a[2] * b[2])) * 180) / Math.PI;
+
+let service: Running;
+test.use({ base: async ({}, use) => use(service.base) });
+test.beforeAll(async () => {
+  service = await startService();
+});
+test.afterAll(() => service.stop());
+
+/** Files of a patient in the data folder: all but the database's own and the reserve. */
+function patientFiles(folder: string): string[] {
+  const all = readdirSync(folder, { recursive: true }).map(String);
+  return all.filter((name) => /^(scans|fits|rubbish|spool)[/]/.test(name) && statSync(join(folder, name)).isFile());
+}
 
 async function fitWithExample(page: Page): Promise<void> {
   await page.keyboard.press("2");
@@ -29,7 +45,8 @@ async function drag(page: Page, selector: string, dx: number): Promise<void> {
   await page.mouse.up();
 }
 
-test("the drawing of the standing patient is shown on the supine one, side by side, with measures of both", async ({ page, base, troubles }, info) => {
+test("both stances, draw, carry, reload, report, share, delete", async ({ page, base, troubles, browser }, info) => {
+  test.slow(); // a whole day
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
@@ -173,5 +190,43 @@ test("the drawing of the standing patient is shown on the supine one, side by si
   });
 
   expect((await hook.picture(page)).isLost).toBe(false);
+
+  const link = await test.step("a colleague sees the supine result through a link, with a passcode, and nothing else", async () => {
+    await page.locator(".stances-bar .segmented button", { hasText: "Supine" }).click();
+    await expect.poll(async () => (await state(page)).fit!.id).toBe(supine);
+    await page.getByRole("button", { name: "Share", exact: true }).click();
+    const dialog = page.getByRole("dialog", { name: "Share this result" });
+    await dialog.getByLabel(/^Passcode/).fill("four words of it");
+    await dialog.getByRole("button", { name: "Make a link" }).click();
+    await expect(dialog.getByLabel("Address of the link")).not.toHaveValue("");
+    const address = await dialog.getByLabel("Address of the link").inputValue();
+    await page.keyboard.press("Escape");
+    await expect(dialog).toBeHidden();
+    const colleague = await (await browser.newContext()).newPage();
+    await colleague.goto(address);
+    await colleague.getByLabel("Passcode").fill("four words of it");
+    await colleague.getByRole("button", { name: "Open" }).click();
+    await expect(colleague.getByText("fitted.glb")).toBeVisible();
+    const id = colleague.url().split("/").at(-1)!;
+    const status = (path: string) => colleague.evaluate(async (at) => (await fetch(at)).status, path);
+    expect(await status(`/api/shared/${id}/result.json`)).toBe(200);
+    expect(await colleague.evaluate(() => document.body.textContent)).not.toContain(standing);
+    return { colleague, id, status };
+  });
+
+  await test.step("deleting both scans leaves nothing: no fit, no link, no file", async () => {
+    const scans = [(await state(page)).scan!.info.id, (await state(page)).stances.other!.scan!.info.id];
+    expect(patientFiles(service.data).length).toBeGreaterThan(10);
+    for (const scan of scans) expect((await page.request.delete(`${base}/api/scans/${scan}`)).status()).toBe(204);
+    for (const path of [...scans.map((scan) => `/api/scans/${scan}`), ...[standing, supine].map((fit) => `/api/fits/${fit}`)]) {
+      expect((await page.request.get(base + path)).status(), path).toBe(404);
+    }
+    expect(await link.status(`/api/shared/${link.id}/result.json`)).toBeGreaterThanOrEqual(400);
+    await link.colleague.reload();
+    await expect(link.colleague.getByText("fitted.glb")).toBeHidden();
+    await link.colleague.context().close();
+    expect(patientFiles(service.data)).toEqual([]);
+  });
+
   expect(troubles).toEqual([]);
 });
