@@ -236,6 +236,7 @@ def test_an_evaluation_removes_no_table_that_is_not_its_own(
     monkeypatch.setattr(publish, "have_plots", lambda: False)
     monkeypatch.setattr(publish, "fit_pictures", lambda *_: [])
     write_patient(tmp_path / "cohort" / "patient_x", read_rig(default_rig_path()), 3, "made", stances=("standing",))
+    (tmp_path / "cohort/patient_x/standing/scan.ply").write_text("ply\n")  # nothing is measured: files are the question
     out = tmp_path / "out"
     out.mkdir()
     (out / "table1.csv").write_text("mine")

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import pytest
+from helpers.cohort import FEW, write_patient
 from helpers.cohort import write_case as write_case  # other tests of this folder take it from here
-from helpers.cohort import write_patient
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
@@ -17,5 +17,5 @@ def rig() -> Rig:
 
 @pytest.fixture
 def cohort(tmp_path: Path, rig: Rig) -> Path:
-    write_patient(tmp_path / "cohort" / "patient_x", rig, 1, "makehuman")
+    write_patient(tmp_path / "cohort" / "patient_x", rig, 1, "makehuman", names=FEW)
     return tmp_path / "cohort"
