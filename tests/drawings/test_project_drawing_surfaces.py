@@ -7,8 +7,9 @@ import pytest
 from helpers.surfaces import plane, sphere
 
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.project_drawing import SPACING, ScanLine, on_scan
+from breastrig.drawings.project_drawing import SPACING, on_scan
 from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
@@ -17,7 +18,7 @@ Mesh = tuple[np.ndarray, np.ndarray]
 
 def laid(
     rig: Rig, model: Mesh, line: np.ndarray, scan: Mesh, *, closed: bool = False, corners: tuple[int, ...] = ()
-) -> ScanLine:
+) -> Polyline:
     """(M, 3) m points of the model's surface, laid on the scan."""
     vertices, faces = model
     found = ClosestPointSearch(vertices, faces).query(line)

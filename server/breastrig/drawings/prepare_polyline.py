@@ -19,11 +19,11 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadDrawing
 from breastrig.core.units import distance_text
 from breastrig.correspondence.match import MatchRules, match
-from breastrig.drawings.drawing_file import ScanShape
 from breastrig.drawings.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 
@@ -33,7 +33,7 @@ OFF_THE_SKIN = 0.005  # m; a drawn point farther from its scan belongs to anothe
 SKIN_BELOW = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3)
 
 
-def on_the_skin(rig: Rig, scan: FittedScan, shapes: Sequence[ScanShape]) -> list[ScanShape]:
+def on_the_skin(rig: Rig, scan: FittedScan, shapes: Sequence[Polyline]) -> list[Polyline]:
     """The shapes with points in between, on the scan's skin where that has any and marked as bridged elsewhere.
 
     Raises BadDrawing for a given point off the skin that is not said to be bridged.
@@ -58,25 +58,30 @@ def on_the_skin(rig: Rig, scan: FittedScan, shapes: Sequence[ScanShape]) -> list
     lines = [
         _filled(ways, shape, corners[part], places) for shape, part, places in zip(shapes, parts, on_model, strict=True)
     ]
-    between = np.concatenate([own for _, _, own in lines])
+    own = np.concatenate([given for _, _, given in lines])
     line, hidden = np.concatenate([line for line, _, _ in lines]), np.concatenate([hidden for _, hidden, _ in lines])
-    inner = np.flatnonzero(~between)
+    inner = np.flatnonzero(~own)
     line[inner], over_a_hole = _settled(rig, scan, model, line[inner])
     hidden[inner] |= over_a_hole
     ends = np.cumsum([0, *(len(each) for each, _, _ in lines)]).tolist()
-    return [
-        replace(shape, points=line[a:b], bridged=hidden[a:b])
+    return [  # of points in between no error is known
+        replace(shape, points=line[a:b], bridged=hidden[a:b], corners=_among(shape.corners, own[a:b]), error=None)
         for shape, (a, b) in zip(shapes, pairwise(ends), strict=True)
     ]
 
 
-def _filled(ways: "Ways", shape: ScanShape, corners: Array, places: SurfacePoints) -> tuple[Array, Booleans, Booleans]:
+def _among(corners: tuple[int, ...], own: Booleans) -> tuple[int, ...]:
+    """The corners' numbers in a line of more points, of which `own` (M,) are those that it had before."""
+    return tuple(np.flatnonzero(own)[list(corners)].tolist())
+
+
+def _filled(ways: "Ways", shape: Polyline, corners: Array, places: SurfacePoints) -> tuple[Array, Booleans, Booleans]:
     """(M, 3) m, (M,) bridged and (M,) the line's own: its corners with points in between, at most SPACING apart.
 
     `places` are the model's points next to the corners.
     """
     count = len(corners)
-    following = np.roll(np.arange(count), -1)[: count if shape.closed and count > 2 else -1]
+    following = shape.edges[:, 1]
     start, arms = corners[: len(following)], corners[following] - corners[: len(following)]
     gaps = np.linalg.norm(arms, axis=1)
     inner = np.maximum(np.ceil(gaps / SPACING).astype(np.int64), 1) - 1

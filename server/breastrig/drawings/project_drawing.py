@@ -23,6 +23,7 @@ from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.curves import resampled
 from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.polyline import Polyline
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 SPACING = 0.003  # m; finer than a pen, coarser than the noise
@@ -38,24 +39,13 @@ ROUNDS = 6  # of smoothing: the gaps' noise falls to a third, waves longer than 
 SLIP = 0.004  # m, the farthest that a smoothed point may be put back; farther is another sheet
 
 
-@dataclass(frozen=True, eq=False)
-class ScanLine:
-    """One polyline on the scan."""
-
-    name: str
-    closed: bool
-    color: str
-    points: Array  # (M, 3) m
-    bridged: Booleans  # (M,) lies off the skin because the scan has a hole there
-
-
-def on_scan(rig: Rig, vertices: Array, drawing: ModelDrawing, target: ScanTarget) -> tuple[ScanLine, ...]:
+def on_scan(rig: Rig, vertices: Array, drawing: ModelDrawing, target: ScanTarget) -> tuple[Polyline, ...]:
     """The drawing on the scan, for (V, 3) m posed vertices in the target's frame."""
     normals = vertex_normals(vertices, rig.faces)
     return tuple(_laid(rig, vertices, normals, shape, target) for shape in drawing.shapes)
 
 
-def _laid(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape, target: ScanTarget) -> ScanLine:
+def _laid(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape, target: ScanTarget) -> Polyline:
     at = shape.points.positions(vertices, rig.faces)
     facing = shape.points.positions(normals, rig.faces)
     even, fixed = _evenly(np.concatenate([at, facing], axis=1), shape.corners, shape.closed)
@@ -72,7 +62,10 @@ def _laid(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape, target: 
     )
     directions = again[:, 3:6] / np.maximum(np.linalg.norm(again[:, 3:6], axis=1, keepdims=True), 1e-12)
     points, known = _put_back(target, again[:, :3], directions, again[:, 6] < 1e-9)
-    return ScanLine(shape.name, shape.closed, shape.color, points, ~known)
+    corners = np.flatnonzero(fixed).tolist()
+    ends = () if shape.closed else (0, len(points) - 1)
+    turning = tuple(corner for corner in corners if corner not in ends)
+    return Polyline(shape.name, shape.closed, shape.color, points, ~known, turning)
 
 
 @dataclass(frozen=True, eq=False)

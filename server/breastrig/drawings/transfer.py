@@ -9,7 +9,7 @@ rims, and is marked as bridged.  Beside each point stands how far the two fits w
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,12 +17,12 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.drawing_file import ScanShape
 from breastrig.drawings.prepare_polyline import on_the_skin
 from breastrig.drawings.project_drawing import Strand, settled
 from breastrig.drawings.skin_map import FittedScan, SkinMap
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 from breastrig.scan.clean import Surface
@@ -36,21 +36,17 @@ Way = Callable[[Array, Array], tuple[Array, Array]]  # (M, 3) points and normals
 
 
 @dataclass(frozen=True, eq=False)
-class CarriedShape:
-    """A polyline on scan B."""
+class TransferredLine:
+    """A polyline of M points on scan B, and how well the two fits lie on their scans there."""
 
-    name: str
-    closed: bool
-    color: str
-    points: Array  # (M, 3) m
-    bridged: Booleans  # (M,) scan B has no skin there
+    line: Polyline
     distance_from: Array  # (M,) m between A's scan and A's fitted model there; nan without skin
     distance_to: Array  # (M,) m between B's scan and B's fitted model there; nan without skin
 
 
 def transferred(
-    rig: Rig, a: FittedScan, b: FittedScan, shapes: Sequence[ScanShape], other_patient: bool = False
-) -> tuple[CarriedShape, ...]:
+    rig: Rig, a: FittedScan, b: FittedScan, shapes: Sequence[Polyline], other_patient: bool = False
+) -> tuple[TransferredLine, ...]:
     """The shapes on scan A, at the same skin of scan B or, for another patient, at the same place of the model.
 
     Raises BadDrawing for a point off A's skin that is not said to be bridged, and for fits off their scans.
@@ -72,7 +68,7 @@ def transferred(
     gaps = [model.query(each).distances for model, each in zip(models, (points, there), strict=True)]
     gaps[0][skipped], gaps[1][bridged] = np.nan, np.nan
     return tuple(
-        CarriedShape(line.name, line.closed, line.color, there[part], bridged[part], gaps[0][part], gaps[1][part])
+        TransferredLine(replace(line, points=there[part], bridged=bridged[part]), gaps[0][part], gaps[1][part])
         for line, part in zip(lines, parts, strict=True)
     )
 
