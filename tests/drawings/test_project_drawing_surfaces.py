@@ -59,6 +59,15 @@ def test_on_a_parallel_plane_it_is_lifted_straight_and_even(toy_rig: Rig) -> Non
     assert 0.8 * SPACING < steps.mean() <= SPACING
 
 
+@pytest.mark.parametrize(("closed", "corners"), [(False, (0, 10, 29)), (False, ()), (True, (10, 20)), (True, ())])
+def test_its_corners_stay_corners_and_its_ends_are_none(closed: bool, corners: tuple[int, ...], toy_rig: Rig) -> None:
+    drawn = straight()
+    drawn[:, 1] += 0.05 * np.sin(np.linspace(0.0, np.pi, 30))
+    line = laid(toy_rig, plane(), drawn, sheet(0.002), closed=closed, corners=corners)
+    inner = [corner for corner in corners if closed or 0 < corner < 29]
+    np.testing.assert_allclose(line.points[list(line.corners), :2], drawn[inner, :2], atol=1e-6)
+
+
 def test_a_circle_on_a_larger_ball_lies_on_it_and_does_not_shrink(toy_rig: Rig) -> None:
     """Around the pole at 30 degrees; the ball of the scan is 3 mm larger."""
     ball, larger = sphere(0.100, 5), sphere(0.103, 5)

@@ -65,6 +65,17 @@ def test_a_line_on_a_plane_moves_with_the_plane(other_patient: bool, toy_rig: Ri
     assert max(found.distance_from.max(), found.distance_to.max()) < 1e-6
 
 
+def test_corners_stay_corners_and_an_error_band_of_the_first_scan_is_not_handed_on(toy_rig: Rig) -> None:
+    """How far off a line may be on the second scan is not how far off it may be on the first."""
+    vertices, faces = plane()
+    rig = rig_of(toy_rig, vertices, faces)
+    points = np.array([[-0.05, -0.02, 0.0], [0.03, 0.01, 0.0], [0.03, 0.02, 0.0], [0.04, 0.05, 0.0]])
+    line = replace(shape(points), corners=(1, 2), error=np.full(4, 0.001))
+    (found,) = transferred(rig, fitted(vertices, faces), fitted(moved(vertices), faces), [line])
+    np.testing.assert_allclose(found.line.points[list(found.line.corners)], moved(points[[1, 2]]), atol=1e-6)
+    assert found.line.error is None
+
+
 @both_ways
 def test_a_circle_on_a_sphere_moves_with_the_sphere(other_patient: bool, toy_rig: Rig) -> None:
     vertices, faces = sphere()
