@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from breastrig.geometry.polyline import Polyline
+from breastrig.geometry.polyline import Polyline, parts
 
 SQUARE = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
 OPEN = Polyline("cut", False, "#101010", SQUARE, np.array([False, True, True, False]), (1, 2), np.full(4, 0.002))
@@ -85,3 +85,11 @@ def test_the_nearest_place_may_lie_between_points_and_on_the_closing_edge() -> N
 def test_what_is_said_of_its_points_is_said_of_each(wrong: dict) -> None:
     with pytest.raises(AssertionError):
         replace(OPEN, **wrong)
+
+
+def test_parts_say_where_each_line_stands_among_all_points() -> None:
+    lines = [OPEN, replace(OPEN, points=SQUARE[:1], bridged=np.ones(1, np.bool_), corners=(), error=None), CLOSED]
+    together = np.concatenate([line.points for line in lines])
+    for line, part in zip(lines, parts(lines), strict=True):
+        np.testing.assert_array_equal(together[part], line.points)
+    assert parts([]) == []

@@ -1,7 +1,7 @@
-"""Two drawings on one scan: how far apart are they, shape by shape (the paper's figures 9c and 9f).
+"""Distances between two drawings on one scan, shape by shape (the paper's figures 9c and 9f).
 
-Distances are symmetric: from points set evenly along each line to the nearest place of the other line, and back, all
-in one heap.  So neither line's own points nor its length decide, and a line that covers only a part of the other
+They are symmetric: from points set evenly along each line to the nearest place of the other line, in both directions,
+all taken together.  So neither line's own points nor its length decide, and a line that covers only a part of the other
 does not look right.
 """
 

@@ -1,4 +1,4 @@
-"""The picture of two drawings on one scan: the first black, the second white, thin over holes, the distances below.
+"""Draws two drawings on one scan: the first black, the second white, thin over holes, the distances below.
 
 Both lines can be told apart in print and by everyone, on a scan that is shown in the tone between them.
 """

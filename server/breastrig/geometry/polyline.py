@@ -4,6 +4,7 @@ Its form in files and on the wire is `drawings/drawing_schema.py`; `drawings/dra
 A line on the *model* is another thing (`rig.model.DrawnShape`): it has places of the mesh and no positions.
 """
 
+from collections.abc import Iterable, Sized
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Self
@@ -75,3 +76,8 @@ class Polyline:
             share = np.clip((places - start) @ way / max(float(way @ way), 1e-30), 0.0, 1.0)
             best = np.minimum(best, np.linalg.norm(places - start - share[:, None] * way, axis=1))
         return best
+
+
+def parts(lines: Iterable[Sized]) -> list[slice]:
+    """Where the points of each line are, when those of all lines stand in one array."""
+    return [slice(start, end) for start, end in pairwise(np.cumsum([0, *map(len, lines)]).tolist())]
