@@ -12,6 +12,7 @@ from flask.testing import FlaskClient
 
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.drawings.drawing_file import checked_drawing, parsed_drawing
+from breastrig.drawings.drawing_schema import BLACK, POINTS, SHAPES
 from breastrig.rig.model import Rig
 from breastrig.workflow.report import drawn_lines
 
@@ -36,10 +37,13 @@ TAKEN = {
     "a long title": one() | {"name": "and_" * 250},
     "the longest label": one(label="l" * 200),
     "any colour": one(color="#C5307f"),
+    "no colour": one(color=None),
     "closed by a number": one(closed=1),
     "bridged": one(bridged=[True, False]),
     "bridged not said": one(bridged=None),
+    "bridged said of no point": one(bridged=[]),
     "errors": one(error_mm=[0, 2.5]),
+    "errors of no point": one(error_mm=[]),
     "one error not known": one(error_mm=[None, 2.5]),
     "the most shapes": many(500, 100),
     "the most points": many(1, 50_000),
@@ -133,3 +137,13 @@ def test_an_error_band_is_kept_where_it_is_known_and_not_mentioned_elsewhere(cli
     assert answer.json["shapes"][0]["error_mm"] == [None, 2.5]
     assert client.get(own).json == answer.json
     assert "error_mm" not in client.put(own, json=one()).json["shapes"][0]
+
+
+def test_a_line_without_a_colour_is_black_and_of_no_point_nothing_is_said(client: FlaskClient, own: str) -> None:
+    (shape,) = client.put(own, json=one(color=None, bridged=[], error_mm=[])).json["shapes"]
+    assert shape == LINE | {"label": "", "closed": False, "color": BLACK}
+
+
+def test_the_description_names_the_limits(client: FlaskClient) -> None:
+    said = client.get("/api/openapi.json").json["paths"]["/api/scans/{scan_id}/drawing"]["put"]["description"]
+    assert f"At most {SHAPES:,} shapes with {POINTS:,} points together" in said

@@ -95,8 +95,8 @@ def _on_scan(drawing: GivenDrawing, unit: str) -> tuple[Polyline, ...]:
 
 def _polyline(shape: GivenShape, per_unit: float) -> Polyline:
     points = per_unit * np.array(shape.points, dtype=np.float64)
-    bridged = np.zeros(len(points), dtype=np.bool_) if shape.bridged is None else np.array(shape.bridged)
-    error = None if shape.error_mm is None else 1e-3 * np.array(shape.error_mm, dtype=np.float64)  # null becomes nan
+    bridged = np.array(shape.bridged) if shape.bridged else np.zeros(len(points), dtype=np.bool_)
+    error = 1e-3 * np.array(shape.error_mm, dtype=np.float64) if shape.error_mm else None  # null becomes nan
     return Polyline(shape.name, shape.closed, shape.color, points, bridged, error=error)
 
 

@@ -8,7 +8,7 @@ transfer: a drawing of POINTS points takes seconds.
 from collections import Counter
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, model_validator
 
 from breastrig.core.errors import BadDrawing
 from breastrig.core.units import BEYOND
@@ -20,7 +20,11 @@ BLACK = "#101010"
 SCHEMA: Literal["breastrig/drawing@1"] = "breastrig/drawing@1"
 
 LineUnit = Literal["m", "dm", "cm", "mm", "in"]
-Colour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
+Colour = Annotated[
+    str,
+    Field(pattern=r"^#[0-9a-fA-F]{6}$"),
+    BeforeValidator(lambda color: BLACK if color is None else color),  # drawing.json may say that it has none
+]
 Coordinate = Annotated[FiniteFloat, Field(ge=-BEYOND, le=BEYOND)]
 Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 Radius = Annotated[FiniteFloat, Field(ge=0, le=BEYOND)]
@@ -31,8 +35,8 @@ IS_BRIDGED = "for each point whether it is not on the skin, because the scan has
 ERROR = "for each point the radius in millimetres that holds its true place with 90 %; null where it is not known"
 
 
-def _is_none(value: object) -> bool:
-    return value is None
+def _is_not_said(values: list[object] | None) -> bool:
+    return not values
 
 
 class Part(BaseModel):
@@ -59,8 +63,8 @@ class DrawnShape(_Shape):
     """One polyline on a scan; a single point is one too."""
 
     points: list[Point] = Field(min_length=1, description=ON_THE_SKIN)
-    bridged: list[bool] | None = Field(None, description=IS_BRIDGED, exclude_if=_is_none)
-    error_mm: list[Radius | None] | None = Field(None, description=ERROR, exclude_if=_is_none)
+    bridged: list[bool] | None = Field(None, description=IS_BRIDGED, exclude_if=_is_not_said)
+    error_mm: list[Radius | None] | None = Field(None, description=ERROR, exclude_if=_is_not_said)
 
     @model_validator(mode="after")
     def _says_it_of_each_point(self) -> Self:
@@ -127,7 +131,7 @@ class GivenDrawing(Part):
 def _check_lengths(name: str, points: int, bridged: list[bool] | None, error_mm: list[float | None] | None) -> None:
     """BadDrawing, which Pydantic hands on as it is, when something is said of other points than there are."""
     for said, what in ((bridged, "whether they are bridged"), (error_mm, "how far off they may be")):
-        if said is not None and len(said) != points:
+        if said and len(said) != points:
             raise BadDrawing(
                 f'The shape "{name}" has {points} points but says of {len(said)} {what}; say it of each or of none.'
             )

@@ -38,7 +38,7 @@ def replace_drawing(scan_id: str, json_data: OwnDrawing) -> OwnDrawing:
     """
     storage = behind().service.storage
     _check(json_data, get_scan(storage, scan_id))
-    on_skin = [shape.model_copy(update={"bridged": None}) for shape in json_data.shapes]  # it was drawn there
+    on_skin = [shape.model_copy(update={"bridged": None}) for shape in json_data.shapes]  # own lines are drawn there
     kept = json_data.model_copy(update={"shapes": on_skin})
     put_drawing(storage, scan_id, kept.model_dump(mode="json", by_alias=True))
     return kept
