@@ -1,8 +1,7 @@
 """What a drawing file may hold (breastrig/drawing@1): its fields, their limits, and what they must have in common.
 
 Files, requests and answers are all checked by these classes, so what one of them takes the others take too.  The
-limits are far beyond a surgeon's drawing, which has some ten lines of some hundred points, and bound the work of a
-transfer: a drawing of POINTS points takes seconds.
+limits are far beyond a surgeon's drawing, which has some ten lines of some hundred points.
 """
 
 from collections import Counter
