@@ -78,7 +78,7 @@ def line(**changes: object) -> dict[str, object]:
         (DRAWING | {"unit": "m"}, "unit"),
         (DRAWING | {"schema": "breastrig/landmarks@1"}, "schema"),
         (DRAWING | {"shapes": [LINE, LINE]}, 'Two shapes of this drawing are called "incision"'),
-        (DRAWING | {"shapes": [LINE | {"name": str(k)} for k in range(201)]}, "at most 200"),
+        (DRAWING | {"shapes": [LINE | {"name": str(k)} for k in range(501)]}, "at most 500"),
         ({}, "shapes: Field required"),
         ([], "valid"),
     ],
@@ -96,16 +96,16 @@ def test_points_that_are_not_finite_are_refused(client: FlaskClient, shared_scan
 
 
 def test_too_much_is_refused_with_what_may_be(client: FlaskClient, shared_scan: str) -> None:
-    many = [LINE | {"name": str(k), "points": [[0, 350, 0]] * 10_001} for k in range(2)]
+    many = [LINE | {"name": str(k), "points": [[10.123, 350.123, 120.12]] * 21_000} for k in range(2)]
     body = json.dumps(DRAWING | {"shapes": many}, separators=(",", ":"))
-    assert len(body) > 200_000
+    assert len(body) > 1_000_000
     whole = client.put(place(shared_scan), data=body, content_type="application/json")
-    assert "200 kB" in problem(whole, 413)
-    short = [LINE | {"name": str(k), "points": [[0, 9, 0]] * 10_001} for k in range(2)]
+    assert "1 MB" in problem(whole, 413)
+    short = [LINE | {"name": str(k), "points": [[0, 9, 0]] * 25_001} for k in range(2)]
     body = json.dumps({"shapes": short}, separators=(",", ":"))
-    assert len(body) < 200_000
+    assert len(body) < 1_000_000
     answer = client.put(place(shared_scan), data=body, content_type="application/json")
-    assert "20002 points; at most 20000" in problem(answer, 422)
+    assert "50002 points; at most 50000" in problem(answer, 422)
 
 
 def test_unknown_scans_have_no_drawing(client: FlaskClient) -> None:

@@ -1,7 +1,9 @@
 """Drawings carried between two fits of the service: the real work on the example patient, and what is refused."""
 
 import json
+import shutil
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,10 +13,15 @@ from helpers.waiting import ended
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.drawing_file import parsed_drawing, shape_document
+from breastrig.drawings.drawing_schema import DrawnShape
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.workflow.fit_folder import read_fit_folder
+from breastrig.workflow.report import stance_of
+
+CARRIED_FIELDS = ["name", "closed", "color", "points", "bridged", "distance_from_mm", "distance_to_mm"]
 
 
 @pytest.fixture(scope="module")
@@ -83,6 +90,44 @@ def test_what_a_fit_left_may_be_sent_as_it_is_and_a_carried_drawing_sent_back(
         "/api/transfers", json={"from_fit": wish["to_fit"], "to_fit": wish["from_fit"], "drawing": there}
     )
     assert back.status_code == 201
+
+
+def test_a_polyline_stays_what_it_is_from_fit_to_file_to_api_to_transfer_to_report(
+    real: tuple[Service, FlaskClient, dict[str, str]], tmp_path: Path
+) -> None:
+    service, client, fits = real
+    folder = tmp_path / "fit"
+    shutil.copytree(service.storage.folders.fit(fits["standing"]), folder)
+    fit = read_fit_folder(folder)
+    written = json.loads((folder / "drawing.json").read_text())
+    for number, shape in enumerate(written["shapes"]):
+        shape["color"] = f"#c0ff0{number}"
+    written["shapes"][-1]["error_mm"] = [1.5] * len(written["shapes"][-1]["points"])
+    (folder / "drawing.json").write_text(json.dumps(written))
+    lines = parsed_drawing((folder / "drawing.json").read_bytes(), fit.rig, fit.unit).on_scan
+    assert [shape_document(line, fit.metres_per_unit) for line in lines] == written["shapes"]
+
+    there = [DrawnShape.model_validate(shape).model_dump(exclude={"label"}) for shape in written["shapes"]]
+    assert there == written["shapes"]
+    millimetres = {"unit": "mm", "shapes": [shape_document(line, 1e-3) for line in lines]}
+    scan = client.get(f"/api/fits/{fits['standing']}").json["scan"]
+    kept = client.put(f"/api/scans/{scan}/drawing", json=millimetres).json
+    on_the_skin = [{key: value for key, value in shape.items() if key != "bridged"} for shape in millimetres["shapes"]]
+    assert kept["shapes"] == [{"label": ""} | shape for shape in on_the_skin]
+    client.put(f"/api/scans/{scan}/drawing", json={"shapes": []})
+
+    wish = {"from_fit": fits["standing"], "to_fit": fits["standing"], "drawing": millimetres}
+    carried = client.post("/api/transfers", json=wish).json["shapes"]
+    assert [list(shape) for shape in carried] == [CARRIED_FIELDS] * len(lines)
+    for line, shape in zip(lines, parsed_drawing({"shapes": carried}, fit.rig, fit.unit).on_scan, strict=True):
+        assert (shape.name, shape.closed, shape.color) == (line.name, line.closed, line.color)
+        assert shape.distances(line.points[~line.bridged]).max() < 0.5e-3
+
+    reported = stance_of(folder, fit).lines
+    for line, shown in zip(lines, reported, strict=True):
+        assert (shown.name, shown.closed, shown.color) == (line.name, line.closed, line.color)
+        for field in ("points", "bridged", "error"):
+            np.testing.assert_array_equal(getattr(shown, field), getattr(line, field))
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from breastrig.core.errors import BadDrawing
-from breastrig.drawings.drawing_file import parsed_drawing
+from breastrig.drawings.drawing_file import lines_on_scan, parsed_drawing, shape_document
 from breastrig.rig.model import Rig
 
 LINE = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
@@ -31,6 +31,28 @@ def test_shapes_on_the_model_are_kept_apart(toy_rig: Rig) -> None:
     assert found.on_model[0].points.faces.tolist() == [3]
 
 
+def test_what_is_written_is_read_back(toy_rig: Rig) -> None:
+    shape = {"name": "cut", "closed": True, "color": "#c53030", "points": LINE, "bridged": [False, True]}
+    known = shape | {"error_mm": [None, 2.5]}
+    lines = parsed_drawing({"shapes": [shape, known | {"name": "scar"}]}, toy_rig, "mm").on_scan
+    np.testing.assert_array_equal(lines[1].error, [np.nan, 0.0025])
+    assert [shape_document(line, 1e-3) for line in lines] == [shape, known | {"name": "scar"}]
+
+
+def test_an_error_that_is_known_of_no_point_is_not_written(toy_rig: Rig) -> None:
+    document = {"shapes": [{"name": "cut", "points": LINE, "error_mm": [None, None]}]}
+    (line,) = parsed_drawing(document, toy_rig, "mm").on_scan
+    assert "error_mm" not in shape_document(line, 1e-3)
+
+
+def test_a_fit_may_leave_no_line_but_none_that_is_not_on_its_scan() -> None:
+    assert lines_on_scan(b'{"schema": "breastrig/drawing@1", "name": null, "shapes": []}', "mm") == ()
+    places = [{"face": 3, "barycentric": [0.2, 0.3, 0.5]}]
+    for shape in ({"name": "a"}, {"name": "a", "surface_points": places}):
+        with pytest.raises(BadDrawing, match='"a" has no points on the scan'):
+            lines_on_scan({"shapes": [{"name": "b", "points": LINE}, shape]}, "mm")
+
+
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
@@ -44,6 +66,9 @@ def test_shapes_on_the_model_are_kept_apart(toy_rig: Rig) -> None:
         ({"shapes": [{"name": "cut", "points": LINE, "bridged": [True]}]}, "bridged"),
         ({"shapes": [{"name": "cut", "points": LINE}] * 2}, 'Two shapes of this drawing are called "cut"'),
         ({"shapes": [{"name": "cut", "points": LINE * 30_000}]}, "60000 points; at most 50000"),
+        ({"shapes": [{"name": "cut", "points": LINE, "error_mm": [1.0]}]}, "2 points but says of 1 how far off"),
+        ({"shapes": [{"name": str(k), "points": LINE * 13_000} for k in range(2)]}, "52000 points; at most 50000"),
+        ({"shapes": [{"name": "a", "surface_points": [{"face": 10**30, "barycentric": [1, 0, 0]}]}]}, "face"),
         ({"unit": "mile", "shapes": [{"name": "cut", "points": LINE}]}, "unit"),
         ({"shapes": [{"name": "a", "surface_points": [{"face": 99_999, "barycentric": [1, 0, 0]}]}]}, "another model"),
         (

@@ -7,8 +7,9 @@ import pytest
 from helpers.surfaces import plane, sphere
 
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.project_drawing import SPACING, ScanLine, on_scan
+from breastrig.drawings.project_drawing import SPACING, on_scan
 from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
@@ -17,7 +18,7 @@ Mesh = tuple[np.ndarray, np.ndarray]
 
 def laid(
     rig: Rig, model: Mesh, line: np.ndarray, scan: Mesh, *, closed: bool = False, corners: tuple[int, ...] = ()
-) -> ScanLine:
+) -> Polyline:
     """(M, 3) m points of the model's surface, laid on the scan."""
     vertices, faces = model
     found = ClosestPointSearch(vertices, faces).query(line)
@@ -56,6 +57,15 @@ def test_on_a_parallel_plane_it_is_lifted_straight_and_even(toy_rig: Rig) -> Non
     steps = np.linalg.norm(np.diff(line.points, axis=0), axis=1)
     np.testing.assert_allclose(steps, steps.mean(), atol=1e-6)
     assert 0.8 * SPACING < steps.mean() <= SPACING
+
+
+@pytest.mark.parametrize(("closed", "corners"), [(False, (0, 10, 29)), (False, ()), (True, (10, 20)), (True, ())])
+def test_its_corners_stay_corners_and_its_ends_are_none(closed: bool, corners: tuple[int, ...], toy_rig: Rig) -> None:
+    drawn = straight()
+    drawn[:, 1] += 0.05 * np.sin(np.linspace(0.0, np.pi, 30))
+    line = laid(toy_rig, plane(), drawn, sheet(0.002), closed=closed, corners=corners)
+    inner = [corner for corner in corners if closed or 0 < corner < 29]
+    np.testing.assert_allclose(line.points[list(line.corners), :2], drawn[inner, :2], atol=1e-6)
 
 
 def test_a_circle_on_a_larger_ball_lies_on_it_and_does_not_shrink(toy_rig: Rig) -> None:

@@ -6,14 +6,14 @@ from helpers.surfaces import plane
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
-from breastrig.drawings.drawing_file import ScanShape
 from breastrig.drawings.superimposition import gaps
 from breastrig.drawings.superimposition_picture import PANEL, VIEWS, body_frame, superimposed
+from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.rotations import exp_so3
 
 
-def shape(points: Array, name: str = "cut", closed: bool = False) -> ScanShape:
-    return ScanShape(name, closed, "#000000", points, np.zeros(len(points), np.bool_))
+def shape(points: Array, name: str = "cut", closed: bool = False) -> Polyline:
+    return Polyline(name, closed, "#000000", points, np.zeros(len(points), np.bool_))
 
 
 def straight(length: float, height: float, points: int = 2) -> Array:

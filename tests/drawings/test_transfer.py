@@ -11,10 +11,10 @@ from helpers.surfaces import plane, sphere
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadDrawing
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.drawing_file import ScanShape
 from breastrig.drawings.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
 from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
@@ -38,8 +38,8 @@ def moved(points: Array) -> Array:
     return np.asarray(points @ TURN.T + SHIFT)
 
 
-def shape(points: Array, closed: bool = False, bridged: Array | None = None) -> ScanShape:
-    return ScanShape("cut", closed, "#123456", points, np.zeros(len(points), np.bool_) if bridged is None else bridged)
+def shape(points: Array, closed: bool = False, bridged: Array | None = None) -> Polyline:
+    return Polyline("cut", closed, "#123456", points, np.zeros(len(points), np.bool_) if bridged is None else bridged)
 
 
 def circle(radius: float, count: int = 100) -> Array:
@@ -53,16 +53,27 @@ def test_a_line_on_a_plane_moves_with_the_plane(other_patient: bool, toy_rig: Ri
     rig = rig_of(toy_rig, vertices, faces)
     line = np.array([[-0.05, -0.02, 0.0], [0.03, 0.01, 0.0], [0.04, 0.05, 0.0]])
     (found,) = transferred(rig, fitted(vertices, faces), fitted(moved(vertices), faces), [shape(line)], other_patient)
-    assert (found.name, found.closed, found.color) == ("cut", False, "#123456")
-    assert not found.bridged.any()
+    assert (found.line.name, found.line.closed, found.line.color) == ("cut", False, "#123456")
+    assert not found.line.bridged.any()
     for corner in moved(line):  # corners stay corners
-        assert np.linalg.norm(found.points - corner, axis=1).min() < 1e-6
-    back = (found.points - SHIFT) @ TURN
+        assert np.linalg.norm(found.line.points - corner, axis=1).min() < 1e-6
+    back = (found.line.points - SHIFT) @ TURN
     assert np.abs(back[:, 2]).max() < 1e-6
     steps = np.linalg.norm(np.diff(back, axis=0), axis=1)
     assert steps.max() < 0.003 + 1e-6
     assert steps.sum() == pytest.approx(np.linalg.norm(np.diff(line, axis=0), axis=1).sum(), abs=1e-6)
     assert max(found.distance_from.max(), found.distance_to.max()) < 1e-6
+
+
+def test_corners_stay_corners_and_an_error_band_of_the_first_scan_is_not_handed_on(toy_rig: Rig) -> None:
+    """How far off a line may be on the second scan is not how far off it may be on the first."""
+    vertices, faces = plane()
+    rig = rig_of(toy_rig, vertices, faces)
+    points = np.array([[-0.05, -0.02, 0.0], [0.03, 0.01, 0.0], [0.03, 0.02, 0.0], [0.04, 0.05, 0.0]])
+    line = replace(shape(points), corners=(1, 2), error=np.full(4, 0.001))
+    (found,) = transferred(rig, fitted(vertices, faces), fitted(moved(vertices), faces), [line])
+    np.testing.assert_allclose(found.line.points[list(found.line.corners)], moved(points[[1, 2]]), atol=1e-6)
+    assert found.line.error is None
 
 
 @both_ways
@@ -72,10 +83,10 @@ def test_a_circle_on_a_sphere_moves_with_the_sphere(other_patient: bool, toy_rig
     a, b = fitted(vertices, faces), fitted(moved(vertices), faces)
     line = a.target.search.query(circle(0.08) + np.array([0.0, 0.0, 0.06])).points
     (found,) = transferred(rig, a, b, [shape(line, closed=True)], other_patient)
-    assert len(found.points) >= len(line)
-    gaps = np.linalg.norm(moved(line)[:, None] - found.points, axis=2).min(axis=1)
+    assert len(found.line.points) >= len(line)
+    gaps = np.linalg.norm(moved(line)[:, None] - found.line.points, axis=2).min(axis=1)
     assert gaps.max() < 0.02e-3
-    assert b.target.search.query(found.points).distances.max() < 1e-9
+    assert b.target.search.query(found.line.points).distances.max() < 1e-9
 
 
 def test_between_corners_that_are_far_apart_the_line_follows_the_skin(toy_rig: Rig) -> None:
@@ -84,13 +95,13 @@ def test_between_corners_that_are_far_apart_the_line_follows_the_skin(toy_rig: R
     a = fitted(vertices, faces)
     corners = a.target.search.query(0.1 * np.eye(3)).points  # a quarter of a great circle each
     (found,) = transferred(rig, a, a, [shape(corners, closed=True)])
-    steps = np.linalg.norm(np.roll(found.points, -1, axis=0) - found.points, axis=1)
+    steps = np.linalg.norm(np.roll(found.line.points, -1, axis=0) - found.line.points, axis=1)
     assert steps.max() < 0.0031
     assert steps.sum() == pytest.approx(3 * 0.1 * np.pi / 2, rel=5e-3)
-    off = np.abs(found.points).min(axis=1)  # three planes through the centre hold the three arcs
+    off = np.abs(found.line.points).min(axis=1)  # three planes through the centre hold the three arcs
     assert off.max() < 1.5e-3
     for corner in corners:
-        assert np.linalg.norm(found.points - corner, axis=1).min() < 1e-5
+        assert np.linalg.norm(found.line.points - corner, axis=1).min() < 1e-5
 
 
 def test_over_a_gap_of_the_first_scan_the_line_goes_straight(toy_rig: Rig) -> None:
@@ -99,10 +110,10 @@ def test_over_a_gap_of_the_first_scan_the_line_goes_straight(toy_rig: Rig) -> No
     a = fitted(vertices, faces, wall_with_a_hole(vertices, faces, behind=False))
     b = fitted(vertices, faces, (vertices, faces))
     (found,) = transferred(rig, a, b, [shape(np.array([[-0.05, 0.01, 0.0], [0.05, 0.01, 0.0]]))])
-    assert np.abs(found.points[:, 1:] - [0.01, 0.0]).max() < 1e-6
-    assert np.linalg.norm(np.diff(found.points, axis=0), axis=1).max() < 0.006
-    assert np.isnan(found.distance_from[np.abs(found.points[:, 0]) < 0.015]).all()
-    assert not found.bridged.any()
+    assert np.abs(found.line.points[:, 1:] - [0.01, 0.0]).max() < 1e-6
+    assert np.linalg.norm(np.diff(found.line.points, axis=0), axis=1).max() < 0.006
+    assert np.isnan(found.distance_from[np.abs(found.line.points[:, 0]) < 0.015]).all()
+    assert not found.line.bridged.any()
 
 
 @both_ways
@@ -115,7 +126,7 @@ def test_each_point_says_how_far_both_fits_were_from_their_scans(other_patient: 
     (found,) = transferred(rig, a, b, [shape(points[:1])], other_patient)
     assert found.distance_from == pytest.approx([0.002], abs=0.03e-3)
     assert found.distance_to == pytest.approx([0.0], abs=0.03e-3)
-    assert np.linalg.norm(found.points[0] - points[0]) < 0.3e-3
+    assert np.linalg.norm(found.line.points[0] - points[0]) < 0.3e-3
 
 
 def wall_with_a_hole(vertices: Array, faces: Integers, behind: bool) -> tuple[Array, Integers]:
@@ -137,12 +148,12 @@ def test_a_hole_is_bridged_and_nothing_falls_through_it(behind: bool, other_pati
     b = fitted(vertices, faces, wall_with_a_hole(vertices, faces, behind))
     line = np.stack([np.linspace(-0.06, 0.06, 61), np.zeros(61), np.zeros(61)], axis=1)
     (found,) = transferred(rig, a, b, [shape(line)], other_patient)
-    across = found.points[:, 0]
-    assert found.bridged[np.abs(across) < 0.019].all()
-    assert not found.bridged[np.abs(across) > 0.027].any()
-    assert np.abs(found.points[:, 2]).max() < 0.5e-3
-    assert np.isnan(found.distance_to[found.bridged]).all()
-    assert np.isfinite(found.distance_to[~found.bridged]).all()
+    across = found.line.points[:, 0]
+    assert found.line.bridged[np.abs(across) < 0.019].all()
+    assert not found.line.bridged[np.abs(across) > 0.027].any()
+    assert np.abs(found.line.points[:, 2]).max() < 0.5e-3
+    assert np.isnan(found.distance_to[found.line.bridged]).all()
+    assert np.isfinite(found.distance_to[~found.line.bridged]).all()
     assert np.isfinite(found.distance_from).all()
 
 
@@ -160,10 +171,10 @@ def test_a_round_trip_from_a_scan_to_itself_returns_each_point(other_patient: bo
     a = fitted(vertices + np.array([0.0, 0.0, 0.002]), torso.faces, (noisy, scan_faces))  # the fit is 2 mm off
     breasts = np.concatenate([torso.regions["breast_L"], torso.regions["breast_R"]])
     points = a.target.search.query(vertices[breasts]).points
-    shapes = [ScanShape(str(k), False, "#000000", point[None], np.zeros(1, np.bool_)) for k, point in enumerate(points)]
+    shapes = [Polyline(str(k), False, "#000000", point[None], np.zeros(1, np.bool_)) for k, point in enumerate(points)]
     found = transferred(torso, a, a, shapes, other_patient)
-    back = np.concatenate([each.points for each in found])
-    kept = ~np.concatenate([each.bridged for each in found])
+    back = np.concatenate([each.line.points for each in found])
+    kept = ~np.concatenate([each.line.bridged for each in found])
     assert kept.mean() > 0.99
     assert np.linalg.norm(back - points, axis=1)[kept].max() < 0.5e-3
 
@@ -186,7 +197,7 @@ def test_a_fit_that_is_not_on_its_scan_is_refused(torso: Rig) -> None:
         transferred(torso, a, off, [shape(a.target.vertices[:1])])
 
 
-def lines_on_a_sphere(rng: np.random.Generator, target: ScanTarget, count: int) -> list[ScanShape]:
+def lines_on_a_sphere(rng: np.random.Generator, target: ScanTarget, count: int) -> list[Polyline]:
     """Lines of some corners, near ones and far ones, closed or not, one of them over a hole."""
     shapes = []
     for k in range(count):
@@ -194,7 +205,7 @@ def lines_on_a_sphere(rng: np.random.Generator, target: ScanTarget, count: int) 
         corners = 0.1 * middle / np.linalg.norm(middle) + rng.normal(scale=0.02, size=(int(rng.integers(1, 6)), 3))
         points = target.search.query(corners).points
         bridged = np.array([k == 1] * len(points))
-        shapes.append(ScanShape(f"line {k}", bool(k % 2), "#123456", points, bridged))
+        shapes.append(Polyline(f"line {k}", bool(k % 2), "#123456", points, bridged))
     return shapes
 
 
@@ -225,9 +236,9 @@ def test_lines_are_carried_together_as_each_would_be_alone_and_searched_for_once
     asked[0] = made[0] = 0
     for shape, found in zip(shapes, together, strict=True):
         (alone,) = transferred(rig, a, b, [shape], other_patient)
-        assert alone.name == found.name
-        np.testing.assert_allclose(found.points, alone.points, atol=1e-12)
-        np.testing.assert_array_equal(found.bridged, alone.bridged)
+        assert alone.line.name == found.line.name
+        np.testing.assert_allclose(found.line.points, alone.line.points, atol=1e-12)
+        np.testing.assert_array_equal(found.line.bridged, alone.line.bridged)
         np.testing.assert_allclose(found.distance_to, alone.distance_to, atol=1e-12)
     assert all_asked <= asked[0] / len(shapes) + 2
     assert all_made <= made[0] / len(shapes) + 2

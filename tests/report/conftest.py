@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from helpers.subdivide import subdivided
 
+from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.report.stance import DrawnLine, Stance
+from breastrig.report.stance import Stance
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.rig.skinning import pose
@@ -20,7 +21,7 @@ def stance_on(rig: Rig, vertices: np.ndarray, picked: dict[str, np.ndarray] | No
     """A fit that lies on its scan exactly, with the first drawing."""
     scan, faces = subdivided(vertices, rig.faces)
     lines = tuple(
-        DrawnLine(s.name, s.closed, s.color, s.points.positions(vertices, rig.faces), np.zeros(len(s.points), bool))
+        Polyline(s.name, s.closed, s.color, s.points.positions(vertices, rig.faces), np.zeros(len(s.points), bool))
         for s in rig.drawings[0].shapes
     )
     return Stance(rig, vertices, scan, faces, "standing", picked or {}, lines)

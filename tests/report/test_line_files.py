@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from breastrig.report.line_files import obj_lines, ply_lines, rgb
-from breastrig.report.stance import DrawnLine
+from breastrig.geometry.polyline import Polyline
+from breastrig.report.line_files import obj_lines, ply_lines
 
 RING = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.2, 0.05]])
 LINES = (
-    DrawnLine("ring", True, "#ff8000", RING, np.array([False, True, False])),
-    DrawnLine("stroke", False, None, RING[:2] + 1.0, np.zeros(2, dtype=np.bool_)),
+    Polyline("ring", True, "#ff8000", RING, np.array([False, True, False])),
+    Polyline("stroke", False, "#101010", RING[:2] + 1.0, np.zeros(2, dtype=np.bool_)),
 )
 
 
@@ -29,8 +29,4 @@ def test_ply_has_vertices_edges_and_says_what_is_bridged() -> None:
     np.testing.assert_allclose([[float(x) for x in row[:3]] for row in body[:5]], np.concatenate([RING, RING[:2] + 1]))
     assert [row[3:] for row in body[:5]] == [["0", "0"], ["0", "1"], ["0", "0"], ["1", "0"], ["1", "0"]]
     assert [row[:2] for row in body[5:]] == [["0", "1"], ["1", "2"], ["2", "0"], ["3", "4"]]
-    assert [row[2:] for row in body[5:]] == [["255", "128", "0"]] * 3 + [["0", "0", "0"]]
-
-
-def test_a_colour_that_is_none_is_black() -> None:
-    assert rgb("#zzz") == rgb(None) == rgb("#1234") == (0, 0, 0)
+    assert [row[2:] for row in body[5:]] == [["255", "128", "0"]] * 3 + [["16", "16", "16"]]

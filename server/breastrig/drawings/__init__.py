@@ -1,1 +1,1 @@
-"""The use case "transfer a drawing": from the model to the skin of a scan."""
+"""Drawings: read from files, made from a patient's measures, projected onto a scan, transferred to another."""

@@ -1,6 +1,6 @@
 """Places on the breast as surgeons say them: an hour and a distance from the nipple.
 
-The clock hangs on the patient as an observer who faces her reads it: 12 is towards her head and 3 towards her
+The clock is read by an observer who faces the patient: 12 is towards her head and 3 towards her
 LEFT, for both breasts; so 3 is lateral on the left breast and medial on the right one.  The distance is that of a
 tape on the skin.  The clock's face is the plane that the circle of that distance looks at best (its vector area),
 which follows a breast that points sideways or down.

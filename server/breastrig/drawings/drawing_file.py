@@ -1,120 +1,106 @@
-"""A drawing that somebody else made (breastrig/drawing@1): polylines on a scan, or on the model.
+"""Drawing files (breastrig/drawing@1) read into polylines on a scan or lines on the model, and written again.
 
-The file may come from the page, from another program or from a person with an editor; what is wrong with it is one
-sentence.
+A file may come from the page, from another program or from a person with an editor; what is wrong with it is one
+sentence.  Which fields it may have and their limits stand in drawing_schema.py.
 """
 
 import json
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import ValidationError
 
-from breastrig.core.arrays import Array, Booleans
+from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
-from breastrig.core.units import BEYOND, METRES_PER_UNIT
+from breastrig.core.units import METRES_PER_UNIT
+from breastrig.drawings.drawing_schema import GivenDrawing, GivenShape
+from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape, Rig
 
-SHAPES, POINTS = 500, 50_000  # in one drawing; a surgeon's has some ten lines of some hundred points
+FILE_BYTES = 20_000_000  # largest drawing file; one that a fit leaves has some thirty thousand
 UNIT_SUM, OUTSIDE = 1e-3, 1e-6  # of barycentric weights: files round them
 
 
 @dataclass(frozen=True, eq=False)
-class ScanShape:
-    """A polyline on a scan."""
+class Drawing:
+    """A file's shapes; those on a scan, in its frame, and those on the model."""
 
     name: str
-    closed: bool
-    color: str  # "#rrggbb"
-    points: Array  # (M, 3) m, in the scan's frame
-    bridged: Booleans  # (M,) not on the scan's skin, which has a hole there
-
-
-@dataclass(frozen=True, eq=False)
-class GivenDrawing:
-    """A file's shapes; those on a scan and those on the model."""
-
-    name: str
-    on_scan: tuple[ScanShape, ...]
+    on_scan: tuple[Polyline, ...]
     on_model: tuple[DrawnShape, ...]
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True)
-
-
-_Coordinate = Annotated[FiniteFloat, Field(ge=-BEYOND, le=BEYOND)]
-
-
-class _SurfacePoint(_Part):
-    face: int = Field(ge=0)
-    barycentric: list[FiniteFloat] = Field(min_length=3, max_length=3)
-
-
-class _Shape(_Part):
-    name: str = Field(min_length=1, max_length=100)
-    label: str = Field("", max_length=200)
-    closed: bool = False
-    color: str = Field("#101010", pattern=r"^#[0-9a-fA-F]{6}$")
-    points: list[tuple[_Coordinate, _Coordinate, _Coordinate]] | None = None
-    bridged: list[bool] | None = None
-    surface_points: list[_SurfacePoint] | None = None
-
-
-class _File(_Part):
-    schema_: Literal["breastrig/drawing@1"] = Field("breastrig/drawing@1", alias="schema")
-    name: str | None = Field(None, max_length=100)
-    unit: Literal["m", "dm", "cm", "mm", "in"] | None = None
-    shapes: list[_Shape] = Field(max_length=SHAPES)
-
-
-def parsed_drawing(content: bytes | dict[str, Any], rig: Rig, unit: str) -> GivenDrawing:
-    """The drawing of a file's bytes or document; `unit` is the scan's, for a file that names none.
-
-    Raises BadDrawing for what is no drawing, is empty, or lies on another model.
-    """
+def checked_drawing(content: bytes | dict[str, Any]) -> GivenDrawing:
+    """The fields of a file's bytes or document.  Raises BadDrawing for what is no drawing."""
     try:
         document = json.loads(content) if isinstance(content, bytes) else content
-        found = _File.model_validate(document)
+        return GivenDrawing.model_validate(document)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         where = ".".join(map(str, first["loc"])) or "the whole"
         raise BadDrawing(f"This is no drawing of the form breastrig/drawing@1 ({where}: {first['msg']}).") from error
     except (ValueError, RecursionError) as error:
         raise BadDrawing("This drawing is not JSON; give a file such as drawing.json that a fit leaves.") from error
-    sizes = [len(shape.points or shape.surface_points or ()) for shape in found.shapes]
-    if not sum(sizes):
+
+
+def parsed_drawing(content: bytes | dict[str, Any], rig: Rig, unit: str) -> Drawing:
+    """The drawing of a file's bytes or document; `unit` is the scan's, for a file that names none.
+
+    Raises BadDrawing for what is no drawing, is empty, or lies on another model.
+    """
+    found = checked_drawing(content)
+    if not any(shape.size for shape in found.shapes):
         raise BadDrawing("This drawing is empty; draw at least one line or point first.")
-    if sum(sizes) > POINTS:
-        raise BadDrawing(f"This drawing has {sum(sizes)} points; at most {POINTS} can be carried.")
-    names = [shape.name for shape in found.shapes]
-    twice = [name for name in names if names.count(name) > 1]
-    if twice:
-        raise BadDrawing(f'Two shapes of this drawing are called "{twice[0]}"; give each a name of its own.')
-    per_unit = METRES_PER_UNIT[found.unit or unit]
-    return GivenDrawing(
+    return Drawing(
         found.name or "drawing",
-        tuple(_on_scan(shape, per_unit) for shape in found.shapes if shape.points),
+        _on_scan(found, unit),
         tuple(_on_model(shape, rig) for shape in found.shapes if shape.surface_points and not shape.points),
     )
 
 
-def _on_scan(shape: _Shape, per_unit: float) -> ScanShape:
+def lines_on_scan(content: bytes | dict[str, Any], unit: str) -> tuple[Polyline, ...]:
+    """The polylines of a drawing that a fit has left, perhaps none; BadDrawing where a shape is not on the scan."""
+    found = checked_drawing(content)
+    elsewhere = next((shape.name for shape in found.shapes if not shape.points), None)
+    if elsewhere is not None:
+        raise BadDrawing(f'The shape "{elsewhere}" has no points on the scan; give the drawing.json of a fit.')
+    return _on_scan(found, unit)
+
+
+def shape_document(line: Polyline, metres_per_unit: float) -> dict[str, Any]:
+    """The line as a shape of a drawing file in this unit; what is not known of it is left out."""
+    document: dict[str, Any] = {
+        "name": line.name,
+        "closed": line.closed,
+        "color": line.color,
+        "points": [[round(float(value), 6) for value in point] for point in line.points / metres_per_unit],
+        "bridged": line.bridged.tolist(),
+    }
+    if line.error is not None and np.isfinite(line.error).any():
+        document["error_mm"] = millimetres(line.error)
+    return document
+
+
+def millimetres(lengths: Array) -> list[float | None]:
+    """(M,) m in millimetres; null for what is not finite."""
+    return [round(1e3 * float(value), 3) if np.isfinite(value) else None for value in lengths]
+
+
+def _on_scan(drawing: GivenDrawing, unit: str) -> tuple[Polyline, ...]:
+    per_unit = METRES_PER_UNIT[drawing.unit or unit]
+    return tuple(_polyline(shape, per_unit) for shape in drawing.shapes if shape.points)
+
+
+def _polyline(shape: GivenShape, per_unit: float) -> Polyline:
     points = per_unit * np.array(shape.points, dtype=np.float64)
-    bridged = np.zeros(len(points), dtype=np.bool_)
-    if shape.bridged is not None:
-        if len(shape.bridged) != len(points):
-            raise BadDrawing(
-                f'The shape "{shape.name}" has {len(points)} points but says of {len(shape.bridged)} whether they are '
-                "bridged; say it of each or of none."
-            )
-        bridged[:] = shape.bridged
-    return ScanShape(shape.name, shape.closed, shape.color, points, bridged)
+    bridged = np.array(shape.bridged) if shape.bridged else np.zeros(len(points), dtype=np.bool_)
+    error = 1e-3 * np.array(shape.error_mm, dtype=np.float64) if shape.error_mm else None  # null becomes nan
+    return Polyline(shape.name, shape.closed, shape.color, points, bridged, error=error)
 
 
-def _on_model(shape: _Shape, rig: Rig) -> DrawnShape:
+def _on_model(shape: GivenShape, rig: Rig) -> DrawnShape:
     assert shape.surface_points is not None
     faces = np.array([point.face for point in shape.surface_points], dtype=np.int64)
     weights = np.array([point.barycentric for point in shape.surface_points])

@@ -43,7 +43,7 @@ NEEDED_MARKS: dict[str, set[str]] = {  # landmarks of each side
 
 @dataclass(frozen=True, eq=False)
 class AskedDrawing:
-    """A checked wish, not yet drawn."""
+    """A checked request, not yet drawn."""
 
     text: str
     fixed: tuple[ModelDrawing, ...]
@@ -85,7 +85,7 @@ def offered_patterns(rig: Rig) -> tuple[tuple[str, str], ...]:
 
 
 def asked_drawing(rig: Rig, text: str) -> AskedDrawing:
-    """The checked wish; BadDrawing says which word or number is wrong."""
+    """The checked request; BadDrawing says which word or number is wrong."""
     fixed, patterns = [], []
     of_the_model = {drawing.name: drawing for drawing in rig.drawings}
     for part in text.split("+"):
@@ -117,14 +117,14 @@ def tumour_text(short: str) -> str:
 
 def pattern_help() -> str:
     """Every pattern with its parameters, for people."""
-    told = []
+    sentences = []
     for name, kind in PATTERNS.items():
         words = []
         for parameter, field in kind.model_fields.items():
             default = "" if field.is_required() or field.default is None else f" (if not said {field.default})"
             words.append(f"{parameter}: {field.description}{default}")
-        told.append(f"{name} has " + "; ".join(words))
-    return ". ".join(told) + "."
+        sentences.append(f"{name} has " + "; ".join(words))
+    return ". ".join(sentences) + "."
 
 
 def _parameters(name: str, values: str) -> Pattern:

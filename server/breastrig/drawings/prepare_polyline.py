@@ -1,17 +1,16 @@
-"""A line as it was drawn, made ready to be carried: its own corners, points in between, all on the scan's skin.
+"""Prepares drawn polylines for a transfer: their own points and points in between, all on the scan's skin.
 
-Corners that are far apart are joined by the shortest way along the fitted model: a straight chord would leave the
+Points that are far apart are joined by the shortest path along the fitted model: a straight chord would leave the
 skin, across the cleavage even for the other breast.  The model and not the scan, because a scan's mesh has holes and
 edges of three triangles, over which exact geodesics cannot be measured.
 
-All lines of a drawing are made ready together: a drawing of 200 lines asks for 500 ways, and what is asked once for all
+All lines of a drawing are prepared together: a drawing of 200 lines needs 500 paths, and what is computed once for all
 points (the closest skin, the model's normals) costs little more than for those of one line.
 """
 
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -19,21 +18,21 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadDrawing
 from breastrig.core.units import distance_text
 from breastrig.correspondence.match import MatchRules, match
-from breastrig.drawings.drawing_file import ScanShape
 from breastrig.drawings.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.polyline import Polyline, parts
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 
 SPACING = 0.003  # m between points of a line: finer than a pen, coarser than the noise
-FAR_APART = 0.015  # m between two corners; the skin is 1 mm off a chord of 15 mm where its radius is 3 cm
+FAR_APART = 0.015  # m between two points; the skin is 1 mm off a chord of 15 mm where its radius is 3 cm
 OFF_THE_SKIN = 0.005  # m; a drawn point farther from its scan belongs to another scan, frame or unit
 SKIN_BELOW = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3)
 
 
-def on_the_skin(rig: Rig, scan: FittedScan, shapes: Sequence[ScanShape]) -> list[ScanShape]:
+def prepared(rig: Rig, scan: FittedScan, shapes: Sequence[Polyline]) -> list[Polyline]:
     """The shapes with points in between, on the scan's skin where that has any and marked as bridged elsewhere.
 
     Raises BadDrawing for a given point off the skin that is not said to be bridged.
@@ -41,8 +40,8 @@ def on_the_skin(rig: Rig, scan: FittedScan, shapes: Sequence[ScanShape]) -> list
     points = np.concatenate([shape.points for shape in shapes])
     skipped = np.concatenate([shape.bridged for shape in shapes])
     given = scan.target.search.query(points)
-    parts = [slice(a, b) for a, b in pairwise(np.cumsum([0, *(len(shape.points) for shape in shapes)]).tolist())]
-    for shape, part in zip(shapes, parts, strict=True):
+    rows = parts(shapes)
+    for shape, part in zip(shapes, rows, strict=True):
         off = np.flatnonzero((given.distances[part] > OFF_THE_SKIN) & ~shape.bridged)
         if len(off):
             gap = distance_text(float(given.distances[part][off[0]]))
@@ -53,44 +52,51 @@ def on_the_skin(rig: Rig, scan: FittedScan, shapes: Sequence[ScanShape]) -> list
     corners = np.where(skipped[:, None], points, given.points)
     model = ClosestPointSearch(scan.vertices, rig.faces)
     below = model.query(corners)
-    ways = Ways(rig, scan)
-    on_model = [SurfacePoints(below.faces[part], below.barycentric[part]) for part in parts]
+    paths = ShortestPaths(rig, scan)
+    on_model = [SurfacePoints(below.faces[part], below.barycentric[part]) for part in rows]
     lines = [
-        _filled(ways, shape, corners[part], places) for shape, part, places in zip(shapes, parts, on_model, strict=True)
+        _with_points_between(paths, shape, corners[part], places)
+        for shape, part, places in zip(shapes, rows, on_model, strict=True)
     ]
-    between = np.concatenate([own for _, _, own in lines])
+    own = np.concatenate([given for _, _, given in lines])
     line, hidden = np.concatenate([line for line, _, _ in lines]), np.concatenate([hidden for _, hidden, _ in lines])
-    inner = np.flatnonzero(~between)
-    line[inner], over_a_hole = _settled(rig, scan, model, line[inner])
+    inner = np.flatnonzero(~own)
+    line[inner], over_a_hole = _snapped(rig, scan, model, line[inner])
     hidden[inner] |= over_a_hole
-    ends = np.cumsum([0, *(len(each) for each, _, _ in lines)]).tolist()
-    return [
-        replace(shape, points=line[a:b], bridged=hidden[a:b])
-        for shape, (a, b) in zip(shapes, pairwise(ends), strict=True)
+    return [  # of points in between no error is known
+        replace(shape, points=line[part], bridged=hidden[part], corners=_among(shape.corners, own[part]), error=None)
+        for shape, part in zip(shapes, parts(each for each, _, _ in lines), strict=True)
     ]
 
 
-def _filled(ways: "Ways", shape: ScanShape, corners: Array, places: SurfacePoints) -> tuple[Array, Booleans, Booleans]:
+def _among(corners: tuple[int, ...], own: Booleans) -> tuple[int, ...]:
+    """The corners' numbers in a line of more points, of which `own` (M,) are those that it had before."""
+    return tuple(np.flatnonzero(own)[list(corners)].tolist())
+
+
+def _with_points_between(
+    paths: "ShortestPaths", shape: Polyline, corners: Array, places: SurfacePoints
+) -> tuple[Array, Booleans, Booleans]:
     """(M, 3) m, (M,) bridged and (M,) the line's own: its corners with points in between, at most SPACING apart.
 
     `places` are the model's points next to the corners.
     """
     count = len(corners)
-    following = np.roll(np.arange(count), -1)[: count if shape.closed and count > 2 else -1]
+    following = shape.edges[:, 1]
     start, arms = corners[: len(following)], corners[following] - corners[: len(following)]
     gaps = np.linalg.norm(arms, axis=1)
     inner = np.maximum(np.ceil(gaps / SPACING).astype(np.int64), 1) - 1
     far: dict[int, Array] = {}
     for k in np.flatnonzero(gaps > FAR_APART).tolist():
         pair = np.array([k, following[k]])
-        far[k] = ways.between(corners[pair], SurfacePoints(places.faces[pair], places.barycentric[pair]))
+        far[k] = paths.between(corners[pair], SurfacePoints(places.faces[pair], places.barycentric[pair]))
         inner[k] = len(far[k])
     first = np.concatenate([[0], np.cumsum(1 + inner)])  # where each segment begins in the line
     segment = np.repeat(np.arange(len(inner)), 1 + inner)
     step = np.arange(first[-1]) - first[segment]
     line = start[segment] + (step / (1 + inner[segment]))[:, None] * arms[segment]
-    for k, way in far.items():
-        line[first[k] + 1 : first[k + 1]] = way
+    for k, path in far.items():
+        line[first[k] + 1 : first[k + 1]] = path
     own = step == 0
     bridged = np.where(own, shape.bridged[segment], shape.bridged[segment] | shape.bridged[following[segment]])
     if len(following) < count:  # the end of an open line
@@ -99,31 +105,30 @@ def _filled(ways: "Ways", shape: ScanShape, corners: Array, places: SurfacePoint
     return line, bridged, own
 
 
-def _settled(rig: Rig, scan: FittedScan, model: ClosestPointSearch, points: Array) -> tuple[Array, Booleans]:
+def _snapped(rig: Rig, scan: FittedScan, model: ClosestPointSearch, points: Array) -> tuple[Array, Booleans]:
     """(M, 3) m points on the skin that faces as the model does, and (M,) which found none and stay."""
     at = model.query(points)
-    normals = SurfacePoints(at.faces, at.barycentric).positions(vertex_normals(scan.vertices, rig.faces), rig.faces)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    normals = SurfacePoints(at.faces, at.barycentric).directions(vertex_normals(scan.vertices, rig.faces), rig.faces)
     found = match(scan.target, points, normals, SKIN_BELOW)
-    settled, missed = points.copy(), np.ones(len(points), dtype=np.bool_)
-    settled[found.vertices], missed[found.vertices] = found.points, False
-    return settled, missed
+    snapped, missed = points.copy(), np.ones(len(points), dtype=np.bool_)
+    snapped[found.vertices], missed[found.vertices] = found.points, False
+    return snapped, missed
 
 
-class Ways:
-    """Shortest ways along one fitted model."""
+class ShortestPaths:
+    """Shortest paths along one fitted model."""
 
     def __init__(self, rig: Rig, scan: FittedScan) -> None:
         self._geodesics = Geodesics(scan.vertices, rig.faces)
 
     def between(self, ends: Array, places: SurfacePoints) -> Array:
-        """(M, 3) m: points on the way between two corners (2, 3), at most SPACING apart, near the skin."""
-        way = ends
+        """(M, 3) m: points on the path between two points (2, 3), at most SPACING apart, near the skin."""
+        path = ends
         with suppress(BadDrawing):  # parts of the model that are not connected: then the chord
             start, end = (SurfacePoints(places.faces[[k]], places.barycentric[[k]]) for k in range(2))
-            way = np.concatenate([way[:1], self._geodesics.path(start, end), way[1:]])
-        steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
+            path = np.concatenate([path[:1], self._geodesics.path(start, end), path[1:]])
+        steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
         along = np.concatenate([[0.0], np.cumsum(steps)])
         count = max(1, int(np.ceil(along[-1] / SPACING)))
         inner = np.linspace(0.0, along[-1], count + 1)[1:-1]
-        return np.stack([np.interp(inner, along, way[:, axis]) for axis in range(3)], axis=1)
+        return np.stack([np.interp(inner, along, path[:, axis]) for axis in range(3)], axis=1)

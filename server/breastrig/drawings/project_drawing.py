@@ -1,15 +1,15 @@
-"""A drawing of the model, carried by the fitted model and laid on the scan.
+"""Projects a drawing of the fitted model onto the scan.
 
-Each polyline is resampled evenly on the posed model; its ends and marked corners stay points of it.  Every point is
-shot along the model's normal, both ways; the nearer hit on skin that faces the same way wins, else the closest such
-point.  What is kept is the *gap* from the model to the skin, for the drawing itself is smooth and only the gaps
-carry the scanner's noise:
+Each polyline is resampled evenly on the posed model; its ends and marked corners stay points of it.  From every point
+rays go along the model's normal, both ways; the nearer hit on skin that faces the same way is taken, else the closest
+such point.  What is stored is the *gap* from the model to the skin, for the drawing itself is smooth and only the gaps
+have the scanner's noise:
 
 * a gap beyond TRUSTED counts only where it grows steadily from trusted neighbours: through a hole the ray may meet
   an arm or the table behind, and those come with a step;
 * where no gap is known the scan has a hole: it is bridged along the model, the gaps fading from border to border;
-* gaps are smoothed along the line and the points put back on the skin, a few times: smoothing the points themselves
-  would shrink circles and cut corners.
+* gaps are smoothed along the line and the points snapped to the skin again, a few times: smoothing the points
+  themselves would shrink circles and cut corners.
 """
 
 from collections.abc import Sequence
@@ -23,10 +23,12 @@ from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.curves import resampled
 from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.polyline import Polyline
+from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 SPACING = 0.003  # m; finer than a pen, coarser than the noise
-ROUND = 24  # points at least on a closed line, however small: a marked nipple is a circle, not a hexagon
+FEWEST = 24  # points of a closed line, however small: a marked nipple is a circle, not a hexagon
 ON_SKIN = (
     MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3),
     MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3),
@@ -35,49 +37,41 @@ TRUSTED = 0.010  # m, a gap that a good fit shows anywhere; arms and tables are 
 STEP = 0.003  # m, by which a larger gap may differ from its neighbour's: a slope of 45 degrees at SPACING
 FADE = 0.05  # m, over which a gap fades beyond the last known one of an open line
 ROUNDS = 6  # of smoothing: the gaps' noise falls to a third, waves longer than 30 mm stay
-SLIP = 0.004  # m, the farthest that a smoothed point may be put back; farther is another sheet
+SLIP = 0.004  # m, the farthest that a smoothed point may be snapped; farther is another sheet
 
 
-@dataclass(frozen=True, eq=False)
-class ScanLine:
-    """One polyline on the scan."""
-
-    name: str
-    closed: bool
-    color: str
-    points: Array  # (M, 3) m
-    bridged: Booleans  # (M,) lies off the skin because the scan has a hole there
-
-
-def on_scan(rig: Rig, vertices: Array, drawing: ModelDrawing, target: ScanTarget) -> tuple[ScanLine, ...]:
+def on_scan(rig: Rig, vertices: Array, drawing: ModelDrawing, target: ScanTarget) -> tuple[Polyline, ...]:
     """The drawing on the scan, for (V, 3) m posed vertices in the target's frame."""
     normals = vertex_normals(vertices, rig.faces)
-    return tuple(_laid(rig, vertices, normals, shape, target) for shape in drawing.shapes)
+    return tuple(_projected(rig, vertices, normals, shape, target) for shape in drawing.shapes)
 
 
-def _laid(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape, target: ScanTarget) -> ScanLine:
+def _projected(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape, target: ScanTarget) -> Polyline:
     at = shape.points.positions(vertices, rig.faces)
     facing = shape.points.positions(normals, rig.faces)
-    even, fixed = _evenly(np.concatenate([at, facing], axis=1), shape.corners, shape.closed)
+    even, fixed = _resampled(np.concatenate([at, facing], axis=1), shape.corners, shape.closed)
     base = even[:, :3]
-    directions = even[:, 3:] / np.maximum(np.linalg.norm(even[:, 3:], axis=1, keepdims=True), 1e-12)
+    directions = unit_vectors(even[:, 3:])
     gaps, known = _gaps(target, base, directions)
-    ((points, known),) = settled(target, [Strand(base, directions, gaps, known, fixed, shape.closed)])
+    ((points, known),) = smoothed_on_skin(target, [LineNearSkin(base, directions, gaps, known, fixed, shape.closed)])
     gaps = points - base
     # on the scan the spacing is no longer quite even
-    again, fixed = _evenly(
+    again, fixed = _resampled(
         np.concatenate([base + gaps, directions, ~known[:, None]], axis=1),
         tuple(np.flatnonzero(fixed).tolist()),
         shape.closed,
     )
-    directions = again[:, 3:6] / np.maximum(np.linalg.norm(again[:, 3:6], axis=1, keepdims=True), 1e-12)
-    points, known = _put_back(target, again[:, :3], directions, again[:, 6] < 1e-9)
-    return ScanLine(shape.name, shape.closed, shape.color, points, ~known)
+    directions = unit_vectors(again[:, 3:6])
+    points, known = _snapped(target, again[:, :3], directions, again[:, 6] < 1e-9)
+    corners = np.flatnonzero(fixed).tolist()
+    ends = () if shape.closed else (0, len(points) - 1)
+    turning = tuple(corner for corner in corners if corner not in ends)
+    return Polyline(shape.name, shape.closed, shape.color, points, ~known, turning)
 
 
 @dataclass(frozen=True, eq=False)
-class Strand:
-    """A line near the skin."""
+class LineNearSkin:
+    """A line and its gaps to the skin, not yet smoothed."""
 
     base: Array  # (M, 3) m
     directions: Array  # (M, 3) unit, out of the skin
@@ -87,34 +81,34 @@ class Strand:
     closed: bool
 
 
-def settled(target: ScanTarget, strands: Sequence[Strand]) -> list[tuple[Array, Booleans]]:
+def smoothed_on_skin(target: ScanTarget, lines: Sequence[LineNearSkin]) -> list[tuple[Array, Booleans]]:
     """For each line (M, 3) m points on the skin, and which of its points lie there.
 
     All lines go through the rounds together: asking for the skin below them once costs less than line by line.
     """
     known = [
-        each.known & _steady(np.einsum("mi,mi->m", each.gaps, each.directions), each.known, each.closed)
-        for each in strands
+        each.known & _reliable(np.einsum("mi,mi->m", each.gaps, each.directions), each.known, each.closed)
+        for each in lines
     ]
-    gaps = [_bridged(each.base, each.gaps, here, each.closed) for each, here in zip(strands, known, strict=True)]
-    ends = np.cumsum([len(each.base) for each in strands])[:-1]
-    base, directions = (np.concatenate([getattr(s, name) for s in strands]) for name in ("base", "directions"))
+    gaps = [_interpolated(each.base, each.gaps, here, each.closed) for each, here in zip(lines, known, strict=True)]
+    ends = np.cumsum([len(each.base) for each in lines])[:-1]
+    base, directions = (np.concatenate([getattr(s, name) for s in lines]) for name in ("base", "directions"))
     there = np.concatenate(known)
     for _ in range(ROUNDS):
-        smooth = [_smoothed(gap, each.fixed, each.closed) for gap, each in zip(gaps, strands, strict=True)]
-        points, there = _put_back(target, base + np.concatenate(smooth), directions, there)
+        smooth = [_smoothed(gap, each.fixed, each.closed) for gap, each in zip(gaps, lines, strict=True)]
+        points, there = _snapped(target, base + np.concatenate(smooth), directions, there)
         gaps = np.split(points - base, ends)
     return list(zip(np.split(points, ends), np.split(there, ends), strict=True))
 
 
-def _evenly(line: Array, corners: tuple[int, ...], closed: bool) -> tuple[Array, Booleans]:
+def _resampled(line: Array, corners: tuple[int, ...], closed: bool) -> tuple[Array, Booleans]:
     """The (M, D) line resampled between its corners, and which points are corners or ends."""
     if len(line) < 2:
         return line, np.ones(len(line), dtype=np.bool_)
     stops = sorted({corner for corner in corners if 0 <= corner < len(line)})
     if closed and not stops:
         around = np.linalg.norm(np.roll(line[:, :3], -1, axis=0) - line[:, :3], axis=1).sum()
-        even = resampled(line, min(SPACING, float(around) / ROUND), True)
+        even = resampled(line, min(SPACING, float(around) / FEWEST), True)
         return even, np.zeros(len(even), dtype=np.bool_)
     if closed:
         line = np.concatenate([line[stops[0] :], line[: stops[0] + 1]])
@@ -141,7 +135,7 @@ def _gaps(target: ScanTarget, base: Array, directions: Array) -> tuple[Array, Bo
     return gaps, known
 
 
-def _steady(heights: Array, known: Booleans, closed: bool) -> Booleans:
+def _reliable(heights: Array, known: Booleans, closed: bool) -> Booleans:
     """(M,) known gaps that are small, or that are reached from small ones without a hole or a step."""
     good = known & (np.abs(heights) <= TRUSTED)
     while True:
@@ -156,7 +150,7 @@ def _steady(heights: Array, known: Booleans, closed: bool) -> Booleans:
         good = grown
 
 
-def _bridged(base: Array, gaps: Array, known: Booleans, closed: bool) -> Array:
+def _interpolated(base: Array, gaps: Array, known: Booleans, closed: bool) -> Array:
     """(M, 3) m: unknown gaps between those at the borders of their hole, by the length along the model."""
     if known.all() or not known.any():
         return np.where(known[:, None], gaps, 0.0)
@@ -182,8 +176,8 @@ def _smoothed(gaps: Array, fixed: Booleans, closed: bool) -> Array:
     return np.where(keep[:, None], gaps, middle)
 
 
-def _put_back(target: ScanTarget, points: Array, directions: Array, known: Booleans) -> tuple[Array, Booleans]:
-    """Known points on the skin again; those that would have to slip too far or turn over are no longer known."""
+def _snapped(target: ScanTarget, points: Array, directions: Array, known: Booleans) -> tuple[Array, Booleans]:
+    """Known points snapped to the skin; those that would slip too far or turn over are no longer known."""
     points, known = points.copy(), known.copy()
     rows: Integers = np.flatnonzero(known)
     if len(rows) == 0:

@@ -1,9 +1,9 @@
-"""Points of one scan carried to the same skin on another scan of the same patient.
+"""Maps points of one scan to the same skin on another scan of the same patient.
 
 The model knows which skin is which only as well as its shapes do: two fits that lie on their scans to a
 millimetre may still disagree along the skin by ten.  The picked landmarks know better where they are, the
 scans' surfaces know the depth, and skin stretches smoothly.  So the way from A to B is a rigid motion plus a
-smooth displacement u(x), a Gaussian process with three kinds of witnesses, each weighed by its error:
+smooth displacement u(x), a Gaussian process with three kinds of observations, each weighed by its error:
 
 * picked landmarks present in both scans,
 * the surface of scan B: points of A must arrive on it (only along its normal),
@@ -51,8 +51,8 @@ DISPLACEMENT = 0.01  # m, expected size of the smooth displacement; breasts move
 STRAIN = 0.03  # expected affine strain on top of the rigid motion; 1 lets clicks shear the body (0.2 mm worse)
 SHIFT_LENGTH = 0.05  # m; times STRAIN the expected shift on top of the rigid motion
 LANDMARK_ERROR = 0.003  # m; between an exact pick (0.002 is best) and one that is 5 mm off (0.004)
-MODEL_ERROR = 0.05  # m for each of MODEL_WITNESSES, which err together; 0.02 lets the models' sliding in
-MODEL_WITNESSES = 60
+MODEL_ERROR = 0.05  # m for each of MODEL_POINTS, which err together; 0.02 lets the models' sliding in
+MODEL_POINTS = 60
 SURFACE_ERROR = 0.003  # m; the scanner's noise and what the smooth displacement cannot show
 SURFACE_SCALE = 0.012  # m, matches farther than this are let go
 ON_SCAN = MatchRules("rays", max_distance=0.012, max_angle=1.0)
@@ -109,16 +109,16 @@ class SkinMap:
         """(K, 3) the weights w."""
         a, b = self._a, self._b
         names = [name for name in a.landmarks if name in b.landmarks]
-        witnesses = spread_out(on_a.points, MODEL_WITNESSES)
+        chosen = spread_out(on_a.points, MODEL_POINTS)
         known = [np.array([scan.landmarks[name] for name in names]).reshape(-1, 3) for scan in (a, b)]
         start = self._motion(on_a.points)
         basis = self._basis(on_a.points)
         size = basis.shape[1]
-        rows = np.concatenate([self._basis(known[0]) / LANDMARK_ERROR, basis[witnesses] / MODEL_ERROR])
+        rows = np.concatenate([self._basis(known[0]) / LANDMARK_ERROR, basis[chosen] / MODEL_ERROR])
         gaps = np.concatenate(
             [
                 (known[1] - self._motion(known[0])) / LANDMARK_ERROR,
-                (b.vertices[on_a.vertices[witnesses]] - start[witnesses]) / MODEL_ERROR,
+                (b.vertices[on_a.vertices[chosen]] - start[chosen]) / MODEL_ERROR,
             ]
         )
         placed = np.kron(np.eye(3), rows.T @ rows + np.eye(size))

@@ -1,4 +1,4 @@
-"""The picture of two drawings on one scan: the first black, the second white, thin over holes, the distances below.
+"""Draws two drawings on one scan: the first black, the second white, thin over holes, the distances below.
 
 Both lines can be told apart in print and by everyone, on a scan that is shown in the tone between them.
 """
@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.drawings.drawing_file import ScanShape
 from breastrig.drawings.superimposition import ShapeGap
+from breastrig.geometry.polyline import Polyline
 from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera
 
 SKIN = (0.72, 0.58, 0.50)  # black and white differ from it alike
@@ -31,7 +31,7 @@ def superimposed(
     vertices: Array,
     faces: Integers,
     frame: Array,
-    drawings: tuple[Sequence[ScanShape], Sequence[ScanShape]],
+    drawings: tuple[Sequence[Polyline], Sequence[Polyline]],
     names: tuple[str, str],
     gaps: Sequence[ShapeGap],
 ) -> Picture:
@@ -65,15 +65,10 @@ def body_frame(template: Array, vertices: Array) -> Array:
     return np.asarray(turn.as_matrix())
 
 
-def _drawn(shape: ScanShape, colour: Colour) -> list[Line]:
+def _drawn(shape: Polyline, colour: Colour) -> list[Line]:
     """The whole line thin, and wide on it what lies on the skin."""
-    ends = np.append(shape.bridged, shape.bridged[:1]) if shape.closed else shape.bridged
-    points = np.concatenate([shape.points, shape.points[:1]]) if shape.closed else shape.points
-    lines = [Line(points, colour, OVER_A_HOLE)]
-    for run in np.split(np.arange(len(points)), np.flatnonzero(np.diff(ends)) + 1):
-        if not ends[run[0]]:
-            lines.append(Line(points[run], colour, WIDTH))
-    return lines
+    on_skin = [Line(run, colour, WIDTH) for run, bridged in shape.runs() if not bridged]
+    return [Line(shape.outline, colour, OVER_A_HOLE), *on_skin]
 
 
 def _scale(pen: ImageDraw.ImageDraw, seen: Camera, left: int, bottom: int) -> None:

@@ -1,79 +1,74 @@
-"""A drawing made on one scan, shown on another.
+"""Transfers a drawing from one scan to another.
 
-Between two stances of one patient the skin itself is followed (carry.py).  Between two patients nothing is the same
+Between two stances of one patient the skin itself is followed (skin_map.py).  Between two patients nothing is the same
 skin; there "the same place" is the same place of the model, and each fit says where that is on its scan.
 
-Either way a line keeps its corners, gets points in between, and every point ends on the skin of the target where
+In both cases a line keeps its points, gets points in between, and every point ends on the skin of the target where
 that has skin facing the right way; over a hole the line goes on as far above the skin as it does at the hole's
 rims, and is marked as bridged.  Beside each point stands how far the two fits were from their scans there.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.drawing_file import ScanShape
-from breastrig.drawings.prepare_polyline import on_the_skin
-from breastrig.drawings.project_drawing import Strand, settled
+from breastrig.drawings.prepare_polyline import prepared
+from breastrig.drawings.project_drawing import LineNearSkin, smoothed_on_skin
 from breastrig.drawings.skin_map import FittedScan, SkinMap
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.polyline import Polyline, parts
 from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.rig.model import Rig
 from breastrig.scan.clean import Surface
 
-STEP = 0.002  # m, for the tangents of a way; it bends over centimetres
+STEP = 0.002  # m, for the tangents of a map, which bends over centimetres
 ROUNDS = 3  # to find the place of the model over which a scan's point stands; the third moves it by micrometres
 NEAREST_SKIN = MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3)
 ALONG_THE_NORMAL = MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3)
 
-Way = Callable[[Array, Array], tuple[Array, Array]]  # (M, 3) points and normals on A -> near B's skin, and normals
+PointMap = Callable[[Array, Array], tuple[Array, Array]]  # (M, 3) points and normals on A -> near B's skin, normals
 
 
 @dataclass(frozen=True, eq=False)
-class CarriedShape:
-    """A polyline on scan B."""
+class TransferredLine:
+    """A polyline of M points on scan B, and how well the two fits lie on their scans there."""
 
-    name: str
-    closed: bool
-    color: str
-    points: Array  # (M, 3) m
-    bridged: Booleans  # (M,) scan B has no skin there
+    line: Polyline
     distance_from: Array  # (M,) m between A's scan and A's fitted model there; nan without skin
     distance_to: Array  # (M,) m between B's scan and B's fitted model there; nan without skin
 
 
 def transferred(
-    rig: Rig, a: FittedScan, b: FittedScan, shapes: Sequence[ScanShape], other_patient: bool = False
-) -> tuple[CarriedShape, ...]:
+    rig: Rig, a: FittedScan, b: FittedScan, shapes: Sequence[Polyline], other_patient: bool = False
+) -> tuple[TransferredLine, ...]:
     """The shapes on scan A, at the same skin of scan B or, for another patient, at the same place of the model.
 
     Raises BadDrawing for a point off A's skin that is not said to be bridged, and for fits off their scans.
     """
-    lines = on_the_skin(rig, a, shapes)
+    lines = prepared(rig, a, shapes)
     points = np.concatenate([line.points for line in lines])
     skipped = np.concatenate([line.bridged for line in lines])
-    near, facing, there, bridged = _carried(rig, a, b, points, other_patient, skipped)
-    ends = np.cumsum([0, *(len(line.points) for line in lines)]).tolist()
-    parts = [slice(a, b) for a, b in pairwise(ends)]
+    near, facing, there, bridged = _mapped(rig, a, b, points, other_patient, skipped)
+    rows = parts(lines)
     smooth = np.zeros(len(points), dtype=np.bool_)
-    strands = [  # a line is smoother than its points alone, and does not step onto an arm
-        Strand(near[part], facing[part], there[part] - near[part], ~bridged[part], smooth[part], line.closed)
-        for line, part in zip(lines, parts, strict=True)
+    near_skin = [  # a line is smoother than its points alone, and does not step onto an arm
+        LineNearSkin(near[part], facing[part], there[part] - near[part], ~bridged[part], smooth[part], line.closed)
+        for line, part in zip(lines, rows, strict=True)
     ]
-    for part, (on_b, met) in zip(parts, settled(b.target, strands), strict=True):
+    for part, (on_b, met) in zip(rows, smoothed_on_skin(b.target, near_skin), strict=True):
         there[part], bridged[part] = on_b, ~met
     models = [ClosestPointSearch(each.vertices, rig.faces) for each in (a, b)]
     gaps = [model.query(each).distances for model, each in zip(models, (points, there), strict=True)]
     gaps[0][skipped], gaps[1][bridged] = np.nan, np.nan
     return tuple(
-        CarriedShape(line.name, line.closed, line.color, there[part], bridged[part], gaps[0][part], gaps[1][part])
-        for line, part in zip(lines, parts, strict=True)
+        TransferredLine(replace(line, points=there[part], bridged=bridged[part]), gaps[0][part], gaps[1][part])
+        for line, part in zip(lines, rows, strict=True)
     )
 
 
@@ -85,11 +80,11 @@ def points_carried(
     Raises BadDrawing for fits off their scans.
     """
     on_skin = np.zeros(len(points), dtype=np.bool_)
-    _, _, there, bridged = _carried(rig, a, b, points, other_patient, on_skin)
+    _, _, there, bridged = _mapped(rig, a, b, points, other_patient, on_skin)
     return there, bridged
 
 
-def _carried(
+def _mapped(
     rig: Rig, a: FittedScan, b: FittedScan, points: Array, other_patient: bool, bridged: Booleans
 ) -> tuple[Array, Array, Array, Booleans]:
     """(M, 3) m before B's skin is met, (M, 3) normals there, (M, 3) m after, and (M,) where none is met.
@@ -97,16 +92,14 @@ def _carried(
     `bridged` (M,) says which points are not on A's skin.
     """
     on_a = a.target.search.query(points)
-    normals = _unit(a.target.surface_at(on_a.faces, on_a.barycentric)[1])
+    normals = unit_vectors(a.target.surface_at(on_a.faces, on_a.barycentric)[1])
     model = ClosestPointSearch(a.vertices, rig.faces)
     if bridged.any():  # without skin the model says which way is out
         beside = model.query(points[bridged])
-        out = SurfacePoints(beside.faces, beside.barycentric).positions(
-            vertex_normals(a.vertices, rig.faces), rig.faces
-        )
-        normals[bridged] = _unit(out)
-    way = _by_the_model(rig, a, b, model) if other_patient else _by_the_skin(rig, a, b)
-    near, facing = way(points, normals)
+        places = SurfacePoints(beside.faces, beside.barycentric)
+        normals[bridged] = places.directions(vertex_normals(a.vertices, rig.faces), rig.faces)
+    mapped = _model_map(rig, a, b, model) if other_patient else _skin_map(rig, a, b)
+    near, facing = mapped(points, normals)
     there = near.copy()
     missing = np.arange(len(near))
     for rules in (ALONG_THE_NORMAL, NEAREST_SKIN) if other_patient else (NEAREST_SKIN, ALONG_THE_NORMAL):
@@ -118,43 +111,39 @@ def _carried(
     return near, facing, there, no_skin
 
 
-def _by_the_skin(rig: Rig, a: FittedScan, b: FittedScan) -> Way:
-    """The same skin in another stance; see carry.carried for the direction."""
+def _skin_map(rig: Rig, a: FittedScan, b: FittedScan) -> PointMap:
+    """The same skin in another stance; see skin_map.carried for the direction."""
     backwards = a.stance == "supine" and b.stance != "supine"
     skin = SkinMap(rig, b, a) if backwards else SkinMap(rig, a, b)
     move = skin.moved_back if backwards else skin.moved
 
-    def way(points: Array, normals: Array) -> tuple[Array, Array]:
+    def mapped(points: Array, normals: Array) -> tuple[Array, Array]:
         near = move(points)
         side = np.eye(3)[np.abs(normals).argmin(axis=1)]
-        first = _unit(np.cross(normals, side))
+        first = unit_vectors(np.cross(normals, side))
         second = np.cross(normals, first)
         along, across = (move(points + STEP * each) - near for each in (first, second))
-        return near, _unit(np.cross(along, across))
+        return near, unit_vectors(np.cross(along, across))
 
-    return way
+    return mapped
 
 
-def _by_the_model(rig: Rig, a: FittedScan, b: FittedScan, model: ClosestPointSearch) -> Way:
+def _model_map(rig: Rig, a: FittedScan, b: FittedScan, model: ClosestPointSearch) -> PointMap:
     """The same place of the model: over which point of the model does it stand, and where is that on B."""
     turned = vertex_normals(a.vertices, rig.faces)
     there = vertex_normals(b.vertices, rig.faces)
 
-    def way(points: Array, _normals: Array) -> tuple[Array, Array]:
+    def mapped(points: Array, _normals: Array) -> tuple[Array, Array]:
         asked = points
         for _ in range(ROUNDS):
             found = model.query(asked)
             places = SurfacePoints(found.faces, found.barycentric)
-            normals = _unit(places.positions(turned, rig.faces))
+            normals = places.directions(turned, rig.faces)
             gap = points - found.points
             asked = found.points + gap - np.einsum("mi,mi->m", gap, normals)[:, None] * normals
-        return places.positions(b.vertices, rig.faces), _unit(places.positions(there, rig.faces))
+        return places.positions(b.vertices, rig.faces), places.directions(there, rig.faces)
 
-    return way
-
-
-def _unit(vectors: Array) -> Array:
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12))
+    return mapped
 
 
 def fitted_scan(surface: Surface, vertices: Array, landmarks: dict[str, Array], stance: str) -> FittedScan:

@@ -1,4 +1,4 @@
-"""The tumour's projection on the skin: a circle of true radius around a place that the surgeon names."""
+"""The tumour's projection on the skin: a circle, its radius along the skin, around a place that the surgeon names."""
 
 from typing import Annotated, Literal
 

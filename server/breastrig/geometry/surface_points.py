@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers, frozen
+from breastrig.geometry.unit_vectors import unit_vectors
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,3 +26,7 @@ class SurfacePoints:
         """(M, 3) m: the points on a mesh with these (V, 3) vertices and (F, 3) triangles."""
         corners = vertices[triangles[self.faces]]
         return np.asarray(np.einsum("mc,mcd->md", self.barycentric, corners))
+
+    def directions(self, normals: Array, triangles: Integers) -> Array:
+        """(M, 3) unit: out of a mesh with these (V, 3) normals at its vertices and (F, 3) triangles."""
+        return unit_vectors(self.positions(normals, triangles))

@@ -22,6 +22,7 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import VertexNormals, vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.gltf.skinned import joints_and_weights
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
@@ -74,8 +75,8 @@ def ribbons(rig: Rig, drawing: ModelDrawing) -> tuple[Ribbon, ...]:
 
 def exact_in(rig: Rig, ribbon: Ribbon, x: RigParameters, mesh: Array) -> Array:
     """(2M, 3) m: rest positions such that the ribbon, posed by `x`, lies exactly on the posed mesh (V, 3), lifted."""
-    wanted = ribbon.points.positions(mesh, rig.faces) + LIFT * _facing(
-        ribbon.points, vertex_normals(mesh, rig.faces), rig.faces
+    wanted = ribbon.points.positions(mesh, rig.faces) + LIFT * ribbon.points.directions(
+        vertex_normals(mesh, rig.faces), rig.faces
     )
     linear, offset = bone_matrices(rig, x)
     blend = np.einsum("mi,miab->mab", ribbon.weights, linear[ribbon.joints])
@@ -90,7 +91,7 @@ def _ribbon(rig: Rig, shape: DrawnShape) -> Ribbon | None:
     if len(line) < 2:
         return None
     middle = skin.search.query(line)
-    facing = _facing(SurfacePoints(middle.faces, middle.barycentric), skin.normals, rig.faces)
+    facing = SurfacePoints(middle.faces, middle.barycentric).directions(skin.normals, rig.faces)
     side = np.cross(facing, _tangents(middle.points, shape.closed))
     side *= 0.5 * WIDTH / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-12)
     edges = np.stack([middle.points + side, middle.points - side], axis=1).reshape(-1, 3)
@@ -102,18 +103,12 @@ def _ribbon(rig: Rig, shape: DrawnShape) -> Ribbon | None:
     return Ribbon(
         shape=shape,
         points=points,
-        positions=points.positions(rig.template, rig.faces) + LIFT * _facing(points, skin.normals, rig.faces),
+        positions=points.positions(rig.template, rig.faces) + LIFT * points.directions(skin.normals, rig.faces),
         joints=joints,
         weights=weights,
         blendshapes=np.einsum("mc,smcd->smd", points.barycentric, lifted_shapes),
         faces=_triangles(len(line), shape.closed),
     )
-
-
-def _facing(points: SurfacePoints, normals: Array, faces: Integers) -> Array:
-    """(M, 3) unit normals at the points."""
-    facing = points.positions(normals, faces)
-    return np.asarray(facing / np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-12))
 
 
 def _dense(points: Array, closed: bool) -> Array:
@@ -137,7 +132,7 @@ def _tangents(points: Array, closed: bool) -> Array:
         tangents = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
     else:
         tangents = np.concatenate([points[1:], points[-1:]]) - np.concatenate([points[:1], points[:-1]])
-    return np.asarray(tangents / np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-12))
+    return unit_vectors(tangents)
 
 
 def _triangles(count: int, closed: bool) -> Integers:

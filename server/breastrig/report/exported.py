@@ -16,8 +16,9 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.geometry.caps import Closed, closed
 from breastrig.geometry.normals import face_crosses
+from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.self_intersections import crossing_faces, untangled
-from breastrig.report.stance import DrawnLine, Stance
+from breastrig.report.stance import Stance
 
 SET_FORMAT = "breastrig/vertex_sets@1"
 
@@ -81,7 +82,7 @@ def _nearest(tree: "cKDTree[None]", points: Array) -> tuple[Array, Integers]:
     return np.asarray(gaps), np.asarray(nearest, dtype=np.int64)
 
 
-def _on_vertices(line: DrawnLine, tree: "cKDTree[None]") -> dict[str, Any]:
+def _on_vertices(line: Polyline, tree: "cKDTree[None]") -> dict[str, Any]:
     """The vertices along a line, in its order, each once in a row, and how far the line is from them."""
     gaps, nearest = _nearest(tree, line.points)
     kept = np.concatenate([[True], nearest[1:] != nearest[:-1]])
@@ -91,7 +92,7 @@ def _on_vertices(line: DrawnLine, tree: "cKDTree[None]") -> dict[str, Any]:
     return {"closed": line.closed, "vertices": path, "distance_mm": round(1e3 * float(gaps.max()), 3)}
 
 
-def _on_faces(stance: Stance, line: DrawnLine) -> dict[str, Any]:
+def _on_faces(stance: Stance, line: Polyline) -> dict[str, Any]:
     """The line exactly: the model's point under each of its points."""
     on = stance.on_model(line.points)
     return {"surface_points": [_surface_point(f, b) for f, b in zip(on.faces, on.barycentric, strict=True)]}

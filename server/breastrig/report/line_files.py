@@ -6,10 +6,10 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.notice import RESEARCH_USE_ONLY
-from breastrig.report.stance import DrawnLine
+from breastrig.geometry.polyline import Polyline
 
 
-def obj_lines(lines: Sequence[DrawnLine], metres_per_unit: float, unit: str) -> bytes:
+def obj_lines(lines: Sequence[Polyline], metres_per_unit: float, unit: str) -> bytes:
     """One named object with one `l` element for each line; a closed line comes back to its first point."""
     text = [f"# {RESEARCH_USE_ONLY}", f"# unit: {unit}, frame: the scan's"]
     count = 1
@@ -22,7 +22,7 @@ def obj_lines(lines: Sequence[DrawnLine], metres_per_unit: float, unit: str) -> 
     return ("\n".join(text) + "\n").encode()
 
 
-def ply_lines(lines: Sequence[DrawnLine], metres_per_unit: float, unit: str) -> bytes:
+def ply_lines(lines: Sequence[Polyline], metres_per_unit: float, unit: str) -> bytes:
     """Vertices with the number of their line and whether they are bridged, and edges with their line's colour."""
     points, edges = edges_of(lines)
     owner = np.repeat(np.arange(len(lines)), [len(line.points) for line in lines])
@@ -52,22 +52,17 @@ def ply_lines(lines: Sequence[DrawnLine], metres_per_unit: float, unit: str) -> 
     return ("\n".join([*head, *body]) + "\n").encode()
 
 
-def edges_of(lines: Sequence[DrawnLine]) -> tuple[Array, Integers]:
+def edges_of(lines: Sequence[Polyline]) -> tuple[Array, Integers]:
     """((P, 3) m all points, (E, 2) edges between neighbours on a line)."""
     points = np.concatenate([np.zeros((0, 3)), *(line.points for line in lines)])
     edges, count = [np.zeros((0, 2), dtype=np.int64)], 0
     for line in lines:
-        here = np.arange(len(line.points) - (0 if line.closed and len(line.points) > 2 else 1))
-        edges.append(count + np.stack([here, (here + 1) % len(line.points)], axis=1))
-        count += len(line.points)
+        edges.append(count + line.edges)
+        count += len(line)
     return points, np.concatenate(edges)
 
 
-def rgb(color: str | None) -> tuple[int, int, int]:
-    """0 to 255 of "#rrggbb"; black where there is none."""
-    digits = (color or "#000000").lstrip("#")
-    try:
-        red, green, blue = bytes.fromhex(digits)
-    except ValueError:
-        return 0, 0, 0
+def rgb(color: str) -> tuple[int, int, int]:
+    """0 to 255 of "#rrggbb"."""
+    red, green, blue = bytes.fromhex(color.removeprefix("#"))
     return red, green, blue

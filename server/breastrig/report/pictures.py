@@ -74,10 +74,6 @@ def _strokes(stance: Stance) -> list[tuple[Array, bool]]:
         if not line.bridged.any():
             strokes.append((line.points, line.closed))
             continue
-        points, bridged = line.points, line.bridged
-        if line.closed:
-            points, bridged = np.concatenate([points, points[:1]]), np.concatenate([bridged, bridged[:1]])
-        cuts = np.flatnonzero(np.diff(bridged.astype(np.int8))) + 1
-        for run, over_a_hole in zip(np.split(points, cuts), np.split(bridged, cuts), strict=True):
-            strokes += [(point[None], False) for point in run[::2]] if over_a_hole[0] else [(run, False)]
+        for run, bridged in line.runs():
+            strokes += [(point[None], False) for point in run[::2]] if bridged else [(run, False)]
     return strokes

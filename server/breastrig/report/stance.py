@@ -8,23 +8,13 @@ from functools import cached_property
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.arrays import Array, Integers
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.report.distances import signed_distances
 from breastrig.rig.model import DrawnShape, Rig
-
-
-@dataclass(frozen=True, eq=False)
-class DrawnLine:
-    """A polyline on the scan."""
-
-    name: str
-    closed: bool
-    color: str | None  # "#rrggbb"
-    points: Array  # (M, 3) m
-    bridged: Booleans  # (M,) on the model, because the scan has a hole there
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +27,7 @@ class Stance:
     scan_faces: Integers  # (G, 3)
     name: str  # standing | supine
     picked: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that were picked and not doubted
-    lines: tuple[DrawnLine, ...] = ()
+    lines: tuple[Polyline, ...] = ()  # on the scan
 
     @cached_property
     def search(self) -> ClosestPointSearch:

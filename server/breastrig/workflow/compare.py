@@ -13,7 +13,7 @@ from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.output_files import private_folder, write_private
 from breastrig.core.units import distance_text
-from breastrig.drawings.drawing_file import GivenDrawing, ScanShape, parsed_drawing
+from breastrig.drawings.drawing_file import Drawing, parsed_drawing
 from breastrig.drawings.prepare_polyline import OFF_THE_SKIN
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.superimposition import gaps
@@ -57,10 +57,7 @@ def compare(job: CompareJob) -> dict[str, Any]:
                     f'"{shape.name}" of {file} is {distance_text(float(off.max()))} away from the scan; both drawings '
                     "must be in the scan's frame."
                 )
-        on_skin += [
-            ScanShape(line.name, line.closed, line.color, line.points, line.bridged)
-            for line in on_scan(rig, scan.vertices, _drawn(given), scan.target)
-        ]
+        on_skin += on_scan(rig, scan.vertices, _drawn(given), scan.target)
         shapes.append(on_skin)
     found = gaps(*shapes)
     picture = superimposed(
@@ -91,7 +88,7 @@ def compare(job: CompareJob) -> dict[str, Any]:
     return document
 
 
-def _drawn(given: GivenDrawing) -> ModelDrawing:
+def _drawn(given: Drawing) -> ModelDrawing:
     return ModelDrawing(given.name, given.name, given.on_model)
 
 

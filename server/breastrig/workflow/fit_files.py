@@ -13,9 +13,10 @@ from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.output_files import private_folder, write_private
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.project_drawing import ScanLine
+from breastrig.drawings.drawing_file import shape_document
 from breastrig.fitting.landmark_outliers import Doubt
 from breastrig.fitting.verdict import Verdict
+from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
@@ -59,7 +60,7 @@ class FitOutcome:
     landmarks: dict[str, Array]  # picked, m
     doubts: tuple[Doubt, ...]  # picks that were not followed
     drawing: ModelDrawing | None
-    lines: tuple[ScanLine, ...]
+    lines: tuple[Polyline, ...]
     notes: tuple[str, ...]
     verdict: Verdict
     table_triangles: int  # of the scan, cut away as table
@@ -133,16 +134,7 @@ def drawing_json(outcome: FitOutcome) -> dict[str, object]:
         "name": outcome.drawing.name if outcome.drawing else None,
         "unit": outcome.scan.unit,
         "notice": LIMITS_OF_USE,
-        "shapes": [
-            {
-                "name": line.name,
-                "closed": line.closed,
-                "color": line.color,
-                "points": [_rounded(p) for p in line.points / outcome.scan.metres_per_unit],
-                "bridged": line.bridged.tolist(),
-            }
-            for line in outcome.lines
-        ],
+        "shapes": [shape_document(line, outcome.scan.metres_per_unit) for line in outcome.lines],
     }
 
 

@@ -6,22 +6,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import BaseModel, FiniteFloat, ValidationError
 
-from breastrig.core.errors import BadInput
+from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.output_files import private_folder, read_ordinary, write_private
+from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan
+from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.document import Reported, report_document, stance_names
 from breastrig.report.measures import measures
 from breastrig.report.pdf import report_pdf
-from breastrig.report.stance import DrawnLine, Stance
+from breastrig.report.stance import Stance
 from breastrig.report.table import csv_bytes
 from breastrig.rig.model import Rig
 from breastrig.workflow.fit_files import json_bytes
 from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
 
-DRAWING_BYTES = 20_000_000  # a drawing that a fit leaves has some thirty thousand
 REPORT_RECORD = "report.json"
 REPORT_FILES = ("measures.csv", "report.pdf", REPORT_RECORD)
 
@@ -33,22 +33,6 @@ class ReportJob:
     fit: Path  # folder of a fit
     other: Path | None = None  # of the same patient in another stance
     model: Path | None = None  # None: the torso of the package
-
-
-class _Shape(BaseModel):
-    model_config = ConfigDict(extra="ignore")
-
-    name: str
-    closed: bool
-    color: str | None = None
-    points: list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]] = Field(min_length=1)
-    bridged: list[bool] | None = None
-
-
-class _Drawing(BaseModel):
-    model_config = ConfigDict(extra="ignore")
-
-    shapes: list[_Shape]
 
 
 class _Distances(BaseModel):
@@ -105,23 +89,15 @@ class _Result(BaseModel):
     versions: dict[str, str]
 
 
-def drawn_lines(folder: Path, metres_per_unit: float) -> tuple[DrawnLine, ...]:
-    """The lines of the folder's drawing.json, in metres; none where there is no such file."""
+def drawn_lines(folder: Path, unit: str) -> tuple[Polyline, ...]:
+    """The lines of the folder's drawing.json, in metres, for a scan in this unit; none where there is no such file."""
     file = folder / "drawing.json"
     if not os.path.lexists(file):
         return ()
     try:
-        drawing = _Drawing.model_validate_json(read_ordinary(file, DRAWING_BYTES))
-    except (OSError, ValidationError) as error:
+        return lines_on_scan(read_ordinary(file, FILE_BYTES), unit)
+    except (OSError, BadDrawing) as error:
         raise BadInput(f"{folder.resolve().name}/drawing.json is damaged; fit the scan again.") from error
-    lines = []
-    for shape in drawing.shapes:
-        bridged = np.array(shape.bridged or [False] * len(shape.points), dtype=np.bool_)
-        if len(bridged) != len(shape.points):
-            raise BadInput(f"{folder.resolve().name}/drawing.json is damaged ({shape.name[:60]}); fit the scan again.")
-        points = metres_per_unit * np.array(shape.points, dtype=np.float64)
-        lines.append(DrawnLine(shape.name, shape.closed, shape.color, points, bridged))
-    return tuple(lines)
 
 
 def stance_of(folder: Path, fit: FitFolder) -> Stance:
@@ -133,7 +109,7 @@ def stance_of(folder: Path, fit: FitFolder) -> Stance:
         scan_faces=fit.surface.faces,
         name=fit.stance,
         picked=fit.landmarks,
-        lines=drawn_lines(folder, fit.metres_per_unit),
+        lines=drawn_lines(folder, fit.unit),
     )
 
 

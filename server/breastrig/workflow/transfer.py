@@ -9,20 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing, BadInput, TooLarge
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.output_files import read_ordinary, shown
-from breastrig.drawings.drawing_file import GivenDrawing, ScanShape, parsed_drawing
+from breastrig.drawings.drawing_file import FILE_BYTES, Drawing, millimetres, parsed_drawing, shape_document
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.drawings.transfer import CarriedShape, fitted_scan, transferred
+from breastrig.drawings.transfer import TransferredLine, fitted_scan, transferred
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing
 from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
-
-DRAWING_BYTES = 20_000_000  # a drawing that a fit leaves has some thirty thousand
 
 
 @dataclass(frozen=True)
@@ -39,9 +34,9 @@ class TransferJob:
 def drawing_document(file: Path) -> dict[str, Any]:
     """A drawing file's JSON object."""
     try:
-        content = read_ordinary(file, DRAWING_BYTES)
-        if len(content) > DRAWING_BYTES:
-            raise TooLarge(f"{shown(file.name)} is larger than {DRAWING_BYTES // 1_000_000} MB; this is no drawing.")
+        content = read_ordinary(file, FILE_BYTES)
+        if len(content) > FILE_BYTES:
+            raise TooLarge(f"{shown(file.name)} is larger than {FILE_BYTES // 1_000_000} MB; this is no drawing.")
     except OSError as error:
         raise BadDrawing(f"There is no drawing {shown(file.name)} that can be read; check the name.") from error
     try:
@@ -64,10 +59,7 @@ def transfer(job: TransferJob) -> dict[str, Any]:
     shapes = list(given.on_scan)
     if given.on_model:
         drawn = ModelDrawing(given.name, given.name, given.on_model)
-        shapes += [
-            ScanShape(line.name, line.closed, line.color, line.points, line.bridged)
-            for line in on_scan(rig, a.vertices, drawn, a.target)
-        ]
+        shapes += on_scan(rig, a.vertices, drawn, a.target)
     try:
         carried = transferred(rig, a, b, shapes, job.other_patient)
     except MemoryError as error:
@@ -76,7 +68,7 @@ def transfer(job: TransferJob) -> dict[str, Any]:
 
 
 def _document(
-    given: GivenDrawing, goal: FitFolder, carried: tuple[CarriedShape, ...], other_patient: bool
+    given: Drawing, goal: FitFolder, carried: tuple[TransferredLine, ...], other_patient: bool
 ) -> dict[str, Any]:
     return {
         "schema": "breastrig/drawing@1",
@@ -85,20 +77,11 @@ def _document(
         "notice": LIMITS_OF_USE,
         "carried_by": "model" if other_patient else "skin",
         "shapes": [
-            {
-                "name": shape.name,
-                "closed": shape.closed,
-                "color": shape.color,
-                "points": [[round(float(v), 6) for v in p] for p in shape.points / goal.metres_per_unit],
-                "bridged": shape.bridged.tolist(),
-                "distance_from_mm": _mm(shape.distance_from),
-                "distance_to_mm": _mm(shape.distance_to),
+            shape_document(each.line, goal.metres_per_unit)
+            | {
+                "distance_from_mm": millimetres(each.distance_from),
+                "distance_to_mm": millimetres(each.distance_to),
             }
-            for shape in carried
+            for each in carried
         ],
     }
-
-
-def _mm(distances: Array) -> list[float | None]:
-    """Where there is no skin there is no distance."""
-    return [round(1e3 * float(value), 3) if np.isfinite(value) else None for value in distances]

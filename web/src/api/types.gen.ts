@@ -20,14 +20,18 @@ export type CarriedDrawing = {
   shapes: CarriedShape[];
 };
 
+/** A polyline on the second scan, and how well the fits lie on their scans there. */
 export type CarriedShape = {
   name: string;
+  label?: string;
   closed: boolean;
   color: string;
-  /** on the second scan, in its frame and unit */
+  /** on the scan's skin, in its frame and the drawing's unit */
   points: [number, number, number][];
   /** true where the second scan has no skin to lie on */
   bridged: boolean[];
+  /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
+  error_mm?: (number | null)[] | null;
   /** how far the first fit was from its scan there; null without skin */
   distance_from_mm: (number | null)[];
   /** how far the second fit was from its scan there; null without skin */
@@ -55,10 +59,12 @@ export type DoubtedPick = {
   reason: string;
 };
 
-/** drawing.json */
+/** Polylines on a scan: drawing.json. */
 export type DrawingFile = {
   schema: "breastrig/drawing@1";
-  unit: string;
+  name?: string | null;
+  /** of the points; the scan's */
+  unit: "m" | "dm" | "cm" | "mm" | "in";
   shapes: DrawnShape[];
 };
 
@@ -67,14 +73,18 @@ export type DrawingInfo = {
   label: string;
 };
 
+/** One polyline on a scan; a single point is one too. */
 export type DrawnShape = {
   name: string;
-  closed: boolean;
-  color?: string | null;
-  /** on the scan's surface, in the scan's frame and unit */
+  label?: string;
+  closed?: boolean;
+  color?: string;
+  /** on the scan's skin, in its frame and the drawing's unit */
   points: [number, number, number][];
-  /** true where the scan has a hole and the model carries the line */
+  /** for each point whether it is not on the skin, because the scan has a hole there */
   bridged?: boolean[] | null;
+  /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
+  error_mm?: (number | null)[] | null;
 };
 
 export type EventPage = {
@@ -218,24 +228,27 @@ export type Frame = {
   reason: string;
 };
 
+/** A drawing file as others may give it. */
 export type GivenDrawing = {
   schema?: "breastrig/drawing@1";
   name?: string | null;
-  /** by default the first scan's */
+  /** by default the scan's */
   unit?: "m" | "dm" | "cm" | "mm" | "in" | null;
   shapes: GivenShape[];
 };
 
-/** One polyline; a single point is one too. */
+/** One polyline as others may give it: on a scan, or on the model. */
 export type GivenShape = {
   name: string;
   label?: string;
   closed?: boolean;
   color?: string;
-  /** on the first scan's skin, in its frame and the drawing's unit */
+  /** on the scan's skin, in its frame and the drawing's unit */
   points?: [number, number, number][] | null;
-  /** true where the point is not on the skin */
+  /** for each point whether it is not on the skin, because the scan has a hole there */
   bridged?: boolean[] | null;
+  /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
+  error_mm?: (number | null)[] | null;
   /** instead of points: places on the model */
   surface_points?: SurfacePoint[] | null;
 };
@@ -426,17 +439,7 @@ export type OtherStance = {
 export type OwnDrawing = {
   schema?: "breastrig/drawing@1";
   unit?: "mm";
-  shapes: OwnShape[];
-};
-
-/** One line, or with a single point one mark. */
-export type OwnShape = {
-  name: string;
-  label?: string;
-  closed?: boolean;
-  color?: string;
-  /** on the skin, millimetres in the scan's own frame */
-  points: [number, number, number][];
+  shapes: DrawnShape[];
 };
 
 /** A drawing made from numbers: asked for as `name:parameter=value,parameter=value`. */
@@ -718,6 +721,7 @@ export type SurfaceDistances = {
   coverage: number;
 };
 
+/** A place on the model. */
 export type SurfacePoint = {
   face: number;
   barycentric: [number, number, number];

@@ -1,13 +1,13 @@
 // The surgeon's lines on the scan: black with a white outline; dashed over holes.  What was carried here from the other
 // stance is drawn the same way, since it is the same hand's.
 import type { Vector } from "../api/types";
-import { isUnit, metresFromMm, mmFrom } from "../ui/units";
+import { isUnit, mmFrom } from "../ui/units";
 import { FatLines, type Polyline } from "../viewer/FatLines";
 import type { Surface } from "../viewer/picking";
 import type { ViewSlice } from "../viewer/state";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { bridgedAt } from "./edits";
-import type { OwnLine } from "./lines";
+import { type OwnLine, polyline } from "./lines";
 import { type DrawingSlice, type DrawnState, type Layer, layerKey } from "./state";
 import { BRIDGE_MM } from "./strokes";
 
@@ -62,19 +62,10 @@ export class OwnLines implements Part<Shown> {
     const unit = state.carried?.drawing.unit;
     const carried = state.carried?.drawing.shapes.filter(({ name }) => isOn("carried", name)) ?? [];
     this.carried.set(
-      this.isShown && isUnit(unit) ? carried.map(({ points, closed, bridged }) => ({ points: flat(points, mmFrom(1, unit)), isClosed: closed, bridged })) : [],
+      this.isShown && isUnit(unit) ? carried.map((shape) => polyline(shape, mmFrom(1, unit))) : [],
     );
     this.viewer.invalidate();
   }
 }
 
-function laid({ points, closed }: Pick<OwnLine, "points" | "closed">): Polyline {
-  const bridged = bridgedAt(points, closed, BRIDGE_MM);
-  return { points: flat(bridged.points, 1), isClosed: closed, bridged: bridged.bridged };
-}
-
-function flat(points: readonly Vector[], mmPerUnit: number): Float32Array {
-  const out = new Float32Array(3 * points.length);
-  points.forEach((point, i) => out.set(point.map((value) => metresFromMm(value * mmPerUnit)), 3 * i));
-  return out;
-}
+const laid = ({ points, closed }: Pick<OwnLine, "points" | "closed">): Polyline => polyline({ closed, ...bridgedAt(points, closed, BRIDGE_MM) });

@@ -6,11 +6,12 @@ import { hasPattern, shapesOnModel } from "../fit/modelLines";
 import { isAtRest, isPosedByHand, type Shown, shownPoses } from "../fit/state";
 import type { TorsoModel } from "../fit/TorsoModel";
 import type { ScanMesh } from "../scan/ScanMesh";
-import { isUnit, metresFromMm, mmFrom } from "../ui/units";
+import { mmFrom } from "../ui/units";
 import { FatLines, type Polyline } from "../viewer/FatLines";
 import type { ViewSlice } from "../viewer/state";
 import { surfacePosition, type VertexAt } from "../viewer/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
+import { polyline } from "./lines";
 import { type DrawingSlice, layerKey } from "./state";
 
 const LIFT = 0.001; // metres off the skin
@@ -72,14 +73,12 @@ export function onModel(shapes: readonly ModelShape[], torso: TorsoModel, vertex
 }
 
 function onScan(drawing: DrawingFile, scan: Skin): Polyline[] {
-  const { unit } = drawing;
-  if (!isUnit(unit)) throw new Error(`the drawing has the unknown unit ${unit}`);
   return drawing.shapes.map((shape) => {
-    const points = new Float32Array(3 * shape.points.length);
-    shape.points.forEach((at, i) => {
-      const point = new Vector3().fromArray(at.map((value) => metresFromMm(mmFrom(value, unit))));
-      point.addScaledVector(scan.normalAt(point) ?? new Vector3(), LIFT).toArray(points, 3 * i);
-    });
-    return { points, isClosed: shape.closed, bridged: shape.bridged ?? null };
+    const line = polyline(shape, mmFrom(1, drawing.unit));
+    for (let i = 0; i < line.points.length; i += 3) {
+      const point = new Vector3().fromArray(line.points, i);
+      point.addScaledVector(scan.normalAt(point) ?? new Vector3(), LIFT).toArray(line.points, i);
+    }
+    return line;
   });
 }

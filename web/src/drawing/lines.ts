@@ -1,12 +1,12 @@
 // The surgeon's own lines as plain values.  Each point lies on the scan's skin, about two millimetres from the next;
 // some of them are corners, which a person may move.  Points are millimetres in the scan's own axes.
-import type { Vector } from "../api/types";
+import type { DrawnShape, Vector } from "../api/types";
+import { metresFromMm } from "../ui/units";
+import type { Polyline } from "../viewer/FatLines";
 
-export interface OwnLine {
-  /** unique in the drawing: it is what the line is known by */
-  readonly name: string;
-  readonly closed: boolean;
-  readonly color: string;
+/** The service's polyline with all that it may leave out, without what a hand cannot know, and with corners. */
+export interface OwnLine extends Readonly<Required<Pick<DrawnShape, "name" | "closed" | "color">>> {
+  // the name is unique in the drawing: it is what the line is known by
   readonly points: readonly Vector[];
   /** indices into points, rising; an open line has its two ends among them */
   readonly corners: readonly number[];
@@ -36,6 +36,13 @@ export const withLine = (lines: readonly OwnLine[], name: string, change: (line:
   lines.map((line) => (line.name === name ? change(line) : line));
 
 export const withoutLine = (lines: readonly OwnLine[], name: string): readonly OwnLine[] => lines.filter((line) => line.name !== name);
+
+/** What the viewer shows of a polyline whose unit is so many millimetres. */
+export function polyline({ points, closed, bridged }: Pick<DrawnShape, "closed" | "bridged"> & { readonly points: readonly Vector[] }, mmPerUnit = 1): Polyline {
+  const out = new Float32Array(3 * points.length);
+  points.forEach((point, i) => out.set(point.map((value) => metresFromMm(value * mmPerUnit)), 3 * i));
+  return { points: out, isClosed: closed ?? false, bridged: bridged ?? null };
+}
 
 /** Along the line, millimetres. */
 export function lengthOf({ points, closed }: Pick<OwnLine, "points" | "closed">): number {

@@ -1,12 +1,11 @@
 """The surgeon's own drawing on a scan: kept with the scan, to be carried to another stance by a transfer."""
 
 from apiflask import APIBlueprint
-from flask import request
 
 from breastrig.api.app_context import behind
 from breastrig.api.routes.scans import TAG
-from breastrig.api.wire import drawings as wire_drawings
-from breastrig.core.errors import BadDrawing, TooLarge
+from breastrig.core.errors import BadDrawing
+from breastrig.drawings.drawing_schema import OwnDrawing
 from breastrig.storage.rows.drawings import get_drawing, put_drawing
 from breastrig.storage.rows.scans import ScanRow, get_scan
 
@@ -15,50 +14,38 @@ REACH_M = 0.05  # beyond the scan's bounds: a line may cross a hole at the rim, 
 drawings = APIBlueprint("drawings", __name__, url_prefix="/api/scans", tag=TAG)
 
 
-@drawings.before_request
-def limit_body() -> None:
-    request.max_content_length = wire_drawings.BYTES
-    if (request.content_length or 0) > wire_drawings.BYTES:
-        raise TooLarge(f"The drawing is larger than {wire_drawings.BYTES // 1000} kB; draw with fewer points.")
-
-
 @drawings.get("/<scan_id>/drawing")
-@drawings.output(wire_drawings.OwnDrawing)
+@drawings.output(OwnDrawing)
 @drawings.doc(operation_id="getOwnDrawing")
-def show_drawing(scan_id: str) -> wire_drawings.OwnDrawing:
+def show_drawing(scan_id: str) -> OwnDrawing:
     """What was drawn on the scan, mm
 
     No shapes when nothing was drawn yet.
     """
     storage = behind().service.storage
     get_scan(storage, scan_id)
-    return wire_drawings.OwnDrawing.model_validate(get_drawing(storage, scan_id) or {"shapes": []})
+    return OwnDrawing.model_validate(get_drawing(storage, scan_id) or {"shapes": []})
 
 
 @drawings.put("/<scan_id>/drawing")
-@drawings.input(wire_drawings.OwnDrawing)
-@drawings.output(wire_drawings.OwnDrawing)
-@drawings.doc(operation_id="putOwnDrawing", responses={413: "Larger than 200 kB"})
-def replace_drawing(scan_id: str, json_data: wire_drawings.OwnDrawing) -> wire_drawings.OwnDrawing:
+@drawings.input(OwnDrawing)
+@drawings.output(OwnDrawing)
+@drawings.doc(operation_id="putOwnDrawing", responses={413: "Too large"})
+def replace_drawing(scan_id: str, json_data: OwnDrawing) -> OwnDrawing:
     """Replace the drawing on the scan, mm
 
-    At most 200 shapes with 20,000 points together, each shape with a name of its own; points must lie near the scan.
+    At most 500 shapes with 50,000 points together, each shape with a name of its own; points must lie near the scan.
     """
     storage = behind().service.storage
     _check(json_data, get_scan(storage, scan_id))
-    put_drawing(storage, scan_id, json_data.model_dump(mode="json", by_alias=True))
-    return json_data
+    on_skin = [shape.model_copy(update={"bridged": None}) for shape in json_data.shapes]  # own lines are drawn there
+    kept = json_data.model_copy(update={"shapes": on_skin})
+    put_drawing(storage, scan_id, kept.model_dump(mode="json", by_alias=True))
+    return kept
 
 
-def _check(drawing: wire_drawings.OwnDrawing, scan: ScanRow) -> None:
+def _check(drawing: OwnDrawing, scan: ScanRow) -> None:
     """Raises BadDrawing with a sentence."""
-    count = sum(len(shape.points) for shape in drawing.shapes)
-    if count > wire_drawings.POINTS:
-        raise BadDrawing(f"This drawing has {count} points; at most {wire_drawings.POINTS} are kept.")
-    names = [shape.name for shape in drawing.shapes]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise BadDrawing(f'Two shapes of this drawing are called "{twice}"; give each a name of its own.')
     low, high = scan.facts["bounds_m"]["min"], scan.facts["bounds_m"]["max"]
     for shape in drawing.shapes:
         for point in shape.points:

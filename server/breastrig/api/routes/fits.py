@@ -13,6 +13,7 @@ from breastrig.api.trusted_proxy import client_of
 from breastrig.api.wire import common as wire
 from breastrig.api.wire import files as wire_files
 from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
+from breastrig.drawings.drawing_schema import DrawingFile
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
 from breastrig.storage.files import fit_place
@@ -186,7 +187,7 @@ def show_fitted_ply(fit_id: str) -> Response:
 
 
 @fits.get("/<fit_id>/drawing.json")
-@fits.output(wire_files.DrawingFile, description="Polylines on the scan")
+@fits.output(DrawingFile, description="Polylines on the scan")
 @fits.doc(operation_id="getDrawing", responses={409: "Not done"})
 def show_drawing(fit_id: str) -> Response:
     """The drawing on the scan's surface, in the scan's frame and unit"""

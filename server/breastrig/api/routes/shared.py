@@ -20,6 +20,7 @@ from breastrig.api.wire import files as wire_files
 from breastrig.api.wire import shares as wire_shares
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import NotFound
+from breastrig.drawings.drawing_schema import DrawingFile
 from breastrig.storage.files import OpenedFile, fit_place
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.rows.shares import ShareRow
@@ -121,7 +122,7 @@ def show_fitted_ply(share_id: str) -> Response:
 
 
 @shared.get("/<share_id>/drawing.json")
-@shared.output(wire_files.DrawingFile, description="Polylines on the scan")
+@shared.output(DrawingFile, description="Polylines on the scan")
 @shared.doc(operation_id="getSharedDrawing", responses={401: NOT_OPEN, 410: ENDED})
 def show_drawing(share_id: str) -> Response:
     """The shared fit's drawing"""

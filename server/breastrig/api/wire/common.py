@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 from apiflask.fields import UploadFile
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
+from breastrig.drawings.drawing_schema import SurfacePoint
 from breastrig.workflow.events import FitEvent
 
 Units = Literal["auto", "m", "dm", "cm", "mm", "in"]
@@ -229,11 +230,6 @@ class ModelSummary(Wire):
     vertices: int
     bones: int
     blendshapes: int
-
-
-class SurfacePoint(Wire):
-    face: int
-    barycentric: Three
 
 
 class ModelDrawnShape(Wire):

@@ -83,24 +83,6 @@ class ResultFile(Document):
     versions: dict[str, str]
 
 
-class DrawnShape(Document):
-    name: str
-    closed: bool
-    color: str | None = None
-    points: list[Three] = Field(description="on the scan's surface, in the scan's frame and unit")
-    bridged: list[bool] | None = Field(
-        None, description="true where the scan has a hole and the model carries the line"
-    )
-
-
-class DrawingFile(Document):
-    """drawing.json"""
-
-    schema_: Literal["breastrig/drawing@1"] = Field(alias="schema")
-    unit: str
-    shapes: list[DrawnShape]
-
-
 class MeasuredStance(Document):
     """One fit of the report: its name there, and parts of its result.json."""
 

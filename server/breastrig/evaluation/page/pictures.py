@@ -14,12 +14,13 @@ from PIL import Image, ImageDraw
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import match
-from breastrig.drawings.project_drawing import ScanLine, on_scan
+from breastrig.drawings.project_drawing import on_scan
 from breastrig.evaluation.studies.case import Scene, read_scene
 from breastrig.evaluation.studies.result_cache import Record
 from breastrig.evaluation.tables.accuracy import of, value
 from breastrig.fitting.similarity import umeyama
 from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.polyline import Polyline
 from breastrig.rendering.picture import Layer, Line, camera, diverging_colours
 from breastrig.rendering.picture import Scene as Meshes
 from breastrig.report.distances import ACCEPTED
@@ -70,7 +71,7 @@ def signed_distances_mm(scene: Scene, rig: Rig, vertices: Array) -> Array:
     return result
 
 
-def _lines(drawn: Sequence[ScanLine]) -> list[Line]:
+def _lines(drawn: Sequence[Polyline]) -> list[Line]:
     lines = [Line(line.points, (1.0, 1.0, 1.0), 5.0, line.closed) for line in drawn]
     return lines + [Line(line.points, (0.07, 0.08, 0.1), 2.4, line.closed) for line in drawn]
 

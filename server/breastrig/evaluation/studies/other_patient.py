@@ -10,14 +10,13 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.drawings.drawing_file import ScanShape
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_map import FittedScan
-from breastrig.drawings.superimposition import to_polyline
 from breastrig.drawings.transfer import transferred
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.studies.case import Scene, read_scene
 from breastrig.fitting.recipe import Recipe
+from breastrig.geometry.polyline import Polyline
 from breastrig.rig.model import Rig
 
 SHAPES = ("breast", "inframammary_fold", "meridian_upper", "meridian_lower")  # each with its side
@@ -32,7 +31,7 @@ def other_patient(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[str
         vertices = scene.fitted(rig, recipe, scene.landmarks).vertices
         fits.append(FittedScan(scene.target, vertices, scene.landmarks, scene.case.stance))
     shapes = [
-        ScanShape(line.name, line.closed, line.color, line.points, line.bridged)
+        line
         for drawing in rig.drawings
         for line in on_scan(rig, fits[0].vertices, drawing, fits[0].target)
         if line.name[:-2] in SHAPES
@@ -40,16 +39,15 @@ def other_patient(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[str
     carried = transferred(rig, fits[0], fits[1], shapes, other_patient=True) if shapes else ()
     rows = []
     for shape, there in zip(shapes, carried, strict=True):
-        moved = ScanShape(there.name, there.closed, there.color, there.points, there.bridged)
         for anchor in ANCHORS:
-            places = [_relative(scene, line, anchor) for scene, line in zip(scenes, (shape, moved), strict=True)]
+            places = [_relative(scene, line, anchor) for scene, line in zip(scenes, (shape, there.line), strict=True)]
             rows.append({"shape": shape.name, "landmark": anchor, "first": places[0], "second": places[1]})
     return {"rows": rows, "first": cases[0].patient, "second": cases[1].patient}
 
 
-def _relative(scene: Scene, line: ScanShape, anchor: str) -> float:
+def _relative(scene: Scene, line: Polyline, anchor: str) -> float:
     """Distance of the line to the landmark of its side, in parts of that from nipple to xiphoid."""
     side = line.name[-1]
     place: Array = scene.landmarks[f"{anchor}_{side}"]
     size = np.linalg.norm(scene.landmarks[f"nipple_{side}"] - scene.landmarks["xiphoid"])
-    return round(float(to_polyline(place[None], line)[0] / size), 4)
+    return round(float(line.distances(place[None])[0] / size), 4)

@@ -7,7 +7,8 @@ on scan B.  Ways:
 
 * `separate`, `together`, `alike`: from scan A to the nearest point of the fitted model, the same point of the model
   on B, along the normal to scan B; the two fits made apart, with one body, or with bodies held alike;
-* `smooth_separate`, `smooth_together`, `smooth_alike`: the program's transfer (drawings/carry.py) between these fits;
+* `smooth_separate`, `smooth_together`, `smooth_alike`: the program's transfer (drawings/skin_map.py) between
+  these fits;
 * `rigid`, `spline`: a rigid motion and a thin-plate spline through the landmarks, then to the nearest skin of B.
 
 Every way is measured with the true landmarks, and again (`clicks`) with picks 5 mm off along the skin.
@@ -95,8 +96,7 @@ def by_models(rig: Rig, a: FittedScan, b: FittedScan, points: Array) -> Array:
     nearest = ClosestPointSearch(a.vertices, rig.faces).query(points)
     places = SurfacePoints(nearest.faces, nearest.barycentric)
     result = places.positions(b.vertices, rig.faces)
-    normals = places.positions(vertex_normals(b.vertices, rig.faces), rig.faces)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    normals = places.directions(vertex_normals(b.vertices, rig.faces), rig.faces)
     missing: Integers = np.arange(len(result))
     for rules in ON_SKIN:
         found = match(b.target, result[missing], normals[missing], rules)

@@ -1,0 +1,145 @@
+"""What a drawing file may hold (breastrig/drawing@1): its fields, their limits, and what they must have in common.
+
+Files, requests and answers are all checked by these classes, so what one of them takes the others take too.  The
+limits are far beyond a surgeon's drawing, which has some ten lines of some hundred points.
+"""
+
+from collections import Counter
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, model_validator
+
+from breastrig.core.errors import BadDrawing
+from breastrig.core.units import BEYOND
+
+SHAPES, POINTS = 500, 50_000  # in one drawing; points of all its shapes together
+NAME, LABEL = 100, 200  # characters, of a shape
+TITLE = 1_000  # characters, of a drawing: a fit's is made of the names of all drawings that it was asked for
+BLACK = "#101010"
+SCHEMA: Literal["breastrig/drawing@1"] = "breastrig/drawing@1"
+
+LineUnit = Literal["m", "dm", "cm", "mm", "in"]
+Colour = Annotated[
+    str,
+    Field(pattern=r"^#[0-9a-fA-F]{6}$"),
+    BeforeValidator(lambda color: BLACK if color is None else color),  # drawing.json may say that it has none
+]
+Coordinate = Annotated[FiniteFloat, Field(ge=-BEYOND, le=BEYOND)]
+Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
+Radius = Annotated[FiniteFloat, Field(ge=0, le=BEYOND)]
+Title = Annotated[str, Field(max_length=TITLE)]
+
+ON_THE_SKIN = "on the scan's skin, in its frame and the drawing's unit"
+IS_BRIDGED = "for each point whether it is not on the skin, because the scan has a hole there"
+ERROR = "for each point the radius in millimetres that holds its true place with 90 %; null where it is not known"
+
+
+def _is_not_said(values: list[object] | None) -> bool:
+    return not values
+
+
+class Part(BaseModel):
+    """A part of a drawing file, which others may have written: what is not needed is passed over."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+
+
+class SurfacePoint(Part):
+    """A place on the model."""
+
+    face: int = Field(ge=0, le=2**31)
+    barycentric: list[FiniteFloat] = Field(min_length=3, max_length=3)
+
+
+class _Shape(Part):
+    name: str = Field(min_length=1, max_length=NAME)
+    label: str = Field("", max_length=LABEL)
+    closed: bool = False
+    color: Colour = BLACK
+
+
+class DrawnShape(_Shape):
+    """One polyline on a scan; a single point is one too."""
+
+    points: list[Point] = Field(min_length=1, description=ON_THE_SKIN)
+    bridged: list[bool] | None = Field(None, description=IS_BRIDGED, exclude_if=_is_not_said)
+    error_mm: list[Radius | None] | None = Field(None, description=ERROR, exclude_if=_is_not_said)
+
+    @model_validator(mode="after")
+    def _says_it_of_each_point(self) -> Self:
+        _check_lengths(self.name, len(self.points), self.bridged, self.error_mm)
+        return self
+
+
+class GivenShape(_Shape):
+    """One polyline as others may give it: on a scan, or on the model."""
+
+    points: list[Point] | None = Field(None, description=ON_THE_SKIN)
+    bridged: list[bool] | None = Field(None, description=IS_BRIDGED)
+    error_mm: list[Radius | None] | None = Field(None, description=ERROR)
+    surface_points: list[SurfacePoint] | None = Field(None, description="instead of points: places on the model")
+
+    @model_validator(mode="after")
+    def _says_it_of_each_point(self) -> Self:
+        if self.points:
+            _check_lengths(self.name, len(self.points), self.bridged, self.error_mm)
+        return self
+
+    @property
+    def size(self) -> int:
+        """How many points it has, wherever they are."""
+        return len(self.points or self.surface_points or ())
+
+
+class DrawingFile(Part):
+    """Polylines on a scan: drawing.json."""
+
+    schema_: Literal["breastrig/drawing@1"] = Field(alias="schema")
+    name: Title | None = None
+    unit: LineUnit = Field(description="of the points; the scan's")
+    shapes: list[DrawnShape]
+
+
+class OwnDrawing(Part):
+    """Lines that were drawn on a scan; fields of other drawing files are passed over and not kept."""
+
+    schema_: Literal["breastrig/drawing@1"] = Field(SCHEMA, alias="schema")
+    unit: Literal["mm"] = "mm"
+    shapes: list[DrawnShape] = Field(max_length=SHAPES)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        _check_drawing([shape.name for shape in self.shapes], sum(len(shape.points) for shape in self.shapes))
+        return self
+
+
+class GivenDrawing(Part):
+    """A drawing file as others may give it."""
+
+    schema_: Literal["breastrig/drawing@1"] = Field(SCHEMA, alias="schema")
+    name: Title | None = None
+    unit: LineUnit | None = Field(None, description="by default the scan's")
+    shapes: list[GivenShape] = Field(max_length=SHAPES)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        _check_drawing([shape.name for shape in self.shapes], sum(shape.size for shape in self.shapes))
+        return self
+
+
+def _check_lengths(name: str, points: int, bridged: list[bool] | None, error_mm: list[float | None] | None) -> None:
+    """BadDrawing, which Pydantic hands on as it is, when something is said of other points than there are."""
+    for said, what in ((bridged, "whether they are bridged"), (error_mm, "how far off they may be")):
+        if said and len(said) != points:
+            raise BadDrawing(
+                f'The shape "{name}" has {points} points but says of {len(said)} {what}; say it of each or of none.'
+            )
+
+
+def _check_drawing(names: list[str], points: int) -> None:
+    """BadDrawing for too many points or for two shapes of one name."""
+    if points > POINTS:
+        raise BadDrawing(f"This drawing has {points} points; at most {POINTS} can be kept or carried.")
+    twice = next((name for name, count in Counter(names).items() if count > 1), None)
+    if twice is not None:
+        raise BadDrawing(f'Two shapes of this drawing are called "{twice}"; give each a name of its own.')
