@@ -26,9 +26,8 @@ from breastrig.storage.data_folder import claim, refuse_foreign
 from breastrig.storage.files import MARK, ROOT
 from breastrig.storage.folders import Folders, new_id
 from breastrig.storage.installation_id import check_belonging, ensure_id
-from breastrig.storage.location import Location
+from breastrig.storage.location import Location, open_database, open_files
 from breastrig.storage.locks import FolderLocks, Locks
-from breastrig.storage.open_location import open_database, open_files
 from breastrig.storage.reserve import Reserve
 
 log = logging.getLogger(__name__)
