@@ -18,9 +18,9 @@ from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import Geodesics, length
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.report.body_frame import BodyFrame, body_frame
-from breastrig.report.row import Row, Value
 from breastrig.report.stance import Place, Stance, places
 from breastrig.report.symmetry import symmetry
+from breastrig.report.table import Row, Value
 from breastrig.report.volume import METHOD as VOLUME_METHOD
 from breastrig.report.volume import breast_outline, breast_volume
 from breastrig.rig.model import DrawnShape

@@ -5,10 +5,8 @@ from typing import Any
 
 from breastrig.report.document import Reported
 from breastrig.report.measures import OUTLINE
-from breastrig.report.numbers import number, with_band
 from breastrig.report.page import FOOT, MARGIN, QUIET, WIDTH, Align, Sheet
-from breastrig.report.row import Row, Value
-from breastrig.report.table import changes
+from breastrig.report.table import Row, Value, changes, number, with_band
 
 ROW = 5.1  # mm
 NAME = 40.0  # mm of a row's name

@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 
 from breastrig.report.document import Reported
-from breastrig.report.numbers import number
 from breastrig.report.page import MARGIN, QUIET, WIDTH, Sheet
 from breastrig.report.pictures import LIMIT_MM, colour_bar, distance_pictures, jpeg, scan_pictures, views_of
-from breastrig.report.row import Row, Value
+from breastrig.report.table import Row, Value, number
 
 GAP = 4.0  # mm between pictures
 LARGE = (0.5 * (WIDTH - GAP), 92.0)  # mm
