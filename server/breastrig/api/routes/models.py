@@ -3,9 +3,8 @@
 from apiflask import APIBlueprint
 from flask import Response
 
-from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, GLB, JSON, file_of
+from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, GLB, JSON, file_of, public_answer
 from breastrig.api.app_context import behind
-from breastrig.api.public_answers import public_answer
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound, unknown_name
 

@@ -9,9 +9,8 @@ from werkzeug.routing import BaseConverter
 from werkzeug.security import safe_join
 
 from breastrig.api.access.session import in_session
-from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER
+from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, public_answer
 from breastrig.api.app_context import behind
-from breastrig.api.public_answers import public_answer
 from breastrig.core.assets import asset_folder
 
 page = Blueprint("page", __name__)
