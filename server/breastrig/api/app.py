@@ -6,7 +6,7 @@ from apiflask import APIFlask
 
 from breastrig import __version__
 from breastrig.api.access.security import register_security
-from breastrig.api.app_context import KEY, Behind
+from breastrig.api.app_context import KEY, AppContext
 from breastrig.api.config import Config
 from breastrig.api.errors import register_errors
 from breastrig.api.metrics import Metrics, register_metrics
@@ -36,7 +36,7 @@ def create_app(config: Config, service: Service) -> APIFlask:
     app = _bare_app()
     app.config["MAX_CONTENT_LENGTH"] = config.uploads.file_bytes
     metrics = Metrics(service)
-    app.extensions[KEY] = Behind(config, service, serve_model(config.model), metrics)
+    app.extensions[KEY] = AppContext(config, service, serve_model(config.model), metrics)
     register_errors(app)
     if config.log_requests:
         register_request_log(app)

@@ -3,7 +3,7 @@
 from apiflask import APIBlueprint
 from flask import request
 
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 from breastrig.api.routes.scans import TAG
 from breastrig.api.wire import drawings as wire_drawings
 from breastrig.core.errors import BadDrawing, TooLarge
@@ -30,7 +30,7 @@ def show_drawing(scan_id: str) -> wire_drawings.OwnDrawing:
 
     No shapes when nothing was drawn yet.
     """
-    storage = behind().service.storage
+    storage = app_context().service.storage
     get_scan(storage, scan_id)
     return wire_drawings.OwnDrawing.model_validate(get_drawing(storage, scan_id) or {"shapes": []})
 
@@ -44,7 +44,7 @@ def replace_drawing(scan_id: str, json_data: wire_drawings.OwnDrawing) -> wire_d
 
     At most 200 shapes with 20,000 points together, each shape with a name of its own; points must lie near the scan.
     """
-    storage = behind().service.storage
+    storage = app_context().service.storage
     _check(json_data, get_scan(storage, scan_id))
     put_drawing(storage, scan_id, json_data.model_dump(mode="json", by_alias=True))
     return json_data

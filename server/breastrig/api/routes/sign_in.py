@@ -6,7 +6,7 @@ from flask import Blueprint, Response, redirect, render_template, request
 
 from breastrig.api.access.session import end_session, in_session, start_session
 from breastrig.api.answers import CHECK_AGAIN, bytes_answer
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 
 sign_in = Blueprint("sign_in", __name__, template_folder="templates")
 
@@ -24,11 +24,11 @@ def ask() -> Response:
 @sign_in.post("/sign-in")
 def answer() -> Response:
     """Sets the cookie and leads to the page, or asks again."""
-    here = behind()
-    token = here.config.token
+    context = app_context()
+    token = context.config.token
     if token is None:
         return _to("/")
-    seconds = here.rates.wait_s("sign-in")
+    seconds = context.rates.wait_s("sign-in")
     if seconds:
         refused = _page(f"Too many attempts. Try again in {seconds} s.", 429)
         refused.headers["Retry-After"] = str(seconds)
@@ -46,7 +46,7 @@ def leave() -> Response:
     response = _to("/sign-in")
     # What the browser keeps of patients.  Not "cookies": that would be those of the whole domain, other programs' too.
     response.headers["Clear-Site-Data"] = '"cache", "storage"'
-    end_session(response, behind().config.token, behind().service.storage)
+    end_session(response, app_context().config.token, app_context().service.storage)
     return response
 
 
@@ -56,10 +56,10 @@ def style() -> Response:
 
 
 def _page(problem: str = "", status: int = 200) -> Response:
-    here = behind()
-    token = here.config.token
+    context = app_context()
+    token = context.config.token
     note = NOT_NEEDED if token is None else problem
-    signed_in = token is not None and in_session(token, here.service.storage)
+    signed_in = token is not None and in_session(token, context.service.storage)
     html = render_template("sign_in.html", needed=token is not None, note=note, signed_in=signed_in)
     return Response(html, status, mimetype="text/html", headers=PAGE_HEADERS)
 
