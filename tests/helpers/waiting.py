@@ -28,6 +28,6 @@ def ended(service: Service, fit_id: str) -> FitRow:
     return get_fit(service.storage, fit_id)
 
 
-def story(service: Service, fit_id: str, after: int = 0) -> list[StoredEvent]:
+def stored_events(service: Service, fit_id: str, after: int = 0) -> list[StoredEvent]:
     """The whole stream to its end, without heartbeats."""
     return [event for event in service.follow(fit_id, after, 5.0) if isinstance(event, StoredEvent)]

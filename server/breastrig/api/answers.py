@@ -7,7 +7,7 @@ model shows nobody and its address holds its hash: it may be kept for ever, by a
 
 The page's own files and the model are compressed for browsers that take it.  They are few and never change while the
 service runs, so each is compressed once and kept.  What shows a patient is not compressed: it is made for one reader,
-and the size of a compressed answer can tell of its content.
+and the size of a compressed answer can reveal its content.
 """
 
 import gzip

@@ -88,9 +88,9 @@ def exclusive(folder: Path) -> Iterator[None]:
 
 
 def run_batch(
-    batch: Batch, executor: Executor, tell: Callable[[Outcome], None], stop: Event | None = None
+    batch: Batch, executor: Executor, on_outcome: Callable[[Outcome], None], stop: Event | None = None
 ) -> list[Outcome]:
-    """One outcome for each row, in the rows' order; `tell` is called with each as it comes.
+    """One outcome for each row, in the rows' order; `on_outcome` is called with each as it comes.
 
     Raises BatchStopped when nothing can be written, or no worker be reached, any more, and KeyboardInterrupt soon
     after `stop` is set.
@@ -103,7 +103,7 @@ def run_batch(
 
     def note(outcome: Outcome) -> None:
         outcomes[outcome.name] = outcome
-        tell(outcome)
+        on_outcome(outcome)
 
     try:
         while True:

@@ -1,7 +1,7 @@
 """The server from which all child processes fork, started so that Ctrl-C on a terminal passes it by.
 
 Ctrl-C goes to every process of the terminal.  A child that is just starting would die of it with a traceback, before
-its pool could tell it to ignore it; and pools end their children anyway.  Processes inherit what is blocked where
+its pool could have it ignore that; and pools end their children anyway.  Processes inherit what is blocked where
 they are started, and children have it from the server.
 """
 

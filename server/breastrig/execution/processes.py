@@ -1,6 +1,6 @@
 """Worker processes that can be timed out and killed, one task each.
 
-A process carries out one task and is replaced: nothing of one patient's data is left for the next task, a task
+A process executes one task and is replaced: nothing of one patient's data is left for the next task, a task
 that is killed can never take another one with it, and limits of memory and CPU time hold for each task alone.
 That is cheap because a fork server has imported everything once: the next process is ready, waiting, when the
 task arrives.
@@ -22,7 +22,7 @@ from typing import Any
 from pebble import ProcessFuture, ProcessPool
 from threadpoolctl import threadpool_limits
 
-from breastrig.core.log_lines import set_up_logs_as_told
+from breastrig.core.log_lines import set_up_logs_from_environment
 
 PRELOAD = (
     "__main__",
@@ -91,7 +91,7 @@ class Processes:
             return self.schedule(function, args, timeout).result()
 
     def answer(self, wait_s: float) -> bool:
-        """Whether a process carries out a task; taken for granted while all are at work."""
+        """Whether a process executes a task; taken for granted while all are at work."""
         if self._unfinished >= self.workers:
             return not self._stopped
         try:
@@ -154,7 +154,7 @@ def _limit(memory_bytes: int, cpu_s: int | None) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a core dump would hold a patient's scan
     if cpu_s is not None:
         resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))
-    set_up_logs_as_told()
+    set_up_logs_from_environment()
     threading.Thread(target=_die_with_the_server, daemon=True).start()
     threadpool_limits(1)  # more BLAS threads are slower at this size, and fits would fight over the cores
 

@@ -1,9 +1,9 @@
-"""What the HTTP floor needs done: scans kept, fits run, stories told.
+"""What the HTTP floor needs done: scans kept, fits run, their events followed.
 
     with Service(storage, runner).started() as service: ...
 
-owns two pools of processes (uploads, fits), the queue and the bell; `started` starts all and leaves nothing
-running.  Another executor may carry out the fits; it is the service's then.
+owns two pools of processes (uploads, fits), the queue and the notifier; `started` starts all and leaves nothing
+running.  Another executor may run the fits; it is the service's then.
 """
 
 import hashlib
@@ -25,7 +25,7 @@ from breastrig.execution.processes import Processes
 from breastrig.execution.scratch_sweeper import scratch_swept
 from breastrig.scan.stored_scan import STORED
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
-from breastrig.service.follow import Bell, Heartbeat, Queued, follow
+from breastrig.service.follow import Heartbeat, Notifier, Queued, follow
 from breastrig.service.plain_meshes import PlainMeshes
 from breastrig.service.proposals import Proposals, Proposer
 from breastrig.service.queue import FitQueue
@@ -96,7 +96,7 @@ class Service:
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self.reports = Reports(storage, self._readers, model)
         self.plain_meshes = PlainMeshes(storage, self._readers)
-        self._bell = Bell(storage)
+        self._notifier = Notifier(storage)
         self._sweep = Sweep(storage, self.delete_scan, keep_days)
         self._examples = examples
 
@@ -112,7 +112,7 @@ class Service:
             try:
                 self._readers.warm_up()
                 self._workers.warm_up()
-                self._bell.start()
+                self._notifier.start()
                 interrupted, waiting = self._queue.recover()
                 if waiting:
                     log.warning("after the restart: %d fits wait, %d of them had begun", waiting, interrupted)
@@ -120,7 +120,7 @@ class Service:
                 yield self
             finally:
                 self._sweep.stop()
-                self._bell.stop()
+                self._notifier.stop()
                 self._queue.stop()
                 self._readers.stop()
                 self.storage.close()
@@ -130,13 +130,13 @@ class Service:
         """How many fits can run at once."""
         return self._workers.workers
 
-    def on_fit_end(self, tell: Callable[[str, float], None]) -> None:
-        """`tell(state, seconds)` is called when a fit has ended, in any thread."""
-        self._queue.tell_end = tell
+    def on_fit_end(self, notify: Callable[[str, float], None]) -> None:
+        """`notify(state, seconds)` is called when a fit has ended, in any thread."""
+        self._queue.notify_end = notify
 
     def end_streams(self) -> None:
-        """Ends every open story, so that the server's threads are free to go."""
-        self._bell.stop()
+        """Ends every open stream, so that the server's threads are free to go."""
+        self._notifier.stop()
 
     def add_scan(self, source: IO[bytes], file_type: str, units: str) -> ScanRow:
         """Reads an upload and keeps what was read of it, without names, comments and picture metadata.
@@ -173,7 +173,7 @@ class Service:
         gone = delete_rows(self.storage, scan_id)
         self._queue.drop(gone)  # a fit may have been asked for in between
         left = remove_files(self.storage, scan_id)
-        self._bell.ring()
+        self._notifier.notify_all()
         if left:
             _log_unremoved(left)
             raise NotRemoved(len(left))
@@ -244,7 +244,7 @@ class Service:
         self, fit_id: str, after: int, heartbeat_s: float, gone: Callable[[], bool] | None = None
     ) -> Iterator[StoredEvent | Queued | Heartbeat]:
         """The fit's events above `after`, as they come; before the first, its place in the queue."""
-        return follow(self.storage, self._bell, fit_id, after, heartbeat_s, gone)
+        return follow(self.storage, self._notifier, fit_id, after, heartbeat_s, gone)
 
     def transfer(
         self, from_fit: str, to_fit: str, drawing: dict[str, Any] | None, other_patient: bool

@@ -24,13 +24,13 @@ log = logging.getLogger(__name__)
 
 
 def delete_scan(storage: Storage, scan_id: str) -> list[Unremoved]:
-    """Deletes the scan with everything made of it, while nobody carries out its fits; what could not be removed."""
+    """Deletes the scan with everything made of it, while nobody runs its fits; what could not be removed."""
     delete_rows(storage, scan_id)
     return remove_files(storage, scan_id)
 
 
 def delete_rows(storage: Storage, scan_id: str) -> list[str]:
-    """Deletes the scan's row and all rows that hang on it; the ids of its fits.  No such scan is no error.
+    """Deletes the scan's row and all rows that depend on it; the ids of its fits.  No such scan is no error.
 
     Their files are in the journal then, for `remove_files`.
     """

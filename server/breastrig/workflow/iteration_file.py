@@ -26,5 +26,5 @@ def iteration_gltf(
 
 
 def parameters_of(rig: Rig, event: Iterated) -> RigParameters:
-    """The rig's parameters behind an event."""
+    """The rig's parameters of an event."""
     return posed_by_nodes(rig, [node.model_dump() for node in event.nodes])

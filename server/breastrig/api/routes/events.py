@@ -1,6 +1,6 @@
-"""The story of a fit, as a stream and page by page.
+"""The events of a fit, as a stream and page by page.
 
-Both tell what is stored, nothing else: whoever opens the stream late, or again, sees the same events with the
+Both give what is stored, nothing else: whoever opens the stream late, or again, sees the same events with the
 same numbers.
 """
 
@@ -73,7 +73,7 @@ def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
 def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
     """The same events for those who ask again and again
 
-    The story is complete when `state` has ended and `next` is null.
+    The list is complete when `state` has ended and `next` is null.
     """
     storage = app_context().service.storage
     state = get_fit(storage, fit_id).state  # first, so that an ended state comes with all of its events
@@ -88,9 +88,9 @@ def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
     )
 
 
-def _lines(story: Iterator[StoredEvent | Queued | Heartbeat]) -> Iterator[str]:
+def _lines(events: Iterator[StoredEvent | Queued | Heartbeat]) -> Iterator[str]:
     yield f"retry: {RECONNECT_MS}\n\n"
-    for item in story:
+    for item in events:
         if isinstance(item, Heartbeat):
             yield ": still here\n\n"
         elif isinstance(item, Queued):  # without a number: a viewer who comes again need not hear it

@@ -32,7 +32,7 @@ FILE_TYPES = ("ply", "obj", "stl", "glb", "zip")
 def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, str]]:
     """Upload a scan
 
-    The file's name serves only to tell its type and is not kept.
+    The file's name serves only to find its type and is not kept.
     """
     suffix = PurePosixPath(files_data.file.filename or "").suffix.lower().lstrip(".")
     if suffix not in FILE_TYPES:

@@ -32,13 +32,13 @@ shares = APIBlueprint("shares", __name__, url_prefix="/api/fits", tag=SHARES_TAG
 
 @shares.post("/<fit_id>/shares")
 @shares.input(wire_shares.ShareRequest)
-@shares.output(wire_shares.ShareMade, status_code=201, description="The link; it is told only now")
+@shares.output(wire_shares.ShareMade, status_code=201, description="The link; it is shown only now")
 @shares.doc(operation_id="makeShare", responses={409: "The fit is not done"})
 def make_share(fit_id: str, json_data: wire_shares.ShareRequest) -> tuple[wire_shares.ShareMade, int, dict[str, str]]:
     """Make a read-only link to a fit's result
 
     The secret is in the address's fragment, which browsers do not send to servers.  It is stored only as a hash:
-    the link cannot be told again.
+    the link cannot be shown again.
     """
     storage = app_context().service.storage
     fit = get_fit(storage, fit_id)

@@ -61,7 +61,7 @@ class FitRow(FitWish):
 
 @dataclass(frozen=True)
 class Once:
-    """A request that may be sent again without being carried out again."""
+    """A request that may be sent again without being executed again."""
 
     key_sha256: str
     request_sha256: str
@@ -160,7 +160,7 @@ def put_back(storage: Storage) -> int:
 
 
 def _leader() -> ColumnElement[str]:
-    """The id under which a fit is carried out: that of the leading partner, who may have ended already."""
+    """The id under which a fit is executed: that of the leading partner, who may have ended already."""
     table = schema.fits
     return case((or_(table.c.leads, table.c.partner.is_(None)), table.c.id), else_=table.c.partner)
 
