@@ -4,10 +4,13 @@ The contract stands in pyproject.toml.  A keeper that lets everything pass would
 violation is written into a copy of the package, and must be found there under its contract's name.
 """
 
+import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -39,6 +42,28 @@ def copy_of_the_house(tmp_path: Path, repository: Path) -> Path:
     return tmp_path
 
 
+def rooms_above(room: str, repository: Path) -> set[str]:
+    """Those that may import it, and those beside it: all that it must not know."""
+    contracts = tomllib.loads((repository / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    layers = next(each["layers"] for each in contracts if each["type"] == "layers")
+    rooms = [[name.strip() for name in layer.split("|")] for layer in layers]
+    level = next(k for k, layer in enumerate(rooms) if room in layer)
+    return {name for layer in rooms[: level + 1] for name in layer} - {room}
+
+
+def test_execution_names_no_module_of_the_rooms_above_it_not_even_in_a_string(repository: Path) -> None:
+    above = rooms_above("execution", repository)
+    assert {"service", "workflow", "storage"} <= above
+    named = re.compile(rf"\bbreastrig[./]({'|'.join(sorted(above))})\b")
+    found = {
+        f"{file.name}:{node.lineno}: {node.value}"
+        for file in (repository / "server" / "breastrig" / "execution").rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and named.search(node.value)
+    }
+    assert not found
+
+
 def test_imports_only_go_downwards(repository: Path) -> None:
     answer = lint_imports(repository)
     assert answer.returncode == 0, answer.stdout + answer.stderr
@@ -57,6 +82,7 @@ def test_imports_only_go_downwards(repository: Path) -> None:
         ({"rig/one.py": "import breastrig.scan", "scan/one.py": "import breastrig.rig"}, "no cycles between siblings"),
         ({"fitting/one.py": "import flask"}, "Flask stays in the entrance hall"),
         ({"storage/one.py": "import numpy"}, "storage keeps rows, not mathematics"),
+        ({"workflow/one.py": "import breastrig.storage.storage"}, "workflow knows neither processes nor rows"),
         ({"scan/one.py": "import threading"}, "the numerics know neither SQL nor threads"),
     ],
     ids=lambda value: "+".join(value) if isinstance(value, dict) else "",

@@ -2,8 +2,8 @@
 
 A process executes one task and is replaced: nothing of one patient's data is left for the next task, a task
 that is killed can never take another one with it, and limits of memory and CPU time hold for each task alone.
-That is cheap because a fork server has imported everything once: the next process is ready, waiting, when the
-task arrives.
+That is cheap because a fork server has imported everything once (see fork_server.py): the next process is ready,
+waiting, when the task arrives.
 
 Tried and dropped: long-lived workers.  When a task is cancelled at the moment at which it ends, Pebble may kill
 the process that has already begun the next one.
@@ -12,7 +12,6 @@ the process that has already begun the next one.
 import multiprocessing
 import os
 import resource
-import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures.process import BrokenProcessPool
@@ -23,25 +22,7 @@ from pebble import ProcessFuture, ProcessPool
 from threadpoolctl import threadpool_limits
 
 from breastrig.core.log_lines import set_up_logs_from_environment
-
-PRELOAD = (
-    "__main__",
-    "breastrig.service.fit_worker",
-    "breastrig.workflow.propose_on_scan",
-    "breastrig.workflow.read_upload",
-    "breastrig.workflow.report",
-    "breastrig.workflow.run_fit",
-    "breastrig.workflow.run_pair",
-    "breastrig.workflow.transfer",
-    "breastrig.workflow.write_plain_mesh",
-)
-REMOTE = ("breastrig.storage.postgres", "psycopg", "breastrig.storage.store_files", "s3fs")  # half a second to import
-_preloaded = list(PRELOAD)
-
-
-def preload_remote() -> None:
-    """For processes that will find rows or files elsewhere, before the first pool; what is not installed is left."""
-    _preloaded.extend(name for name in REMOTE if name not in _preloaded)
+from breastrig.execution.fork_server import modules_to_preload
 
 
 class Processes:
@@ -128,7 +109,7 @@ class _LockKeepingContext:
 
     def __init__(self) -> None:
         self._server = multiprocessing.get_context("forkserver")
-        self._server.set_forkserver_preload([*_preloaded, *_imported()])
+        self._server.set_forkserver_preload(modules_to_preload())
         self.locks: list[Any] = []
 
     def RLock(self) -> Any:
@@ -137,15 +118,6 @@ class _LockKeepingContext:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._server, name)
-
-
-def _imported() -> list[str]:
-    """All of ours that the program has imported.
-
-    Each process first imports what the program's main module imports, which for `breastrig serve` is Flask and all
-    the rest: 0.4 s of work before each task, unless the fork server has done it already.
-    """
-    return sorted(name for name in sys.modules if name.startswith("breastrig."))
 
 
 def _limit(memory_bytes: int, cpu_s: int | None) -> None:

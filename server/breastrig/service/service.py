@@ -20,6 +20,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound, NotRemoved, unknown_name
 from breastrig.execution.executor import Executor
 from breastrig.execution.fair_processes import FairProcesses
+from breastrig.execution.fork_server import preload
 from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.processes import Processes
 from breastrig.execution.scratch_sweeper import scratch_swept
@@ -32,6 +33,7 @@ from breastrig.service.queue import FitQueue
 from breastrig.service.readiness import Readiness
 from breastrig.service.reports import Reports
 from breastrig.service.sweep import KEEP_DAYS, Sweep
+from breastrig.service.task_modules import TASK_MODULES
 from breastrig.service.waiting_cap import WaitingCap
 from breastrig.storage.deletion import delete_rows, discard, finish_deletions, remove_files
 from breastrig.storage.file_journal import record_creation
@@ -84,6 +86,7 @@ class Service:
         self.streams = threading.BoundedSemaphore(streams)  # each open stream holds a thread of the server
         self._uploads = uploads or UploadLimits()
         fit_limits = fits or FitLimits()
+        preload(TASK_MODULES)
         self._readers = FairProcesses(
             Processes(self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s),
             self._uploads.waiting_per_client,

@@ -15,6 +15,7 @@ from breastrig.api.wire import files as wire_files
 from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unknown_name
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
+from breastrig.service.stored_iteration import stored_iteration
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import FitRow, FitWish, Once, fits_page, get_fit, queue_position
 from breastrig.storage.rows.scans import get_landmarks, get_scan
@@ -155,11 +156,10 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
     Its buffers are the model's immutable files.
     """
     context = app_context()
-    fit = get_fit(context.service.storage, fit_id)
-    model = context.model
-    content = iteration_gltf(
-        context.service.storage, fit, iteration, model.rig, model.buffer_link, model.drawing_link(fit.drawing)
-    )
+    storage, model = context.service.storage, context.model
+    fit = get_fit(storage, fit_id)
+    event = stored_iteration(storage, fit, iteration)
+    content = iteration_gltf(event, model.rig, fit.drawing, model.buffer_link, model.drawing_link(fit.drawing))
     return bytes_answer(content, GLTF, PERSONAL)
 
 
