@@ -26,15 +26,9 @@ from breastrig.batch.manifest import INPUTS, INPUTS_SCHEMA, BatchRow
 from breastrig.batch.table import Outcome, numbers_of
 from breastrig.batch.task import FitOfBytes, Runner, fit_of_bytes
 from breastrig.core.errors import BadInput, BadSettings, BreastRigError
-from breastrig.core.output_files import (
-    Output,
-    OutputSet,
-    check_output,
-    private_folder,
-    read_ordinary,
-    recorded,
-    write_private,
-)
+from breastrig.core.output_files import Output, check_output
+from breastrig.core.output_record import OutputSet, recorded
+from breastrig.core.private_files import private_folder, read_ordinary, write_private
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.scan.landmark_files import LIMIT_BYTES

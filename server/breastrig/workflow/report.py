@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from breastrig.core.errors import BadInput
-from breastrig.core.output_files import private_folder, read_ordinary, write_private
+from breastrig.core.private_files import private_folder, read_ordinary, write_private
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.document import Reported, report_document, stance_names
 from breastrig.report.measures import measures

@@ -14,7 +14,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing, BadInput, TooLarge
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.output_files import read_ordinary, shown
+from breastrig.core.private_files import read_ordinary, shown
 from breastrig.drawings.drawing_file import GivenDrawing, ScanShape, parsed_drawing
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.transfer import CarriedShape, centred, transferred
