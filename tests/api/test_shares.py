@@ -355,6 +355,14 @@ def test_wrong_passcodes_keep_the_one_who_guesses_waiting_and_nobody_else(
     assert guess(visitor, made, "the right one", "10.0.0.9").status_code == 200  # as good as new after a right one
 
 
+def test_the_addresses_of_one_house_wait_for_each_others_wrong_passcodes(visitor: FlaskClient, share) -> None:
+    made = share(passcode="the right one")
+    for number in range(share_limits.FREE_GUESSES):
+        problem(guess(visitor, made, "a wrong one", f"2001:db8:1:2::{number}"), 403)
+    assert "wrong passcodes" in problem(guess(visitor, made, "the right one", "2001:db8:1:2:ffff::9"), 429)
+    assert guess(visitor, made, "the right one", "2001:db8:1:3::9").status_code == 200
+
+
 def test_guessing_from_everywhere_locks_out_nobody_until_the_link_is_locked_and_its_owner_sees_and_unlocks_it(
     client: FlaskClient, visitor: FlaskClient, service: Service, client_for, config: Config, share
 ) -> None:

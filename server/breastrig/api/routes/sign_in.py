@@ -1,4 +1,10 @@
-"""The page on which a person gives the token, so that the browser may ask for the rest.  Plain HTML, no script."""
+"""The page on which a person gives the token, so that the browser may ask for the rest.  Plain HTML, no script.
+
+A hospital has one address for all, so whoever guesses there must not keep colleagues out: the right token opens
+however many wrong ones came before it, as it does in the Authorization header.  Wrong ones are refused beyond a small
+number.  What bounds guessing is a larger number of tries from one address, beyond which no token is looked at: at 600 a
+minute, 16 random hexadecimal digits take more than 10^10 years.
+"""
 
 import hmac
 
@@ -28,14 +34,13 @@ def answer() -> Response:
     token = context.config.token
     if token is None:
         return _to("/")
-    seconds = context.rates.wait_s("sign-in")
+    seconds = context.rates.wait_s("sign-in tried")
     if seconds:
-        refused = _page(f"Too many attempts. Try again in {seconds} s.", 429)
-        refused.headers["Retry-After"] = str(seconds)
-        return refused
+        return _too_many(seconds)
     given = request.form.get("token", "").strip()
     if not hmac.compare_digest(given.encode("utf-8", "replace"), token.encode()):
-        return _page(WRONG, 401)
+        seconds = context.rates.wait_s("sign-in")
+        return _too_many(seconds) if seconds else _page(WRONG, 401)
     response = _to("/")
     start_session(response, token)
     return response
@@ -62,6 +67,12 @@ def _page(problem: str = "", status: int = 200) -> Response:
     signed_in = token is not None and in_session(token, context.service.storage)
     html = render_template("sign_in.html", needed=token is not None, note=note, signed_in=signed_in)
     return Response(html, status, mimetype="text/html", headers=PAGE_HEADERS)
+
+
+def _too_many(seconds: int) -> Response:
+    refused = _page(f"Too many attempts. Try again in {seconds} s.", 429)
+    refused.headers["Retry-After"] = str(seconds)
+    return refused
 
 
 def _to(place: str) -> Response:
