@@ -9,6 +9,7 @@ from breastrig.api.access.security import refuse
 from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answer, file_answer, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.landmark_check import check_landmarks
+from breastrig.api.routes.paging import next_page
 from breastrig.api.trusted_proxy import client_of
 from breastrig.api.wire import common as wire
 from breastrig.api.wire import files as wire_files
@@ -125,7 +126,7 @@ def list_fits(scan_id: str, query_data: wire.PageQuery) -> wire.FitPage:
     storage = app_context().service.storage
     get_scan(storage, scan_id)
     rows, before = fits_page(storage, scan_id, query_data.limit, query_data.before)
-    more = None if before is None else f"/api/scans/{scan_id}/fits?before={before}&limit={query_data.limit}"
+    more = next_page(f"/api/scans/{scan_id}/fits", before, query_data)
     return wire.FitPage(fits=[fit_answer(row) for row in rows], next=more)
 
 

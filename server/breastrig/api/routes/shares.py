@@ -6,6 +6,7 @@ from apiflask import APIBlueprint
 from werkzeug.security import generate_password_hash
 
 from breastrig.api.app_context import app_context
+from breastrig.api.routes.paging import next_page
 from breastrig.api.routes.share_credential import new_token, token_sha256
 from breastrig.api.share_limits import WRONG_PASSCODES
 from breastrig.api.wire import common as wire
@@ -69,7 +70,7 @@ def list_shares(fit_id: str, query_data: wire.PageQuery) -> wire_shares.SharePag
     storage = app_context().service.storage
     get_fit(storage, fit_id)
     rows, before = shares_page(storage, fit_id, query_data.limit, query_data.before)
-    more = None if before is None else f"/api/fits/{fit_id}/shares?before={before}&limit={query_data.limit}"
+    more = next_page(f"/api/fits/{fit_id}/shares", before, query_data)
     return wire_shares.SharePage(shares=[share_answer(row) for row in rows], next=more)
 
 

@@ -11,6 +11,7 @@ from breastrig.core.errors import BadInput, NotFound
 from breastrig.storage import schema
 from breastrig.storage.file_journal import clear_entries
 from breastrig.storage.files import fit_place
+from breastrig.storage.rows.paging import newest_first
 from breastrig.storage.rows.scans import Points
 from breastrig.storage.storage import Storage
 
@@ -232,12 +233,8 @@ def fits_of_scan(storage: Storage, scan_id: str) -> list[str]:
 def fits_page(storage: Storage, scan_id: str, limit: int, before: int | None = None) -> tuple[list[FitRow], int | None]:
     """Fits of a scan, the newest first, and where the next page goes on (None: there is none)."""
     table = schema.fits
-    query = select(table).where(table.c.scan == scan_id).order_by(table.c.place.desc()).limit(limit + 1)
-    if before is not None:
-        query = query.where(table.c.place < before)
-    with storage.database.reading() as connection:
-        rows = list(connection.execute(query))
-    return [_fit_row(row) for row in rows[:limit]], rows[limit - 1].place if len(rows) > limit else None
+    rows, more = newest_first(storage, select(table).where(table.c.scan == scan_id), table.c.place, limit, before)
+    return [_fit_row(row) for row in rows], more
 
 
 def fit_ids(storage: Storage) -> set[str]:
