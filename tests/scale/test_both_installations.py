@@ -137,7 +137,10 @@ def test_more_fits_than_workers_all_run(running: Running, scan: dict[str, Any]) 
 
 def test_cancelling_ends_a_running_fit_and_frees_its_worker(running: Running, scan: dict[str, Any]) -> None:
     fits = [asked(running, scan, preset="paper") for _ in range(3)]
-    state = lambda fit: running.client.get(fit["links"]["self"]).json  # noqa: E731
+
+    def state(fit: dict[str, Any]) -> dict[str, Any]:
+        return running.client.get(fit["links"]["self"]).json
+
     until(lambda: all(state(fit)["iterations"] > 1 for fit in fits[:2]), "two running fits")
     for fit in fits:
         assert running.client.post(fit["links"]["cancel"]).json["state"] == "cancelled"

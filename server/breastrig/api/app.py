@@ -3,6 +3,7 @@
 from typing import Any
 
 from apiflask import APIFlask
+from flask.json.provider import DefaultJSONProvider
 
 from breastrig import __version__
 from breastrig.api.access.security import register_security
@@ -69,7 +70,8 @@ def _bare_app() -> APIFlask:
         static_folder=None,  # type: ignore[arg-type]
     )
     app.config["AUTO_SERVERS"] = False
-    app.json.sort_keys = False  # type: ignore[attr-defined]
+    assert isinstance(app.json, DefaultJSONProvider)
+    app.json.sort_keys = False
     app.url_map.merge_slashes = False  # an address has one spelling; no redirects
     app.url_map.converters["page_file"] = PageFile
     for blueprint in (

@@ -6,6 +6,7 @@ steps, once the files have made room.
 """
 
 import logging
+from functools import partial
 
 from sqlalchemy import Connection, delete, select, update
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
@@ -137,9 +138,9 @@ def _delete_in_steps(storage: Storage, scan_id: str) -> list[str]:
     storage.using_reserve(note)
     storage.remove(*places)
     for fit_id in fits:
-        while storage.using_reserve(lambda: delete_events(fit_id)):  # noqa: B023
+        while storage.using_reserve(partial(delete_events, fit_id)):
             storage.forget_deleted()
-        storage.using_reserve(lambda: delete_fit(fit_id))  # noqa: B023
+        storage.using_reserve(partial(delete_fit, fit_id))
     storage.using_reserve(delete_rest)
     return fits
 
