@@ -16,7 +16,7 @@ from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
-from breastrig.storage.rows.fits import FitWish, Once, fit_ids, get_fit
+from breastrig.storage.rows.fits import NewFit, Once, fit_ids, get_fit
 from breastrig.storage.storage import Storage
 from breastrig.workflow.iteration_file import parameters_of
 
@@ -174,9 +174,9 @@ def test_a_key_is_forgotten_with_its_fit(client: FlaskClient, service: Service, 
 
 
 def test_many_threads_with_one_key_get_one_fit(client: FlaskClient, service: Service, scan_id: str) -> None:
-    wish, once = FitWish(scan=scan_id, landmarks_mm={}), Once.of("key", "request")
+    new_fit, once = NewFit(scan=scan_id, landmarks_mm={}), Once.of("key", "request")
     with ThreadPoolExecutor(8) as threads:
-        made = set(threads.map(lambda _: service.add_fit(wish, once=once), range(16)))
+        made = set(threads.map(lambda _: service.add_fit(new_fit, once=once), range(16)))
     assert len(made) == 1
     ended(service, made.pop())
 

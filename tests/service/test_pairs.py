@@ -9,7 +9,7 @@ from breastrig.core.errors import NotFound
 from breastrig.service.service import Service
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows.events import append, events_after
-from breastrig.storage.rows.fits import FitWish, claim_fit, get_fit
+from breastrig.storage.rows.fits import NewFit, claim_fit, get_fit
 from breastrig.storage.rows.scans import ScanRow, add_scan
 from breastrig.storage.storage import Storage, utc_now
 
@@ -29,7 +29,7 @@ def kinds(service: Service, fit_id: str) -> list[str]:
 
 
 def ask_for_pair(service: Service, first: str, second: str) -> tuple[str, str]:
-    leading = service.add_fit(FitWish(scan=first, landmarks_mm={}), FitWish(scan=second, landmarks_mm={}))
+    leading = service.add_fit(NewFit(scan=first, landmarks_mm={}), NewFit(scan=second, landmarks_mm={}))
     partner = get_fit(service.storage, leading).partner
     assert partner is not None
     return leading, partner
@@ -48,7 +48,7 @@ def test_both_fits_are_recorded_by_one_job(serving, scan_id: str, other_scan: st
 def test_many_pairs_and_single_fits_all_run(serving, scan_id: str, other_scan: str) -> None:
     with serving(fake_fit.quick) as service:
         fits = [each for _ in range(4) for each in ask_for_pair(service, scan_id, other_scan)]
-        fits += [service.add_fit(FitWish(scan=scan_id, landmarks_mm={})) for _ in range(3)]
+        fits += [service.add_fit(NewFit(scan=scan_id, landmarks_mm={})) for _ in range(3)]
         assert {ended(service, each).state for each in fits} == {"done"}
 
 

@@ -106,11 +106,11 @@ def run_batch(
                 if row is None:
                     break
                 try:
-                    wish = _wish(row)
+                    task = _fit_of(row)
                 except OSError as error:
                     note(Outcome(row.name, f"The files of this row cannot be read any more ({error.strerror})."))
                     continue
-                inputs = _inputs(batch, wish)
+                inputs = _inputs(batch, task)
                 found = None if batch.again else _found(batch.folder / row.name, inputs)
                 if found is not None:
                     note(found)
@@ -120,7 +120,7 @@ def run_batch(
                 except BadInput as error:
                     note(Outcome(row.name, str(error)))
                     continue
-                future = executor.schedule(fit_of_bytes, (wish, batch.runner), batch.wall_s)
+                future = executor.schedule(fit_of_bytes, (task, batch.runner), batch.wall_s)
                 in_flight[future] = row, inputs
                 future.add_done_callback(ended.put)
             if not in_flight:
@@ -137,7 +137,7 @@ def run_batch(
         _remove_halves(batch.folder)
 
 
-def _wish(row: BatchRow) -> FitOfBytes:
+def _fit_of(row: BatchRow) -> FitOfBytes:
     return FitOfBytes(
         scan=read_ordinary(row.scan, FILE_BYTES),
         ending=row.scan.suffix,
@@ -152,18 +152,18 @@ def _wish(row: BatchRow) -> FitOfBytes:
     )
 
 
-def _inputs(batch: Batch, wish: FitOfBytes) -> dict[str, Any]:
+def _inputs(batch: Batch, task: FitOfBytes) -> dict[str, Any]:
     """Everything that a result depends on; no name of a file is among it."""
     return {
         "schema": INPUTS_SCHEMA,
-        "scan_sha256": _sha256(wish.scan),
-        "landmarks_sha256": _sha256(wish.landmarks),
-        "units": wish.units,
-        "stance": wish.stance,
-        "preset": wish.preset if wish.preset_file is None else None,
-        "preset_sha256": _sha256(wish.preset_file),
-        "drawing": wish.drawing,
-        "refine": wish.refine,
+        "scan_sha256": _sha256(task.scan),
+        "landmarks_sha256": _sha256(task.landmarks),
+        "units": task.units,
+        "stance": task.stance,
+        "preset": task.preset if task.preset_file is None else None,
+        "preset_sha256": _sha256(task.preset_file),
+        "drawing": task.drawing,
+        "refine": task.refine,
         "model_sha256": batch.model_sha256,
         "breastrig": __version__,
     }

@@ -41,7 +41,7 @@ from breastrig.storage.files import MESH, fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
 from breastrig.storage.rows.events import StoredEvent
-from breastrig.storage.rows.fits import FitRow, FitWish, Once, add_fits, fits_of_scan, get_fit, made_before
+from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, get_fit, made_before
 from breastrig.storage.rows.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.propose_on_scan import propose_on_file
@@ -207,7 +207,7 @@ class Service:
         return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
 
     def add_fit(
-        self, wish: FitWish, other: FitWish | None = None, once: Once | None = None, client: str | None = None
+        self, new_fit: NewFit, other: NewFit | None = None, once: Once | None = None, client: str | None = None
     ) -> str:
         """Puts a fit into the queue; its id.  With `other` it is fitted together with a second stance.
 
@@ -219,24 +219,24 @@ class Service:
             if made is not None:
                 return made
         with self._waiting.place(client) as waits:
-            made = self._add_fit(wish, other, once)
+            made = self._add_fit(new_fit, other, once)
             waits(made)
         self._queue.wake()
         return made
 
-    def _add_fit(self, wish: FitWish, other: FitWish | None, once: Once | None) -> str:
-        wishes = {new_id(): one for one in (wish, other) if one is not None}
-        places = [fit_place(fit_id) for fit_id in wishes]
-        record_creation(self.storage, wish.scan, places)
+    def _add_fit(self, new_fit: NewFit, other: NewFit | None, once: Once | None) -> str:
+        new_fits = {new_id(): one for one in (new_fit, other) if one is not None}
+        places = [fit_place(fit_id) for fit_id in new_fits]
+        record_creation(self.storage, new_fit.scan, places)
         try:
-            for fit_id in wishes:
+            for fit_id in new_fits:
                 self.storage.make_fit(fit_id)
-            made = add_fits(self.storage, utc_now(), wishes, once)
+            made = add_fits(self.storage, utc_now(), new_fits, once)
         except BaseException:
-            discard(self.storage, wish.scan, *places)
+            discard(self.storage, new_fit.scan, *places)
             raise
-        if made not in wishes:
-            discard(self.storage, wish.scan, *places)
+        if made not in new_fits:
+            discard(self.storage, new_fit.scan, *places)
         return made
 
     def cancel_fit(self, fit_id: str) -> FitRow:

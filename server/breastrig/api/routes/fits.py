@@ -18,7 +18,7 @@ from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
 from breastrig.service.stored_iteration import stored_iteration
 from breastrig.storage.files import fit_place
-from breastrig.storage.rows.fits import FitRow, FitWish, Once, fits_page, get_fit, queue_position
+from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_position
 from breastrig.storage.rows.scans import get_landmarks, get_scan
 from breastrig.workflow.iteration_file import iteration_gltf
 
@@ -67,10 +67,10 @@ def start_fit(
         raise BadScan("Two stances need two scans; leave `with` out to fit one scan.")
     if json_data.start_from is not None:
         _check_start(json_data, json_data.start_from)
-    wish = _wish(json_data, json_data)
+    new_fit = _new_fit(json_data, json_data)
     fit_id = context.service.add_fit(
-        wish,
-        None if other is None else _wish(json_data, other),
+        new_fit,
+        None if other is None else _new_fit(json_data, other),
         _once(headers_data.idempotency_key, json_data),
         client=client_of(request.remote_addr),
     )
@@ -90,7 +90,7 @@ def _check_start(asked: wire.FitRequest, start_from: str) -> None:
         raise Conflict(f"A fit goes on from one that is done; that one is {earlier.state}.")
 
 
-def _wish(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance) -> FitWish:
+def _new_fit(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance) -> NewFit:
     """One scan's part of the request."""
     context = app_context()
     scan = get_scan(context.service.storage, stance.scan)
@@ -98,7 +98,7 @@ def _wish(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance) ->
     if landmarks is None:
         landmarks = get_landmarks(context.service.storage, scan.id)
     check_landmarks(landmarks, scan, context.model)
-    return FitWish(
+    return NewFit(
         scan=scan.id,
         stance=stance.stance,
         preset=asked.preset,

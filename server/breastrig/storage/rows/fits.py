@@ -20,8 +20,8 @@ ENDED = frozenset(STATES[2:])
 
 
 @dataclass(frozen=True, kw_only=True)
-class FitWish:
-    """What was asked for."""
+class NewFit:
+    """A fit as it was asked for, before it has an id and a place in the queue."""
 
     scan: str
     stance: str = "auto"
@@ -33,7 +33,7 @@ class FitWish:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FitRow(FitWish):
+class FitRow(NewFit):
     """What was asked for, and how far it has come; `stance` is the decided one once the fit has started."""
 
     id: str
@@ -74,27 +74,27 @@ class Once:
         return cls(key_sha256, request_sha256)
 
 
-def add_fits(storage: Storage, created_at: str, wishes: dict[str, FitWish], once: Once | None = None) -> str:
-    """Puts a fit {id: wish}, or two stances to be fitted together, at the end of the queue.
+def add_fits(storage: Storage, created_at: str, new_fits: dict[str, NewFit], once: Once | None = None) -> str:
+    """Puts a fit {id: new_fit}, or two stances to be fitted together, at the end of the queue.
 
     Gives the first id, or that of the fit which the same request has made before.  Raises NotFound when a scan is
     gone, BadInput when the key came with another request.
     """
-    first, *others = wishes
+    first, *others = new_fits
     with storage.database.writing() as connection:
         if once is not None:
             made = _made_before(connection, once)
             if made is not None:
                 return made
-        for fit_id, wish in wishes.items():
-            if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == wish.scan)).first() is None:
+        for fit_id, new_fit in new_fits.items():
+            if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == new_fit.scan)).first() is None:
                 raise NotFound("There is no such scan; it may have been deleted.")
             place = connection.execute(select(func.coalesce(func.max(schema.fits.c.place), 0) + 1)).scalar_one()
             partner = others[0] if others and fit_id == first else first
             values = {
-                **asdict(wish),
-                "asked_stance": wish.stance,
-                "landmarks_mm": json.dumps(wish.landmarks_mm),
+                **asdict(new_fit),
+                "asked_stance": new_fit.stance,
+                "landmarks_mm": json.dumps(new_fit.landmarks_mm),
                 "id": fit_id,
                 "partner": partner if others else None,
                 "leads": fit_id == first,
@@ -105,7 +105,7 @@ def add_fits(storage: Storage, created_at: str, wishes: dict[str, FitWish], once
                 "iterations": 0,
             }
             connection.execute(insert(schema.fits).values(values))
-        clear_entries(connection, map(fit_place, wishes))
+        clear_entries(connection, map(fit_place, new_fits))
         if once is not None:
             connection.execute(insert(schema.asked_once).values(fit=first, **asdict(once)))
     return first
