@@ -41,9 +41,9 @@ class CompleteWheel(BuildHookInterface):
         if version == "editable":
             return
         build_page.ensure_page(self._web)
-        for folder, (_, witness) in ASSETS.items():
-            if not (Path(self.root) / folder / witness).is_file():
-                raise FileNotFoundError(f"{folder}/{witness} is missing: the package would be incomplete.")
+        for folder, (_, needed_file) in ASSETS.items():
+            if not (Path(self.root) / folder / needed_file).is_file():
+                raise FileNotFoundError(f"{folder}/{needed_file} is missing: the package would be incomplete.")
         if self.target_name == "wheel":
             build_data["force_include"].update(self._files())
 

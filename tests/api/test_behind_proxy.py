@@ -60,7 +60,7 @@ class _ByName(httpx.HTTPTransport):
     """Asks for the certificate of a name that this machine does not know."""
 
     def __init__(self, name: str, **options: object) -> None:
-        super().__init__(**options)  # type: ignore[arg-type]
+        super().__init__(**options)
         self._name = name
 
     def handle_request(self, request: httpx.Request) -> httpx.Response:

@@ -93,6 +93,16 @@ def test_beyond_the_bound_a_reader_is_asked_to_come_again(visitor: tuple[FlaskCl
         reader.close()
 
 
+def test_the_addresses_of_one_house_share_its_places(visitor: tuple[FlaskClient, str, BigAnswers]) -> None:
+    browser, link, under_way = visitor
+    for number in range(BIG_ANSWERS_EACH):
+        assert under_way.take(f"share {number}", "2001:db8:1:2::/64") is not None
+    problem(browser.get(link, environ_base={"REMOTE_ADDR": "2001:db8:1:2:ffff::9"}), 503)
+    assert browser.get(link, environ_base={"REMOTE_ADDR": "2001:db8:1:3::9"}).data == CONTENT
+    for place in list(under_way._places):
+        under_way.leave(place)
+
+
 def test_nothing_of_the_file_is_in_memory_before_it_is_read(visitor: tuple[FlaskClient, str, BigAnswers]) -> None:
     browser, link, _ = visitor
     with browser.get(link, buffered=False) as reader:

@@ -17,7 +17,7 @@ def parsed(stream: bytes) -> list[tuple[int, str, dict]]:
     return events
 
 
-def test_the_stream_tells_the_stored_story_and_closes(client: FlaskClient, fit_id: str) -> None:
+def test_the_stream_sends_the_stored_events_and_closes(client: FlaskClient, fit_id: str) -> None:
     answer = client.get(f"/api/fits/{fit_id}/events")
     assert (answer.status_code, answer.mimetype) == (200, "text/event-stream")
     assert answer.headers["Cache-Control"] == "no-store"
@@ -36,7 +36,7 @@ def test_the_stream_tells_the_stored_story_and_closes(client: FlaskClient, fit_i
     assert parsed(client.get(f"/api/fits/{fit_id}/events").data) == events
 
 
-def test_the_polling_twin_tells_the_same(client: FlaskClient, fit_id: str) -> None:
+def test_the_polling_twin_gives_the_same(client: FlaskClient, fit_id: str) -> None:
     streamed = parsed(client.get(f"/api/fits/{fit_id}/events").data)
     page = client.get(f"/api/fits/{fit_id}/events.json")
     assert page.headers["Cache-Control"] == "no-store"
@@ -46,16 +46,16 @@ def test_the_polling_twin_tells_the_same(client: FlaskClient, fit_id: str) -> No
     assert [one["id"] for one in rest["events"]] == [5, 6]
 
 
-def test_long_stories_come_page_by_page(client: FlaskClient, fit_id: str) -> None:
+def test_many_events_come_page_by_page(client: FlaskClient, fit_id: str) -> None:
     whole = client.get(f"/api/fits/{fit_id}/events.json").json
     assert whole["next"] is None
-    told, address = [], f"/api/fits/{fit_id}/events.json?limit=4"
+    received, address = [], f"/api/fits/{fit_id}/events.json?limit=4"
     while address:
         page = client.get(address).json
         assert len(page["events"]) <= 4
-        told += page["events"]
+        received += page["events"]
         address = page["next"]
-    assert told == whole["events"]
+    assert received == whole["events"]
     for limit in ("0", "1001", "x"):
         assert "limit" in problem(client.get(f"/api/fits/{fit_id}/events.json?limit={limit}"), 422)
 
@@ -67,7 +67,7 @@ def test_a_stream_goes_on_where_it_was_left(client: FlaskClient, fit_id: str) ->
     assert [e[0] for e in parsed(client.get(f"{place}?after=1", headers={"Last-Event-ID": "5"}).data)] == [6]
 
 
-def test_who_has_heard_everything_is_told_not_to_come_back(client: FlaskClient, fit_id: str) -> None:
+def test_who_has_heard_everything_is_asked_not_to_come_back(client: FlaskClient, fit_id: str) -> None:
     answer = client.get(f"/api/fits/{fit_id}/events", headers={"Last-Event-ID": "6"})
     assert (answer.status_code, answer.data) == (204, b"")
 

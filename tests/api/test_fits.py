@@ -16,14 +16,14 @@ from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
-from breastrig.storage.rows.fits import FitWish, Once, fit_ids, get_fit
+from breastrig.storage.rows.fits import NewFit, Once, fit_ids, get_fit
 from breastrig.storage.storage import Storage
 from breastrig.workflow.iteration_file import parameters_of
 
 PERSONAL = "private, no-cache"
 
 
-def test_a_fit_is_accepted_carried_out_and_described(client: FlaskClient, service: Service, scan_id: str) -> None:
+def test_a_fit_is_accepted_executed_and_described(client: FlaskClient, service: Service, scan_id: str) -> None:
     answer = client.post("/api/fits", json={"scan": scan_id, "drawing": "lumpectomy", "stance": "supine"})
     assert answer.status_code == 202
     fit_id, links = answer.json["id"], answer.json["links"]
@@ -69,7 +69,7 @@ def test_landmarks_come_from_the_scan_unless_they_are_given(
         assert client.get(answer.json["links"]["result"]).json["landmarks_given"] == expected
 
 
-def test_refining_is_asked_for_and_carried_out(client: FlaskClient, service: Service, scan_id: str) -> None:
+def test_refining_is_asked_for_and_executed(client: FlaskClient, service: Service, scan_id: str) -> None:
     for refine in (True, False):
         links = client.post("/api/fits", json={"scan": scan_id, "drawing": None, "refine": refine}).json["links"]
         ended(service, links["self"].rsplit("/", 1)[1])
@@ -174,9 +174,9 @@ def test_a_key_is_forgotten_with_its_fit(client: FlaskClient, service: Service, 
 
 
 def test_many_threads_with_one_key_get_one_fit(client: FlaskClient, service: Service, scan_id: str) -> None:
-    wish, once = FitWish(scan=scan_id, landmarks_mm={}), Once.of("key", "request")
+    new_fit, once = NewFit(scan=scan_id, landmarks_mm={}), Once.of("key", "request")
     with ThreadPoolExecutor(8) as threads:
-        made = set(threads.map(lambda _: service.add_fit(wish, once=once), range(16)))
+        made = set(threads.map(lambda _: service.add_fit(new_fit, once=once), range(16)))
     assert len(made) == 1
     ended(service, made.pop())
 
@@ -241,10 +241,10 @@ def test_an_iteration_is_a_complete_gltf_of_what_the_event_said(client: FlaskCli
     for buffer in shared:
         assert len(client.get(buffer["uri"]).data) == buffer["byteLength"]
     events = client.get(f"/api/fits/{fit_id}/events.json").json["events"]
-    told = {node["name"]: node for node in events[3]["event"]["nodes"]}
+    moved = {node["name"]: node for node in events[3]["event"]["nodes"]}
     nodes = {node.get("name"): node for node in document["nodes"]}
-    assert set(told) <= set(nodes)
-    for name, node in told.items():
+    assert set(moved) <= set(nodes)
+    for name, node in moved.items():
         for key in ("translation", "rotation", "scale", "weights"):
             if key in node and key in nodes[name]:
                 assert np.allclose(node[key], nodes[name][key], atol=1e-6), (name, key)

@@ -17,7 +17,7 @@ def test_the_service_says_that_it_lives(client: FlaskClient) -> None:
     assert (answer.status_code, answer.json) == (200, {"status": "ok"})
 
 
-def test_meta_tells_version_limits_and_model(client: FlaskClient, config: Config) -> None:
+def test_meta_names_version_limits_and_model(client: FlaskClient, config: Config) -> None:
     meta = client.get("/api/meta").json
     assert (meta["name"], meta["version"], meta["notice"]) == ("BreastRig", __version__, LIMITS_OF_USE)
     assert meta["limits"] == {
@@ -34,16 +34,16 @@ def test_meta_tells_version_limits_and_model(client: FlaskClient, config: Config
     assert [pattern["name"] for pattern in meta["patterns"]] == ["tumour", "tumour_at"]  # the toy has no fold
 
 
-def test_meta_tells_the_patterns_of_the_packaged_torso(client_for, config: Config) -> None:
+def test_meta_names_the_patterns_of_the_packaged_torso(client_for, config: Config) -> None:
     meta = client_for(replace(config, model=None)).get("/api/meta").json
     patterns = {pattern["name"]: pattern for pattern in meta["patterns"]}
     assert list(patterns) == ["reduction", "tumour", "tumour_at"]
     assert patterns["reduction"]["label"] == "Reduction (Wise pattern)"
     assert {"reduction"} & {drawing["name"] for drawing in meta["drawings"]}
-    told = {one["name"]: one for one in patterns["reduction"]["parameters"]}
-    about = told["areola_mm"].pop("about")
+    shown = {one["name"]: one for one in patterns["reduction"]["parameters"]}
+    about = shown["areola_mm"].pop("about")
     assert "diameter of the new areola" in about
-    assert told["areola_mm"] == {
+    assert shown["areola_mm"] == {
         "name": "areola_mm",
         "label": "New areola",
         "unit": "mm",
@@ -53,9 +53,13 @@ def test_meta_tells_the_patterns_of_the_packaged_torso(client_for, config: Confi
         "max": 55.0,
         "choices": None,
     }
-    assert (told["side"]["default"], told["side"]["choices"], told["side"]["min"]) == ("both", ["both", "L", "R"], None)
-    assert (told["limb_mm"]["default"], told["limb_mm"]["needed"], told["limb_mm"]["max"]) == (None, False, 80.0)
-    assert told["opening_deg"]["unit"] == "deg"
+    assert (shown["side"]["default"], shown["side"]["choices"], shown["side"]["min"]) == (
+        "both",
+        ["both", "L", "R"],
+        None,
+    )
+    assert (shown["limb_mm"]["default"], shown["limb_mm"]["needed"], shown["limb_mm"]["max"]) == (None, False, 80.0)
+    assert shown["opening_deg"]["unit"] == "deg"
     clock = next(one for one in patterns["tumour"]["parameters"] if one["name"] == "clock")
     assert (clock["unit"], clock["needed"], clock["min"], clock["max"]) == ("h", True, 0.5, 12.5)
 

@@ -1,4 +1,4 @@
-"""The whole way with the real registration and the packaged model: upload, landmarks, fit, story, files."""
+"""The whole way with the real registration and the packaged model: upload, landmarks, fit, events, files."""
 
 import hashlib
 import io
@@ -39,11 +39,11 @@ def fitted(service: Service, client: FlaskClient, scan: dict, landmarks: dict, *
     assert [one["event"]["iteration"] for one in events[1:-1]] == list(range(fit.iterations))
     last = client.get(f"{links['self']}/iterations/{fit.iterations - 1}.gltf")
     assert last.status_code == 200
-    told = {node["name"]: node for node in events[-2]["event"]["nodes"]}
+    received = {node["name"]: node for node in events[-2]["event"]["nodes"]}
     for node in json.loads(last.data)["nodes"]:
         for key in ("translation", "rotation", "scale", "weights"):
-            if key in told.get(node.get("name"), {}) and key in node:
-                assert np.allclose(node[key], told[node["name"]][key], atol=2e-6)
+            if key in received.get(node.get("name"), {}) and key in node:
+                assert np.allclose(node[key], received[node["name"]][key], atol=2e-6)
     for name in ("fitted_glb", "fitted_ply", "drawing"):
         with client.get(links[name]) as answer:
             assert answer.status_code == 200
@@ -118,10 +118,10 @@ def test_a_fit_goes_on_from_an_earlier_one_of_its_scan(real: tuple[Service, Flas
     assert (done.state, done.stance) == ("done", "supine")
     assert done.iterations < get_fit(service.storage, first["id"]).iterations
     assert client.get(again["links"]["self"]).json["start_from"] == first["id"]
-    told = client.get(again["links"]["events"] + ".json").json["events"]
+    received = client.get(again["links"]["events"] + ".json").json["events"]
     before = client.get(first["links"]["events"] + ".json").json["events"]
-    assert "goes on from" in told[0]["event"]["stance_reason"]
-    start, end = ({node["name"]: node for node in event["event"]["nodes"]} for event in (told[1], before[-2]))
+    assert "goes on from" in received[0]["event"]["stance_reason"]
+    start, end = ({node["name"]: node for node in event["event"]["nodes"]} for event in (received[1], before[-2]))
     for name, node in end.items():
         assert np.allclose(node.get("translation", 0.0), start[name].get("translation", 0.0), atol=1e-6)
         assert np.allclose(node.get("weights", 0.0), start[name].get("weights", 0.0), atol=1e-6)
@@ -144,8 +144,8 @@ def test_two_stances_are_fitted_together_with_one_body(real: tuple[Service, Flas
         assert results[name]["stance"] == name
         assert results[name]["surface_distance_mm"]["mean"] < 3.0
         assert results[name]["landmark_distance_mm"]["mean"] < 8.0
-        told = client.get(one["links"]["events"] + ".json").json["events"]
-        assert [each["event"]["kind"] for each in told] == ["started", *["iterated"] * fit.iterations, "done"]
+        received = client.get(one["links"]["events"] + ".json").json["events"]
+        assert [each["event"]["kind"] for each in received] == ["started", *["iterated"] * fit.iterations, "done"]
         left = (service.storage.folders.fit(one["id"]) / "result.json").read_text()
         assert not any(scan["id"] in left for scan in scans.values())
     scales = [[bone["scale"] for bone in result["parameters"]["bones"]] for result in results.values()]

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from helpers.real_server import alive, children, server, story
+from helpers.real_server import alive, children, read_events, server
 from helpers.waiting import until
 
 from breastrig.api.access.security import HEADERS
@@ -37,8 +37,8 @@ def test_a_scan_goes_in_and_the_fit_comes_out(tmp_path: Path, model: Path, torso
                 blocks.append(text)
         live = [block for block in "".join(blocks).split("\n\n") if block.startswith("id:")]
         assert [block.split("\n")[1] for block in live] == ["event: started", *["event: iterated"] * 4, "event: done"]
-        assert story(client, fit["links"]["events"]) == live
-        assert story(client, fit["links"]["events"], **{"Last-Event-ID": "4"}) == live[4:]
+        assert read_events(client, fit["links"]["events"]) == live
+        assert read_events(client, fit["links"]["events"], **{"Last-Event-ID": "4"}) == live[4:]
         assert client.get(fit["links"]["events"], headers={"Last-Event-ID": "6"}).status_code == 204
         for name in ("result", "fitted_glb", "fitted_ply", "drawing"):
             answer = client.get(fit["links"][name])
@@ -51,7 +51,7 @@ def test_a_scan_goes_in_and_the_fit_comes_out(tmp_path: Path, model: Path, torso
         assert process.wait(timeout=20) == 0
         until(lambda: not alive(below), "the end of all processes")
     with server(data, model, log) as (_, address), httpx.Client(base_url=address, timeout=20) as client:
-        assert story(client, fit["links"]["events"]) == live
+        assert read_events(client, fit["links"]["events"]) == live
         assert client.get(fit["links"]["self"]).json()["state"] == "done"
     assert "Traceback" not in log.read_text()
 
@@ -64,7 +64,7 @@ def test_a_server_that_is_killed_forgets_no_fit_and_leaves_no_process(
         scan_id = client.post("/api/scans", files={"file": ("torso.ply", torso)}).json()["id"]
         body = {"scan": scan_id, "drawing": None}
         done = client.post("/api/fits", json=body).json()["links"]
-        told = story(client, done["events"])
+        received = read_events(client, done["events"])
         running = [client.post("/api/fits", json=body | {"preset": "paper"}).json()["links"] for _ in range(8)]
         until(lambda: client.get(running[0]["self"]).json()["iterations"] > 1, "a running fit")
         first = client.get(running[0]["events"] + ".json?limit=3").json()["events"]
@@ -74,7 +74,7 @@ def test_a_server_that_is_killed_forgets_no_fit_and_leaves_no_process(
         process.wait()
         until(lambda: not alive(below), "the end of all processes")
     with server(data, model, log) as (_, address), httpx.Client(base_url=address, timeout=20) as client:
-        assert story(client, done["events"]) == told
+        assert read_events(client, done["events"]) == received
         fits = [client.get(links["self"]).json() for links in running]
         assert {fit["state"] for fit in fits} <= {"queued", "running"}
         assert fits[0]["last_event"] >= begun["last_event"]

@@ -1,4 +1,4 @@
-"""The log of requests: what it tells of each, and that it tells nothing of anybody."""
+"""The log of requests: what it says of each, and that it says nothing of anybody."""
 
 import logging
 from collections.abc import Callable
@@ -18,11 +18,11 @@ def logged(client_for: Callable[[Config], FlaskClient], config: Config) -> Flask
     return client_for(replace(config, log_requests=True))
 
 
-def told(caplog: pytest.LogCaptureFixture) -> list[dict[str, object]]:
+def logged_fields(caplog: pytest.LogCaptureFixture) -> list[dict[str, object]]:
     return [getattr(one, FIELDS) for one in caplog.records if one.name == "breastrig.requests"]
 
 
-def test_each_answer_is_told_by_method_route_status_and_time(
+def test_each_answer_is_logged_by_method_route_status_and_time(
     logged: FlaskClient, fit_id: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     caplog.set_level(logging.INFO)
@@ -30,7 +30,7 @@ def test_each_answer_is_told_by_method_route_status_and_time(
     logged.get(f"/api/scans/{SECRET}")
     logged.open(f"/{SECRET}", method="BREW")
     logged.get("/api/meta", headers={"Host": "evil.example"})
-    lines = told(caplog)
+    lines = logged_fields(caplog)
     assert [(line["method"], line["route"], line["status"]) for line in lines] == [
         ("GET", "/api/fits/<fit_id>", 200),
         ("GET", "/api/scans/<scan_id>", 404),
@@ -43,16 +43,16 @@ def test_each_answer_is_told_by_method_route_status_and_time(
         assert word not in caplog.text
 
 
-def test_a_stream_is_told_when_it_ends(logged: FlaskClient, fit_id: str, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_stream_is_logged_when_it_ends(logged: FlaskClient, fit_id: str, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.INFO)
     answer = logged.get(f"/api/fits/{fit_id}/events", buffered=False)
-    assert told(caplog) == []
+    assert logged_fields(caplog) == []
     answer.close()
-    [line] = told(caplog)
+    [line] = logged_fields(caplog)
     assert line["route"] == "/api/fits/<fit_id>/events"
 
 
-def test_nothing_is_told_unless_asked_for(client: FlaskClient, caplog: pytest.LogCaptureFixture) -> None:
+def test_nothing_is_logged_unless_asked_for(client: FlaskClient, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.INFO)
     assert client.get("/healthz").status_code == 200
-    assert told(caplog) == []
+    assert logged_fields(caplog) == []

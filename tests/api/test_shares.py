@@ -18,7 +18,7 @@ from werkzeug.security import generate_password_hash
 from breastrig.api import share_limits
 from breastrig.api.access import rate_limits
 from breastrig.api.access.session import COOKIE as SESSION_COOKIE
-from breastrig.api.app_context import KEY, Behind
+from breastrig.api.app_context import KEY, AppContext
 from breastrig.api.config import Config
 from breastrig.api.routes import passcode as passcode_module
 from breastrig.api.routes import share_credential
@@ -50,7 +50,7 @@ def share(client: FlaskClient, fit_id: str) -> Callable[..., dict]:
     return make
 
 
-def behind_of(visitor: FlaskClient) -> Behind:
+def context_of(visitor: FlaskClient) -> AppContext:
     return visitor.application.extensions[KEY]
 
 
@@ -337,7 +337,7 @@ def test_wrong_passcodes_keep_the_one_who_guesses_waiting_and_nobody_else(
     visitor: FlaskClient, share, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made, other, moment = share(passcode="the right one"), share(passcode="another one"), [1000.0]
-    monkeypatch.setattr(behind_of(visitor).passcode_delays, "_clock", lambda: moment[0])
+    monkeypatch.setattr(context_of(visitor).passcode_delays, "_clock", lambda: moment[0])
     waits = []
     for number in range(12):
         problem(guess(visitor, made, "a wrong one", "10.0.0.9"), 403)
@@ -353,6 +353,14 @@ def test_wrong_passcodes_keep_the_one_who_guesses_waiting_and_nobody_else(
     assert guess(visitor, made, "the right one", "10.0.0.9").status_code == 200
     problem(guess(visitor, made, "a wrong one", "10.0.0.9"), 403)
     assert guess(visitor, made, "the right one", "10.0.0.9").status_code == 200  # as good as new after a right one
+
+
+def test_the_addresses_of_one_house_wait_for_each_others_wrong_passcodes(visitor: FlaskClient, share) -> None:
+    made = share(passcode="the right one")
+    for number in range(share_limits.FREE_GUESSES):
+        problem(guess(visitor, made, "a wrong one", f"2001:db8:1:2::{number}"), 403)
+    assert "wrong passcodes" in problem(guess(visitor, made, "the right one", "2001:db8:1:2:ffff::9"), 429)
+    assert guess(visitor, made, "the right one", "2001:db8:1:3::9").status_code == 200
 
 
 def test_guessing_from_everywhere_locks_out_nobody_until_the_link_is_locked_and_its_owner_sees_and_unlocks_it(

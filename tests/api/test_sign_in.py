@@ -10,6 +10,7 @@ import pytest
 from flask.testing import FlaskClient
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
+from limits import RateLimitItemPerMinute
 
 from breastrig.api.access import rate_limits, session
 from breastrig.api.app import create_app
@@ -174,19 +175,36 @@ def test_another_site_can_neither_sign_a_browser_in_nor_use_its_session(browser:
     assert browser.delete("/api/scans/nobody").status_code == 204
 
 
-def test_guessing_is_slowed_down_for_each_address_alone(browser: FlaskClient) -> None:
+def test_wrong_tokens_are_limited_for_each_address_alone_and_keep_nobody_out_who_has_the_right_one(
+    browser: FlaskClient,
+) -> None:
     answers = [sign_in(browser, "wrong") for _ in range(rate_limits.PER_MINUTE["sign-in"].amount + 1)]
     assert [answer.status_code for answer in answers[:-1]] == [401] * (len(answers) - 1)
     assert answers[-1].status_code == 429
     assert 1 <= int(answers[-1].headers["Retry-After"]) <= 61
     assert "Too many attempts" in answers[-1].get_data(as_text=True)
-    assert sign_in(browser).status_code == 429
-    assert sign_in(browser, environ_base={"REMOTE_ADDR": "10.0.0.9"}).status_code == 303
+    assert sign_in(browser, "wrong again", environ_base={"REMOTE_ADDR": "10.0.0.9"}).status_code == 401
+    assert "Set-Cookie" not in answers[-1].headers
+    assert sign_in(browser).status_code == 303
+    assert browser.get("/api/meta").status_code == 200
+    assert sign_in(browser, "wrong again").status_code == 429  # the right one of a colleague begins nothing anew
+
+
+def test_beyond_a_number_of_tries_from_an_address_no_token_is_looked_at(
+    browser: FlaskClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So guesses are bounded also by what they can find, not only by what they are answered."""
+    monkeypatch.setitem(rate_limits.PER_MINUTE, "sign-in tried", RateLimitItemPerMinute(4))
+    near, far = {"REMOTE_ADDR": "2001:db8:1:2::5"}, {"REMOTE_ADDR": "2001:db8:1:3::5"}
+    codes = [sign_in(browser, f"guess {number}", environ_base=near).status_code for number in range(4)]
+    assert codes == [401] * 4
+    refused = sign_in(browser, environ_base=near | {"REMOTE_ADDR": "2001:db8:1:2::6"})  # the right token, same house
+    assert (refused.status_code, "Set-Cookie" in refused.headers) == (429, False)
+    assert 1 <= int(refused.headers["Retry-After"]) <= 61
+    assert sign_in(browser, environ_base=far).status_code == 303
 
 
 def test_uploads_are_limited(browser: FlaskClient, monkeypatch: pytest.MonkeyPatch, torso: bytes) -> None:
-    from limits import RateLimitItemPerMinute
-
     monkeypatch.setitem(rate_limits.PER_MINUTE, "upload", RateLimitItemPerMinute(1))
     sign_in(browser)
     data = {"units": "m"}

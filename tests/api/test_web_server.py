@@ -270,7 +270,7 @@ def test_nothing_of_a_body_is_taken_before_the_headers_have_been_judged(serve: S
     ]
     with serve(bodies={"unwanted_pause_s": 0.1}, token=TOKEN, public_hosts=("scans.example",)) as served:
         taken: list[int] = []
-        served.server.spools.take = lambda _client, size: taken.append(size)  # type: ignore[method-assign]
+        served.server.spools.take = lambda _client, size: taken.append(size)
         for sent, status in cases:
             with connected(served.port) as connection:
                 connection.sendall(sent.replace(b"Host: localhost\r\n", b"", sent.count(b"Host:") - 1))

@@ -32,7 +32,7 @@ def batch_of(folder: Path, scans: dict[str, str]) -> Batch:
         (folder / f"{name}.ply").write_text(content)
         rows.append(BatchRow(name, folder / f"{name}.ply", None, "auto", "auto", "default", None, False))
     (folder / "out").mkdir(exist_ok=True)
-    return Batch(rows, folder / "out", "0" * 64, runner=fake_batch.as_told, wall_s=0.5)
+    return Batch(rows, folder / "out", "0" * 64, runner=fake_batch.scripted_fit, wall_s=0.5)
 
 
 def silent(_outcome: Outcome) -> None:
@@ -41,8 +41,8 @@ def silent(_outcome: Outcome) -> None:
 
 def test_a_failing_row_stops_no_other_and_says_why(processes: Processes, tmp_path: Path) -> None:
     scans = {"one": "fail", "two": "bug", "three": "die", "four": "greedy", "five": "slow 60", "six": "fine"}
-    told: list[Outcome] = []
-    outcomes = run_batch(batch_of(tmp_path, scans), processes, told.append)
+    outcomes_seen: list[Outcome] = []
+    outcomes = run_batch(batch_of(tmp_path, scans), processes, outcomes_seen.append)
     assert [outcome.name for outcome in outcomes] == list(scans)
     assert [outcome.reason for outcome in outcomes] == [
         "The model found no skin near it; place three landmarks.",
@@ -52,7 +52,7 @@ def test_a_failing_row_stops_no_other_and_says_why(processes: Processes, tmp_pat
         "The fit took longer than 0.5 s and was stopped.",
         None,
     ]
-    assert sorted(outcome.name for outcome in told) == sorted(scans)
+    assert sorted(outcome.name for outcome in outcomes_seen) == sorted(scans)
     assert [entry.name for entry in (tmp_path / "out").iterdir()] == ["six"]
     assert {file.name for file in (tmp_path / "out" / "six").iterdir()} == {*fake_batch.FILES, "inputs.json"}
 
@@ -74,7 +74,7 @@ def test_only_what_failed_is_missing_or_has_changed_is_done_again(processes: Pro
     assert [outcome.state for outcome in second] == ["done"] * 6
     after = {name: (out / name / "result.json").stat().st_ino for name in "abcde"}
     assert {name for name in "abcde" if before[name] != after[name]} == {"a", "b", "c", "d"}
-    assert second[4] == first[4]  # what was done tells the same numbers, times too
+    assert second[4] == first[4]  # what was done has the same numbers, times too
     assert second[1].numbers["stance"] == "supine"
     assert json.loads((out / "a" / "result.json").read_text())["scan"]["triangles"] == len("fine other")
     assert sorted(entry.name for entry in out.iterdir()) == list("abcdef")

@@ -24,7 +24,7 @@ EXAMPLE = asset_folder("example") / "standing"
 
 @pytest.fixture
 def fake(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(batch_command, "run_fit", fake_batch.as_told)
+    monkeypatch.setattr(batch_command, "run_fit", fake_batch.scripted_fit)
 
 
 def test_a_batch_leaves_what_fit_leaves_and_the_numbers_of_all(

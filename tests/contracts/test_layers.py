@@ -1,13 +1,16 @@
-"""Imports only go downwards: import-linter keeps the house in order, and is itself put to the test.
+"""Imports only go downwards: import-linter checks the layers, and is itself put to the test.
 
-The contract stands in pyproject.toml.  A keeper that lets everything pass would go unnoticed, so each kind of
+The contract stands in pyproject.toml.  A checker that lets everything pass would go unnoticed, so each kind of
 violation is written into a copy of the package, and must be found there under its contract's name.
 """
 
+import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -29,7 +32,7 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.fixture
-def copy_of_the_house(tmp_path: Path, repository: Path) -> Path:
+def copy_of_the_package(tmp_path: Path, repository: Path) -> Path:
     shutil.copy(repository / "pyproject.toml", tmp_path)
     shutil.copytree(
         repository / "server" / "breastrig",
@@ -37,6 +40,28 @@ def copy_of_the_house(tmp_path: Path, repository: Path) -> Path:
         ignore=shutil.ignore_patterns("__pycache__"),
     )
     return tmp_path
+
+
+def rooms_above(room: str, repository: Path) -> set[str]:
+    """Those that may import it, and those beside it: all that it must not know."""
+    contracts = tomllib.loads((repository / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    layers = next(each["layers"] for each in contracts if each["type"] == "layers")
+    rooms = [[name.strip() for name in layer.split("|")] for layer in layers]
+    level = next(k for k, layer in enumerate(rooms) if room in layer)
+    return {name for layer in rooms[: level + 1] for name in layer} - {room}
+
+
+def test_execution_names_no_module_of_the_rooms_above_it_not_even_in_a_string(repository: Path) -> None:
+    above = rooms_above("execution", repository)
+    assert {"service", "workflow", "storage"} <= above
+    named = re.compile(rf"\bbreastrig[./]({'|'.join(sorted(above))})\b")
+    found = {
+        f"{file.name}:{node.lineno}: {node.value}"
+        for file in (repository / "server" / "breastrig" / "execution").rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and named.search(node.value)
+    }
+    assert not found
 
 
 def test_imports_only_go_downwards(repository: Path) -> None:
@@ -47,25 +72,26 @@ def test_imports_only_go_downwards(repository: Path) -> None:
 @pytest.mark.parametrize(
     ("files", "contract"),
     [
-        ({"rig/one.py": "import breastrig.service"}, "the house: imports only go downwards"),
-        ({"report/one.py": "import breastrig.drawings"}, "the house: imports only go downwards"),
-        ({"utils/__init__.py": ""}, "the house: imports only go downwards"),
+        ({"rig/one.py": "import breastrig.service"}, "layers: imports only go downwards"),
+        ({"report/one.py": "import breastrig.drawings"}, "layers: imports only go downwards"),
+        ({"utils/__init__.py": ""}, "layers: imports only go downwards"),
         (
             {"energies/one.py": "import breastrig.energies.two", "energies/two.py": ""},
             "residual terms do not know each other",
         ),
         ({"rig/one.py": "import breastrig.scan", "scan/one.py": "import breastrig.rig"}, "no cycles between siblings"),
-        ({"fitting/one.py": "import flask"}, "Flask stays in the entrance hall"),
+        ({"fitting/one.py": "import flask"}, "Flask stays in api"),
         ({"storage/one.py": "import numpy"}, "storage keeps rows, not mathematics"),
+        ({"workflow/one.py": "import breastrig.storage.storage"}, "workflow knows neither processes nor rows"),
         ({"scan/one.py": "import threading"}, "the numerics know neither SQL nor threads"),
     ],
     ids=lambda value: "+".join(value) if isinstance(value, dict) else "",
 )
-def test_a_deliberate_violation_is_caught(copy_of_the_house: Path, files: dict[str, str], contract: str) -> None:
+def test_a_deliberate_violation_is_caught(copy_of_the_package: Path, files: dict[str, str], contract: str) -> None:
     for name, line in files.items():
-        path = copy_of_the_house / "server" / "breastrig" / name
+        path = copy_of_the_package / "server" / "breastrig" / name
         path.parent.mkdir(exist_ok=True)
         path.write_text(line + "\n")
-    answer = lint_imports(copy_of_the_house)
+    answer = lint_imports(copy_of_the_package)
     assert answer.returncode != 0
     assert f"{contract} BROKEN" in answer.stdout, answer.stdout + answer.stderr

@@ -9,19 +9,10 @@ from pathlib import Path
 import pytest
 
 from breastrig.core.errors import BadInput
-from breastrig.core.output_files import (
-    Output,
-    OutputSet,
-    all_or_nothing,
-    check_output,
-    is_ordinary,
-    private_folder,
-    read_ordinary,
-    recorded,
-    shown,
-    single_file,
-    write_private,
-)
+from breastrig.core.output_files import Output, check_output, single_file
+from breastrig.core.output_record import OutputSet, recorded
+from breastrig.core.private_files import is_ordinary, private_folder, read_ordinary, shown, write_private
+from breastrig.core.staged_output import all_or_nothing
 
 NAMES = ("scan.ply", "drawing.json", "result.json")
 FIT = OutputSet(Path(), NAMES, "result.json", "breastrig/result@1")
@@ -135,7 +126,7 @@ def test_if_one_file_cannot_be_put_in_place_none_is(tmp_path: Path, monkeypatch:
             raise OSError(5, "Input/output error")
         replace(source, goal)
 
-    monkeypatch.setattr("breastrig.core.output_files.os.replace", failing)
+    monkeypatch.setattr("breastrig.core.staged_output.os.replace", failing)
     with pytest.raises(BadInput, match="cannot be written"):
         write(output(tmp_path), "second")
     assert contents(tmp_path) == before

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from helpers import fake_batch, in_worker
-from helpers.dask_cluster import Cluster, cluster, wait_until_ready
+from helpers.dask_cluster import PLACES, Cluster, cluster, wait_until_ready
 from helpers.real_server import alive
 from helpers.waiting import until
 
@@ -118,7 +118,7 @@ def test_the_child_of_a_client_that_vanishes_is_killed(two_workers: Cluster, tmp
         f"DaskPool({two_workers.address!r}, memory_bytes=2**32)"
         f".schedule(in_worker.sign_in_and_rest, ({str(file)!r}, 60.0, 1), 60.0).result()"
     )
-    client = subprocess.Popen([sys.executable, "-c", program], env={"PYTHONPATH": str(Path(__file__).parents[1])})
+    client = subprocess.Popen([sys.executable, "-c", program], env={"PYTHONPATH": PLACES})
     until(lambda: len(signed(file)) == 1, "the task to run")
     client.kill()
     client.wait()
@@ -159,7 +159,7 @@ MIXED = {f"row{n}": f"slow 0.{n}" for n in range(3, 9)} | {"bad": "fail", "dead"
 
 @pytest.fixture
 def fake(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(batch_command, "run_fit", fake_batch.as_told)
+    monkeypatch.setattr(batch_command, "run_fit", fake_batch.scripted_fit)
 
 
 def _without_times(out: Path) -> list[dict[str, str]]:

@@ -74,7 +74,7 @@ def test_a_cancelled_task_ends_whether_it_runs_or_waits(readers: FairProcesses, 
     last = readers.schedule(in_worker.note, (str(file), "last"), 30.0)
     assert waiting.cancel()
     assert wait([waiting], timeout=10).done
-    until(lambda: running.inner is not None, "a running task")  # type: ignore[attr-defined]
+    until(lambda: running.inner is not None, "a running task")
     running.cancel()
     assert not wait([running, last], timeout=30).not_done
     with pytest.raises(CancelledError):

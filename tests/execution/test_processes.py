@@ -1,3 +1,4 @@
+import json
 import os
 import signal
 import subprocess
@@ -29,7 +30,14 @@ def test_a_task_runs_alone_within_its_limits_and_with_one_thread(processes: Proc
     assert first["pid"] != second["pid"]
     assert (first["memory"], first["cpu"], first["core"]) == ((4 * GIB, 4 * GIB), (1, 6), (0, 0))
     assert first["threads"] == [1]
-    assert first["imported"]
+
+
+def test_a_task_finds_imported_what_was_named_before_the_first_pool() -> None:
+    program = Path(in_worker.__file__).with_name("preload.py")
+    words = [sys.executable, str(program), "colorsys", "breastrig.core.units", "no_such_module"]
+    answer = subprocess.run(words, capture_output=True, text=True, check=False, timeout=120)
+    assert (answer.returncode, answer.stderr) == (0, "")
+    assert {"colorsys", "breastrig.core.units"} <= set(json.loads(answer.stdout))
 
 
 def test_a_task_that_burns_the_processor_is_stopped_and_the_next_one_runs(processes: Processes) -> None:

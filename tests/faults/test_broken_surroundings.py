@@ -31,7 +31,7 @@ def asked(client: httpx.Client, torso: bytes, count: int, **more: object) -> lis
 
 
 def ends(client: httpx.Client, fits: list[dict[str, str]], log: Path) -> list[dict[str, Any]]:
-    """The fits once all have ended; each story is whole and agrees with the state."""
+    """The fits once all have ended; the events of each are whole and agrees with the state."""
     wait_for_ends(client, ids(fits), log)
     found = [client.get(links["self"]).json() for links in fits]
     for fit, links in zip(found, fits, strict=True):

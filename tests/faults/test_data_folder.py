@@ -142,7 +142,7 @@ def test_a_full_disk_hinders_no_deletion_of_more_rows_than_the_reserve_has_room_
 
 
 def add_events(data: Path, fits: list[str], megabytes: int) -> None:
-    """As long stories leave them."""
+    """As long lists of events leave them."""
     rows = sqlite3.connect(data / "breastrig.sqlite3")
     with rows:
         for fit in fits:

@@ -28,8 +28,8 @@ Seen = dict[str, dict[str, bytes]]
 
 
 def kept(client: httpx.Client, links: Links) -> dict[str, bytes]:
-    """All that a finished fit shows: its story and its files."""
-    answers = {name: client.get(links[name]) for name in FILES} | {"story": client.get(links["events"] + ".json")}
+    """All that a finished fit shows: its events and its files."""
+    answers = {name: client.get(links[name]) for name in FILES} | {"events": client.get(links["events"] + ".json")}
     assert {answer.status_code for answer in answers.values()} == {200}
     return {name: answer.content for name, answer in answers.items()}
 

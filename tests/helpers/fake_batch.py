@@ -25,7 +25,7 @@ FILES = ("result.json", "scan.ply", "fitted.ply", "fitted.glb", "drawing.json", 
 WHOLE = {*FILES, "inputs.json"}
 
 
-def as_told(job: FitJob) -> Iterator[Event]:
+def scripted_fit(job: FitJob) -> Iterator[Event]:
     began = time.perf_counter()
     content = job.scan.read_text()
     word, *rest = content.split()
@@ -93,5 +93,5 @@ def whole_results(out: Path) -> set[str]:
 if __name__ == "__main__":
     from helpers import fake_batch
 
-    batch_command.run_fit = fake_batch.as_told  # by the name that workers import
+    batch_command.run_fit = fake_batch.scripted_fit  # by the name that workers import
     sys.exit(main(["batch", *sys.argv[1:]]))

@@ -124,7 +124,7 @@ def mostly_patient(job: FitJob) -> Iterator[Event]:
 
 
 def quick_pair(first: FitJob, second: FitJob) -> Iterator[tuple[int, Event]]:
-    """Both stories, step by step, as of one job."""
+    """The events of both, step by step, as of one job."""
     for events in zip(quick(first), quick(second), strict=True):
         yield from enumerate(events)
 

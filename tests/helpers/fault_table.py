@@ -74,14 +74,14 @@ def outcome(client: httpx.Client, data: Path, fits: Iterable[str]) -> Outcome:
     return Outcome(**counts, left_over=len(left))
 
 
-def _is_doubled(told: list[dict]) -> bool:  # type: ignore[type-arg]
+def _is_doubled(told: list[dict]) -> bool:
     kinds = [event["kind"] for event in told]
     iterations = [event["iteration"] for event in told if event["kind"] == "iterated"]
     ends = sum(kind in ("done", "failed", "cancelled") for kind in kinds)
     return kinds.count("started") > 1 or ends != 1 or len(set(iterations)) < len(iterations)
 
 
-def _is_whole(client: httpx.Client, links: dict[str, str], told: list[dict]) -> bool:  # type: ignore[type-arg]
+def _is_whole(client: httpx.Client, links: dict[str, str], told: list[dict]) -> bool:
     files = {name: client.get(links[name]) for name in FILES}
     if {answer.status_code for answer in files.values()} != {200}:
         return False

@@ -18,7 +18,7 @@ def describe() -> dict[str, object]:
         "cpu": resource.getrlimit(resource.RLIMIT_CPU),
         "core": resource.getrlimit(resource.RLIMIT_CORE),
         "threads": sorted({pool["num_threads"] for pool in threadpool_info()}),
-        "imported": "breastrig.workflow.run_fit" in sys.modules,
+        "imported": sorted(sys.modules),
     }
 
 

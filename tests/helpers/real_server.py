@@ -79,7 +79,7 @@ def alive(pids: set[int]) -> set[int]:
     return running
 
 
-def story(client: httpx.Client, address: str, **headers: str) -> list[str]:
+def read_events(client: httpx.Client, address: str, **headers: str) -> list[str]:
     """The event blocks of a stream, to its end."""
     with client.stream("GET", address, headers=headers) as answer:
         assert answer.status_code == 200

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from breastrig.service.service import Service
 from breastrig.storage.rows.events import StoredEvent
-from breastrig.storage.rows.fits import FitRow, FitWish, get_fit
+from breastrig.storage.rows.fits import FitRow, NewFit, get_fit
 
 PATIENCE_S = 20.0  # a loaded machine; nothing waits that long when all is well
 
@@ -19,7 +19,7 @@ def until(true: Callable[[], bool], what: str) -> None:
 
 
 def ask_for_fit(service: Service, scan_id: str, preset: str = "default") -> str:
-    return service.add_fit(FitWish(scan=scan_id, preset=preset, landmarks_mm={}))
+    return service.add_fit(NewFit(scan=scan_id, preset=preset, landmarks_mm={}))
 
 
 def ended(service: Service, fit_id: str) -> FitRow:
@@ -28,6 +28,6 @@ def ended(service: Service, fit_id: str) -> FitRow:
     return get_fit(service.storage, fit_id)
 
 
-def story(service: Service, fit_id: str, after: int = 0) -> list[StoredEvent]:
+def stored_events(service: Service, fit_id: str, after: int = 0) -> list[StoredEvent]:
     """The whole stream to its end, without heartbeats."""
     return [event for event in service.follow(fit_id, after, 5.0) if isinstance(event, StoredEvent)]

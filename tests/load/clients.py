@@ -61,6 +61,6 @@ async def _call(
     client: httpx.AsyncClient, measured: Measured, kind: str, method: str, address: str, status: int, **more: object
 ) -> httpx.Response:
     with measured.call(kind):
-        answer = await client.request(method, address, **more)  # type: ignore[arg-type]
+        answer = await client.request(method, address, **more)
     assert answer.status_code == status, f"{kind}: {answer.status_code} {answer.text[:200]}"
     return answer

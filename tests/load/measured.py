@@ -15,7 +15,7 @@ class Measured:
     late_s: list[float] = field(default_factory=list)  # from the stored event to the viewer who has it
     errors: list[str] = field(default_factory=list)
     fits: int = 0
-    stories: int = 0  # followed by viewers from the first event to the last
+    streams_read: int = 0  # followed by viewers from the first event to the last
     open_streams: list[int] = field(default_factory=list)  # looked at now and then
 
     @contextmanager
@@ -44,7 +44,7 @@ def table(measured: Measured, seconds: float) -> list[str]:
     lines += [
         "",
         f"fits        {measured.fits} in {seconds:.0f} s: {measured.fits / seconds:.2f} fits/s",
-        f"viewers     {measured.stories} whole stories, on average {streams:.0f} streams open",
+        f"viewers     {measured.streams_read} whole streams, on average {streams:.0f} streams open",
         f"errors      {len(measured.errors)}",
         *(f"            {error}" for error in measured.errors[:10]),
     ]

@@ -81,7 +81,7 @@ async def _again(slow: Slow, kept: Kept, number: int, way: object) -> None:
     while True:
         try:
             async with _connected(slow, number) as (reader, writer):
-                await way(kept, reader, writer)  # type: ignore[operator]
+                await way(kept, reader, writer)
         except (OSError, asyncio.IncompleteReadError, TimeoutError):
             kept.not_let_in += 1
         await asyncio.sleep(DRIP_S)

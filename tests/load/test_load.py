@@ -18,7 +18,7 @@ def test_clients_work_while_viewers_watch_and_hundreds_are_slow_without_any_erro
     assert found.exit_status == 0
     assert "error" not in found.log
     assert found.measured.fits >= 2
-    assert found.measured.stories >= 1
+    assert found.measured.streams_read >= 1
     calls = found.measured.seconds
     assert len(calls["POST scans"]) == len(calls["GET fitted.glb"]) == len(calls["DELETE scan"]) == found.measured.fits
     assert found.measured.late_s
@@ -26,13 +26,13 @@ def test_clients_work_while_viewers_watch_and_hundreds_are_slow_without_any_erro
 
 
 def test_the_table_counts_and_ranks() -> None:
-    measured = Measured(fits=6, stories=9, open_streams=[4, 6], errors=["client: so it is"])
+    measured = Measured(fits=6, streams_read=9, open_streams=[4, 6], errors=["client: so it is"])
     measured.seconds["POST fits"] += [0.001 * k for k in range(1, 102)]
     assert percentile(measured.seconds["POST fits"], 95) == 0.096
     lines = table(measured, 3.0)
     assert lines[1].split() == ["POST", "fits", "101", "51", "96", "101"]
     assert "fits        6 in 3 s: 2.00 fits/s" in lines
-    assert "viewers     9 whole stories, on average 5 streams open" in lines
+    assert "viewers     9 whole streams, on average 5 streams open" in lines
     assert "            client: so it is" in lines
 
 

@@ -70,9 +70,9 @@ async def _follow(stage: Stage, fit: OpenFit) -> None:
                 stage.received.append((fit.id, numbers[-1], perf_counter(), opened))
             elif line.startswith(b"event: "):
                 kind = line[7:].strip().decode()
-        assert kind == "done", f"a story ended with {kind or 'nothing'}"
-        assert numbers == list(range(1, len(numbers) + 1)), f"a story has gaps: {numbers}"
-        stage.measured.stories += 1
+        assert kind == "done", f"a stream ended with {kind or 'nothing'}"
+        assert numbers == list(range(1, len(numbers) + 1)), f"a stream has gaps: {numbers}"
+        stage.measured.streams_read += 1
     finally:
         stage.streams -= 1
         writer.close()

@@ -103,7 +103,7 @@ def test_targets_of_children_are_refused(model_assets: Path) -> None:
     from steps.source import Source
 
     empty = np.zeros((1, 3))
-    source = Source(empty, np.zeros((0, 4), dtype=np.int64), {}, np.zeros(1, dtype=np.int64), {}, zipfile.ZipFile)  # type: ignore[arg-type]
+    source = Source(empty, np.zeros((0, 4), dtype=np.int64), {}, np.zeros(1, dtype=np.int64), {}, zipfile.ZipFile)
     with pytest.raises(ValueError, match="adult"):
         source.target("macrodetails/caucasian-female-child")
 

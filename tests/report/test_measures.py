@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from breastrig.report.measures import measures
-from breastrig.report.row import Row
 from breastrig.report.stance import Stance
+from breastrig.report.table import Row
 from breastrig.rig.model import Rig
 
 LENGTHS = ("notch_nipple", "midclavicle_nipple", "nipple_fold", "nipple_midline", "nipple_nipple", "base_width")

@@ -17,7 +17,7 @@ from helpers import fake_fit
 from helpers.installations import Large
 from helpers.installed_service import Running, serving
 from helpers.problems import problem
-from helpers.waiting import ended, story, until
+from helpers.waiting import ended, stored_events, until
 from sqlalchemy import select
 
 from breastrig.core.errors import BadSettings
@@ -47,7 +47,7 @@ def asked(running: Running, scan: dict[str, Any], **wishes: object) -> dict[str,
 
 
 def kinds(running: Running, fit: dict[str, Any]) -> list[str]:
-    """The fit's story, after a look at whether it is numbered without a gap."""
+    """The fit's events, after a look at whether it is numbered without a gap."""
     records = running.client.get(fit["links"]["events"] + ".json?limit=1000").json["events"]
     assert [one["id"] for one in records] == list(range(1, len(records) + 1))
     return [one["event"]["kind"] for one in records]
@@ -89,11 +89,11 @@ def test_landmarks_and_proposals_are_kept_with_the_scan(running: Running, scan: 
         assert list(running.client.get(scan["links"]["proposed"]).json["landmarks"]) == ["nipple_L"]
 
 
-def test_a_fit_tells_its_story_once_and_from_any_number(running: Running, scan: dict[str, Any]) -> None:
+def test_a_fit_stores_its_events_once_and_from_any_number(running: Running, scan: dict[str, Any]) -> None:
     fit = asked(running, scan)
-    events = story(running.service, fit["id"])
+    events = stored_events(running.service, fit["id"])
     assert [event.kind for event in events] == KINDS
-    assert story(running.service, fit["id"], after=3) == events[3:]
+    assert stored_events(running.service, fit["id"], after=3) == events[3:]
     assert kinds(running, fit) == KINDS
     stream = running.client.get(fit["links"]["events"], headers={"Last-Event-ID": "4"}).get_data(as_text=True)
     assert [line for line in stream.splitlines() if line.startswith("id:")] == ["id: 5", "id: 6"]
@@ -137,7 +137,10 @@ def test_more_fits_than_workers_all_run(running: Running, scan: dict[str, Any]) 
 
 def test_cancelling_ends_a_running_fit_and_frees_its_worker(running: Running, scan: dict[str, Any]) -> None:
     fits = [asked(running, scan, preset="paper") for _ in range(3)]
-    state = lambda fit: running.client.get(fit["links"]["self"]).json  # noqa: E731
+
+    def state(fit: dict[str, Any]) -> dict[str, Any]:
+        return running.client.get(fit["links"]["self"]).json
+
     until(lambda: all(state(fit)["iterations"] > 1 for fit in fits[:2]), "two running fits")
     for fit in fits:
         assert running.client.post(fit["links"]["cancel"]).json["state"] == "cancelled"
@@ -250,7 +253,7 @@ def test_a_real_fit_and_all_that_is_made_of_it(large: Large, tmp_path: Path) -> 
         assert running.client.post("/api/transfers", json=wish).status_code == 201
 
 
-def test_when_a_worker_of_the_cluster_is_killed_every_fit_is_carried_out_once(
+def test_when_a_worker_of_the_cluster_is_killed_every_fit_is_executed_once(
     large: Large, model: Path, torso: bytes, tmp_path: Path
 ) -> None:
     # The last test: it leaves the cluster with one worker.

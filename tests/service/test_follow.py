@@ -4,9 +4,9 @@ import time
 import pytest
 from helpers import fake_fit
 from helpers.rows import add_waiting_fit
-from helpers.waiting import ask_for_fit, story, until
+from helpers.waiting import ask_for_fit, stored_events, until
 
-from breastrig.service.follow import Bell, Heartbeat, Listener, Queued, follow
+from breastrig.service.follow import Heartbeat, Listener, Notifier, Queued, follow
 from breastrig.storage.deletion import delete_scan
 from breastrig.storage.rows.events import StoredEvent, append
 from breastrig.storage.storage import Storage
@@ -18,7 +18,7 @@ def test_everyone_who_listens_hears_the_same(serving, scan_id: str) -> None:
         heard: dict[int, list[int]] = {}
 
         def listen(number: int) -> None:
-            heard[number] = [event.number for event in story(service, fit_id)]
+            heard[number] = [event.number for event in stored_events(service, fit_id)]
 
         threads = [threading.Thread(target=listen, args=(number,)) for number in range(8)]
         for thread in threads:
@@ -30,58 +30,58 @@ def test_everyone_who_listens_hears_the_same(serving, scan_id: str) -> None:
 
 def test_a_stored_event_is_heard_within_a_tenth_of_a_second(storage: Storage, scan_id: str) -> None:
     add_waiting_fit(storage, scan_id, "fit")
-    bell = Bell(storage)
-    bell.start()
+    notifier = Notifier(storage)
+    notifier.start()
     try:
         times: list[float] = []
 
         def listen() -> None:
-            for event in follow(storage, bell, "fit", 0, 60.0):
+            for event in follow(storage, notifier, "fit", 0, 60.0):
                 if isinstance(event, StoredEvent):
                     times.append(time.monotonic())
 
         thread = threading.Thread(target=listen)
         thread.start()
-        until(lambda: bell.listening == 1, "the listener")
+        until(lambda: notifier.listening == 1, "the listener")
         stored = time.monotonic()
         append(storage, "fit", {"kind": "failed", "reason": "so it is"})
         thread.join()
         assert times[0] - stored < 0.1
     finally:
-        bell.stop()
+        notifier.stop()
 
 
 def test_news_of_one_fit_wake_only_those_whom_they_concern(
     storage: Storage, scan_id: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """An iteration concerns the fit's own viewers; the end of a fit those too whose fit waits in the queue."""
-    rung: list[str] = []
-    monkeypatch.setattr(Listener, "ring", lambda listener: rung.append(names[listener]))
+    notified: list[str] = []
+    monkeypatch.setattr(Listener, "notify", lambda listener: notified.append(names[listener]))
     for fit_id in ("mine", "other", "waiting"):
         add_waiting_fit(storage, scan_id, fit_id)
-    bell = Bell(storage)
-    with bell.listen("mine") as mine, bell.listen("other") as other, bell.listen("waiting") as waiting:
+    notifier = Notifier(storage)
+    with notifier.listen("mine") as mine, notifier.listen("other") as other, notifier.listen("waiting") as waiting:
         names = {mine: "mine", other: "other", waiting: "waiting"}
         mine.queues = other.queues = False
-        bell.start()
+        notifier.start()
         try:
             append(storage, "mine", {"kind": "iterated", "nodes": []})
-            until(lambda: rung == ["mine"], "the ring for an iteration")
+            until(lambda: notified == ["mine"], "the ring for an iteration")
             append(storage, "mine", {"kind": "failed", "reason": "so it is"})
-            until(lambda: len(rung) == 3, "the rings for an end")
-            assert sorted(rung[1:]) == ["mine", "waiting"]
+            until(lambda: len(notified) == 3, "the rings for an end")
+            assert sorted(notified[1:]) == ["mine", "waiting"]
         finally:
-            bell.stop()
-    assert bell.listening == 0
+            notifier.stop()
+    assert notifier.listening == 0
 
 
 def test_a_waiting_fit_hears_that_it_moves_up(storage: Storage, scan_id: str) -> None:
     for fit_id in ("first", "second"):
         add_waiting_fit(storage, scan_id, fit_id)
-    bell = Bell(storage)
-    bell.start()
+    notifier = Notifier(storage)
+    notifier.start()
     try:
-        stream = follow(storage, bell, "second", 0, 60.0)
+        stream = follow(storage, notifier, "second", 0, 60.0)
         assert next(stream) == Queued(2)
         timer = threading.Timer(0.05, append, (storage, "first", {"kind": "cancelled", "reason": "so it is"}))
         timer.start()
@@ -89,43 +89,43 @@ def test_a_waiting_fit_hears_that_it_moves_up(storage: Storage, scan_id: str) ->
         timer.join()
         stream.close()
     finally:
-        bell.stop()
+        notifier.stop()
 
 
 def test_a_silent_stream_beats(storage: Storage, scan_id: str) -> None:
     add_waiting_fit(storage, scan_id, "fit")
-    bell = Bell(storage)
-    bell.start()
+    notifier = Notifier(storage)
+    notifier.start()
     try:
-        stream = follow(storage, bell, "fit", 0, 0.01)
+        stream = follow(storage, notifier, "fit", 0, 0.01)
         assert next(stream) == Queued(1)
         assert isinstance(next(stream), Heartbeat)
         assert isinstance(next(stream), Heartbeat)
         stream.close()
     finally:
-        bell.stop()
+        notifier.stop()
 
 
 def test_a_stream_ends_when_the_fit_is_deleted(storage: Storage, scan_id: str) -> None:
     add_waiting_fit(storage, scan_id, "fit")
-    bell = Bell(storage)
-    bell.start()
+    notifier = Notifier(storage)
+    notifier.start()
     try:
-        thread = threading.Thread(target=lambda: list(follow(storage, bell, "fit", 0, 60.0)))
+        thread = threading.Thread(target=lambda: list(follow(storage, notifier, "fit", 0, 60.0)))
         thread.start()
-        until(lambda: bell.listening == 1, "the listener")
+        until(lambda: notifier.listening == 1, "the listener")
         delete_scan(storage, scan_id)
-        bell.ring()
+        notifier.notify_all()
         thread.join(timeout=5)
         assert not thread.is_alive()
     finally:
-        bell.stop()
+        notifier.stop()
 
 
-def test_a_stream_ends_when_the_bell_stops_or_the_viewer_leaves(storage: Storage, scan_id: str) -> None:
+def test_a_stream_ends_when_the_notifier_stops_or_the_viewer_leaves(storage: Storage, scan_id: str) -> None:
     add_waiting_fit(storage, scan_id, "fit")
-    bell = Bell(storage)
-    bell.start()
-    assert list(follow(storage, bell, "fit", 0, 60.0, gone=lambda: True)) == [Queued(1)]
-    bell.stop()
-    assert list(follow(storage, bell, "fit", 0, 60.0)) == []
+    notifier = Notifier(storage)
+    notifier.start()
+    assert list(follow(storage, notifier, "fit", 0, 60.0, gone=lambda: True)) == [Queued(1)]
+    notifier.stop()
+    assert list(follow(storage, notifier, "fit", 0, 60.0)) == []

@@ -1,15 +1,15 @@
-"""Two stances fitted by one job: two fits, each with its own story, which end together."""
+"""Two stances fitted by one job: two fits, each with its own events, which end together."""
 
 import pytest
 from helpers import fake_fit
 from helpers.rows import add_waiting_pair
-from helpers.waiting import ended, story, until
+from helpers.waiting import ended, stored_events, until
 
 from breastrig.core.errors import NotFound
 from breastrig.service.service import Service
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows.events import append, events_after
-from breastrig.storage.rows.fits import FitWish, claim_fit, get_fit
+from breastrig.storage.rows.fits import NewFit, claim_fit, get_fit
 from breastrig.storage.rows.scans import ScanRow, add_scan
 from breastrig.storage.storage import Storage, utc_now
 
@@ -24,18 +24,22 @@ def other_scan(storage: Storage) -> str:
     return scan_id
 
 
+def kinds(service: Service, fit_id: str) -> list[str]:
+    return [event.kind for event in stored_events(service, fit_id)]
+
+
 def ask_for_pair(service: Service, first: str, second: str) -> tuple[str, str]:
-    leading = service.add_fit(FitWish(scan=first, landmarks_mm={}), FitWish(scan=second, landmarks_mm={}))
+    leading = service.add_fit(NewFit(scan=first, landmarks_mm={}), NewFit(scan=second, landmarks_mm={}))
     partner = get_fit(service.storage, leading).partner
     assert partner is not None
     return leading, partner
 
 
-def test_both_stories_are_told_by_one_job(serving, scan_id: str, other_scan: str) -> None:
+def test_both_fits_are_recorded_by_one_job(serving, scan_id: str, other_scan: str) -> None:
     with serving(fake_fit.failing) as service:
         pair = ask_for_pair(service, scan_id, other_scan)
         for each, partner, scan in zip(pair, pair[::-1], (scan_id, other_scan), strict=True):
-            assert [event.kind for event in story(service, each)] == ["started", *["iterated"] * 4, "done"]
+            assert kinds(service, each) == ["started", *["iterated"] * 4, "done"]
             fit = get_fit(service.storage, each)
             assert (fit.state, fit.partner, fit.scan) == ("done", partner, scan)
             assert (service.storage.folders.fit(each) / "result.json").is_file()
@@ -44,7 +48,7 @@ def test_both_stories_are_told_by_one_job(serving, scan_id: str, other_scan: str
 def test_many_pairs_and_single_fits_all_run(serving, scan_id: str, other_scan: str) -> None:
     with serving(fake_fit.quick) as service:
         fits = [each for _ in range(4) for each in ask_for_pair(service, scan_id, other_scan)]
-        fits += [service.add_fit(FitWish(scan=scan_id, landmarks_mm={})) for _ in range(3)]
+        fits += [service.add_fit(NewFit(scan=scan_id, landmarks_mm={})) for _ in range(3)]
         assert {ended(service, each).state for each in fits} == {"done"}
 
 
@@ -98,7 +102,7 @@ def test_deleting_one_scan_keeps_the_others_finished_result(serving, scan_id: st
         service.delete_scan(scan_id)
         left = get_fit(service.storage, pair[1])
         assert (left.state, left.partner) == ("done", None)
-        assert [event.kind for event in story(service, pair[1])][-1] == "done"
+        assert kinds(service, pair[1])[-1] == "done"
 
 
 def test_after_a_restart_waiting_and_running_pairs_come_to_their_ends(
@@ -116,7 +120,7 @@ def test_after_a_restart_waiting_and_running_pairs_come_to_their_ends(
     append(storage, "a", {"kind": "started", "stance": "standing", "model_sha256": "0" * 64})
     with serving(fake_fit.quick) as service:
         for each in (*waiting, *interrupted):
-            assert [event.kind for event in story(service, each)] == ["started", *["iterated"] * 4, "done"]
+            assert kinds(service, each) == ["started", *["iterated"] * 4, "done"]
             assert get_fit(service.storage, each).attempt == (1 if each in waiting else 2)
 
 
@@ -132,7 +136,11 @@ def test_after_a_restart_the_partner_of_a_finished_fit_is_finished_and_the_finis
     (storage.folders.fit(pair[done]) / "result.json").write_text("as it was")
     append(storage, pair[done], {"kind": "done", "result": {}})
     with serving(fake_fit.quick) as service:
-        assert [event.kind for event in story(service, pair[1 - done])] == ["started", *["iterated"] * 4, "done"]
-        assert [event.kind for event in story(service, pair[done])] == ["done"]
+        assert [event.kind for event in stored_events(service, pair[1 - done])] == [
+            "started",
+            *["iterated"] * 4,
+            "done",
+        ]
+        assert kinds(service, pair[done]) == ["done"]
         assert (storage.folders.fit(pair[done]) / "result.json").read_text() == "as it was"
         assert (storage.folders.fit(pair[1 - done]) / "result.json").is_file()

@@ -80,18 +80,18 @@ def test_a_failure_is_a_sentence_and_is_not_kept(
 def test_deleting_the_scan_ends_the_search_and_removes_what_was_found(serving, storage: Storage, scan_id: str) -> None:
     scan = get_scan(storage, scan_id)
     with serving(fake_fit.quick, proposer=fake_proposals.hanging) as service:
-        told: list[BreastRigError] = []
+        raised: list[BreastRigError] = []
 
         def ask() -> None:
             try:
                 service.proposed_landmarks(scan, "a" * 64, 20.0)
             except BreastRigError as error:
-                told.append(error)
+                raised.append(error)
 
         thread = threading.Thread(target=ask)
         thread.start()
         until(lambda: scan_id in service._proposals._running, "the search")
         service.delete_scan(scan_id)
         thread.join(timeout=10)
-        assert [type(error) for error in told] == [NotFound]
+        assert [type(error) for error in raised] == [NotFound]
         assert get_proposals(storage, scan_id, "a" * 64) is None

@@ -7,7 +7,7 @@ import pytest
 from helpers import fake_fit
 from helpers.on_disk import bytes_below
 from helpers.rows import add_waiting_fit
-from helpers.waiting import ask_for_fit, ended, story, until
+from helpers.waiting import ask_for_fit, ended, stored_events, until
 from sqlalchemy.exc import OperationalError
 
 from breastrig.core.errors import Conflict, NotFound
@@ -22,16 +22,16 @@ from breastrig.storage.storage import Storage
 from breastrig.workflow.run_fit import FitJob
 
 
-def test_a_fit_tells_its_story_in_order_and_leaves_its_files(serving, scan_id: str) -> None:
+def test_a_fit_stores_its_events_in_order_and_leaves_its_files(serving, scan_id: str) -> None:
     with serving(fake_fit.quick) as service:
         fit_id = ask_for_fit(service, scan_id)
-        events = story(service, fit_id)
+        events = stored_events(service, fit_id)
         assert [event.kind for event in events] == ["started", *["iterated"] * 4, "done"]
         assert [event.number for event in events] == [1, 2, 3, 4, 5, 6]
         assert get_fit(service.storage, fit_id).state == "done"
         assert (service.storage.folders.fit(fit_id) / "result.json").is_file()
-        assert story(service, fit_id) == events
-        assert story(service, fit_id, after=4) == events[4:]
+        assert stored_events(service, fit_id) == events
+        assert stored_events(service, fit_id, after=4) == events[4:]
 
 
 @pytest.mark.parametrize(
@@ -101,26 +101,26 @@ KINDS = ["started", *["iterated"] * 4, "done"]
 
 
 def begun(storage: Storage, scan_id: str, fit_id: str, events: int, attempts: int = 1) -> None:
-    """A fit of fake_fit.quick that was left after so many events of its story."""
+    """A fit of fake_fit.quick that was left after so many events of its own."""
     storage.folders.make(storage.folders.fit(fit_id))
     add_waiting_fit(storage, scan_id, fit_id)
     for _ in range(attempts):
         claimed = claim_fit(storage, fit_id)
         assert claimed is not None
-    told = [fake_fit.started(FitJob(Path(), Path(), {})), *(fake_fit.iterated(k) for k in range(4))]
-    for event in told[:events]:
+    stored = [fake_fit.started(FitJob(Path(), Path(), {})), *(fake_fit.iterated(k) for k in range(4))]
+    for event in stored[:events]:
         append(storage, fit_id, event_json(event), attempts)
 
 
-@pytest.mark.parametrize("told", range(6))
-def test_after_a_restart_a_fit_goes_on_with_its_story_where_it_stopped(
-    serving, storage: Storage, scan_id: str, told: int
+@pytest.mark.parametrize("stored", range(6))
+def test_after_a_restart_a_fit_goes_on_with_its_events_where_it_stopped(
+    serving, storage: Storage, scan_id: str, stored: int
 ) -> None:
-    begun(storage, scan_id, "interrupted", told)
+    begun(storage, scan_id, "interrupted", stored)
     before = events_after(storage, "interrupted", 0)
     with serving(fake_fit.quick) as service:
-        events = story(service, "interrupted")
-        assert events[:told] == before
+        events = stored_events(service, "interrupted")
+        assert events[:stored] == before
         assert [event.kind for event in events] == KINDS
         assert [event.number for event in events] == [1, 2, 3, 4, 5, 6]
         assert [json.loads(event.json)["iteration"] for event in events[1:-1]] == [0, 1, 2, 3]
@@ -145,7 +145,7 @@ def test_a_fit_is_begun_three_times_and_then_fails(serving, storage: Storage, sc
         assert ended(service, "twice").state == "done"
         fit = ended(service, "thrice")
         assert fit.reason == TOO_OFTEN.format(3)
-        assert [event.kind for event in story(service, "thrice")] == ["started", "iterated", "failed"]
+        assert [event.kind for event in stored_events(service, "thrice")] == ["started", "iterated", "failed"]
 
 
 def test_a_fit_does_not_go_on_with_another_model(serving, storage: Storage, scan_id: str) -> None:
@@ -155,9 +155,7 @@ def test_a_fit_does_not_go_on_with_another_model(serving, storage: Storage, scan
         assert ended(service, "interrupted").reason == OTHER_MODEL
 
 
-def test_a_fit_that_is_begun_again_is_told_the_stance_that_was_asked_for(
-    serving, storage: Storage, scan_id: str
-) -> None:
+def test_a_fit_that_is_begun_again_has_the_stance_that_was_asked_for(serving, storage: Storage, scan_id: str) -> None:
     begun(storage, scan_id, "interrupted", 0)
     append(storage, "interrupted", {"kind": "started", "stance": "supine", "model_sha256": "0" * 64})
     fit = get_fit(storage, "interrupted")
@@ -182,11 +180,11 @@ def test_stopping_the_server_keeps_what_runs_and_what_waits_for_the_next(
         running, waiting = ask_for_fit(service, scan_id), ask_for_fit(service, scan_id)
         until(lambda: get_fit(service.storage, running).iterations > 0, "the first iteration")
     assert [get_fit(storage, fit).state for fit in (running, waiting)] == ["queued", "queued"]
-    told = get_fit(storage, running).last_event
+    last = get_fit(storage, running).last_event
     with serving(fake_fit.quick, workers=1) as service:
         for fit in (running, waiting):
             assert ended(service, fit).state == "done"
-        assert get_fit(storage, running).last_event == max(told, 5) + 1
+        assert get_fit(storage, running).last_event == max(last, 5) + 1
 
 
 def test_a_stopping_server_lets_a_fit_finish_that_is_nearly_done(serving, storage: Storage, scan_id: str) -> None:

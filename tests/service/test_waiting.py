@@ -8,11 +8,11 @@ from breastrig.core.errors import TooMany
 from breastrig.service.follow import Queued
 from breastrig.service.service import Service
 from breastrig.storage.rows.events import StoredEvent
-from breastrig.storage.rows.fits import FitWish, Once, get_fit, queue_position
+from breastrig.storage.rows.fits import NewFit, Once, get_fit, queue_position
 
 
 def ask(service: Service, scan_id: str, client: str | None = None, **more: object) -> str:
-    return service.add_fit(FitWish(scan=scan_id, preset="paper", landmarks_mm={}), client=client, **more)
+    return service.add_fit(NewFit(scan=scan_id, preset="paper", landmarks_mm={}), client=client, **more)
 
 
 def test_places_in_the_queue_count_from_one_and_move_up(serving, scan_id: str) -> None:
@@ -28,7 +28,7 @@ def test_two_stances_stand_in_the_queue_once(serving, scan_id: str) -> None:
     with serving(fake_fit.patient, fake_fit.patient_pair, workers=1) as service:
         running = ask(service, scan_id)
         until(lambda: get_fit(service.storage, running).state == "running", "the first to run")
-        leading = ask(service, scan_id, other=FitWish(scan=scan_id, landmarks_mm={}))
+        leading = ask(service, scan_id, other=NewFit(scan=scan_id, landmarks_mm={}))
         partner = get_fit(service.storage, leading).partner
         last = ask(service, scan_id)
         assert [queue_position(service.storage, fit) for fit in (leading, partner, last)] == [1, 1, 2]

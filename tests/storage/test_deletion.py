@@ -223,7 +223,10 @@ def test_a_small_disk_gives_only_a_part_of_itself(tmp_path: Path, monkeypatch: p
         reserve.shutil, "disk_usage", lambda _path: reserve.shutil._ntuple_diskusage(16 * 2**20, 0, free[0])
     )
     aside = reserve.Reserve(tmp_path / "reserve")
-    size = lambda: (tmp_path / "reserve").stat().st_size  # noqa: E731
+
+    def size() -> int:
+        return (tmp_path / "reserve").stat().st_size
+
     aside.refill()
     assert size() == 2 * 2**20  # an eighth
     assert [aside.release() for _ in range(5)] == [True] * 4 + [False]

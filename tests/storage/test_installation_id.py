@@ -40,13 +40,13 @@ def test_files_of_another_database_are_refused_and_stay(
 
 
 def test_files_that_are_there_already_are_no_new_databases(tmp_path: Path, store: str) -> None:
-    strangers = Storage(Location(tmp_path / "one", files=store))
-    strangers.files.write(scan_place("a"), "scan.ply", b"skin")
+    foreign = Storage(Location(tmp_path / "one", files=store))
+    foreign.files.write(scan_place("a"), "scan.ply", b"skin")
     with pytest.raises(BadSettings, match="holds files but no mark of BreastRig, so it is left as it is"):
-        strangers.prepare()
+        foreign.prepare()
     assert [path.name for path in (tmp_path / "store").rglob("*") if path.is_file()] == ["scan.ply"]
-    assert strangers.files.find(scan_place("a"), "scan.ply") is not None
-    strangers.close()
+    assert foreign.files.find(scan_place("a"), "scan.ply") is not None
+    foreign.close()
 
 
 def test_a_data_folder_whose_database_was_lost_is_not_emptied(tmp_path: Path) -> None:

@@ -94,7 +94,7 @@ def test_two_models_are_refused(tmp_path: Path) -> None:
 def test_who_stops_listening_stops_both(tmp_path: Path) -> None:
     steps = run_pair(job("standing", tmp_path / "a"), job("supine", tmp_path / "b"))
     assert isinstance(next(steps)[1], Started)
-    steps.close()  # type: ignore[attr-defined]
+    steps.close()
     assert not (tmp_path / "a").exists()
     assert not (tmp_path / "b").exists()
 

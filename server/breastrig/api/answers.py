@@ -1,12 +1,18 @@
-"""How files are answered: with an ETag, with ranges, and with the caching that fits what they are.
+"""How files are answered: with an ETag, with ranges, and with the caching and compression that fit what they are.
 
 Results never change once they are written, but they show a person's body, and DELETE must not be outlived: only
 the browser that asked may keep them (`private`), and it must ask each time before it shows them again
 (`no-cache`).  Most often the answer is a short 304; after a DELETE it is 404, and the copy is of no use.  The
 model shows nobody and its address holds its hash: it may be kept for ever, by anyone.
+
+The page's own files and the model are compressed for browsers that take it.  They are few and never change while the
+service runs, so each is compressed once and kept.  What shows a patient is not compressed: it is made for one reader,
+and the size of a compressed answer can reveal its content.
 """
 
+import gzip
 import hashlib
+from functools import lru_cache
 from typing import Any
 
 from flask import Response, request, send_file
@@ -23,6 +29,9 @@ GLTF = "model/gltf+json"
 JSON = "application/json"
 BINARY = "application/octet-stream"
 PDF = "application/pdf"
+
+PUBLIC_FILES = 64  # the page has about thirty files, the model three
+ONE_PACKET = 1000  # bytes; an answer with fewer is sent in one packet anyway
 
 
 def file_of(media_type: str, description: str) -> Any:
@@ -65,3 +74,19 @@ def bytes_answer(content: bytes, media_type: str, caching: str) -> Response:
     response.headers["Cache-Control"] = caching
     response.make_conditional(request, accept_ranges=True, complete_length=len(content))
     return response
+
+
+def public_answer(content: bytes, media_type: str, caching: str) -> Response:
+    """As bytes_answer, for content that shows nobody.  A range is of the content itself, so it is not compressed."""
+    compresses = len(content) >= ONE_PACKET and "Range" not in request.headers and request.accept_encodings["gzip"] > 0
+    response = bytes_answer(_compressed(content) if compresses else content, media_type, caching)
+    response.vary.add("Accept-Encoding")
+    if compresses:
+        response.headers["Content-Encoding"] = "gzip"
+        response.headers["Accept-Ranges"] = "none"
+    return response
+
+
+@lru_cache(maxsize=PUBLIC_FILES)
+def _compressed(content: bytes) -> bytes:
+    return gzip.compress(content, mtime=0)

@@ -3,10 +3,11 @@
 from typing import Any
 
 from apiflask import APIFlask
+from flask.json.provider import DefaultJSONProvider
 
 from breastrig import __version__
 from breastrig.api.access.security import register_security
-from breastrig.api.app_context import KEY, Behind
+from breastrig.api.app_context import KEY, AppContext
 from breastrig.api.config import Config
 from breastrig.api.errors import register_errors
 from breastrig.api.metrics import Metrics, register_metrics
@@ -36,7 +37,7 @@ def create_app(config: Config, service: Service) -> APIFlask:
     app = _bare_app()
     app.config["MAX_CONTENT_LENGTH"] = config.uploads.file_bytes
     metrics = Metrics(service)
-    app.extensions[KEY] = Behind(config, service, serve_model(config.model), metrics)
+    app.extensions[KEY] = AppContext(config, service, serve_model(config.model), metrics)
     register_errors(app)
     if config.log_requests:
         register_request_log(app)
@@ -69,7 +70,8 @@ def _bare_app() -> APIFlask:
         static_folder=None,  # type: ignore[arg-type]
     )
     app.config["AUTO_SERVERS"] = False
-    app.json.sort_keys = False  # type: ignore[attr-defined]
+    assert isinstance(app.json, DefaultJSONProvider)
+    app.json.sort_keys = False
     app.url_map.merge_slashes = False  # an address has one spelling; no redirects
     app.url_map.converters["page_file"] = PageFile
     for blueprint in (

@@ -1,4 +1,4 @@
-"""The service behind the request at hand."""
+"""What the views of one app share: its settings, service, model and counters, found from the request at hand."""
 
 from dataclasses import dataclass, field
 
@@ -16,7 +16,9 @@ KEY = "breastrig"
 
 
 @dataclass(frozen=True, eq=False)
-class Behind:
+class AppContext:
+    """Made once by `create_app`; the counters live as long as the app."""
+
     config: Config
     service: Service
     model: ServedModel
@@ -26,8 +28,8 @@ class Behind:
     big_answers: BigAnswers = field(default_factory=BigAnswers)
 
 
-def behind() -> Behind:
-    """What `create_app` was given."""
+def app_context() -> AppContext:
+    """That of the app which answers the current request."""
     found = current_app.extensions[KEY]
-    assert isinstance(found, Behind)
+    assert isinstance(found, AppContext)
     return found

@@ -1,7 +1,7 @@
 """Large files to visitors: read from the disk as they are sent, and only so many at once.
 
 Whoever has a link may ask for the scan as often and read it as slowly as they like.  An answer here holds an open file
-and no memory; how many are under way is bounded in all, for each share and for each address, and who comes then is
+and no memory; how many are under way is bounded in all, for each share and for each client, and who comes then is
 asked to come again.  A reader that takes nothing holds its place only until another one needs it: its file then ends
 early, which the connection shows as an answer that was cut off.
 """
@@ -19,6 +19,7 @@ from werkzeug.wsgi import wrap_file
 from breastrig.api.access.security import refuse
 from breastrig.api.answers import file_answer
 from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STALLED_S
+from breastrig.api.trusted_proxy import client_of
 from breastrig.core.errors import NotFound
 from breastrig.storage.files import OpenedFile
 
@@ -31,7 +32,7 @@ class Place:
     """One answer under way."""
 
     share_id: str
-    address: str
+    client: str  # as client_of says
     moved_at: float  # of the clock: when it was last read from
     is_cut: bool = False
 
@@ -44,24 +45,24 @@ class BigAnswers:
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _places: set[Place] = field(default_factory=set)
 
-    def take(self, share_id: str, address: str) -> Place | None:
+    def take(self, share_id: str, client: str) -> Place | None:
         """A place, to be given back with `leave`; None when there is none."""
         with self._lock:
-            for hinders in self._full(share_id, address):
+            for hinders in self._full(share_id, client):
                 stalled = min(hinders, key=lambda place: place.moved_at)
                 if self.clock() - stalled.moved_at < STALLED_S:
                     return None
                 stalled.is_cut = True
                 self._places.discard(stalled)
-            place = Place(share_id, address, self.clock())
+            place = Place(share_id, client, self.clock())
             self._places.add(place)
             return place
 
-    def _full(self, share_id: str, address: str) -> Iterator[list[Place]]:
+    def _full(self, share_id: str, client: str) -> Iterator[list[Place]]:
         """The groups that have no place left for such an answer."""
         for most, fits in (
             (BIG_ANSWERS_EACH, lambda place: place.share_id == share_id),
-            (BIG_ANSWERS_EACH, lambda place: place.address == address),
+            (BIG_ANSWERS_EACH, lambda place: place.client == client),
             (BIG_ANSWERS, lambda place: True),
         ):
             group = [place for place in self._places if fits(place)]
@@ -127,7 +128,7 @@ def big_answer(answers: BigAnswers, share_id: str, file: OpenedFile, media_type:
     start, length = 0, file.size
     if response.status_code == 206:
         start, length = response.content_range.start or 0, response.content_length or 0
-    place = answers.take(share_id, request.remote_addr or "unknown")
+    place = answers.take(share_id, client_of(request.remote_addr))
     if place is None:
         raise refuse(503, BUSY, {"Retry-After": str(BIG_RETRY_S)})
     with _given_back_on_error(answers, place):

@@ -1,4 +1,4 @@
-"""What the service is told at its start.  Listening beyond this machine needs a token, or it refuses."""
+"""The settings of a service.  Listening beyond this machine needs a token, or it refuses."""
 
 import ipaddress
 from dataclasses import dataclass, field

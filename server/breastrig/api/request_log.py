@@ -30,7 +30,7 @@ def route_of_request() -> tuple[str, str]:
 
 
 def register_request_log(app: APIFlask) -> None:
-    """To be registered before the guards, so that what they refuse is told too."""
+    """To be registered before the guards, so that what they refuse is logged too."""
 
     @app.before_request
     def begin() -> None:
@@ -40,15 +40,15 @@ def register_request_log(app: APIFlask) -> None:
     def end(response: Response) -> Response:
         method, route = route_of_request()
         began, status = g.get("breastrig_asked", time.perf_counter()), response.status_code
-        response.call_on_close(lambda: _tell(method, route, status, time.perf_counter() - began))
+        response.call_on_close(lambda: _log_answer(method, route, status, time.perf_counter() - began))
         return response
 
 
 def log_error_of_request(error: BaseException | None) -> None:
     """An error that nobody foresaw, on the request at hand."""
     method, route = route_of_request()
-    told = without_address("".join(traceback.format_exception(error)))
-    fields = {"method": method, "route": route, "traceback": told}
+    text = without_address("".join(traceback.format_exception(error)))
+    fields = {"method": method, "route": route, "traceback": text}
     log.error("%s %s ended in %s", method, route, type(error).__name__, extra={FIELDS: fields})
 
 
@@ -62,7 +62,7 @@ def without_address(text: str) -> str:
     return text
 
 
-def _tell(method: str, route: str, status: int, seconds: float) -> None:
+def _log_answer(method: str, route: str, status: int, seconds: float) -> None:
     milliseconds = round(1000.0 * seconds, 1)
     fields = {"method": method, "route": route, "status": status, "duration_ms": milliseconds}
     log.info("%s %s %d in %.1f ms", method, route, status, milliseconds, extra={FIELDS: fields})

@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 
 from breastrig.core.errors import BadInput, BadSettings, BreastRigError, unknown_name
-from breastrig.core.output_files import is_ordinary, read_ordinary, shown
+from breastrig.core.private_files import is_ordinary, read_ordinary, shown
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import asked_drawing, tumour_text
 from breastrig.fitting.recipe import load_recipe

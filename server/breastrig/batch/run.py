@@ -26,15 +26,9 @@ from breastrig.batch.manifest import INPUTS, INPUTS_SCHEMA, BatchRow
 from breastrig.batch.table import Outcome, numbers_of
 from breastrig.batch.task import FitOfBytes, Runner, fit_of_bytes
 from breastrig.core.errors import BadInput, BadSettings, BreastRigError
-from breastrig.core.output_files import (
-    Output,
-    OutputSet,
-    check_output,
-    private_folder,
-    read_ordinary,
-    recorded,
-    write_private,
-)
+from breastrig.core.output_files import Output, check_output
+from breastrig.core.output_record import OutputSet, recorded
+from breastrig.core.private_files import private_folder, read_ordinary, write_private
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.scan.landmark_files import LIMIT_BYTES
@@ -88,9 +82,9 @@ def exclusive(folder: Path) -> Iterator[None]:
 
 
 def run_batch(
-    batch: Batch, executor: Executor, tell: Callable[[Outcome], None], stop: Event | None = None
+    batch: Batch, executor: Executor, on_outcome: Callable[[Outcome], None], stop: Event | None = None
 ) -> list[Outcome]:
-    """One outcome for each row, in the rows' order; `tell` is called with each as it comes.
+    """One outcome for each row, in the rows' order; `on_outcome` is called with each as it comes.
 
     Raises BatchStopped when nothing can be written, or no worker be reached, any more, and KeyboardInterrupt soon
     after `stop` is set.
@@ -103,7 +97,7 @@ def run_batch(
 
     def note(outcome: Outcome) -> None:
         outcomes[outcome.name] = outcome
-        tell(outcome)
+        on_outcome(outcome)
 
     try:
         while True:
@@ -112,11 +106,11 @@ def run_batch(
                 if row is None:
                     break
                 try:
-                    wish = _wish(row)
+                    task = _fit_of(row)
                 except OSError as error:
                     note(Outcome(row.name, f"The files of this row cannot be read any more ({error.strerror})."))
                     continue
-                inputs = _inputs(batch, wish)
+                inputs = _inputs(batch, task)
                 found = None if batch.again else _found(batch.folder / row.name, inputs)
                 if found is not None:
                     note(found)
@@ -126,7 +120,7 @@ def run_batch(
                 except BadInput as error:
                     note(Outcome(row.name, str(error)))
                     continue
-                future = executor.schedule(fit_of_bytes, (wish, batch.runner), batch.wall_s)
+                future = executor.schedule(fit_of_bytes, (task, batch.runner), batch.wall_s)
                 in_flight[future] = row, inputs
                 future.add_done_callback(ended.put)
             if not in_flight:
@@ -143,7 +137,7 @@ def run_batch(
         _remove_halves(batch.folder)
 
 
-def _wish(row: BatchRow) -> FitOfBytes:
+def _fit_of(row: BatchRow) -> FitOfBytes:
     return FitOfBytes(
         scan=read_ordinary(row.scan, FILE_BYTES),
         ending=row.scan.suffix,
@@ -158,18 +152,18 @@ def _wish(row: BatchRow) -> FitOfBytes:
     )
 
 
-def _inputs(batch: Batch, wish: FitOfBytes) -> dict[str, Any]:
+def _inputs(batch: Batch, task: FitOfBytes) -> dict[str, Any]:
     """Everything that a result depends on; no name of a file is among it."""
     return {
         "schema": INPUTS_SCHEMA,
-        "scan_sha256": _sha256(wish.scan),
-        "landmarks_sha256": _sha256(wish.landmarks),
-        "units": wish.units,
-        "stance": wish.stance,
-        "preset": wish.preset if wish.preset_file is None else None,
-        "preset_sha256": _sha256(wish.preset_file),
-        "drawing": wish.drawing,
-        "refine": wish.refine,
+        "scan_sha256": _sha256(task.scan),
+        "landmarks_sha256": _sha256(task.landmarks),
+        "units": task.units,
+        "stance": task.stance,
+        "preset": task.preset if task.preset_file is None else None,
+        "preset_sha256": _sha256(task.preset_file),
+        "drawing": task.drawing,
+        "refine": task.refine,
         "model_sha256": batch.model_sha256,
         "breastrig": __version__,
     }

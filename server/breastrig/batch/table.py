@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.output_files import write_private
+from breastrig.core.private_files import write_private
 
 NUMBERS = {  # column -> its place in result.json
     "stance": ("stance",),

@@ -41,25 +41,25 @@ class FitOfBytes:
         return {name: [1e3 * metres * float(value) for value in place] for name, place in places.items()}
 
 
-def fit_of_bytes(wish: FitOfBytes, runner: Runner) -> dict[str, bytes]:
+def fit_of_bytes(task: FitOfBytes, runner: Runner) -> dict[str, bytes]:
     """The files that a fit leaves, by name.  Raises a BreastRigError when it cannot be done."""
     with scratch_folder() as folder:
-        scan = folder / f"scan{wish.ending}"
-        scan.write_bytes(wish.scan)
-        preset = wish.preset
-        if wish.preset_file is not None:
+        scan = folder / f"scan{task.ending}"
+        scan.write_bytes(task.scan)
+        preset = task.preset
+        if task.preset_file is not None:
             preset = str(folder / "preset.toml")
-            (folder / "preset.toml").write_bytes(wish.preset_file)
+            (folder / "preset.toml").write_bytes(task.preset_file)
         job = FitJob(
             scan=scan,
             out=folder / "out",
-            landmarks_mm=wish.landmarks_mm(),
-            landmark_confidence=landmark_confidences(wish.landmarks) if wish.landmarks is not None else {},
-            units=wish.units,
-            stance=wish.stance,
+            landmarks_mm=task.landmarks_mm(),
+            landmark_confidence=landmark_confidences(task.landmarks) if task.landmarks is not None else {},
+            units=task.units,
+            stance=task.stance,
             preset=preset,
-            drawing=wish.drawing,
-            refine=wish.refine,
+            drawing=task.drawing,
+            refine=task.refine,
         )
         for _ in runner(job):
             pass  # the files say it all

@@ -22,7 +22,8 @@ from breastrig.batch.run import Batch, exclusive, run_batch
 from breastrig.batch.table import FILE, Outcome, is_table, write_table
 from breastrig.cli.output_options import add_output_options, output_folder
 from breastrig.core.errors import BadSettings
-from breastrig.core.output_files import OutputSet, check_inputs_kept, check_output
+from breastrig.core.output_files import check_inputs_kept, check_output
+from breastrig.core.output_record import OutputSet
 from breastrig.core.scratch import sweep_scratch
 from breastrig.execution.dask_pool import DaskPool
 from breastrig.execution.dask_task import RESOURCE

@@ -13,7 +13,10 @@ from tqdm import tqdm
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
 from breastrig.core.errors import BadInput
-from breastrig.core.output_files import Output, OutputSet, all_or_nothing, check_output, private_folder
+from breastrig.core.output_files import Output, check_output
+from breastrig.core.output_record import OutputSet
+from breastrig.core.private_files import private_folder
+from breastrig.core.staged_output import all_or_nothing
 from breastrig.evaluation.cohort import read_cohort
 from breastrig.evaluation.evaluate import measured
 from breastrig.evaluation.page.charts import have_plots

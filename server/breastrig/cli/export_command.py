@@ -5,7 +5,8 @@ import argparse
 from pathlib import Path
 
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
-from breastrig.core.output_files import OutputSet, all_or_nothing
+from breastrig.core.output_record import OutputSet
+from breastrig.core.staged_output import all_or_nothing
 from breastrig.report.exported import SET_FORMAT
 from breastrig.workflow.export_fit import EXPORT_FILES, EXPORT_RECORD, write_export
 

@@ -16,7 +16,10 @@ from tqdm import tqdm
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import add_output_options, files_of_model, fit_set, output_folder
 from breastrig.core.errors import BadScan, BadSettings
-from breastrig.core.output_files import Output, OutputSet, all_or_nothing, is_ordinary, shown
+from breastrig.core.output_files import Output
+from breastrig.core.output_record import OutputSet
+from breastrig.core.private_files import is_ordinary, shown
+from breastrig.core.staged_output import all_or_nothing
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import pattern_help, tumour_text
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY

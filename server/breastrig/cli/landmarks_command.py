@@ -8,7 +8,8 @@ from threadpoolctl import threadpool_limits
 
 from breastrig.cli.output_options import add_output_options, files_of_model, output_file
 from breastrig.core.errors import BadScan
-from breastrig.core.output_files import all_or_nothing, is_ordinary, shown, write_private
+from breastrig.core.private_files import is_ordinary, shown, write_private
+from breastrig.core.staged_output import all_or_nothing
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.landmark_files import landmark_file

@@ -13,7 +13,7 @@ from breastrig import __version__
 from breastrig.cli import interruption
 from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.notice import LIMITS_OF_USE, RESEARCH_USE_ONLY
-from breastrig.core.output_files import shown
+from breastrig.core.private_files import shown
 
 COMMANDS = (
     "fit",

@@ -5,7 +5,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.core.output_files import Output, OutputSet, single_file
+from breastrig.core.output_files import Output, single_file
+from breastrig.core.output_record import OutputSet
 from breastrig.workflow.fit_files import FIT_FILES, RESULT, RESULT_SCHEMA
 
 

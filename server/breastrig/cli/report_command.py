@@ -6,7 +6,8 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
-from breastrig.core.output_files import OutputSet, all_or_nothing
+from breastrig.core.output_record import OutputSet
+from breastrig.core.staged_output import all_or_nothing
 from breastrig.report.document import SCHEMA
 from breastrig.workflow.report import REPORT_FILES, REPORT_RECORD, ReportJob, write_report
 

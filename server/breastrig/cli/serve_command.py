@@ -18,11 +18,11 @@ from breastrig.cli.service_options import add_service_options, service_settings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.core.notice import RESEARCH_USE_ONLY
 from breastrig.execution.executor import Executor
-from breastrig.execution.fork_server import start_fork_server
+from breastrig.execution.fork_server import preload, start_fork_server
 from breastrig.execution.limits import FitLimits
-from breastrig.execution.processes import preload_remote
 from breastrig.service.fit_worker import Runner
 from breastrig.service.service import Service
+from breastrig.service.task_modules import REMOTE_MODULES
 from breastrig.storage.storage import Storage
 from breastrig.workflow.run_fit import run_fit
 
@@ -64,7 +64,7 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
     limits = FitLimits(workers=setting["workers"], waiting_per_client=setting["waiting_per_client"])
     location = location_of(found)
     if location.database is not None or location.files is not None:
-        preload_remote()
+        preload(REMOTE_MODULES)
     if setting["scheduler"] is not None and (location.database is None or location.files is None):
         log.warning("only workers on this machine see the data folder; others need --database and --files")
     storage = Storage(location)

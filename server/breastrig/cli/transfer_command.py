@@ -12,7 +12,8 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
-from breastrig.core.output_files import all_or_nothing, write_private
+from breastrig.core.private_files import write_private
+from breastrig.core.staged_output import all_or_nothing
 from breastrig.workflow.fit_files import json_bytes
 from breastrig.workflow.transfer import TransferJob, drawing_document, transfer
 

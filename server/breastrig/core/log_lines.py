@@ -9,10 +9,10 @@ import os
 import sys
 from datetime import UTC, datetime
 
-VARIABLE = "BREASTRIG_LOG"  # tells the worker processes, who inherit the environment
+VARIABLE = "BREASTRIG_LOG"  # for the worker processes, which inherit the environment
 TEXT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 FIELDS = "fields"  # name in a record's `extra` of what a JSON line says in members of their own
-NOISY = ("uvicorn", "asyncio", "trimesh", "PIL", "alembic")  # they tell of files' contents, or nothing of use
+NOISY = ("uvicorn", "asyncio", "trimesh", "PIL", "alembic")  # they log files' contents, or nothing of use
 
 
 class JsonLines(logging.Formatter):
@@ -37,8 +37,8 @@ class TextLines(logging.Formatter):
     """The same for people."""
 
     def format(self, record: logging.LogRecord) -> str:
-        told = getattr(record, FIELDS, {}).get("traceback")  # one that was made fit to be told
-        return super().format(record) if told is None else f"{super().format(record)}\n{told}"
+        traceback = getattr(record, FIELDS, {}).get("traceback")  # one that was made fit to be logged
+        return super().format(record) if traceback is None else f"{super().format(record)}\n{traceback}"
 
 
 def set_up_logs(form: str) -> None:
@@ -53,7 +53,7 @@ def set_up_logs(form: str) -> None:
     os.environ[VARIABLE] = form
 
 
-def set_up_logs_as_told() -> None:
+def set_up_logs_from_environment() -> None:
     """In a worker process of a server that called set_up_logs."""
     form = os.environ.get(VARIABLE)
     if form is not None and not logging.getLogger().handlers:

@@ -10,5 +10,5 @@ def now() -> datetime:
 
 
 def uptime_s() -> float:
-    """Seconds since any moment in the past; goes on while the machine sleeps, where the system can tell."""
+    """Seconds since any moment in the past; goes on while the machine sleeps, where the system counts that."""
     return time.clock_gettime(getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC))

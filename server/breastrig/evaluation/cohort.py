@@ -1,7 +1,7 @@
 """A folder of virtual or real patients: PATIENT/STANCE/{scan.ply, landmarks.json, case.json, truth.ply}.
 
 case.json says the unit and the stance; truth.ply, the clean surface in the scan's frame, may be missing;
-PATIENT/patient.json tells the family.  Bodies that share their origin with the template (MakeHuman) flatter it
+PATIENT/patient.json states the family.  Bodies that share their origin with the template (MakeHuman) flatter it
 and are always reported apart from independent ones.
 """
 

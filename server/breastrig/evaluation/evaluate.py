@@ -26,7 +26,7 @@ class Results:
 
 
 def measured(plan: Plan, folder: Path, jobs: int, again: bool, progress: Callable[[int, str], None]) -> Results:
-    """All answers of the plan, kept under folder/work; `progress` is told the number of units and each one's end."""
+    """All answers of the plan, kept under folder/work; `progress` gets how many there are, and each one's end."""
     rig = read_rig(plan.model)
     first = plan.first_round()
     rehearsal = {case.name: rig.shape_names for case in plan.cases}

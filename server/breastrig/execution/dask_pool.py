@@ -20,7 +20,7 @@ from functools import partial
 from typing import Any
 
 from breastrig.core.errors import BadSettings
-from breastrig.execution.dask_task import RESOURCE, Limits, carried_out, packed, still_running, unpacked
+from breastrig.execution.dask_task import RESOURCE, Limits, execute, packed, still_running, unpacked
 
 CONNECT_S = 10.0  # a scheduler that is there answers within a second
 COUNT_S = 1.0  # between two counts of the workers
@@ -194,7 +194,7 @@ class DaskPool:
         # The scan travels inside the task, so that a task whose worker is lost can be started again elsewhere.
         with self._config.set({"distributed.admin.large-graph-warning-threshold": f"{2 * len(call) + 10**7}B"}):
             task.remote = self._client.submit(
-                carried_out,
+                execute,
                 call,
                 timeout,
                 self._limits,

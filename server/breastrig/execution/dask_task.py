@@ -5,7 +5,7 @@ same as on one machine.  Function, arguments and outcome travel as one opaque pi
 worker neither unpack nor print them, so nothing of a patient can come into their logs, their pages or their
 processes.  A task that ends with an error is an outcome too, because Dask logs the arguments of tasks that raise.
 
-How a cancellation comes here: the scheduler tells the worker that nobody wants the task any more, which marks the
+How a cancellation comes here: the scheduler notifies the worker that nobody wants the task any more, which marks the
 task in the worker's own table, and the thread that waits for the child looks there ten times a second.  That costs
 no message, and it is the same when the client was killed or cut off, for then the scheduler says the same by itself.
 Tried and dropped: distributed's Event and Variable, which ask the scheduler at each look and do not notice a client
@@ -35,12 +35,12 @@ _running: set[str] = set()  # keys of the tasks that have a child now
 
 
 def packed(function: Callable[..., Any], args: tuple[Any, ...]) -> bytes:
-    """A call, to be given to `carried_out`."""
+    """A call, to be given to `execute`."""
     return pickle.dumps((function, args), protocol=pickle.HIGHEST_PROTOCOL)
 
 
 def unpacked(outcome: bytes) -> Any:
-    """The result that `carried_out` brought; raises the task's own exception instead."""
+    """The result that `execute` brought; raises the task's own exception instead."""
     try:
         done, value = pickle.loads(outcome)
     except Exception as error:
@@ -52,7 +52,7 @@ def unpacked(outcome: bytes) -> Any:
     return value
 
 
-def carried_out(call: bytes, timeout: float, limits: Limits) -> bytes:
+def execute(call: bytes, timeout: float, limits: Limits) -> bytes:
     """In a thread of a Dask worker: runs the call in a child process, and brings its outcome.
 
     The outcome is (True, result) or (False, exception), pickled; of a task that nobody wants any more it is empty.
@@ -127,7 +127,7 @@ def _as_outcome(error: Exception) -> bytes:
 
 
 def _plain(error: Exception) -> Exception:
-    """The same kind of error without what Pebble hangs on it."""
+    """The same kind of error without what Pebble attaches to it."""
     for kind in (TimeoutError, OSError):
         if isinstance(error, kind):
             return kind(str(error))

@@ -8,34 +8,36 @@ import asyncio
 import secrets
 import signal
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from breastrig.core.errors import BadSettings
 from breastrig.core.scratch import sweep_scratch
 from breastrig.execution.dask_pool import CONNECT_S, UNREACHABLE, distributed, no_scheduler
 from breastrig.execution.dask_task import RESOURCE, get_ready, stop_children
+from breastrig.execution.fork_server import preload
 from breastrig.execution.limits import FitLimits
-from breastrig.execution.processes import preload_remote
 from breastrig.execution.scratch_sweeper import scratch_swept
 
 
-def run_worker(address: str, workers: int, tell_ready: Callable[[], None]) -> bool:
+def run_worker(address: str, workers: int, on_ready: Callable[[], None], task_modules: Iterable[str] = ()) -> bool:
     """Works until a signal stops it (True), or the scheduler is gone or has let it go (False).
+
+    `task_modules` are what the tasks import: children find them imported already.
 
     Raises BadSettings when distributed is not installed or no scheduler answers.
     """
     package = distributed()
-    preload_remote()
+    preload(task_modules)
     try:
         with scratch_swept(), tempfile.TemporaryDirectory(prefix="breastrig-worker-") as folder:
-            return asyncio.run(_work(package, address, workers, folder, tell_ready))
+            return asyncio.run(_work(package, address, workers, folder, on_ready))
     finally:
         stop_children()
         sweep_scratch()
 
 
-async def _work(package: Any, address: str, workers: int, folder: str, tell_ready: Callable[[], None]) -> bool:
+async def _work(package: Any, address: str, workers: int, folder: str, on_ready: Callable[[], None]) -> bool:
     stop = asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(number, stop.set)
@@ -53,7 +55,7 @@ async def _work(package: Any, address: str, workers: int, folder: str, tell_read
     except UNREACHABLE as error:
         raise BadSettings(no_scheduler(address)) from error
     await asyncio.to_thread(get_ready, workers, FitLimits().memory_bytes)
-    tell_ready()
+    on_ready()
     stopping = asyncio.create_task(stop.wait())
     ending = asyncio.create_task(worker.finished())
     await asyncio.wait([stopping, ending], return_when=asyncio.FIRST_COMPLETED)

@@ -1,4 +1,4 @@
-"""What carries out tasks outside of the caller's process: local processes, or a Dask cluster.
+"""What executes tasks outside of the caller's process: local processes, or a Dask cluster.
 
 A task is a function importable by name and its arguments, both picklable, because it may run in another process on
 another machine.  It may be started twice: a machine that is lost has its tasks run again elsewhere.  So a task
@@ -29,7 +29,7 @@ class Executor(Protocol):
         """
 
     def answer(self, wait_s: float) -> bool:
-        """Whether tasks are carried out; asks for `wait_s` seconds at most."""
+        """Whether tasks are executed; asks for `wait_s` seconds at most."""
 
     def stop(self) -> None:
         """Kills this caller's tasks that still run and waits until they are gone."""

@@ -118,7 +118,7 @@ class FairProcesses:
         return waited
 
     def _hand_over(self) -> None:
-        """In a thread of its own: a task that ends tells so in a thread that may hold the pool's lock."""
+        """In a thread of its own: the end of a task is notified in a thread that may hold the pool's lock."""
         while True:
             with self._changed:
                 self._changed.wait_for(

@@ -1,9 +1,9 @@
 """Worker processes that can be timed out and killed, one task each.
 
-A process carries out one task and is replaced: nothing of one patient's data is left for the next task, a task
+A process executes one task and is replaced: nothing of one patient's data is left for the next task, a task
 that is killed can never take another one with it, and limits of memory and CPU time hold for each task alone.
-That is cheap because a fork server has imported everything once: the next process is ready, waiting, when the
-task arrives.
+That is cheap because a fork server has imported everything once (see fork_server.py): the next process is ready,
+waiting, when the task arrives.
 
 Tried and dropped: long-lived workers.  When a task is cancelled at the moment at which it ends, Pebble may kill
 the process that has already begun the next one.
@@ -12,7 +12,6 @@ the process that has already begun the next one.
 import multiprocessing
 import os
 import resource
-import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures.process import BrokenProcessPool
@@ -22,26 +21,8 @@ from typing import Any
 from pebble import ProcessFuture, ProcessPool
 from threadpoolctl import threadpool_limits
 
-from breastrig.core.log_lines import set_up_logs_as_told
-
-PRELOAD = (
-    "__main__",
-    "breastrig.service.fit_worker",
-    "breastrig.workflow.propose_on_scan",
-    "breastrig.workflow.read_upload",
-    "breastrig.workflow.report",
-    "breastrig.workflow.run_fit",
-    "breastrig.workflow.run_pair",
-    "breastrig.workflow.transfer",
-    "breastrig.workflow.write_plain_mesh",
-)
-REMOTE = ("breastrig.storage.postgres", "psycopg", "breastrig.storage.store_files", "s3fs")  # half a second to import
-_preloaded = list(PRELOAD)
-
-
-def preload_remote() -> None:
-    """For processes that will find rows or files elsewhere, before the first pool; what is not installed is left."""
-    _preloaded.extend(name for name in REMOTE if name not in _preloaded)
+from breastrig.core.log_lines import set_up_logs_from_environment
+from breastrig.execution.fork_server import modules_to_preload
 
 
 class Processes:
@@ -91,7 +72,7 @@ class Processes:
             return self.schedule(function, args, timeout).result()
 
     def answer(self, wait_s: float) -> bool:
-        """Whether a process carries out a task; taken for granted while all are at work."""
+        """Whether a process executes a task; taken for granted while all are at work."""
         if self._unfinished >= self.workers:
             return not self._stopped
         try:
@@ -128,7 +109,7 @@ class _LockKeepingContext:
 
     def __init__(self) -> None:
         self._server = multiprocessing.get_context("forkserver")
-        self._server.set_forkserver_preload([*_preloaded, *_imported()])
+        self._server.set_forkserver_preload(modules_to_preload())
         self.locks: list[Any] = []
 
     def RLock(self) -> Any:
@@ -139,22 +120,13 @@ class _LockKeepingContext:
         return getattr(self._server, name)
 
 
-def _imported() -> list[str]:
-    """All of ours that the program has imported.
-
-    Each process first imports what the program's main module imports, which for `breastrig serve` is Flask and all
-    the rest: 0.4 s of work before each task, unless the fork server has done it already.
-    """
-    return sorted(name for name in sys.modules if name.startswith("breastrig."))
-
-
 def _limit(memory_bytes: int, cpu_s: int | None) -> None:
     """In the child, before its task."""
     resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a core dump would hold a patient's scan
     if cpu_s is not None:
         resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))
-    set_up_logs_as_told()
+    set_up_logs_from_environment()
     threading.Thread(target=_die_with_the_server, daemon=True).start()
     threadpool_limits(1)  # more BLAS threads are slower at this size, and fits would fight over the cores
 

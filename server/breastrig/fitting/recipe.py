@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from breastrig.core.errors import BadSettings, unknown_name
-from breastrig.core.output_files import is_ordinary, shown
+from breastrig.core.private_files import is_ordinary, shown
 
 COMMON, COMMON_PARTS = "default", ("outliers", "stance_rule", "landmarks")  # taken from it where a preset is silent
 

@@ -24,7 +24,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadDrawing
 from breastrig.geometry.closest_point import closest_barycentric
-from breastrig.geometry.isoline import longest_loop
+from breastrig.geometry.level_sets import longest_loop
 from breastrig.geometry.normals import face_crosses
 from breastrig.geometry.shortest_path import PathTracer
 from breastrig.geometry.split import split_flat, with_vertex

@@ -1,11 +1,23 @@
-"""The part of a triangle mesh where a function of its vertices is above a level, cut through the triangles.
+"""Level sets of a function that is given at the vertices of a triangle mesh.
 
-The function is linear on each triangle, so the cut is exact for it.  Moving the level moves the border of the part.
+The function is linear on each triangle, so cuts are exact for it.  `part_above` is the part of the mesh where it is
+above a level: moving the level moves the border of the part.  `crossings` are the points where it passes the level,
+and `longest_loop` is the closed line that they form (marching triangles).
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
+
+
+@dataclass(frozen=True, eq=False)
+class Isoline:
+    """A closed line; it crosses M edges, one after the other."""
+
+    edges: Integers  # (M, 2) vertices at the edge's ends
+    faces: Integers  # (M,) a triangle that owns the edge
 
 
 def crossings(vertices: Array, faces: Integers, values: Array, level: float) -> Array:
@@ -34,6 +46,44 @@ def part_above(vertices: Array, faces: Integers, values: Array, level: float) ->
     points = np.concatenate([vertices, _cut(vertices, values, level, unique)])
     used, renumbered = np.unique(np.concatenate(triangles), return_inverse=True)
     return points[used], np.asarray(renumbered.reshape(-1, 3), dtype=np.int64)
+
+
+def longest_loop(faces: Integers, values: Array, level: float) -> Isoline | None:
+    """The closed line with the most points; None when there is none or when a longer one ends at a border.
+
+    Vertices at the level exactly count as above it.  Infinite values are above every level.
+    """
+    above = values >= level
+    mixed = np.flatnonzero(above[faces].any(axis=1) & ~above[faces].all(axis=1))
+    if len(mixed) == 0:
+        return None
+    ends = np.stack([faces[mixed], np.roll(faces[mixed], -1, axis=1)], axis=2)  # (M, 3, 2)
+    crossing = above[ends[..., 0]] != above[ends[..., 1]]  # two of three
+    pairs = np.sort(ends[crossing].reshape(-1, 2), axis=1)
+    edges, which = np.unique(pairs, axis=0, return_inverse=True)
+    segments = which.reshape(-1, 2)
+    around: list[list[tuple[int, int]]] = [[] for _ in edges]
+    for face, (one, other) in zip(mixed.tolist(), segments.tolist(), strict=True):
+        around[one].append((other, face))
+        around[other].append((one, face))
+    best, best_open = ([], []), 0  # type: tuple[list[int], list[int]], int
+    seen = np.zeros(len(edges), dtype=np.bool_)
+    for first in sorted(range(len(edges)), key=lambda edge: len(around[edge])):  # open ends first
+        if seen[first]:
+            continue
+        line, owners, here = [], [], first
+        while not seen[here]:
+            seen[here] = True
+            line.append(here)
+            owners.append(around[here][0][1])
+            here = next((other for other, _ in around[here] if not seen[other]), here)
+        if len(around[first]) == 1:
+            best_open = max(best_open, len(line))
+        elif len(line) > len(best[0]):
+            best = (line, owners)
+    if len(best[0]) < 3 or best_open > len(best[0]):
+        return None
+    return Isoline(edges[best[0]], np.array(best[1], dtype=np.int64))
 
 
 def _cut(vertices: Array, values: Array, level: float, edges: Integers) -> Array:

@@ -5,7 +5,7 @@ What embreex 4.4 does that a caller would not expect, and what is done about it 
 * it works in float32: the mesh is centred at its mean, so that hits are right to about 0.1 µm on a body;
 * without `robust` three rays in a hundred slip through at shared vertices: always on;
 * distances are written in place into a float32 array which is also the limit, and a miss keeps the limit:
-  a fresh array for each call, and misses are told by the face index;
+  a fresh array for each call, and misses are marked by the face index;
 * wrong indices or short arrays are read beyond their end: both are checked first;
 * a ray that starts on the surface hits it at distance 0 about half of the time: shift the origin if it matters;
 * triangles are copied in a slow loop and the tree is built by the first query (70 ms for 80,000 triangles):

@@ -1,6 +1,6 @@
 """The shape alone of a mesh for display: what is shown of a scan when its colours are to stay private.
 
-Skin colour, tattoos and birthmarks can tell who a person is; the shape tells less.
+Skin colour, tattoos and birthmarks can identify a person; the shape says less.
 """
 
 import numpy as np

@@ -20,7 +20,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadModel
 from breastrig.core.glb import split_glb
 from breastrig.core.gltf_arrays import GltfArrays, entry
-from breastrig.core.output_files import read_ordinary, shown
+from breastrig.core.private_files import read_ordinary, shown
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.side_file import DrawingFile, FilePart, RigFile, SurfacePointEntry
 from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, ModelDrawing, Rig, Shape

@@ -3,8 +3,8 @@
 The nodes stand in the last pose, in which the drawing is exact, so a viewer that ignores animations shows the
 result.  The animation has one
 key for each iterate; keys are at least KEY_SPACING apart, because a fit is faster than the eye, and the true
-times are kept in the animation's extras.  Far from the origin the bones hang on a node that stands there, so that
-neither the animation's keys nor what a viewer multiplies with single precision loses the place.
+times are kept in the animation's extras.  Far from the origin the bones are children of a node that stands there, so
+that neither the animation's keys nor what a viewer multiplies with single precision loses the place.
 """
 
 from collections.abc import Sequence

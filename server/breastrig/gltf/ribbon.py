@@ -7,7 +7,7 @@ position, skin weights and all blendshapes of its surface point by barycentric i
 along the normal (which turns with the blendshapes).
 
 How exact.  Skinning an interpolated point is not interpolating skinned points: in the poses of real fits they
-are 0.3 mm apart, and 1.5 mm where a triangle hangs on five bones, of which glTF carries four; enough to sink
+are 0.3 mm apart, and 1.5 mm where a triangle has the weights of five bones, of which glTF carries four; enough to sink
 under the skin.  Every file that is written for a pose therefore gets rest positions that make its ribbons
 `exact_in` that pose.  Tried and dropped: least-squares skin weights over random poses, which gain nothing.
 """

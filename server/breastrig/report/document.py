@@ -6,9 +6,8 @@ from typing import Any
 
 from breastrig import __version__
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.report.row import Row
 from breastrig.report.stance import Stance
-from breastrig.report.table import flat_rows
+from breastrig.report.table import Row, flat_rows
 
 SCHEMA = "breastrig/report@1"
 FROM_RESULT = (

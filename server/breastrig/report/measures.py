@@ -10,6 +10,7 @@ A pick is first put on it.  The tape is exact on the mesh (geometry/geodesic.py)
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -18,9 +19,9 @@ from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import Geodesics, length
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.report.body_frame import BodyFrame, body_frame
-from breastrig.report.row import Row, Value
 from breastrig.report.stance import Place, Stance, places
 from breastrig.report.symmetry import symmetry
+from breastrig.report.table import Row, Value
 from breastrig.report.volume import METHOD as VOLUME_METHOD
 from breastrig.report.volume import breast_outline, breast_volume
 from breastrig.rig.model import DrawnShape
@@ -58,7 +59,7 @@ class _Table:
             ("nipple_fold", "Nipple to fold", "nipple", "inframammary_fold"),
         ):
             ends = {side: [self._place(part, side) for part in (first, second)] for side in SIDES}
-            yield from self._sided(name, label, ends, lambda side, ends=ends: self._apart(ends[side]))  # type: ignore[misc]
+            yield from self._sided(name, label, ends, partial(self._between, ends))
         nipples = {side: [self._place("nipple", side)] for side in SIDES}
         midline = self.stance.shape("midline")
         if midline is not None:
@@ -107,6 +108,9 @@ class _Table:
         for index, kind in enumerate((STRAIGHT, ALONG_SKIN)):
             left, right = (_mm(numbers[side][index]) for side in SIDES)
             yield Row(name, label, kind, "mm", left, right, None, landmarks, methods[index])
+
+    def _between(self, ends: dict[str, list[Place | None]], side: str) -> tuple[float, float]:
+        return self._apart(ends[side])
 
     def _apart(self, ends: Sequence[Place | None]) -> tuple[float, float]:
         """m: straight and along the skin."""

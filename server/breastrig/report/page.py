@@ -16,6 +16,7 @@ from breastrig.core.notice import LIMITS_OF_USE
 
 Shade = tuple[int, int, int]
 Align = Literal["L", "C", "R"]
+Cell = tuple[float, float, str, Align]  # x, width, text
 
 INK: Shade = (28, 34, 44)
 QUIET: Shade = (108, 116, 128)
@@ -112,7 +113,7 @@ class Sheet(FPDF):
     def row(
         self,
         y: float,
-        cells: Sequence[tuple[float, float, str, Align]],
+        cells: Sequence[Cell],
         *,
         height: float = 4.6,
         size: float = 8.0,

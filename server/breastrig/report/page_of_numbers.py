@@ -5,10 +5,8 @@ from typing import Any
 
 from breastrig.report.document import Reported
 from breastrig.report.measures import OUTLINE
-from breastrig.report.numbers import number, with_band
 from breastrig.report.page import FOOT, MARGIN, QUIET, WIDTH, Align, Sheet
-from breastrig.report.row import Row, Value
-from breastrig.report.table import changes
+from breastrig.report.table import Row, Value, changes, number, with_band
 
 ROW = 5.1  # mm
 NAME = 40.0  # mm of a row's name
@@ -189,20 +187,20 @@ def _distances(found: dict[str, float | None]) -> str:
 def _doubts(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
     """Picks that were not followed, and what reading the scans found."""
     y = sheet.heading(MARGIN, y, "Doubts and notes")
-    told = []
+    remarks = []
     for one in stances:
         prefix = f"{one.name.capitalize()}: " if len(stances) > 1 else ""
-        told += [prefix + reason for reason in (one.result.get("verdict") or {}).get("reasons", [])]
-        told += [prefix + pick["reason"] for pick in one.result.get("landmarks_not_followed", [])]
-        told += [prefix + note for note in one.result.get("notes", [])]
-        told += (
+        remarks += [prefix + reason for reason in (one.result.get("verdict") or {}).get("reasons", [])]
+        remarks += [prefix + pick["reason"] for pick in one.result.get("landmarks_not_followed", [])]
+        remarks += [prefix + note for note in one.result.get("notes", [])]
+        remarks += (
             [prefix + "the model's own place was taken for " + ", ".join(_unpicked(one)) + "."]
             if _unpicked(one)
             else []
         )
-    if not told:
-        told = ["Every landmark was picked, and none of the picks was doubted."]
-    return sheet.lines(MARGIN + 1.0, y + 0.8, WIDTH - 2.0, "  ".join(told), 7.5, most=5)
+    if not remarks:
+        remarks = ["Every landmark was picked, and none of the picks was doubted."]
+    return sheet.lines(MARGIN + 1.0, y + 0.8, WIDTH - 2.0, "  ".join(remarks), 7.5, most=5)
 
 
 def _unpicked(one: Reported) -> list[str]:

@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 
 from breastrig.report.document import Reported
-from breastrig.report.numbers import number
-from breastrig.report.page import MARGIN, QUIET, WIDTH, Sheet
+from breastrig.report.page import MARGIN, QUIET, WIDTH, Cell, Sheet
 from breastrig.report.pictures import LIMIT_MM, colour_bar, distance_pictures, jpeg, scan_pictures, views_of
-from breastrig.report.row import Row, Value
+from breastrig.report.table import Row, Value, number
 
 GAP = 4.0  # mm between pictures
 LARGE = (0.5 * (WIDTH - GAP), 92.0)  # mm
@@ -92,23 +91,23 @@ def _at_a_glance(sheet: Sheet, stances: Sequence[Reported], y: float) -> None:
     """The numbers that are asked for first."""
     y = sheet.heading(MARGIN, y, "At a glance")
     column = (WIDTH - 62.0) / (3 * len(stances))
-    headings = [(MARGIN, 62.0, "", "L")]
+    headings: list[Cell] = [(MARGIN, 62.0, "", "L")]
     for index, each in enumerate(stances):
         for k, side in enumerate(("left", "right", "L - R")):
             name = f"{each.name}, {side}" if k < 2 else side
             headings.append((MARGIN + 62.0 + (3 * index + k) * column, column - 2.0, name, "R"))
-    y = sheet.row(y, headings, size=7.0, shade=QUIET, height=5.0)  # type: ignore[arg-type]
+    y = sheet.row(y, headings, size=7.0, shade=QUIET, height=5.0)
     known = [{(row.measure, row.kind): row for row in each.rows} for each in stances]
     shown = [key for key in GLANCE if all(key in rows for rows in known)]
     for place, key in enumerate(shown):
         first = known[0][key]
         label = first.label if key[0] == "volume" else f"{first.label}, {first.kind}"
-        cells = [(MARGIN + 1.0, 61.0, f"{label} ({first.unit})", "L")]
+        cells: list[Cell] = [(MARGIN + 1.0, 61.0, f"{label} ({first.unit})", "L")]
         for index, rows in enumerate(known):
             for k, text in enumerate(_three(rows[key])):
                 cells.append((MARGIN + 62.0 + (3 * index + k) * column, column - 2.0, text, "R"))
         band = (MARGIN, WIDTH) if place % 2 else None
-        y = sheet.row(y, cells, band=band, height=5.4, size=8.5)  # type: ignore[arg-type]
+        y = sheet.row(y, cells, band=band, height=5.4, size=8.5)
     sheet.words(MARGIN, y + 1.5, "left and right are the patient's", 7.0, QUIET)
 
 

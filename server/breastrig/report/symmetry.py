@@ -15,8 +15,8 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.report.body_frame import BodyFrame
-from breastrig.report.row import Row, Value
 from breastrig.report.stance import Place, Stance
+from breastrig.report.table import Row, Value
 from breastrig.report.volume import vertices_within
 
 MODEL_PART = "model inside its breast base outline"

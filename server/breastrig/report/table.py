@@ -1,10 +1,12 @@
-"""The measures of one or two stances as flat rows: the same in report.json and measures.csv."""
+"""The table of measures: its rows, their changes between two stances, and their numbers in files and in print.
+
+The same rows stand in report.json, measures.csv and the PDF.
+"""
 
 import csv
 import io
 from collections.abc import Sequence
-
-from breastrig.report.row import Row, Value
+from dataclasses import dataclass
 
 Cell = str | float | None
 COLUMNS = (
@@ -12,7 +14,37 @@ COLUMNS = (
     "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "value",
     "landmarks", "method",
 )  # fmt: skip
-DIGITS = {"mm": 2, "ml": 1, "1": 4}  # a hundredth of a millimetre is below any scanner: enough
+FILE_DIGITS = {"mm": 2, "ml": 1, "1": 4}  # a hundredth of a millimetre is below any scanner: enough
+PRINTED_DIGITS = {"mm": 1, "ml": 0, "1": 2}  # what a scanner of 1 to 3 mm and a band of tens of ml allow
+
+
+@dataclass(frozen=True)
+class Value:
+    """One number, in the row's unit, with its band where one is known."""
+
+    value: float
+    low: float | None = None
+    high: float | None = None
+
+
+@dataclass(frozen=True)
+class Row:
+    """One measure of one stance; sided, or one value for both breasts."""
+
+    measure: str  # name for programs
+    label: str  # for people
+    kind: str  # straight | along the skin | ratio | volume
+    unit: str  # mm | ml | 1
+    left: Value | None
+    right: Value | None
+    value: Value | None
+    landmarks: tuple[str, ...]  # each with its source: picked, or the model's
+    method: str
+
+    @property
+    def difference(self) -> float | None:
+        """Left less right."""
+        return None if self.left is None or self.right is None else self.left.value - self.right.value
 
 
 def flat_rows(stances: Sequence[tuple[str, Sequence[Row]]]) -> list[dict[str, Cell]]:
@@ -49,7 +81,7 @@ def _change(a: Row, b: Row) -> Row:
 
 
 def _flat(stance: str, row: Row) -> dict[str, Cell]:
-    digits = DIGITS[row.unit]
+    digits = FILE_DIGITS[row.unit]
 
     def cut(number: float | None) -> float | None:
         return None if number is None else round(float(number), digits) + 0.0  # no minus zero
@@ -71,3 +103,19 @@ def csv_bytes(rows: Sequence[dict[str, Cell]]) -> bytes:
     writer.writeheader()
     writer.writerows(rows)
     return text.getvalue().encode()
+
+
+def number(value: Value | None, unit: str, *, signed: bool = False) -> str:
+    """The value without its unit; a dash where there is none."""
+    if value is None:
+        return "-"
+    text = f"{value.value:{'+' if signed else ''}.{PRINTED_DIGITS[unit]}f}"
+    return text if float(text) else text.lstrip("+-")
+
+
+def with_band(value: Value | None, unit: str) -> str:
+    """290 (240 to 330)."""
+    if value is None or value.low is None or value.high is None:
+        return number(value, unit)
+    digits = PRINTED_DIGITS[unit]
+    return f"{number(value, unit)}  ({value.low:.{digits}f} to {value.high:.{digits}f})"

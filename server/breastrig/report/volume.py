@@ -2,9 +2,9 @@
 
 The wall is the smoothest surface that continues the skin around the breast underneath it: a thin-plate spline
 (Duchon 1977: least bending) of the distance from the body's long axis, unrolled around it because the breast reaches
-far round the chest, through three rings of skin: on the outline, 10 mm and 20 mm outside it.  It knows heights and
-slopes of the chest around the breast and nothing of ribs or muscle.  The volume is the flux between skin and wall,
-signed, so that a breast that hangs over its fold counts its tissue and not what is behind it.
+far round the chest, through three level lines of the skin: on the outline, 10 mm and 20 mm outside it.  It knows
+heights and slopes of the chest around the breast and nothing of ribs or muscle.  The volume is the flux between skin
+and wall, signed, so that a breast that hangs over its fold counts its tissue and not what is behind it.
 
 The outline is the model's own (`breast_base`), carried by the fit.  Raters place it 3.5 to 6.7 mm apart
 (Wesselius 2018), so the band holds the volumes with the outline moved 5 mm in and out, widened by what the
@@ -32,7 +32,11 @@ from breastrig.report.stance import Stance
 from breastrig.rig.model import DrawnShape, Rig
 
 OUTLINE_ERROR = 0.005  # m, how far apart two raters draw the outline (Wesselius 2018: 3.5 to 6.7 mm)
-RINGS = (0.0, 0.010, 0.020)  # m outside the outline; farther out the chest is another slope, and the other breast near
+BORDER_DISTANCES = (
+    0.0,
+    0.010,
+    0.020,
+)  # m outside the outline; farther out: another slope, and the other breast
 SPACING = 0.003  # m between points of the outline: well below the mesh's edges
 SMOOTHING = 1e-5  # of the spline, in units of the chest's radius: keeps points on top of each other solvable
 METHOD = (
@@ -70,8 +74,8 @@ def volume_above(
     patch, triangles = part_above(vertices, faces, inside, level)
     if not len(triangles):
         return 0.0, 0.0
-    rings = np.concatenate([crossings(vertices, faces, inside, level - ring) for ring in RINGS])
-    out = rings.mean(axis=0) - axis.point
+    border = np.concatenate([crossings(vertices, faces, inside, level - away) for away in BORDER_DISTANCES])
+    out = border.mean(axis=0) - axis.point
     out -= axis.direction * (out @ axis.direction)
     radius = float(np.linalg.norm(out))
     axes = np.stack([out / radius, np.cross(axis.direction, out / radius), axis.direction], axis=1)
@@ -81,13 +85,13 @@ def volume_above(
         x, y, z = ((points - axis.point) @ axes).T
         return np.stack([np.arctan2(y, x), z / radius], axis=1), np.hypot(x, y) / radius - 1.0
 
-    at, height = unrolled(rings)
+    at, height = unrolled(border)
     wall_of = RBFInterpolator(at, height, kernel="thin_plate_spline", smoothing=SMOOTHING)
     under, _ = unrolled(patch)
     reach = radius * (1.0 + wall_of(under))
     angle = under[:, 0]
     wall = np.stack([reach * np.cos(angle), reach * np.sin(angle), radius * under[:, 1]], axis=1) @ axes.T + axis.point
-    middle = rings.mean(axis=0)
+    middle = border.mean(axis=0)
     skin, bed = (_volume_to_origin(place - middle, triangles) for place in (patch, wall))
     return skin - bed, float(face_areas(patch, triangles).sum())
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadLandmarks
-from breastrig.core.output_files import read_ordinary, shown
+from breastrig.core.private_files import read_ordinary, shown
 from breastrig.core.units import BEYOND, METRES_PER_UNIT
 
 SCHEMA = "breastrig/landmarks@1"

@@ -1,4 +1,4 @@
-"""A scan file -> Scan.  The door through which strangers' bytes come in.
+"""A scan file -> Scan.  The only way in for untrusted bytes.
 
 The kind of file is decided from its bytes, limits are checked on the file's own numbers before anything of that size
 is allocated, no other file or address is ever opened, and whatever goes wrong inside a library becomes one plain
@@ -31,7 +31,7 @@ from breastrig.scan.units import decide_unit, extent
 
 BEYOND = 1e30  # no unit has such numbers; their squares are beyond single precision
 FARTHEST = 1e7  # m from the origin; coordinates of the Earth reach 6.4e6 m, and double precision is 2e-9 m there
-STRAY = 1e3  # m from the scan's middle; no scanner sees so far, and single precision begins to tell
+STRAY = 1e3  # m from the scan's middle; no scanner sees so far, and single precision begins to matter
 SHOWN_NAME = 60  # characters of a file's name in a sentence
 
 

@@ -1,4 +1,8 @@
-"""One attempt's part in the story of a fit: it stores what no attempt before it has stored."""
+"""Stores the events of one attempt at a fit: those that no earlier attempt has stored.
+
+Fits are deterministic, so an attempt that follows a lost one yields the same events again; they are counted, not
+stored twice.
+"""
 
 import json
 from contextlib import suppress
@@ -13,38 +17,38 @@ from breastrig.workflow.events import LAST_KINDS, Event, Started
 OTHER_MODEL = "The model was exchanged after this fit had begun; start the fit again."
 
 
-class Over(Exception):
-    """The story has been ended by someone else, or another worker tells it."""
+class Superseded(Exception):
+    """The fit was ended from outside or deleted, or another worker has claimed it."""
 
 
-class Telling:
-    """Tells the story of a fit as it was claimed, from the first event on, whatever is known of it already."""
+class EventWriter:
+    """Writes the events of a fit as it was claimed, from the first one on, whichever are stored already."""
 
     def __init__(self, storage: Storage, fit: FitRow) -> None:
         self.fit = fit
         self._storage = storage
-        self._told = 0
+        self._written = 0
 
-    def tell(self, event: Event) -> None:
+    def write(self, event: Event) -> None:
         """Stores the event if it is new.
 
-        Raises Over when the story has ended, is gone, or is another worker's by now; FitFailed when it cannot go on
-        as it began.
+        Raises Superseded when the fit has ended, was deleted, or is another worker's by now; FitFailed when it cannot
+        go on as it began.
         """
-        self._told += 1
+        self._written += 1
         if self.fit.ended:  # of two stances one may be done when their worker is lost
             return
-        if event.kind not in LAST_KINDS and self._told <= self.fit.last_event:
+        if event.kind not in LAST_KINDS and self._written <= self.fit.last_event:
             if isinstance(event, Started):
                 self._check_model(event)
             return
         try:
             append(self._storage, self.fit.id, event_json(event), self.fit.attempt)
         except (NotFound, Conflict) as error:
-            raise Over from error
+            raise Superseded from error
 
-    def goes_on(self) -> bool:
-        """Whether another worker has the fit, or has brought it to its end: then its files are that one's."""
+    def has_other_owner(self) -> bool:
+        """Whether another worker has the fit, or has completed it: then its files are that one's."""
         with suppress(NotFound):
             return get_fit(self._storage, self.fit.id).state in ("queued", "running", "done")
         return False

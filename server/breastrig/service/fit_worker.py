@@ -1,10 +1,10 @@
 """The worker's side of one fit: claim it, run it, store each event before anyone can see it.
 
-Whatever goes wrong becomes the story's last event with a sentence, unless the story has been ended from outside
-(cancelled, deleted) or another worker has taken it over: then the worker just stops.
+Whatever goes wrong becomes the fit's last event with a sentence, unless the fit has been ended from outside
+(cancelled, deleted) or another worker has claimed it: then the worker just stops.
 
-A fit whose worker was lost with its machine or its server is begun again, and its story goes on where it stopped:
-fits do the same each time, so the events that are known already are only counted.
+A fit whose worker was lost with its machine or its server is begun again, and its events go on where they stopped:
+fits are deterministic, so the events that are stored already are only counted.
 """
 
 import json
@@ -18,7 +18,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from breastrig.core.errors import BadSettings, BreastRigError, NotFound
 from breastrig.core.scratch import scratch_folder
-from breastrig.service.event_writer import Over, Telling
+from breastrig.service.event_writer import EventWriter, Superseded
 from breastrig.storage.disk_files import FolderDraft
 from breastrig.storage.files import Draft, fit_place, scan_place, upload_name
 from breastrig.storage.location import Location
@@ -36,7 +36,7 @@ PairRunner = Callable[[FitJob, FitJob], Iterator[tuple[int, Event]]]
 
 @dataclass(frozen=True)
 class Runners:
-    """How a fit is carried out, and how two stances together; both importable by name in a worker process."""
+    """The functions that run one fit, and two stances together; both importable by name in a worker process."""
 
     one: Runner
     two: PairRunner
@@ -54,7 +54,7 @@ ATTEMPTS = 3  # one that takes its machine down with it must not do so for ever
 log = logging.getLogger(__name__)
 
 
-def carry_out(location: Location, fit_id: str, runners: Runners, model: Path | None) -> None:
+def execute_fit(location: Location, fit_id: str, runners: Runners, model: Path | None) -> None:
     """Runs the fit, and its partner with it, to the end; does nothing when both have ended.
 
     Holds the fits before the claim, so that whoever has ended one can wait until nothing more is written for it.
@@ -69,40 +69,40 @@ def carry_out(location: Location, fit_id: str, runners: Runners, model: Path | N
             fit = claim_fit(storage, fit_id)
             if fit is not None:
                 both = [fit, *(get_fit(storage, each) for each in fit.both[1:])]
-                _run(storage, [Telling(storage, each) for each in both], runners, model)
+                _run(storage, [EventWriter(storage, each) for each in both], runners, model)
     except (FileNotFoundError, NotFound):
         log.info("fit %s was deleted before it ran", fit_id)
-    except Over:
+    except Superseded:
         pass
     finally:
         storage.close()
 
 
-def _run(storage: Storage, tellings: list[Telling], runners: Runners, model: Path | None) -> None:
-    first = tellings[0].fit
+def _run(storage: Storage, writers: list[EventWriter], runners: Runners, model: Path | None) -> None:
+    first = writers[0].fit
 
     def fail(reason: str) -> None:
-        for each in tellings:
-            with suppress(Over):
-                each.tell(Failed(reason=reason))
+        for each in writers:
+            with suppress(Superseded):
+                each.write(Failed(reason=reason))
 
-    if max(each.fit.attempt for each in tellings) > ATTEMPTS:
+    if max(each.fit.attempt for each in writers) > ATTEMPTS:
         fail(TOO_OFTEN.format(ATTEMPTS))
         return
     try:
         with ExitStack() as stack:
-            drafts = [stack.enter_context(_draft(storage, each.fit)) for each in tellings]
+            drafts = [stack.enter_context(_draft(storage, each.fit)) for each in writers]
             jobs = [
                 stack.enter_context(_job(storage, each.fit, draft.folder, model))
-                for each, draft in zip(tellings, drafts, strict=True)
+                for each, draft in zip(writers, drafts, strict=True)
             ]
-            for which, event in stack.enter_context(closing(_story(runners, jobs))):
-                _tell(tellings[which], event, drafts[which])
+            for which, event in stack.enter_context(closing(_events(runners, jobs))):
+                _record(writers[which], event, drafts[which])
     except BreastRigError as error:
         fail(str(error))
     except MemoryError:
         fail("The fit needed more memory than it may use; give a smaller scan.")
-    except Over:
+    except Superseded:
         raise
     except SQLAlchemyError:
         fail(UNWRITTEN)
@@ -114,7 +114,7 @@ def _run(storage: Storage, tellings: list[Telling], runners: Runners, model: Pat
         fail("The fit broke for a reason inside BreastRig; the server's log says it.")
 
 
-def _story(runners: Runners, jobs: list[FitJob]) -> Generator[tuple[int, Event], None, None]:
+def _events(runners: Runners, jobs: list[FitJob]) -> Generator[tuple[int, Event], None, None]:
     """(0, or 1 for the partner, and its next event)."""
     if len(jobs) == 1:
         with closing(runners.one(jobs[0])) as events:  # type: ignore[type-var]
@@ -125,16 +125,16 @@ def _story(runners: Runners, jobs: list[FitJob]) -> Generator[tuple[int, Event],
         yield from pairs
 
 
-def _tell(telling: Telling, event: Event, draft: Draft) -> None:
+def _record(writer: EventWriter, event: Event, draft: Draft) -> None:
     """Stores the event; the files come before the event that says that they are there."""
-    if event.kind != "done" or telling.fit.ended:
-        telling.tell(event)
+    if event.kind != "done" or writer.fit.ended:
+        writer.write(event)
         return
     draft.keep()
     try:
-        telling.tell(event)
-    except Over:
-        if not telling.goes_on():
+        writer.write(event)
+    except Superseded:
+        if not writer.has_other_owner():
             draft.take_back()
         raise
 
@@ -159,7 +159,7 @@ def _job(storage: Storage, fit: FitRow, out: Path, model: Path | None) -> Iterat
 
 
 def _earlier(storage: Storage, fit: FitRow) -> EarlierFit | None:
-    """The fit that this one goes on from, as its story told it last."""
+    """The fit that this one goes on from, as its last iteration stands."""
     if fit.start_from is None:
         return None
     earlier = get_fit(storage, fit.start_from)
@@ -169,7 +169,7 @@ def _earlier(storage: Storage, fit: FitRow) -> EarlierFit | None:
 
 
 def fit_job(scan: ScanRow, fit: FitRow, folder: Path, out: Path, model: Path | None) -> FitJob:
-    """What the runner is told.  The unit is the one that was decided, and shown, at the upload."""
+    """What the runner needs.  The unit is the one that was decided, and shown, at the upload."""
     return FitJob(
         scan=folder / upload_name(scan.file_type),
         out=out,

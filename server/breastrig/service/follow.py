@@ -1,6 +1,6 @@
-"""Replays a story from any number, then waits for more.
+"""Replays the events of a fit from any number, then waits for more.
 
-Workers are other processes: they only write rows.  One thread (the bell) looks for new rows while anybody waits,
+Workers are other processes: they only write rows.  One thread (the notifier) looks for new rows while anybody waits,
 and wakes those whose fit has one; each then reads its own fit's new events.  So fifty viewers cost one question to
 the database every 20 ms, not fifty, and an event of one fit does not wake the viewers of the others.
 """
@@ -33,32 +33,32 @@ class Heartbeat:
 
 @dataclass(frozen=True)
 class Queued:
-    """The fit waits, so many are before it.  Not part of the story: it is not stored and has no number."""
+    """The fit waits, so many are before it.  It is no event of the fit: it is not stored and has no number."""
 
     position: int  # 1: the next to run
 
 
 class Listener:
-    """One who waits for news of one fit; made by `Bell.listen`."""
+    """One who waits for news of one fit; made by `Notifier.listen`."""
 
     def __init__(self) -> None:
         self.queues = True  # whether news of other fits concern it too: its place in the queue may have changed
-        self._rung = threading.Event()
+        self._notified = threading.Event()
 
-    def attend(self) -> None:
-        """What rings from here on ends the next `wait`; to be called before looking at what is there."""
-        self._rung.clear()
+    def reset(self) -> None:
+        """A notification from here on ends the next `wait`; to be called before looking at what is there."""
+        self._notified.clear()
 
     def wait(self, timeout_s: float) -> None:
-        """Returns when it has rung since `attend`, at the latest after `timeout_s`."""
-        self._rung.wait(timeout_s)
+        """Returns when it was notified since `reset`, at the latest after `timeout_s`."""
+        self._notified.wait(timeout_s)
 
-    def ring(self) -> None:
-        self._rung.set()
+    def notify(self) -> None:
+        self._notified.set()
 
 
-class Bell:
-    """Rings for those whom an event concerns that any process stored, and for all when `ring` is called."""
+class Notifier:
+    """Wakes the listeners of a fit for which any process has stored an event, and all when `notify_all` is called."""
 
     def __init__(self, storage: Storage) -> None:
         self._storage = storage
@@ -66,7 +66,7 @@ class Bell:
         self._listeners: dict[str, set[Listener]] = {}  # by fit
         self._position = 0
         self._stopped = False
-        self._thread = threading.Thread(target=self._watch, name="breastrig-bell", daemon=True)
+        self._thread = threading.Thread(target=self._watch, name="breastrig-notifier", daemon=True)
 
     def start(self) -> None:
         self._thread.start()
@@ -76,7 +76,7 @@ class Bell:
         with self._condition:
             self._stopped = True
             self._condition.notify_all()
-        self.ring()
+        self.notify_all()
         if self._thread.is_alive():
             self._thread.join()
 
@@ -106,12 +106,12 @@ class Bell:
                 if not left:
                     del self._listeners[fit_id]
 
-    def ring(self) -> None:
-        """For what no event tells: a fit was deleted."""
+    def notify_all(self) -> None:
+        """For what has no event: a fit was deleted."""
         with self._condition:
             for listeners in self._listeners.values():
                 for listener in listeners:
-                    listener.ring()
+                    listener.notify()
 
     def _watch(self) -> None:
         while True:
@@ -126,20 +126,20 @@ class Bell:
                 news = []
             if news:
                 self._position = max(one.position for one in news)
-                self._tell({one.fit for one in news}, any(one.moves_queue for one in news))
+                self._notify({one.fit for one in news}, any(one.moves_queue for one in news))
             time.sleep(LOOK_EVERY_S)
 
-    def _tell(self, fit_ids: set[str], queue_moved: bool) -> None:
+    def _notify(self, fit_ids: set[str], queue_moved: bool) -> None:
         with self._condition:
             for fit_id, listeners in self._listeners.items():
                 for listener in listeners:
                     if fit_id in fit_ids or (queue_moved and listener.queues):
-                        listener.ring()
+                        listener.notify()
 
 
 def follow(
     storage: Storage,
-    bell: Bell,
+    notifier: Notifier,
     fit_id: str,
     after: int,
     heartbeat_s: float,
@@ -149,13 +149,13 @@ def follow(
 
     While the fit waits, its place in the queue, each time that it changes.
 
-    Ends early when the fit is deleted, the bell is stopped, or `gone()` says that nobody listens any more.
+    Ends early when the fit is deleted, the notifier is stopped, or `gone()` says that nobody listens any more.
     """
-    with bell.listen(fit_id) as listener:
+    with notifier.listen(fit_id) as listener:
         quiet_since = time.monotonic()
-        told: int | None = None
-        while not bell.stopped:
-            listener.attend()
+        sent_position: int | None = None
+        while not notifier.stopped:
+            listener.reset()
             for event in events_after(storage, fit_id, after):
                 yield event
                 after = event.number
@@ -167,15 +167,15 @@ def follow(
             except NotFound:
                 return
             position = queue_position(storage, fit_id) if listener.queues else None
-            if position is not None and position != told:
+            if position is not None and position != sent_position:
                 yield Queued(position)
-                told = position
+                sent_position = position
                 quiet_since = time.monotonic()
             left = quiet_since + heartbeat_s - time.monotonic()
             if left <= 0:
                 yield Heartbeat()
                 quiet_since = time.monotonic()
-            if bell.stopped:
+            if notifier.stopped:
                 return
             listener.wait(max(0.0, min(GONE_EVERY_S, heartbeat_s if left <= 0 else left)))
             if gone is not None and gone():

@@ -1,6 +1,6 @@
 """Proposed landmarks: computed once a scan, in a process of its own, kept with the scan's rows.
 
-Whoever asks while they are being computed waits for the same computation.  A failure is told to those who wait
+Whoever asks while they are being computed waits for the same computation.  A failure is raised for those who wait
 and is not kept: the next call tries again.
 """
 
@@ -37,7 +37,7 @@ class Proposals:
         self._proposer = proposer
         self._model = model
         self._lock = threading.Lock()
-        self._running: dict[str, Any] = {}  # scan id -> future; a failed one stays until it has been told
+        self._running: dict[str, Any] = {}  # scan id -> future; a failed one stays until it has been raised
 
     def get(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
         """{name: {point (mm), confidence, on_scan}}; None when that takes longer than `wait_s` and still goes on.

@@ -1,7 +1,7 @@
 """Which fit runs when.  The queue is the table of fits; this only keeps the workers busy with its oldest rows.
 
 A fit leaves the table's queue when a worker claims it, so a server that dies loses nothing: at the next start the
-fits that ran go back to their places in the queue, and go on with their stories.  A fit whose own process died is
+fits that ran go back to their places in the queue, and go on with their events.  A fit whose own process died is
 not begun again, because it would most likely die again: it fails with a sentence.
 """
 
@@ -20,7 +20,7 @@ from breastrig.core.errors import BreastRigError, Conflict, NotFound
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.service.event_writer import event_json
-from breastrig.service.fit_worker import UNWRITTEN, Runners, carry_out
+from breastrig.service.fit_worker import UNWRITTEN, Runners, execute_fit
 from breastrig.storage.rows.events import append
 from breastrig.storage.rows.fits import FitRow, fits_in_state, get_fit, next_queued, put_back
 from breastrig.storage.storage import Storage
@@ -52,7 +52,7 @@ class FitQueue:
         self._running: dict[str, Any] = {}  # fit id -> future
         self._starts: dict[str, int] = {}
         self._began: dict[str, float] = {}  # fit id -> time.monotonic() of its last start
-        self.tell_end: Callable[[str, float], None] | None = None  # (state, seconds) of each fit that ends
+        self.notify_end: Callable[[str, float], None] | None = None  # (state, seconds) of each fit that ends
         self._stopping = False
         self._stop_looking = threading.Event()
         self._look = threading.Thread(target=self._look_on, name="breastrig-queue", daemon=True)
@@ -126,7 +126,7 @@ class FitQueue:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
         self._began[fit_id] = time.monotonic()
         args = (self._storage.location, fit_id, self._runners, self._model)
-        future = self._processes.schedule(carry_out, args, timeout=self._limits.wall_s)
+        future = self._processes.schedule(execute_fit, args, timeout=self._limits.wall_s)
         self._running[fit_id] = future
         future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
 
@@ -140,17 +140,17 @@ class FitQueue:
                     return
             if not future.cancelled():
                 self._settle_surely(fit_id, future.exception())
-            self._tell(fit_id, seconds)
+            self._notify_end(fit_id, seconds)
             self.wake()
         except Exception:
             log.exception("after the end of fit %s", fit_id)
 
-    def _tell(self, fit_id: str, seconds: float) -> None:
-        if self.tell_end is not None:
+    def _notify_end(self, fit_id: str, seconds: float) -> None:
+        if self.notify_end is not None:
             with suppress(NotFound):
                 fit = get_fit(self._storage, fit_id)
                 if fit.ended:
-                    self.tell_end(fit.state, seconds)
+                    self.notify_end(fit.state, seconds)
 
     def _settle_surely(self, fit_id: str, error: BaseException | None) -> None:
         """The same, again and again while nothing can be stored: the disk is full, or the database is held."""

@@ -1,9 +1,9 @@
-"""What the HTTP floor needs done: scans kept, fits run, stories told.
+"""What the HTTP floor needs done: scans kept, fits run, their events followed.
 
     with Service(storage, runner).started() as service: ...
 
-owns two pools of processes (uploads, fits), the queue and the bell; `started` starts all and leaves nothing
-running.  Another executor may carry out the fits; it is the service's then.
+owns two pools of processes (uploads, fits), the queue and the notifier; `started` starts all and leaves nothing
+running.  Another executor may run the fits; it is the service's then.
 """
 
 import hashlib
@@ -20,18 +20,20 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound, NotRemoved, unknown_name
 from breastrig.execution.executor import Executor
 from breastrig.execution.fair_processes import FairProcesses
+from breastrig.execution.fork_server import preload
 from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.processes import Processes
 from breastrig.execution.scratch_sweeper import scratch_swept
 from breastrig.scan.stored_scan import STORED
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
-from breastrig.service.follow import Bell, Heartbeat, Queued, follow
+from breastrig.service.follow import Heartbeat, Notifier, Queued, follow
 from breastrig.service.plain_meshes import PlainMeshes
 from breastrig.service.proposals import Proposals, Proposer
 from breastrig.service.queue import FitQueue
 from breastrig.service.readiness import Readiness
 from breastrig.service.reports import Reports
 from breastrig.service.sweep import KEEP_DAYS, Sweep
+from breastrig.service.task_modules import TASK_MODULES
 from breastrig.service.waiting_cap import WaitingCap
 from breastrig.storage.deletion import delete_rows, discard, finish_deletions, remove_files
 from breastrig.storage.file_journal import record_creation
@@ -39,7 +41,7 @@ from breastrig.storage.files import MESH, fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
 from breastrig.storage.rows.events import StoredEvent
-from breastrig.storage.rows.fits import FitRow, FitWish, Once, add_fits, fits_of_scan, get_fit, made_before
+from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, get_fit, made_before
 from breastrig.storage.rows.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.propose_on_scan import propose_on_file
@@ -84,6 +86,7 @@ class Service:
         self.streams = threading.BoundedSemaphore(streams)  # each open stream holds a thread of the server
         self._uploads = uploads or UploadLimits()
         fit_limits = fits or FitLimits()
+        preload(TASK_MODULES)
         self._readers = FairProcesses(
             Processes(self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s),
             self._uploads.waiting_per_client,
@@ -96,7 +99,7 @@ class Service:
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self.reports = Reports(storage, self._readers, model)
         self.plain_meshes = PlainMeshes(storage, self._readers)
-        self._bell = Bell(storage)
+        self._notifier = Notifier(storage)
         self._sweep = Sweep(storage, self.delete_scan, keep_days)
         self._examples = examples
 
@@ -112,7 +115,7 @@ class Service:
             try:
                 self._readers.warm_up()
                 self._workers.warm_up()
-                self._bell.start()
+                self._notifier.start()
                 interrupted, waiting = self._queue.recover()
                 if waiting:
                     log.warning("after the restart: %d fits wait, %d of them had begun", waiting, interrupted)
@@ -120,7 +123,7 @@ class Service:
                 yield self
             finally:
                 self._sweep.stop()
-                self._bell.stop()
+                self._notifier.stop()
                 self._queue.stop()
                 self._readers.stop()
                 self.storage.close()
@@ -130,13 +133,13 @@ class Service:
         """How many fits can run at once."""
         return self._workers.workers
 
-    def on_fit_end(self, tell: Callable[[str, float], None]) -> None:
-        """`tell(state, seconds)` is called when a fit has ended, in any thread."""
-        self._queue.tell_end = tell
+    def on_fit_end(self, notify: Callable[[str, float], None]) -> None:
+        """`notify(state, seconds)` is called when a fit has ended, in any thread."""
+        self._queue.notify_end = notify
 
     def end_streams(self) -> None:
-        """Ends every open story, so that the server's threads are free to go."""
-        self._bell.stop()
+        """Ends every open stream, so that the server's threads are free to go."""
+        self._notifier.stop()
 
     def add_scan(self, source: IO[bytes], file_type: str, units: str) -> ScanRow:
         """Reads an upload and keeps what was read of it, without names, comments and picture metadata.
@@ -173,7 +176,7 @@ class Service:
         gone = delete_rows(self.storage, scan_id)
         self._queue.drop(gone)  # a fit may have been asked for in between
         left = remove_files(self.storage, scan_id)
-        self._bell.ring()
+        self._notifier.notify_all()
         if left:
             _log_unremoved(left)
             raise NotRemoved(len(left))
@@ -204,7 +207,7 @@ class Service:
         return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
 
     def add_fit(
-        self, wish: FitWish, other: FitWish | None = None, once: Once | None = None, client: str | None = None
+        self, new_fit: NewFit, other: NewFit | None = None, once: Once | None = None, client: str | None = None
     ) -> str:
         """Puts a fit into the queue; its id.  With `other` it is fitted together with a second stance.
 
@@ -216,24 +219,24 @@ class Service:
             if made is not None:
                 return made
         with self._waiting.place(client) as waits:
-            made = self._add_fit(wish, other, once)
+            made = self._add_fit(new_fit, other, once)
             waits(made)
         self._queue.wake()
         return made
 
-    def _add_fit(self, wish: FitWish, other: FitWish | None, once: Once | None) -> str:
-        wishes = {new_id(): one for one in (wish, other) if one is not None}
-        places = [fit_place(fit_id) for fit_id in wishes]
-        record_creation(self.storage, wish.scan, places)
+    def _add_fit(self, new_fit: NewFit, other: NewFit | None, once: Once | None) -> str:
+        new_fits = {new_id(): one for one in (new_fit, other) if one is not None}
+        places = [fit_place(fit_id) for fit_id in new_fits]
+        record_creation(self.storage, new_fit.scan, places)
         try:
-            for fit_id in wishes:
+            for fit_id in new_fits:
                 self.storage.make_fit(fit_id)
-            made = add_fits(self.storage, utc_now(), wishes, once)
+            made = add_fits(self.storage, utc_now(), new_fits, once)
         except BaseException:
-            discard(self.storage, wish.scan, *places)
+            discard(self.storage, new_fit.scan, *places)
             raise
-        if made not in wishes:
-            discard(self.storage, wish.scan, *places)
+        if made not in new_fits:
+            discard(self.storage, new_fit.scan, *places)
         return made
 
     def cancel_fit(self, fit_id: str) -> FitRow:
@@ -244,7 +247,7 @@ class Service:
         self, fit_id: str, after: int, heartbeat_s: float, gone: Callable[[], bool] | None = None
     ) -> Iterator[StoredEvent | Queued | Heartbeat]:
         """The fit's events above `after`, as they come; before the first, its place in the queue."""
-        return follow(self.storage, self._bell, fit_id, after, heartbeat_s, gone)
+        return follow(self.storage, self._notifier, fit_id, after, heartbeat_s, gone)
 
     def transfer(
         self, from_fit: str, to_fit: str, drawing: dict[str, Any] | None, other_patient: bool

@@ -1,9 +1,9 @@
 """Scans are kept for a stated time only: a thread looks every hour for those that are older, and deletes them.
 
-The time counts from the upload, not from the last use, so that a person can be told the day.
+The time counts from the upload, not from the last use, so that the day can be stated beforehand.
 
 A clock can be wrong, and then every scan looks too old at once.  So a deletion is announced in the log a day before,
-and carried out only if that day has really passed: by the server's uptime, or by the clock when another server has
+and done only if that day has really passed: by the server's uptime, or by the clock when another server has
 announced it.  Announcements that turn out to be wrong, because the clock was set right, are withdrawn.
 """
 

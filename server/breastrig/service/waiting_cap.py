@@ -26,7 +26,7 @@ class WaitingCap:
 
     @contextmanager
     def place(self, client: str | None) -> Iterator[Callable[[str], None]]:
-        """A place for one more fit, to be told its id.  Raises TooMany when the client has no place left.
+        """A place for one more fit; to be called with the fit's id.  Raises TooMany when the client has no place left.
 
         None is a caller inside the program, which is not counted.
         """

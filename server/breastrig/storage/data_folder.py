@@ -74,7 +74,7 @@ def ownership_of(root: Path, sqlite: bool) -> Ownership:
 
 
 def refuse_foreign(root: Path, sqlite: bool) -> Ownership:
-    """The same.  Raises BadSettings for a folder of somebody else's too."""
+    """The same.  Raises BadSettings for a folder of another program too."""
     standing = ownership_of(root, sqlite)
     if standing is Ownership.FOREIGN:
         raise BadSettings(

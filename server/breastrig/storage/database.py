@@ -3,7 +3,7 @@
 A writing transaction takes one lock for the whole database at its start, so there is one writer at a time.  That
 costs nothing, as a transaction takes a few milliseconds, and it makes two things plain: what a transaction has read
 stays true until it ends, and `events.position` grows in the order in which events become visible.  Whoever has
-read the events up to a position has therefore missed none, and the Bell of the streams relies on that.
+read the events up to a position has therefore missed none, and the Notifier of the streams relies on that.
 
 Reading transactions take no lock, so that any number of open streams does not slow the workers down.
 """

@@ -6,6 +6,7 @@ steps, once the files have made room.
 """
 
 import logging
+from functools import partial
 
 from sqlalchemy import Connection, delete, select, update
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
@@ -24,13 +25,13 @@ log = logging.getLogger(__name__)
 
 
 def delete_scan(storage: Storage, scan_id: str) -> list[Unremoved]:
-    """Deletes the scan with everything made of it, while nobody carries out its fits; what could not be removed."""
+    """Deletes the scan with everything made of it, while nobody runs its fits; what could not be removed."""
     delete_rows(storage, scan_id)
     return remove_files(storage, scan_id)
 
 
 def delete_rows(storage: Storage, scan_id: str) -> list[str]:
-    """Deletes the scan's row and all rows that hang on it; the ids of its fits.  No such scan is no error.
+    """Deletes the scan's row and all rows that depend on it; the ids of its fits.  No such scan is no error.
 
     Their files are in the journal then, for `remove_files`.
     """
@@ -137,9 +138,9 @@ def _delete_in_steps(storage: Storage, scan_id: str) -> list[str]:
     storage.using_reserve(note)
     storage.remove(*places)
     for fit_id in fits:
-        while storage.using_reserve(lambda: delete_events(fit_id)):  # noqa: B023
+        while storage.using_reserve(partial(delete_events, fit_id)):
             storage.forget_deleted()
-        storage.using_reserve(lambda: delete_fit(fit_id))  # noqa: B023
+        storage.using_reserve(partial(delete_fit, fit_id))
     storage.using_reserve(delete_rest)
     return fits
 

@@ -14,7 +14,7 @@ from breastrig.storage.folders import Folders
 @runtime_checkable
 class Locks(Protocol):
     def held(self, fit_id: str) -> AbstractContextManager[None]:
-        """Marks the fit as being carried out, until the block ends or the process dies; waits for who has it."""
+        """Marks the fit as being executed, until the block ends or the process dies; waits for who has it."""
 
     def wait_until_free(self, fit_id: str, timeout_s: float) -> bool:
         """Whether nobody carries the fit out any more, waiting for that a little."""

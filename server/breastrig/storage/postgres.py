@@ -1,7 +1,7 @@
 """PostgreSQL, for installations of many machines: the rows of one installation fill one database.
 
 The locks are advisory ones, which belong to the database: one that each writing transaction takes at its start, one
-that the server holds as long as it runs, and one for each fit that is being carried out.  PostgreSQL lets go of
+that the server holds as long as it runs, and one for each fit that is being executed.  PostgreSQL lets go of
 them when the connection that took them ends, however it ends.
 
 Readers work on one snapshot.  Writers must not: theirs would be older than the lock that they have waited for.
@@ -96,7 +96,7 @@ class PostgresDatabase(Database):
 
     @contextmanager
     def held(self, fit_id: str) -> Iterator[None]:
-        """Marks the fit as being carried out, until the block ends or the process dies; waits for who has it.
+        """Marks the fit as being executed, until the block ends or the process dies; waits for who has it.
 
         Not for ever: who has it may be a machine that was cut off, and its events are refused.
         """
@@ -104,7 +104,7 @@ class PostgresDatabase(Database):
             try:
                 connection.execute(text("SELECT pg_advisory_lock(:lock)"), {"lock": _number(fit_id)})
             except OperationalError:
-                log.warning("whoever carries fit %s out does not end; it is carried out by another now", fit_id)
+                log.warning("the process that executes fit %s does not end; another one executes it now", fit_id)
             yield
 
     def wait_until_free(self, fit_id: str, timeout_s: float) -> bool:

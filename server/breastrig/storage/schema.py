@@ -1,4 +1,4 @@
-"""The tables.  Deleting a scan deletes all rows that hang on it.
+"""The tables.  Deleting a scan deletes all rows that depend on it.
 
 Whatever changes here needs a revision of its own in `migrations/versions`, which changes the tables of older data
 folders; a test compares both.
@@ -124,7 +124,7 @@ ended_sessions = Table(  # browsers that signed out before their cookie was too 
 events = Table(
     "events",
     metadata,
-    Column("position", Integer, primary_key=True, autoincrement=True),  # over all fits; tells that something is new
+    Column("position", Integer, primary_key=True, autoincrement=True),  # over all fits; grows with each event
     Column("fit", String(32), ForeignKey("fits.id", ondelete="CASCADE"), nullable=False),
     Column("number", Integer, nullable=False),  # from 1 within the fit
     Column("kind", String(16), nullable=False),

@@ -2,7 +2,7 @@
 
 `Storage(location)` is cheap and holds no lock; every process opens its own.  The server alone calls `prepare`,
 which creates what is missing, and holds `exclusive` as long as it runs, because two servers on one data folder
-would each carry out the same fits.  Both look first whether the data folder is BreastRig's (see `data_folder`).
+would each run the same fits.  Both look first whether the data folder is BreastRig's (see `data_folder`).
 """
 
 import errno
@@ -26,9 +26,8 @@ from breastrig.storage.data_folder import claim, refuse_foreign
 from breastrig.storage.files import MARK, ROOT
 from breastrig.storage.folders import Folders, new_id
 from breastrig.storage.installation_id import check_belonging, ensure_id
-from breastrig.storage.location import Location
+from breastrig.storage.location import Location, open_database, open_files
 from breastrig.storage.locks import FolderLocks, Locks
-from breastrig.storage.open_location import open_database, open_files
 from breastrig.storage.reserve import Reserve
 
 log = logging.getLogger(__name__)
@@ -65,8 +64,8 @@ class Storage:
     def prepare(self) -> None:
         """Creates folders and tables, or brings older tables up to date.
 
-        Raises BadSettings when the data folder or the place for files is somebody else's or another database's, cannot
-        be written, is damaged, or was written by a newer version.
+        Raises BadSettings when the data folder or the place for files belongs to another program or database, cannot be
+        written, is damaged, or was written by a newer version.
         """
         self._claim()
         try:
@@ -85,7 +84,7 @@ class Storage:
     def exclusive(self) -> Iterator[None]:
         """Holds rows and files for this server.
 
-        Raises BadSettings when another server holds them, and when the data folder is somebody else's.
+        Raises BadSettings when another server holds them, and when the data folder is another program's.
         """
         refuse_foreign(self.root, self._sqlite)
         with self.database.exclusive():
@@ -170,9 +169,9 @@ class Storage:
         self.folders.make(self.folders.fit(fit_id))
 
     def held(self, fit_id: str) -> AbstractContextManager[None]:
-        """Marks the fit as being carried out, until the block ends or the process dies; waits for who has it.
+        """Marks the fit as being executed, until the block ends or the process dies; waits for who has it.
 
-        Raises FileNotFoundError when it was deleted, unless the database has to tell.
+        Raises FileNotFoundError when it was deleted, unless the database knows that.
         """
         return self._locks.held(fit_id)
 

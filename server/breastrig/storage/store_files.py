@@ -159,7 +159,7 @@ class StoreFiles:
 
 @contextmanager
 def _as_os_errors() -> Iterator[None]:
-    """A store that does not answer is told from a disk that does not by nobody but the log."""
+    """Only the log distinguishes a store that does not answer from a disk that does not."""
     try:
         yield
     except OSError:

@@ -11,7 +11,7 @@ from PIL import Image
 
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.output_files import private_folder, write_private
+from breastrig.core.private_files import private_folder, write_private
 from breastrig.core.units import distance_text
 from breastrig.drawings.drawing_file import Drawing, parsed_drawing
 from breastrig.drawings.prepare_polyline import OFF_THE_SKIN

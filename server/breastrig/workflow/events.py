@@ -1,6 +1,6 @@
-"""What a fit tells the world, in order: started, iterated …, then exactly one of done, failed, cancelled.
+"""The events of a fit, in order: started, iterated …, then exactly one of done, failed, cancelled.
 
-The events are the single story of a fit: stored first, then sent, replayed from any number.  `nodes` speaks
+They are the only record of its course: stored first, then sent, replayed from any number.  `nodes` speaks
 glTF's own words, so that the page applies an event and a .gltf file with the same code.
 """
 
@@ -44,7 +44,7 @@ class Started(Event):
     iterations_limit: int
     notes: list[str] = Field(default=[], description="what reading and cleaning the scan found, one sentence each")
     landmarks_not_followed: list[DoubtedPick] = Field(
-        default=[], description="picks that are doubted before the first step; `done` tells all of them"
+        default=[], description="picks that are doubted before the first step; `done` names all of them"
     )
 
 

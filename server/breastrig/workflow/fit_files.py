@@ -11,7 +11,7 @@ from breastrig import __version__
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.output_files import private_folder, write_private
+from breastrig.core.private_files import private_folder, write_private
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.fitting.landmark_outliers import Doubt

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput, BadScan
-from breastrig.core.output_files import is_ordinary, read_ordinary
+from breastrig.core.private_files import is_ordinary, read_ordinary
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.geometry.rotations import rotation_from_quaternion
 from breastrig.gltf.read_rig import default_rig_path, read_rig

@@ -1,7 +1,7 @@
 """Landmarks proposed on one scan: from a scan to points in its own frame.
 
-`propose_on_file` is the service's way in: it runs in a process of its own, as reading does, because the file is a
-stranger's; it gives back nothing but names and numbers.
+`propose_on_file` is the service's way in: it runs in a process of its own, as reading does, because the file is
+untrusted; it gives back nothing but names and numbers.
 """
 
 from dataclasses import dataclass

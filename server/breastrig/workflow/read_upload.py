@@ -23,7 +23,7 @@ from breastrig.scan.stored_scan import write_stored
 
 @dataclass(frozen=True)
 class UploadJob:
-    scan: Path  # the uploaded bytes; the suffix tells the type
+    scan: Path  # the uploaded bytes; the suffix gives the type
     units: str
     kept: Path  # where the scan itself is written, as a STORED file
     mesh: Path  # where the mesh for display is written

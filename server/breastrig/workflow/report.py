@@ -9,7 +9,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, FiniteFloat, ValidationError
 
 from breastrig.core.errors import BadDrawing, BadInput
-from breastrig.core.output_files import private_folder, read_ordinary, write_private
+from breastrig.core.private_files import private_folder, read_ordinary, write_private
 from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig

@@ -11,7 +11,7 @@ from typing import Any
 
 from breastrig.core.errors import BadInput, BadScan, BadSettings
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.output_files import write_private
+from breastrig.core.private_files import write_private
 from breastrig.fitting.landmark_outliers import agreeing_picks
 from breastrig.fitting.two_stances import ONE_BODY, Coupling, SharedBody, fit_pair_iterates
 from breastrig.rig.model import Rig

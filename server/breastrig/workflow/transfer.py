@@ -11,7 +11,7 @@ from typing import Any
 
 from breastrig.core.errors import BadDrawing, BadInput, TooLarge
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.output_files import read_ordinary, shown
+from breastrig.core.private_files import read_ordinary, shown
 from breastrig.drawings.drawing_file import FILE_BYTES, Drawing, millimetres, parsed_drawing, shape_document
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.transfer import TransferredLine, fitted_scan, transferred

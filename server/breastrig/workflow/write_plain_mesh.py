@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from breastrig.core.errors import BadScan
-from breastrig.core.output_files import write_private
+from breastrig.core.private_files import write_private
 from breastrig.gltf.plain_mesh import plain_mesh
 
 

@@ -624,7 +624,7 @@ export type ShareMade = {
   wrong_passcodes: number;
   last_wrong_passcode_at: string | null;
   links: ShareLinks;
-  /** address of the page with the secret behind #; it is told only once */
+  /** address of the page with the secret behind #; it is shown only once */
   url: string;
 };
 
@@ -708,7 +708,7 @@ export type Started = {
   iterations_limit: number;
   /** what reading and cleaning the scan found, one sentence each */
   notes?: string[];
-  /** picks that are doubted before the first step; `done` tells all of them */
+  /** picks that are doubted before the first step; `done` names all of them */
   landmarks_not_followed?: DoubtedPick[];
 };
 

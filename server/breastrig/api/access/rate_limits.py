@@ -16,7 +16,8 @@ from breastrig.api.errors import refuse
 from breastrig.api.trusted_proxy import client_of
 
 PER_MINUTE: dict[str, RateLimitItem] = {
-    "sign-in": RateLimitItemPerMinute(20),  # a person mistypes a few times
+    "sign-in": RateLimitItemPerMinute(20),  # wrong tokens: a person mistypes a few times
+    "sign-in tried": RateLimitItemPerMinute(600),  # all tries: a hospital at the start of a shift needs fewer
     "share": RateLimitItemPerMinute(60),  # a ward round opens some
     "bearer": RateLimitItemPerMinute(30),  # wrong ones: a script with an old token should notice soon
     "bearer of anybody": RateLimitItemPerMinute(600),  # the same from all addresses together

@@ -138,7 +138,7 @@ def _is_for_visitors() -> bool:
 
 
 def _refuse_long_names() -> None:
-    """No id, and no file of the page, has so long a name; to the disk it would be an error, not a stranger."""
+    """No id, and no file of the page, has so long a name; to the disk it would be an error, not an unknown name."""
     if any(len(part.encode()) > NAME_BYTES for part in request.path.split("/")):
         raise refuse(404, SENTENCES[404])
 

@@ -2,7 +2,7 @@
 
 from apiflask import APIBlueprint
 
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 from breastrig.api.routes.scans import TAG
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.drawing_schema import OwnDrawing
@@ -22,7 +22,7 @@ def show_drawing(scan_id: str) -> OwnDrawing:
 
     No shapes when nothing was drawn yet.
     """
-    storage = behind().service.storage
+    storage = app_context().service.storage
     get_scan(storage, scan_id)
     return OwnDrawing.model_validate(get_drawing(storage, scan_id) or {"shapes": []})
 
@@ -36,7 +36,7 @@ def replace_drawing(scan_id: str, json_data: OwnDrawing) -> OwnDrawing:
 
     At most 500 shapes with 50,000 points together, each shape with a name of its own; points must lie near the scan.
     """
-    storage = behind().service.storage
+    storage = app_context().service.storage
     _check(json_data, get_scan(storage, scan_id))
     on_skin = [shape.model_copy(update={"bridged": None}) for shape in json_data.shapes]  # own lines are drawn there
     kept = json_data.model_copy(update={"shapes": on_skin})

@@ -1,6 +1,6 @@
-"""The story of a fit, as a stream and page by page.
+"""The events of a fit, as a stream and page by page.
 
-Both tell what is stored, nothing else: whoever opens the stream late, or again, sees the same events with the
+Both give what is stored, nothing else: whoever opens the stream late, or again, sees the same events with the
 same numbers.
 """
 
@@ -12,7 +12,7 @@ from apiflask import APIBlueprint
 from flask import Response, request
 
 from breastrig.api.access.security import refuse
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 from breastrig.api.environ_keys import READER_GONE
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import common as wire
@@ -47,22 +47,22 @@ def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
     as heartbeats, and closes after done, failed or cancelled.  While the fit waits, an event `queued` without an
     `id:` says its `position` in the queue (1: the next to run) each time that it changes.
     """
-    here = behind()
+    context = app_context()
     after = max(query_data.after, _last_event_id())
-    fit = get_fit(here.service.storage, fit_id)
+    fit = get_fit(context.service.storage, fit_id)
     if fit.ended and fit.last_event <= after:
         return Response(status=204)
-    if not here.service.streams.acquire(blocking=False):
+    if not context.service.streams.acquire(blocking=False):
         raise refuse(
             503, "Too many event streams are open; ask events.json instead, or try again later.", {"Retry-After": "5"}
         )
     gone = request.environ.get(READER_GONE)
     response = Response(
-        _lines(here.service.follow(fit_id, after, here.config.heartbeat_s, gone)),
+        _lines(context.service.follow(fit_id, after, context.config.heartbeat_s, gone)),
         mimetype="text/event-stream",
         headers=STREAM_HEADERS,
     )
-    response.call_on_close(here.service.streams.release)
+    response.call_on_close(context.service.streams.release)
     return response
 
 
@@ -73,9 +73,9 @@ def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
 def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
     """The same events for those who ask again and again
 
-    The story is complete when `state` has ended and `next` is null.
+    The list is complete when `state` has ended and `next` is null.
     """
-    storage = behind().service.storage
+    storage = app_context().service.storage
     state = get_fit(storage, fit_id).state  # first, so that an ended state comes with all of its events
     limit = query_data.limit
     found = events_after(storage, fit_id, query_data.after, limit + 1)
@@ -88,9 +88,9 @@ def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
     )
 
 
-def _lines(story: Iterator[StoredEvent | Queued | Heartbeat]) -> Iterator[str]:
+def _lines(events: Iterator[StoredEvent | Queued | Heartbeat]) -> Iterator[str]:
     yield f"retry: {RECONNECT_MS}\n\n"
-    for item in story:
+    for item in events:
         if isinstance(item, Heartbeat):
             yield ": still here\n\n"
         elif isinstance(item, Queued):  # without a number: a viewer who comes again need not hear it

@@ -7,8 +7,9 @@ from flask import Response, request
 
 from breastrig.api.access.security import refuse
 from breastrig.api.answers import BINARY, GLB, GLTF, JSON, PERSONAL, bytes_answer, file_answer, file_of
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 from breastrig.api.landmark_check import check_landmarks
+from breastrig.api.routes.paging import next_page
 from breastrig.api.trusted_proxy import client_of
 from breastrig.api.wire import common as wire
 from breastrig.api.wire import files as wire_files
@@ -16,8 +17,9 @@ from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unkn
 from breastrig.drawings.drawing_schema import DrawingFile
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
+from breastrig.service.stored_iteration import stored_iteration
 from breastrig.storage.files import fit_place
-from breastrig.storage.rows.fits import FitRow, FitWish, Once, fits_page, get_fit, queue_position
+from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_position
 from breastrig.storage.rows.scans import get_landmarks, get_scan
 from breastrig.workflow.iteration_file import iteration_gltf
 
@@ -53,9 +55,9 @@ def start_fit(
 
     With `start_from` a fit goes on from an earlier one of the same scan: for when a landmark was moved.
     """
-    here = behind()
-    storage = here.service.storage
-    rig = here.model.rig
+    context = app_context()
+    storage = context.service.storage
+    rig = context.model.rig
     presets = preset_names()
     if json_data.preset not in presets:
         raise BadSettings(unknown_name("preset", json_data.preset, presets))
@@ -66,10 +68,10 @@ def start_fit(
         raise BadScan("Two stances need two scans; leave `with` out to fit one scan.")
     if json_data.start_from is not None:
         _check_start(json_data, json_data.start_from)
-    wish = _wish(json_data, json_data)
-    fit_id = here.service.add_fit(
-        wish,
-        None if other is None else _wish(json_data, other),
+    new_fit = _new_fit(json_data, json_data)
+    fit_id = context.service.add_fit(
+        new_fit,
+        None if other is None else _new_fit(json_data, other),
         _once(headers_data.idempotency_key, json_data),
         client=client_of(request.remote_addr),
     )
@@ -80,7 +82,7 @@ def start_fit(
 
 
 def _check_start(asked: wire.FitRequest, start_from: str) -> None:
-    earlier = get_fit(behind().service.storage, start_from)
+    earlier = get_fit(app_context().service.storage, start_from)
     if asked.with_ is not None:
         raise BadSettings("Two stances together find their own start; leave `start_from` or `with` out.")
     if earlier.scan != asked.scan:
@@ -89,15 +91,15 @@ def _check_start(asked: wire.FitRequest, start_from: str) -> None:
         raise Conflict(f"A fit goes on from one that is done; that one is {earlier.state}.")
 
 
-def _wish(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance) -> FitWish:
+def _new_fit(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance) -> NewFit:
     """One scan's part of the request."""
-    here = behind()
-    scan = get_scan(here.service.storage, stance.scan)
+    context = app_context()
+    scan = get_scan(context.service.storage, stance.scan)
     landmarks = stance.landmarks
     if landmarks is None:
-        landmarks = get_landmarks(here.service.storage, scan.id)
-    check_landmarks(landmarks, scan, here.model)
-    return FitWish(
+        landmarks = get_landmarks(context.service.storage, scan.id)
+    check_landmarks(landmarks, scan, context.model)
+    return NewFit(
         scan=scan.id,
         stance=stance.stance,
         preset=asked.preset,
@@ -122,10 +124,10 @@ def _once(key: str | None, asked: wire.FitRequest) -> Once | None:
 @fits_of_scans.doc(operation_id="listFits")
 def list_fits(scan_id: str, query_data: wire.PageQuery) -> wire.FitPage:
     """The fits of a scan, the newest first"""
-    storage = behind().service.storage
+    storage = app_context().service.storage
     get_scan(storage, scan_id)
     rows, before = fits_page(storage, scan_id, query_data.limit, query_data.before)
-    more = None if before is None else f"/api/scans/{scan_id}/fits?before={before}&limit={query_data.limit}"
+    more = next_page(f"/api/scans/{scan_id}/fits", before, query_data)
     return wire.FitPage(fits=[fit_answer(row) for row in rows], next=more)
 
 
@@ -134,7 +136,7 @@ def list_fits(scan_id: str, query_data: wire.PageQuery) -> wire.FitPage:
 @fits.doc(operation_id="getFit")
 def show_fit(fit_id: str) -> wire.Fit:
     """State and last numbers of a fit"""
-    return fit_answer(get_fit(behind().service.storage, fit_id))
+    return fit_answer(get_fit(app_context().service.storage, fit_id))
 
 
 @fits.post("/<fit_id>/cancel")
@@ -145,7 +147,7 @@ def cancel_fit(fit_id: str) -> tuple[wire.Fit, int]:
 
     A fit that is already cancelled stays so; one that is done or failed gives 409.
     """
-    return fit_answer(behind().service.cancel_fit(fit_id)), 202
+    return fit_answer(app_context().service.cancel_fit(fit_id)), 202
 
 
 @fits.get("/<fit_id>/iterations/<int:iteration>.gltf")
@@ -155,12 +157,11 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
 
     Its buffers are the model's immutable files.
     """
-    here = behind()
-    fit = get_fit(here.service.storage, fit_id)
-    model = here.model
-    content = iteration_gltf(
-        here.service.storage, fit, iteration, model.rig, model.buffer_link, model.drawing_link(fit.drawing)
-    )
+    context = app_context()
+    storage, model = context.service.storage, context.model
+    fit = get_fit(storage, fit_id)
+    event = stored_iteration(storage, fit, iteration)
+    content = iteration_gltf(event, model.rig, fit.drawing, model.buffer_link, model.drawing_link(fit.drawing))
     return bytes_answer(content, GLTF, PERSONAL)
 
 
@@ -216,7 +217,7 @@ def show_distances(fit_id: str) -> Response:
 
 
 def _result_file(fit_id: str, name: str) -> Response:
-    storage = behind().service.storage
+    storage = app_context().service.storage
     fit = get_fit(storage, fit_id)
     if fit.state != "done":
         raise Conflict(
@@ -253,7 +254,7 @@ def fit_answer(row: FitRow) -> wire.Fit:
         "id": row.id,
         "scan": row.scan,
         "state": row.state,
-        "queue_position": queue_position(behind().service.storage, row.id) if row.state == "queued" else None,
+        "queue_position": queue_position(app_context().service.storage, row.id) if row.state == "queued" else None,
         "created_at": row.created_at,
         "stance": row.stance,
         "preset": row.preset,

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from apiflask import APIBlueprint
 
 from breastrig import __version__
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 from breastrig.api.routes.scans import scan_answer
 from breastrig.api.wire import common as wire
 from breastrig.api.wire import meta as wire_meta
@@ -22,15 +22,15 @@ meta = APIBlueprint("meta", __name__, tag={"name": "meta", "description": "Versi
 @meta.doc(operation_id="getMeta")
 def about() -> wire_meta.Meta:
     """Version, limits of use, limits of size, the model"""
-    here = behind()
-    rig = here.model.rig
-    uploads = here.config.uploads
+    context = app_context()
+    rig = context.model.rig
+    uploads = context.config.uploads
     return wire_meta.Meta(
         name="BreastRig",
         version=__version__,
         notice=LIMITS_OF_USE,
         limits=wire_meta.Limits(
-            upload_bytes=uploads.file_bytes, triangles=uploads.triangles, keep_days=here.config.keep_days
+            upload_bytes=uploads.file_bytes, triangles=uploads.triangles, keep_days=context.config.keep_days
         ),
         units=list(wire.UNITS),
         model=wire.ModelSummary(
@@ -66,7 +66,7 @@ def about() -> wire_meta.Meta:
 def list_examples() -> wire_meta.Examples:
     """The example patient's scans"""
     entries = [
-        wire_meta.ExampleEntry(name=example.name, label=example.label) for example in behind().service.examples()
+        wire_meta.ExampleEntry(name=example.name, label=example.label) for example in app_context().service.examples()
     ]
     return wire_meta.Examples(examples=entries)
 
@@ -76,7 +76,7 @@ def list_examples() -> wire_meta.Examples:
 @meta.doc(operation_id="openExample")
 def open_example(name: str) -> tuple[wire_meta.ExampleScan, int, dict[str, str]]:
     """Open an example as if it had been uploaded"""
-    row, points_mm = behind().service.add_example(name)
+    row, points_mm = app_context().service.add_example(name)
     scan = scan_answer(row)
     landmarks = wire.LandmarkFile(landmarks=points_mm)
     answer = wire_meta.ExampleScan(**scan.model_dump(), example_landmarks=landmarks)

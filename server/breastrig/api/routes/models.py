@@ -3,9 +3,8 @@
 from apiflask import APIBlueprint
 from flask import Response
 
-from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, GLB, JSON, file_of
-from breastrig.api.app_context import behind
-from breastrig.api.public_answers import public_answer
+from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, GLB, JSON, file_of, public_answer
+from breastrig.api.app_context import app_context
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound, unknown_name
 
@@ -18,7 +17,7 @@ models = APIBlueprint(
 @models.doc(operation_id="getModel", responses={200: file_of(GLB, "The skinned model")})
 def show_model() -> Response:
     """The rigged model: skin, bones, 55 named blendshapes"""
-    return public_answer(behind().model.glb, GLB, CHECK_AGAIN)
+    return public_answer(app_context().model.glb, GLB, CHECK_AGAIN)
 
 
 @models.get("/torso.json")
@@ -26,14 +25,14 @@ def show_model() -> Response:
 @models.doc(operation_id="getModelSide")
 def show_side() -> Response:
     """What is known of the model: limits, landmarks, drawings"""
-    return public_answer(behind().model.side_json, JSON, CHECK_AGAIN)
+    return public_answer(app_context().model.side_json, JSON, CHECK_AGAIN)
 
 
 @models.get("/<sha256>/torso.bin")
 @models.doc(operation_id="getModelBuffer", responses={200: file_of(BINARY, "Never changes")})
 def show_buffer(sha256: str) -> Response:
     """The buffer that every iteration's glTF points at"""
-    model = behind().model
+    model = app_context().model
     _check_hash(sha256, model.rig.sha256)
     return public_answer(model.buffer, BINARY, FOR_EVER)
 
@@ -42,7 +41,7 @@ def show_buffer(sha256: str) -> Response:
 @models.doc(operation_id="getDrawingBuffer", responses={200: file_of(BINARY, "Never changes")})
 def show_drawing_buffer(sha256: str, name: str) -> Response:
     """The buffer of one drawing's lines"""
-    model = behind().model
+    model = app_context().model
     _check_hash(sha256, model.rig.sha256)
     if name not in model.drawing_buffers:
         raise NotFound(unknown_name("drawing", name, model.rig.drawing_names))

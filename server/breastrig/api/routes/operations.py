@@ -10,7 +10,7 @@ from apiflask import APIBlueprint
 from flask import Response, request
 
 from breastrig.api.access.security import count_guess, has_token, refuse
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 from breastrig.api.config import is_loopback
 from breastrig.api.environ_keys import FORWARDED
 from breastrig.api.wire import meta as wire_meta
@@ -38,8 +38,8 @@ def ready() -> wire_meta.Readiness:
 
     The database can be written, the workers answer, the model can be read.
     """
-    troubles = behind().service.readiness.troubles()
-    if not behind().model.is_still_there():
+    troubles = app_context().service.readiness.troubles()
+    if not app_context().model.is_still_there():
         troubles = (*troubles, "The model's file is gone or another one.")
     if troubles:
         raise refuse(503, " ".join(troubles), {"Retry-After": "5"})
@@ -53,10 +53,10 @@ def show_metrics() -> Response:
 
     Where the service stands behind a proxy, to whoever brings its token as a bearer.
     """
-    token = behind().config.token
+    token = app_context().config.token
     from_here = FORWARDED not in request.environ and is_loopback(request.remote_addr or "")
     if not from_here and (token is None or not has_token(token)):
-        count_guess(behind().rates)
+        count_guess(app_context().rates)
         raise refuse(403, "Metrics are shown only to programs on the server itself, and to whoever has its token.")
-    content, kind = behind().metrics.text()
+    content, kind = app_context().metrics.text()
     return Response(content, content_type=kind)

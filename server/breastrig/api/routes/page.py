@@ -9,9 +9,8 @@ from werkzeug.routing import BaseConverter
 from werkzeug.security import safe_join
 
 from breastrig.api.access.session import in_session
-from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER
-from breastrig.api.app_context import behind
-from breastrig.api.public_answers import public_answer
+from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, public_answer
+from breastrig.api.app_context import app_context
 from breastrig.core.assets import asset_folder
 
 page = Blueprint("page", __name__)
@@ -39,9 +38,9 @@ def index() -> Response:
 
     Without a session it could show nothing but errors: then the sign-in page comes first.
     """
-    here = behind()
-    token = here.config.token
-    if token is not None and not in_session(token, here.service.storage):
+    context = app_context()
+    token = context.config.token
+    if token is not None and not in_session(token, context.service.storage):
         return Response(status=303, headers={"Location": "/sign-in", "Cache-Control": "no-store"})
     folder = _folder()
     if not (folder / "index.html").is_file():
@@ -56,7 +55,7 @@ def asset(name: str) -> Response:
 
 
 def _folder() -> Path:
-    return behind().config.web or asset_folder("web")
+    return app_context().config.web or asset_folder("web")
 
 
 def _file(folder: Path, name: str, caching: str) -> Response:

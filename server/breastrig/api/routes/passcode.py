@@ -11,9 +11,10 @@ from flask import request
 from werkzeug.security import check_password_hash
 
 from breastrig.api.access.security import refuse
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 from breastrig.api.routes.share_credential import LOCKED
 from breastrig.api.share_limits import WRONG_PASSCODES
+from breastrig.api.trusted_proxy import client_of
 from breastrig.storage.rows.shares import ShareRow, note_wrong_passcode
 from breastrig.storage.storage import utc_now
 
@@ -28,8 +29,8 @@ def check_passcode(share: ShareRow, passcode: str | None) -> None:
         raise refuse(423, LOCKED)
     if passcode is None:
         raise refuse(403, "This link needs a passcode; ask the person who sent it.")
-    here, address = behind(), request.remote_addr or "unknown"
-    seconds = here.passcode_delays.begin(share.id, address)
+    context, client = app_context(), client_of(request.remote_addr)
+    seconds = context.passcode_delays.begin(share.id, client)
     if seconds:
         raise refuse(
             429,
@@ -39,7 +40,7 @@ def check_passcode(share: ShareRow, passcode: str | None) -> None:
     with _CHECKS:
         is_right = check_password_hash(share.passcode_hash, passcode)
     if not is_right:
-        if not note_wrong_passcode(here.service.storage, share.id, utc_now(), WRONG_PASSCODES):
+        if not note_wrong_passcode(context.service.storage, share.id, utc_now(), WRONG_PASSCODES):
             raise refuse(423, LOCKED)  # as a right one is answered then: nobody is to learn which it was
         raise refuse(403, "This is not the link's passcode; ask the person who sent it.")
-    here.passcode_delays.was_right(share.id, address)
+    context.passcode_delays.was_right(share.id, client)

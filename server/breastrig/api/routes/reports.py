@@ -5,7 +5,7 @@ from flask import Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from breastrig.api.answers import JSON, PDF, PERSONAL, bytes_answer, file_of
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import files as wire_files
 from breastrig.core.errors import BadSettings, Conflict
@@ -35,7 +35,7 @@ def show_report(fit_id: str, query_data: ReportQuery) -> Response:
     With `with` both stances of one patient and the changes between them.
     """
     _check_done(fit_id, query_data.with_)
-    response = bytes_answer(behind().service.reports.pdf(fit_id, query_data.with_), PDF, PERSONAL)
+    response = bytes_answer(app_context().service.reports.pdf(fit_id, query_data.with_), PDF, PERSONAL)
     response.headers["Content-Disposition"] = "attachment; filename=report.pdf"
     return response
 
@@ -51,7 +51,7 @@ def show_measures(fit_id: str, query_data: ReportQuery) -> Response:
     and the changes between them.
     """
     _check_done(fit_id, query_data.with_)
-    return bytes_answer(behind().service.reports.measures(fit_id, query_data.with_), JSON, PERSONAL)
+    return bytes_answer(app_context().service.reports.measures(fit_id, query_data.with_), JSON, PERSONAL)
 
 
 def _check_done(fit_id: str, other: str | None) -> None:
@@ -60,6 +60,6 @@ def _check_done(fit_id: str, other: str | None) -> None:
         raise BadSettings("A report shows two different fits; leave `with` out to show one.")
     for known in (fit_id, other):
         if known is not None:
-            fit = get_fit(behind().service.storage, known)
+            fit = get_fit(app_context().service.storage, known)
             if fit.state != "done":
                 raise Conflict(f"The fit {fit.id} is {fit.state}; a report needs fits that are done.")

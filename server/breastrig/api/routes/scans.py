@@ -7,7 +7,7 @@ from flask import Response
 
 from breastrig.api.access.security import refuse
 from breastrig.api.answers import GLB, PERSONAL, file_answer, file_of
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
@@ -32,12 +32,12 @@ FILE_TYPES = ("ply", "obj", "stl", "glb", "zip")
 def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, str]]:
     """Upload a scan
 
-    The file's name serves only to tell its type and is not kept.
+    The file's name serves only to find its type and is not kept.
     """
     suffix = PurePosixPath(files_data.file.filename or "").suffix.lower().lstrip(".")
     if suffix not in FILE_TYPES:
         raise refuse(415, "This is not a scan file; send PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image.")
-    row = behind().service.add_scan(files_data.file.stream, suffix, files_data.units)
+    row = app_context().service.add_scan(files_data.file.stream, suffix, files_data.units)
     answer = scan_answer(row)
     return answer, 201, {"Location": answer.links.self}
 
@@ -47,7 +47,7 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
 @scans.doc(operation_id="getScan")
 def show_scan(scan_id: str) -> wire.Scan:
     """What is known of a scan"""
-    return scan_answer(get_scan(behind().service.storage, scan_id))
+    return scan_answer(get_scan(app_context().service.storage, scan_id))
 
 
 @scans.delete("/<scan_id>")
@@ -58,7 +58,7 @@ def remove_scan(scan_id: str) -> tuple[str, int]:
 
     Running fits are stopped.  Deleting what is not there is no error.  204 says that all files are gone.
     """
-    behind().service.delete_scan(scan_id)
+    app_context().service.delete_scan(scan_id)
     return "", 204
 
 
@@ -66,7 +66,7 @@ def remove_scan(scan_id: str) -> tuple[str, int]:
 @scans.doc(operation_id="getScanMesh", responses={200: file_of(GLB, "The mesh, metres")})
 def show_mesh(scan_id: str) -> Response:
     """The scan for display: glTF, metres, the scan's own axes"""
-    storage = behind().service.storage
+    storage = app_context().service.storage
     get_scan(storage, scan_id)
     return file_answer(mesh_file(storage, scan_id), GLB, PERSONAL)
 
@@ -84,7 +84,7 @@ def mesh_file(storage: Storage, scan_id: str) -> OpenedFile:
 @scans.doc(operation_id="getLandmarks")
 def show_landmarks(scan_id: str) -> wire.LandmarkFile:
     """The landmarks picked so far, mm"""
-    storage = behind().service.storage
+    storage = app_context().service.storage
     get_scan(storage, scan_id)
     return wire.LandmarkFile(landmarks=get_landmarks(storage, scan_id))
 
@@ -98,10 +98,10 @@ def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile) -> wire.Landma
 
     Names must be landmarks of the model; points must lie near the scan.
     """
-    here = behind()
-    row = get_scan(here.service.storage, scan_id)
-    check_landmarks(json_data.landmarks, row, here.model)
-    put_landmarks(here.service.storage, scan_id, json_data.landmarks)
+    context = app_context()
+    row = get_scan(context.service.storage, scan_id)
+    check_landmarks(json_data.landmarks, row, context.model)
+    put_landmarks(context.service.storage, scan_id, json_data.landmarks)
     return json_data
 
 
@@ -118,9 +118,9 @@ def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
     A large scan on a busy machine may take longer than a request should: then 202 comes first.  Proposals are for
     a person to check; they are not stored as the scan's landmarks.
     """
-    here = behind()
-    row = get_scan(here.service.storage, scan_id)
-    found = here.service.proposed_landmarks(row, here.model.rig.sha256, here.config.proposal_wait_s)
+    context = app_context()
+    row = get_scan(context.service.storage, scan_id)
+    found = context.service.proposed_landmarks(row, context.model.rig.sha256, context.config.proposal_wait_s)
     if found is None:
         return Response(status=202, headers={"Retry-After": "1"})
     return wire.ProposedLandmarks(landmarks=found)

@@ -20,7 +20,7 @@ from datetime import UTC, datetime, timedelta
 from flask import Response, request
 
 from breastrig.api.access.security import refuse
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 from breastrig.api.share_limits import COOKIES, VISIT_S, WRONG_PASSCODES
 from breastrig.storage.rows.shares import ShareRow, add_opening, end_visit, share_of_token, share_of_visit
 from breastrig.storage.storage import iso_utc, utc_now
@@ -47,7 +47,7 @@ def token_sha256(token: str) -> str:
 
 def share_of_secret(token: str) -> ShareRow:
     """The share that the secret opens.  Raises 404 for none, 410 for one that is over."""
-    share = share_of_token(behind().service.storage, token_sha256(token))
+    share = share_of_token(app_context().service.storage, token_sha256(token))
     if share is None:
         raise refuse(404, "This link opens nothing; ask the person who sent it for a new one.")
     return _still_valid(share)
@@ -57,14 +57,14 @@ def begin_visit(response: Response, share: ShareRow) -> None:
     """Notes the opening and sets the cookie for the calls that follow.  Raises 423 when the link is locked."""
     credential = secrets.token_urlsafe(32)
     stored = _visit_hmac(credential, share.id)
-    if not add_opening(behind().service.storage, share.id, utc_now(), stored, WRONG_PASSCODES):
+    if not add_opening(app_context().service.storage, share.id, utc_now(), stored, WRONG_PASSCODES):
         raise refuse(423, LOCKED)
     _set_cookie(response, cookie_name(share.id), credential, cookie_path(share.id))
     visits = {share.id: stored}
     for listed in LISTED.finditer(request.cookies.get(OPENED_COOKIE, "")):
         earlier, its_stored = listed.groups()
         if earlier in visits or len(visits) >= COOKIES:
-            end_visit(behind().service.storage, earlier, its_stored)
+            end_visit(app_context().service.storage, earlier, its_stored)
             if earlier not in visits:
                 _delete_cookie(response, earlier)
         else:
@@ -76,7 +76,7 @@ def visited_share(share_id: str) -> ShareRow:
     """The share, if the request's cookie is of a visit of it.  Raises 401 without one, 410 for a share that is over."""
     opened_after = iso_utc(datetime.now(UTC) - timedelta(seconds=VISIT_S))
     stored = _visit_hmac(_credential(share_id), share_id)
-    share = share_of_visit(behind().service.storage, share_id, stored, opened_after)
+    share = share_of_visit(app_context().service.storage, share_id, stored, opened_after)
     if share is None:
         raise _not_open()
     return _still_valid(share)
@@ -84,7 +84,7 @@ def visited_share(share_id: str) -> ShareRow:
 
 def close_visit(response: Response, share_id: str) -> None:
     """Ends the visit, here and for every copy of its cookie.  Raises 401 when the request comes from none."""
-    if not end_visit(behind().service.storage, share_id, _visit_hmac(_credential(share_id), share_id)):
+    if not end_visit(app_context().service.storage, share_id, _visit_hmac(_credential(share_id), share_id)):
         raise _not_open()
     _delete_cookie(response, share_id)
 

@@ -10,7 +10,7 @@ from flask import Response, render_template
 
 from breastrig.api.access.security import refuse
 from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_of
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 from breastrig.api.big_answers import big_answer
 from breastrig.api.routes.passcode import check_passcode
 from breastrig.api.routes.scans import mesh_file
@@ -70,7 +70,7 @@ def open_share(json_data: wire_shares.ShareOpening) -> Response:
     Takes the secret after # and sets the cookie that the other calls need; its path is theirs.  The time of the opening
     is noted for the owner, nothing else.
     """
-    behind().rates.check("share")
+    app_context().rates.check("share")
     share = share_of_secret(json_data.token)
     check_passcode(share, json_data.passcode)
     response = Response(_result(share).model_dump_json(), mimetype=JSON)
@@ -153,7 +153,7 @@ def show_report(share_id: str) -> Response:
     share = visited_share(share_id)
     if share.scan == "none":
         raise refuse(403, "This link does not show the scan, and the report has pictures of it.")
-    return _answer(share, behind().service.reports.pdf_file(share.fit), PDF, "report.pdf")
+    return _answer(share, app_context().service.reports.pdf_file(share.fit), PDF, "report.pdf")
 
 
 @shared.get("/<share_id>/mesh.glb")
@@ -171,7 +171,7 @@ def show_mesh(share_id: str) -> Response:
     share = visited_share(share_id)
     if share.scan == "none":
         raise refuse(403, "This link does not show the scan.")
-    service = behind().service
+    service = app_context().service
     scan_id = get_fit(service.storage, share.fit).scan
     mesh = mesh_file(service.storage, scan_id) if share.scan == "full" else service.plain_meshes.get(scan_id)
     return _answer(share, mesh, GLB, "scan.glb")
@@ -184,7 +184,7 @@ def page(share_id: str = "") -> Response:
 
     Where the page is built it shows the body; else numbers and files, which need no script but a small one.
     """
-    built = (behind().config.web or asset_folder("web")) / "index.html"
+    built = (app_context().config.web or asset_folder("web")) / "index.html"
     html = built.read_text(encoding="utf-8") if built.is_file() else render_template("share.html")
     return Response(html, mimetype="text/html", headers={"Cache-Control": NO_STORE})
 
@@ -196,14 +196,14 @@ def script() -> Response:
 
 def _fit_file(share_id: str, name: str) -> Response:
     share = visited_share(share_id)
-    file = behind().service.storage.files.find(fit_place(share.fit), name)
+    file = app_context().service.storage.files.find(fit_place(share.fit), name)
     if file is None:
         raise NotFound(f"This result has no {name}.")
     return _answer(share, file, MEDIA_TYPES[name], name)
 
 
 def _answer(share: ShareRow, file: OpenedFile, media_type: str, download_as: str) -> Response:
-    response = big_answer(behind().big_answers, share.id, file, media_type, NO_STORE)
+    response = big_answer(app_context().big_answers, share.id, file, media_type, NO_STORE)
     response.headers["Content-Disposition"] = f"attachment; filename={download_as}"
     return response
 

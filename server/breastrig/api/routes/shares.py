@@ -5,7 +5,8 @@ from datetime import UTC, datetime, timedelta
 from apiflask import APIBlueprint
 from werkzeug.security import generate_password_hash
 
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
+from breastrig.api.routes.paging import next_page
 from breastrig.api.routes.share_credential import new_token, token_sha256
 from breastrig.api.share_limits import WRONG_PASSCODES
 from breastrig.api.wire import common as wire
@@ -32,20 +33,20 @@ shares = APIBlueprint("shares", __name__, url_prefix="/api/fits", tag=SHARES_TAG
 
 @shares.post("/<fit_id>/shares")
 @shares.input(wire_shares.ShareRequest)
-@shares.output(wire_shares.ShareMade, status_code=201, description="The link; it is told only now")
+@shares.output(wire_shares.ShareMade, status_code=201, description="The link; it is shown only now")
 @shares.doc(operation_id="makeShare", responses={409: "The fit is not done"})
 def make_share(fit_id: str, json_data: wire_shares.ShareRequest) -> tuple[wire_shares.ShareMade, int, dict[str, str]]:
     """Make a read-only link to a fit's result
 
     The secret is in the address's fragment, which browsers do not send to servers.  It is stored only as a hash:
-    the link cannot be told again.
+    the link cannot be shown again.
     """
-    storage = behind().service.storage
+    storage = app_context().service.storage
     fit = get_fit(storage, fit_id)
     if fit.state != "done":
         raise Conflict(f"This fit has no result to share: it is {fit.state}.")
     if json_data.scan == "plain":
-        behind().service.plain_meshes.get(fit.scan)
+        app_context().service.plain_meshes.get(fit.scan)
     now, token = datetime.now(UTC), new_token()
     share = ShareRow(
         id=new_id(),
@@ -66,10 +67,10 @@ def make_share(fit_id: str, json_data: wire_shares.ShareRequest) -> tuple[wire_s
 @shares.doc(operation_id="listShares")
 def list_shares(fit_id: str, query_data: wire.PageQuery) -> wire_shares.SharePage:
     """The links to a fit's result, the newest first"""
-    storage = behind().service.storage
+    storage = app_context().service.storage
     get_fit(storage, fit_id)
     rows, before = shares_page(storage, fit_id, query_data.limit, query_data.before)
-    more = None if before is None else f"/api/fits/{fit_id}/shares?before={before}&limit={query_data.limit}"
+    more = next_page(f"/api/fits/{fit_id}/shares", before, query_data)
     return wire_shares.SharePage(shares=[share_answer(row) for row in rows], next=more)
 
 
@@ -78,7 +79,7 @@ def list_shares(fit_id: str, query_data: wire.PageQuery) -> wire_shares.SharePag
 @shares.doc(operation_id="getShare")
 def show_share(fit_id: str, share_id: str) -> wire_shares.ShareWithOpenings:
     """One link, and when it was opened"""
-    storage = behind().service.storage
+    storage = app_context().service.storage
     share = get_share(storage, fit_id, share_id)
     opened = openings_of(storage, share.id, OPENINGS_SHOWN)
     return wire_shares.ShareWithOpenings(opened_at=opened, **share_answer(share).model_dump())
@@ -93,7 +94,7 @@ def remove_share(fit_id: str, share_id: str) -> tuple[str, int]:
     It is closed at once, for those too who have it open.  It stays in the list until the fit is deleted.  Revoking
     what is not there is no error.
     """
-    revoke_share(behind().service.storage, fit_id, share_id, utc_now())
+    revoke_share(app_context().service.storage, fit_id, share_id, utc_now())
     return "", 204
 
 
@@ -105,7 +106,7 @@ def unlock(fit_id: str, share_id: str) -> wire_shares.Share:
 
     For one that wrong passcodes have locked: as many may be tried again.  The count goes on.
     """
-    storage = behind().service.storage
+    storage = app_context().service.storage
     unlock_share(storage, fit_id, share_id)
     return share_answer(get_share(storage, fit_id, share_id))
 

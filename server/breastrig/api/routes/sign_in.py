@@ -1,4 +1,10 @@
-"""The page on which a person gives the token, so that the browser may ask for the rest.  Plain HTML, no script."""
+"""The page on which a person gives the token, so that the browser may ask for the rest.  Plain HTML, no script.
+
+A hospital has one address for all, so whoever guesses there must not keep colleagues out: the right token opens
+however many wrong ones came before it, as it does in the Authorization header.  Wrong ones are refused beyond a small
+number.  What bounds guessing is a larger number of tries from one address, beyond which no token is looked at: at 600 a
+minute, 16 random hexadecimal digits take more than 10^10 years.
+"""
 
 import hmac
 
@@ -6,7 +12,7 @@ from flask import Blueprint, Response, redirect, render_template, request
 
 from breastrig.api.access.session import end_session, in_session, start_session
 from breastrig.api.answers import CHECK_AGAIN, bytes_answer
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 
 sign_in = Blueprint("sign_in", __name__, template_folder="templates")
 
@@ -24,18 +30,17 @@ def ask() -> Response:
 @sign_in.post("/sign-in")
 def answer() -> Response:
     """Sets the cookie and leads to the page, or asks again."""
-    here = behind()
-    token = here.config.token
+    context = app_context()
+    token = context.config.token
     if token is None:
         return _to("/")
-    seconds = here.rates.wait_s("sign-in")
+    seconds = context.rates.wait_s("sign-in tried")
     if seconds:
-        refused = _page(f"Too many attempts. Try again in {seconds} s.", 429)
-        refused.headers["Retry-After"] = str(seconds)
-        return refused
+        return _too_many(seconds)
     given = request.form.get("token", "").strip()
     if not hmac.compare_digest(given.encode("utf-8", "replace"), token.encode()):
-        return _page(WRONG, 401)
+        seconds = context.rates.wait_s("sign-in")
+        return _too_many(seconds) if seconds else _page(WRONG, 401)
     response = _to("/")
     start_session(response, token)
     return response
@@ -46,7 +51,7 @@ def leave() -> Response:
     response = _to("/sign-in")
     # What the browser keeps of patients.  Not "cookies": that would be those of the whole domain, other programs' too.
     response.headers["Clear-Site-Data"] = '"cache", "storage"'
-    end_session(response, behind().config.token, behind().service.storage)
+    end_session(response, app_context().config.token, app_context().service.storage)
     return response
 
 
@@ -56,12 +61,18 @@ def style() -> Response:
 
 
 def _page(problem: str = "", status: int = 200) -> Response:
-    here = behind()
-    token = here.config.token
+    context = app_context()
+    token = context.config.token
     note = NOT_NEEDED if token is None else problem
-    signed_in = token is not None and in_session(token, here.service.storage)
+    signed_in = token is not None and in_session(token, context.service.storage)
     html = render_template("sign_in.html", needed=token is not None, note=note, signed_in=signed_in)
     return Response(html, status, mimetype="text/html", headers=PAGE_HEADERS)
+
+
+def _too_many(seconds: int) -> Response:
+    refused = _page(f"Too many attempts. Try again in {seconds} s.", 429)
+    refused.headers["Retry-After"] = str(seconds)
+    return refused
 
 
 def _to(place: str) -> Response:

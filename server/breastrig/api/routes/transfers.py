@@ -2,7 +2,7 @@
 
 from apiflask import APIBlueprint
 
-from breastrig.api.app_context import behind
+from breastrig.api.app_context import app_context
 from breastrig.api.wire import transfers as wire_transfers
 from breastrig.core.errors import Conflict
 from breastrig.storage.rows.fits import get_fit
@@ -25,7 +25,7 @@ def transfer_drawing(json_data: wire_transfers.TransferRequest) -> tuple[wire_tr
     Both fits must be done.  Between two stances of one patient the skin is followed; with `other_patient` the same
     place of the model is shown.  Every point lies on the target's skin or is marked as bridged.
     """
-    service = behind().service
+    service = app_context().service
     for fit_id in (json_data.from_fit, json_data.to_fit):
         fit = get_fit(service.storage, fit_id)
         if fit.state != "done":

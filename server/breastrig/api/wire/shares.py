@@ -42,7 +42,7 @@ class Share(Wire):
 
 
 class ShareMade(Share):
-    url: str = Field(description="address of the page with the secret behind #; it is told only once")
+    url: str = Field(description="address of the page with the secret behind #; it is shown only once")
 
 
 class ShareWithOpenings(Share):

@@ -108,12 +108,12 @@ def with_colour_bar(row: Image.Image) -> Image.Image:
     return picture
 
 
-def fit_pictures(records: Sequence[Record], rig: Rig, preset: str, told: Callable[[str], None]) -> list[FitPicture]:
+def fit_pictures(records: Sequence[Record], rig: Rig, preset: str, progress: Callable[[str], None]) -> list[FitPicture]:
     """The pictures of every family."""
     pictures = []
     for family in ("independent", "makehuman"):
         for place, record in chosen(records, preset, family):
-            told(f"picture of {record.case.patient}, {record.case.name}")
+            progress(f"picture of {record.case.patient}, {record.case.name}")
             scene = read_scene(record.case)
             fit = scene.fitted(rig, record.unit.recipe, scene.landmarks)
             stream, small = io.BytesIO(), io.BytesIO()

@@ -40,8 +40,8 @@ def is_of_an_evaluation(folder: Path) -> bool:
     return False
 
 
-def published(results: Results, about: Circumstances, folder: Path, told: Callable[[str], None]) -> list[Path]:
-    """Writes everything into the empty folder and returns the files; `told` hears what is being made."""
+def published(results: Results, about: Circumstances, folder: Path, progress: Callable[[str], None]) -> list[Path]:
+    """Writes everything into the empty folder and returns the files; `progress` is called with what is being made."""
     rig = read_rig(results.plan.model)
     tables = {table.name: table for table in all_tables(results)}
     files = []
@@ -56,15 +56,15 @@ def published(results: Results, about: Circumstances, folder: Path, told: Callab
         write(f"{table.name}.csv", table.csv().encode())
     figures = {}
     for name, chart in all_figures(results, tables).items() if have_plots() else ():
-        told(f"figure {name}")
+        progress(f"figure {name}")
         figures[name] = (as_png(chart, LIGHT), as_png(chart, DARK))
         write(f"figures/{name}.png", figures[name][0])
     if "unseen" in tables:
-        told("pictures of cut scans")
+        progress("pictures of cut scans")
         for name, png in unseen_pictures(results.records, rig, results.plan.recipes[0].name).items():
             figures[name] = (png, png)
             write(f"figures/{name}.png", png)
-    pictures = fit_pictures(results.records, rig, results.plan.recipes[0].name, told)
+    pictures = fit_pictures(results.records, rig, results.plan.recipes[0].name, progress)
     for picture in pictures:
         write(f"figures/fit_{picture.family}_{picture.place}.png", picture.png)
     html = page(results, rig, about, all_sections(results, tables), tables, figures, pictures)

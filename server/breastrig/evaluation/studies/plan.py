@@ -1,6 +1,6 @@
 """Which questions are put to which cases.
 
-Two rounds: the number of blendshapes is studied in the order of their usefulness, which the first round tells.
+Two rounds: the number of blendshapes is studied in the order of their usefulness, which the first round measures.
 """
 
 from collections.abc import Sequence

@@ -166,7 +166,7 @@ def _in_processes(units: Sequence[Unit], jobs: int) -> Iterator[tuple[Unit, dict
 
 
 def records(units: Iterable[Unit], folder: Path, jobs: int, again: bool, done: Callable[[str], None]) -> list[Record]:
-    """All units answered, in their order; `done` is told the label of each."""
+    """All units answered, in their order; `done` is called with the label of each."""
     for cached in (_digest, _rig, read_scene):  # files may have changed since the last call
         cached.cache_clear()
     folder.mkdir(parents=True, exist_ok=True)

@@ -55,7 +55,7 @@ def _write_patient(
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "patient.json").unlink(missing_ok=True)
     for number, body in enumerate(patient.bodies):
-        random = np.random.default_rng((SEED, index, number))  # each scan its own: none hangs on those before it
+        random = np.random.default_rng((SEED, index, number))  # each scan its own: none depends on those before it
         scan = scan_body(bodies, body, random)
         unit = UNITS[(index + number) % len(UNITS)]
         placed = _placed(unit, random)

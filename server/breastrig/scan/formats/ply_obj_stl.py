@@ -46,7 +46,7 @@ def mesh_pieces(data: bytes, kind: str, files: Mapping[str, bytes], texture: boo
         raise TooLarge("Reading this scan needs more memory than there is; simplify it first.") from error
     except BadInput:
         raise
-    except Exception as error:  # a parser fed by strangers can raise anything
+    except Exception as error:  # a parser of untrusted bytes can raise anything
         raise damaged(kind) from error
     if resolver.too_large is not None:
         raise resolver.too_large
@@ -174,7 +174,7 @@ class _Files(Resolver):  # type: ignore[misc]
 
     def notes(self) -> tuple[str, ...]:
         """What became of the files that were asked for."""
-        return tuple(note for told, note in ((self._refused, LEFT_OUT), (self._missing, MISSING)) if told)
+        return tuple(note for found, note in ((self._refused, LEFT_OUT), (self._missing, MISSING)) if found)
 
     def picture_of(self, image: Any) -> bytes | None:
         """The bytes behind a picture that the library has opened; it makes some up where there is none."""

@@ -1,4 +1,4 @@
-"""The story of each fit: events, appended one by one and never changed.
+"""The events of each fit, appended one by one and never changed.
 
 `append` is the only door.  It numbers the event, brings the fit's row up to date in the same transaction, and
 refuses whatever comes after the last event.  So a fit ends exactly once, whoever comes first: its worker, the

@@ -11,6 +11,7 @@ from breastrig.core.errors import BadInput, NotFound
 from breastrig.storage import schema
 from breastrig.storage.file_journal import clear_entries
 from breastrig.storage.files import fit_place
+from breastrig.storage.rows.paging import newest_first
 from breastrig.storage.rows.scans import Points
 from breastrig.storage.storage import Storage
 
@@ -19,8 +20,8 @@ ENDED = frozenset(STATES[2:])
 
 
 @dataclass(frozen=True, kw_only=True)
-class FitWish:
-    """What was asked for."""
+class NewFit:
+    """A fit as it was asked for, before it has an id and a place in the queue."""
 
     scan: str
     stance: str = "auto"
@@ -32,7 +33,7 @@ class FitWish:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FitRow(FitWish):
+class FitRow(NewFit):
     """What was asked for, and how far it has come; `stance` is the decided one once the fit has started."""
 
     id: str
@@ -61,7 +62,7 @@ class FitRow(FitWish):
 
 @dataclass(frozen=True)
 class Once:
-    """A request that may be sent again without being carried out again."""
+    """A request that may be sent again without being executed again."""
 
     key_sha256: str
     request_sha256: str
@@ -73,27 +74,27 @@ class Once:
         return cls(key_sha256, request_sha256)
 
 
-def add_fits(storage: Storage, created_at: str, wishes: dict[str, FitWish], once: Once | None = None) -> str:
-    """Puts a fit {id: wish}, or two stances to be fitted together, at the end of the queue.
+def add_fits(storage: Storage, created_at: str, new_fits: dict[str, NewFit], once: Once | None = None) -> str:
+    """Puts a fit {id: new_fit}, or two stances to be fitted together, at the end of the queue.
 
     Gives the first id, or that of the fit which the same request has made before.  Raises NotFound when a scan is
     gone, BadInput when the key came with another request.
     """
-    first, *others = wishes
+    first, *others = new_fits
     with storage.database.writing() as connection:
         if once is not None:
             made = _made_before(connection, once)
             if made is not None:
                 return made
-        for fit_id, wish in wishes.items():
-            if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == wish.scan)).first() is None:
+        for fit_id, new_fit in new_fits.items():
+            if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == new_fit.scan)).first() is None:
                 raise NotFound("There is no such scan; it may have been deleted.")
             place = connection.execute(select(func.coalesce(func.max(schema.fits.c.place), 0) + 1)).scalar_one()
             partner = others[0] if others and fit_id == first else first
             values = {
-                **asdict(wish),
-                "asked_stance": wish.stance,
-                "landmarks_mm": json.dumps(wish.landmarks_mm),
+                **asdict(new_fit),
+                "asked_stance": new_fit.stance,
+                "landmarks_mm": json.dumps(new_fit.landmarks_mm),
                 "id": fit_id,
                 "partner": partner if others else None,
                 "leads": fit_id == first,
@@ -104,7 +105,7 @@ def add_fits(storage: Storage, created_at: str, wishes: dict[str, FitWish], once
                 "iterations": 0,
             }
             connection.execute(insert(schema.fits).values(values))
-        clear_entries(connection, map(fit_place, wishes))
+        clear_entries(connection, map(fit_place, new_fits))
         if once is not None:
             connection.execute(insert(schema.asked_once).values(fit=first, **asdict(once)))
     return first
@@ -160,7 +161,7 @@ def put_back(storage: Storage) -> int:
 
 
 def _leader() -> ColumnElement[str]:
-    """The id under which a fit is carried out: that of the leading partner, who may have ended already."""
+    """The id under which a fit is executed: that of the leading partner, who may have ended already."""
     table = schema.fits
     return case((or_(table.c.leads, table.c.partner.is_(None)), table.c.id), else_=table.c.partner)
 
@@ -232,12 +233,8 @@ def fits_of_scan(storage: Storage, scan_id: str) -> list[str]:
 def fits_page(storage: Storage, scan_id: str, limit: int, before: int | None = None) -> tuple[list[FitRow], int | None]:
     """Fits of a scan, the newest first, and where the next page goes on (None: there is none)."""
     table = schema.fits
-    query = select(table).where(table.c.scan == scan_id).order_by(table.c.place.desc()).limit(limit + 1)
-    if before is not None:
-        query = query.where(table.c.place < before)
-    with storage.database.reading() as connection:
-        rows = list(connection.execute(query))
-    return [_fit_row(row) for row in rows[:limit]], rows[limit - 1].place if len(rows) > limit else None
+    rows, more = newest_first(storage, select(table).where(table.c.scan == scan_id), table.c.place, limit, before)
+    return [_fit_row(row) for row in rows], more
 
 
 def fit_ids(storage: Storage) -> set[str]:

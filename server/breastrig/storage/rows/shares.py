@@ -10,6 +10,7 @@ from sqlalchemy import Row, Select, func, insert, select, update
 
 from breastrig.core.errors import NotFound
 from breastrig.storage import schema
+from breastrig.storage.rows.paging import newest_first
 from breastrig.storage.storage import Storage
 
 
@@ -70,12 +71,8 @@ def share_of_token(storage: Storage, token_sha256: str) -> ShareRow | None:
 def shares_page(storage: Storage, fit_id: str, limit: int, before: int | None) -> tuple[list[ShareRow], int | None]:
     """Shares of a fit, the newest first, and where the next page goes on (None: there is none)."""
     table = schema.shares
-    query = _query().where(table.c.fit == fit_id).order_by(table.c.position.desc()).limit(limit + 1)
-    if before is not None:
-        query = query.where(table.c.position < before)
-    with storage.database.reading() as connection:
-        rows = list(connection.execute(query))
-    return [_share_row(row) for row in rows[:limit]], rows[limit - 1].position if len(rows) > limit else None
+    rows, more = newest_first(storage, _query().where(table.c.fit == fit_id), table.c.position, limit, before)
+    return [_share_row(row) for row in rows], more
 
 
 def revoke_share(storage: Storage, fit_id: str, share_id: str, now: str) -> None:

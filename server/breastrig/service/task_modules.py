@@ -1,0 +1,17 @@
+"""Modules that the service's tasks import in their processes; the fork server imports them once, before any task.
+
+They are named, not imported, because a worker of a cluster needs them in its children only.
+"""
+
+TASK_MODULES = (
+    "breastrig.service.fit_worker",
+    "breastrig.workflow.propose_on_scan",
+    "breastrig.workflow.read_upload",
+    "breastrig.workflow.report",
+    "breastrig.workflow.run_fit",
+    "breastrig.workflow.run_pair",
+    "breastrig.workflow.transfer",
+    "breastrig.workflow.write_plain_mesh",
+)
+# For rows or files on another machine: half a second to import.
+REMOTE_MODULES = ("breastrig.storage.postgres", "psycopg", "breastrig.storage.store_files", "s3fs")

@@ -1,0 +1,52 @@
+"""The maps of server and page name what is there, and no folder of the server is too large to be looked over."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+MOST_LINES = 2000  # of the files directly in a folder; a room of more is split by its ideas
+ENDINGS = ("/", ".py", ".toml", ".json", ".ts", ".js", ".css", ".md", ".html")
+MADE_BY_TOOLS = {"dist/"}
+
+
+def named_paths(text: str) -> set[str]:
+    """What stands in backticks and looks like a path; addresses of the service begin with a slash."""
+    words = {word for span in re.findall(r"`([^`\n]+)`", text) for word in span.split() if not span.startswith("npm")}
+    return {
+        word for word in words if word.endswith(ENDINGS) and not word.startswith(("/", "http", ".css"))
+    } - MADE_BY_TOOLS
+
+
+def is_there(path: str, folders: list[Path]) -> bool:
+    """In one of the folders; NAME and … stand for any name."""
+    pattern = re.sub(r"[A-Z]{2,}|…", "*", path).rstrip("/")
+    return any(next(folder.glob(pattern), None) is not None for folder in folders)
+
+
+@pytest.mark.parametrize(
+    ("readme", "places"),
+    [("server/README.md", ["server/breastrig"]), ("web/README.md", ["web", "web/src", "web/src/*"])],
+)
+def test_every_path_that_a_map_names_exists(readme: str, places: list[str], repository: Path) -> None:
+    paths = named_paths((repository / readme).read_text())
+    assert len(paths) > 15
+    folders = [repository] + [folder for place in places for folder in repository.glob(place)]
+    assert {path for path in paths if not is_there(path, folders)} == set()
+
+
+def test_every_room_of_the_server_stands_in_its_map(repository: Path) -> None:
+    package = repository / "server" / "breastrig"
+    rooms = {f"{folder.name}/" for folder in package.iterdir() if (folder / "__init__.py").is_file()}
+    assert rooms <= named_paths((repository / "server" / "README.md").read_text())
+
+
+def test_no_folder_of_the_server_is_too_large(repository: Path) -> None:
+    package = repository / "server" / "breastrig"
+    folders = {package, *(file.parent for file in package.rglob("*.py"))}
+    lines = {
+        folder.relative_to(package).as_posix(): sum(len(file.read_text().splitlines()) for file in folder.glob("*.py"))
+        for folder in folders
+    }
+    assert len(lines) > 20
+    assert {folder: count for folder, count in lines.items() if count > MOST_LINES} == {}
