@@ -5,8 +5,8 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from breastrig.fitting.fit_signals import FitSignals
-from breastrig.fitting.verdict import UNKNOWN_MODEL, verdict, verdict_limits
+from breastrig.fitting.verdicts.fit_signals import FitSignals
+from breastrig.fitting.verdicts.verdict import UNKNOWN_MODEL, verdict, verdict_limits
 from breastrig.least_squares.newton import Status
 
 RIGHT = FitSignals(

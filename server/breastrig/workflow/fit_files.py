@@ -15,7 +15,7 @@ from breastrig.core.private_files import private_folder, write_private
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.fitting.landmark_outliers import Doubt
-from breastrig.fitting.verdict import Verdict
+from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb

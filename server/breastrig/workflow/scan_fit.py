@@ -17,7 +17,6 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.fit import FitIterate, FitTask
-from breastrig.fitting.fit_signals import fit_signals
 from breastrig.fitting.landmark_outliers import Doubt, doubts, sides_exchanged
 from breastrig.fitting.orientation import MIN_LANDMARKS
 from breastrig.fitting.prepare_scan import AUTO, prepared
@@ -25,7 +24,8 @@ from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.refine import refined
 from breastrig.fitting.scan_orientation import orientation_from
-from breastrig.fitting.verdict import verdict, verdict_limits
+from breastrig.fitting.verdicts.fit_signals import fit_signals
+from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status

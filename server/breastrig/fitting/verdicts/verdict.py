@@ -14,7 +14,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.fitting.fit_signals import FitSignals
+from breastrig.fitting.verdicts.fit_signals import FitSignals
 from breastrig.least_squares.newton import Status
 
 Level = Literal["good", "check", "unusable"]

@@ -1,0 +1,1 @@
+"""Whether a finished fit may be believed: its signals, and what they say together."""
