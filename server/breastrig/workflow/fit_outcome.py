@@ -1,0 +1,44 @@
+"""What is known at the end of a fit, in memory: what its files, a report or a program's `Fit` are made from."""
+
+from dataclasses import dataclass
+
+from breastrig.core.arrays import Array
+from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.project_drawing import ScanLine
+from breastrig.fitting.landmark_check import Doubt
+from breastrig.fitting.verdict import Verdict
+from breastrig.least_squares.newton import Status
+from breastrig.report.distances import SurfaceDistances
+from breastrig.rig.model import ModelDrawing, Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.scan.scan import Scan
+from breastrig.workflow.events import Iterated
+
+
+@dataclass(frozen=True, eq=False)
+class FitOutcome:
+    """All that is known at the end of a fit; parameters are in the scan's frame, metres."""
+
+    scan: Scan
+    target: ScanTarget  # the cleaned scan, in the frame shifted by `centre`
+    rig: Rig
+    stance: str
+    stance_reason: str
+    preset: str
+    parameters: RigParameters
+    vertices: Array  # (V, 3) m, the fitted surface in the scan's frame, refined or not
+    refined: bool
+    history: tuple[RigParameters, ...]
+    times_s: tuple[float, ...]
+    log: tuple[Iterated, ...]
+    status: Status
+    timing_s: dict[str, float]
+    distances: SurfaceDistances
+    landmarks: dict[str, Array]  # picked, m
+    doubts: tuple[Doubt, ...]  # picks that were not followed
+    drawing: ModelDrawing | None
+    lines: tuple[ScanLine, ...]  # in the frame shifted by `centre`
+    centre: Array  # (3,) m
+    notes: tuple[str, ...]
+    verdict: Verdict
+    table_triangles: int  # of the scan, cut away as table
