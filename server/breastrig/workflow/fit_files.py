@@ -11,7 +11,7 @@ from breastrig import __version__
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.output_files import private_folder, write_private
+from breastrig.core.output_files import OutputSet, private_folder, write_private
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
@@ -120,6 +120,11 @@ def distances_bin(outcome: FitOutcome) -> bytes:
 
 def json_bytes(document: object) -> bytes:
     return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
+
+
+def fit_set(folder: Path) -> OutputSet:
+    """The files of a fit, in a folder of an output's."""
+    return OutputSet(folder, FIT_FILES, RESULT, RESULT_SCHEMA)
 
 
 def fit_file(outcome: FitOutcome, name: str) -> bytes:
