@@ -11,7 +11,7 @@ The names below come from `breastrig.interface` and `breastrig.core.errors`, and
 neither `import breastrig` nor `breastrig --version` waits for NumPy.
 """
 
-from typing import TYPE_CHECKING, Any
+TYPE_CHECKING = False  # type checkers take it as true; importing `typing` would double the time of the import
 
 if TYPE_CHECKING:
     from breastrig.core.errors import (
@@ -91,14 +91,17 @@ _MODULES = {
 _PLACES = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 
-def __getattr__(name: str) -> Any:
-    """Loads the module that has the name, when it is first asked for."""
-    if name not in _PLACES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from importlib import import_module
+if not TYPE_CHECKING:  # they know the names from above, and then report any other
 
-    globals()[name] = found = getattr(import_module(f"{__name__}.{_PLACES[name]}"), name)
-    return found
+    def __getattr__(name: str) -> object:
+        """Loads the module that has the name, when it is first asked for."""
+        if name not in _PLACES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from importlib import import_module
+
+        found: object = getattr(import_module(f"{__name__}.{_PLACES[name]}"), name)
+        globals()[name] = found
+        return found
 
 
 def __dir__() -> list[str]:

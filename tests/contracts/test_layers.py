@@ -57,6 +57,8 @@ def test_imports_only_go_downwards(repository: Path) -> None:
         ({"rig/one.py": "import breastrig.scan", "scan/one.py": "import breastrig.rig"}, "no cycles between siblings"),
         ({"fitting/one.py": "import flask"}, "Flask stays in the entrance hall"),
         ({"storage/one.py": "import numpy"}, "storage keeps rows, not mathematics"),
+        ({"interface/one.py": "import breastrig.storage"}, "programs need neither server nor database"),
+        ({"interface/one.py": "import breastrig.api"}, "the house: imports only go downwards"),
         ({"scan/one.py": "import threading"}, "the numerics know neither SQL nor threads"),
     ],
     ids=lambda value: "+".join(value) if isinstance(value, dict) else "",
