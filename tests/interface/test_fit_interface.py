@@ -10,13 +10,15 @@ import numpy as np
 import pytest
 import trimesh
 from helpers.same_files import assert_same_files
+from threadpoolctl import threadpool_info, threadpool_limits
 
 import breastrig
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.gltf.read_rig import default_rig_path
+from breastrig.interface.one_thread import one_thread
 from breastrig.rig.skinning import pose
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.landmark_files import landmark_file, read_landmarks
 from breastrig.workflow.fit_files import FIT_FILES
 
 EXAMPLE = asset_folder("example")
@@ -61,6 +63,31 @@ def test_landmarks_by_name_in_the_scans_unit_and_a_scan_that_was_read_give_the_s
     again = breastrig.fit(scan, named, tumours=[TUMOUR], refine=True, model=breastrig.load_model())
     np.testing.assert_allclose(again.vertices, fit.vertices, atol=1e-6 / scan.metres_per_unit)
     assert again.result["scan"] == fit.result["scan"]
+
+
+def test_a_landmark_file_without_a_unit_has_the_scans(in_millimetres: Path, tmp_path: Path) -> None:
+    picks, _ = read_landmarks(PICKS)
+    moved = {name: place + OFFSET for name, place in picks.items()}
+    (tmp_path / "picks.csv").write_bytes(landmark_file(moved, "csv"))
+    by_file = breastrig.fit(in_millimetres, tmp_path / "picks.csv", units="mm", drawing=None)
+    by_name = breastrig.fit(in_millimetres, moved, units="mm", drawing=None)
+    np.testing.assert_array_equal(by_file.vertices, by_name.vertices)
+    assert by_file.result["landmarks_picked"] == by_name.result["landmarks_picked"]
+
+
+def test_between_two_iterates_blas_has_the_threads_that_it_had() -> None:
+    def threads() -> list[int]:
+        return [each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"]
+
+    with threadpool_limits(2, user_api="blas"):
+        before = threads()
+        run = breastrig.iterates(STANDING, PICKS, drawing=None)
+        next(run)
+        assert threads() == before
+        with one_thread():
+            assert set(threads()) == {1}
+        assert set(before) == {2}
+        run.close()
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from breastrig.core.arrays import Array, frozen
@@ -63,8 +64,10 @@ def landmarks_in_mm(given: Landmarks, scan: ScanSource) -> tuple[dict[str, list[
 
 
 def _in_mm(name: str, given: ArrayLike | Proposal, mm_per_unit: float) -> list[float]:
-    place = given.point if isinstance(given, Proposal) else given
     try:
-        return [mm_per_unit * float(value) for value in place]  # type: ignore[union-attr, arg-type]
-    except (TypeError, ValueError) as error:
-        raise BadLandmarks(f"The landmark {name} needs three finite numbers x y z.") from error
+        place = np.asarray(given.point if isinstance(given, Proposal) else given, dtype=np.float64)
+    except (TypeError, ValueError):
+        place = np.zeros(0)
+    if place.shape != (3,):
+        raise BadLandmarks(f"The landmark {name} needs three finite numbers x y z.")
+    return [mm_per_unit * float(value) for value in place]

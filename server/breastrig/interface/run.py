@@ -1,7 +1,7 @@
 """Fits of one scan: as a stream of iterates, or at once.
 
-The stream is an iterator and no callback, as everywhere in this house: whoever stops consuming it has cancelled the
-fit, an error comes out where the next iterate is asked for, and the caller's own loop stays in command.
+The stream is an iterator and not a callback, as in the rest of the package: whoever stops consuming it has cancelled
+the fit, and an error is raised where the next iterate is asked for.
 """
 
 from collections.abc import Generator, Iterator, Sequence

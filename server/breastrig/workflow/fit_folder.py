@@ -1,7 +1,7 @@
 """The folder that a fit has left, read back: what a transfer, a measure or a report starts from.
 
-Folders travel between machines and versions, so nothing in them is believed: what does not fit together is one
-sentence.
+Folders are copied between machines and versions, so everything in them is checked: what does not fit together is an
+error of one sentence.
 """
 
 import json
