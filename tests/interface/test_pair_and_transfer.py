@@ -1,6 +1,7 @@
 """Two stances, and drawings carried between them, from a program: in every digit what the commands write."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -100,6 +101,11 @@ def test_what_cannot_be_carried_is_said_in_one_sentence(fits: tuple[breastrig.Fi
     a, b = fits
     with pytest.raises(breastrig.BadDrawing, match=r"it must be \(M, 3\)"):
         breastrig.transfer(a, b, [breastrig.Line("flat", np.zeros((4, 2)))])
+    with pytest.raises(breastrig.BadDrawing, match=r"give breastrig\.Line"):
+        breastrig.transfer(a, b, [np.zeros((4, 3))])  # type: ignore[list-item]
+    other = replace(a, model=replace(a.model, name="other", sha256="0" * 64))
+    with pytest.raises(breastrig.BadInput, match=r"made with another model \(other, torso\)"):
+        breastrig.transfer(other, b)
     with pytest.raises(breastrig.BadDrawing, match="are no numbers"):
         breastrig.transfer(a, b, [breastrig.Line("words", ["here", "there"])])  # type: ignore[arg-type]
     with pytest.raises(breastrig.BadDrawing, match=r"away from the scan|off the"):

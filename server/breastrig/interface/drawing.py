@@ -108,6 +108,8 @@ def document_of(lines: Sequence[Line]) -> dict[str, Any]:
     """breastrig/drawing@1 of a program's own lines, in the scan's unit; BadDrawing for what are no points."""
     shapes = []
     for line in lines:
+        if not isinstance(line, Line):
+            raise BadDrawing("A drawing of a program is made of lines; give breastrig.Line(name, points) for each.")
         try:
             points = np.asarray(line.points, dtype=np.float64)
         except (TypeError, ValueError) as error:

@@ -32,7 +32,7 @@ def transfer(
     drawing          `Line`s with points (M, 3) in the source scan's unit and frame; a `Drawing`; a document
                      breastrig/drawing@1 or the path of one; None: the drawing that the first fit has
     other_patient    the scans are of two patients: the same place of the model instead of the same skin
-    model            the .glb of both fits, where they are folders and it is not the package's
+    model            the .glb that both fits were made with, where it is not the package's
 
     Each line of the answer has more points than before; `bridged` (M,) says where the target's scan has a hole, and
     `distance_from_mm`, `distance_to_mm` (M,) how far both fits were from their scans there.
