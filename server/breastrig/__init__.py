@@ -1,3 +1,108 @@
-"""BreastRig: one rigged torso model fitted to 3D scans. Research use only, not a medical device."""
+"""BreastRig: one rigged torso model fitted to 3D scans.  Research use only, not a medical device.
+
+    import breastrig
+
+    scan = breastrig.read_scan("scan.ply")
+    fit = breastrig.fit(scan, "landmarks.json")
+    fit.vertices, fit.distances, fit.drawing.lines       # in the scan's unit and frame
+    fit.save("out")                                      # what `breastrig fit -o out` writes
+
+The names below come from `breastrig.interface` and `breastrig.core.errors`, and are loaded when they are first used:
+neither `import breastrig` nor `breastrig --version` waits for NumPy.
+"""
+
+TYPE_CHECKING = False  # type checkers take it as true; importing `typing` would double the time of the import
+
+if TYPE_CHECKING:
+    from breastrig.core.errors import (
+        BadDrawing,
+        BadInput,
+        BadLandmarks,
+        BadModel,
+        BadScan,
+        BadSettings,
+        BreastRigError,
+        FitFailed,
+        TooLarge,
+    )
+    from breastrig.interface.drawing import Drawing, Line
+    from breastrig.interface.fit_result import Fit
+    from breastrig.interface.landmarks import Proposal, propose_landmarks
+    from breastrig.interface.measure import Measure, Number, measure
+    from breastrig.interface.model import load_model
+    from breastrig.interface.pair import FitPair, fit_pair, pair_iterates
+    from breastrig.interface.parameters import BonePose, Parameters
+    from breastrig.interface.run import FitRun, Iterate, fit, iterates
+    from breastrig.interface.scan import Scan, read_scan
+    from breastrig.interface.transfer import transfer
+    from breastrig.rig.model import Rig
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "BadDrawing",
+    "BadInput",
+    "BadLandmarks",
+    "BadModel",
+    "BadScan",
+    "BadSettings",
+    "BonePose",
+    "BreastRigError",
+    "Drawing",
+    "Fit",
+    "FitFailed",
+    "FitPair",
+    "FitRun",
+    "Iterate",
+    "Line",
+    "Measure",
+    "Number",
+    "Parameters",
+    "Proposal",
+    "Rig",
+    "Scan",
+    "TooLarge",
+    "__version__",
+    "fit",
+    "fit_pair",
+    "iterates",
+    "load_model",
+    "measure",
+    "pair_iterates",
+    "propose_landmarks",
+    "read_scan",
+    "transfer",
+]
+
+_MODULES = {
+    "core.errors": ("BadDrawing BadInput BadLandmarks BadModel BadScan BadSettings BreastRigError FitFailed TooLarge"),
+    "interface.drawing": "Drawing Line",
+    "interface.fit_result": "Fit",
+    "interface.landmarks": "Proposal propose_landmarks",
+    "interface.measure": "Measure Number measure",
+    "interface.model": "load_model",
+    "interface.pair": "FitPair fit_pair pair_iterates",
+    "interface.parameters": "BonePose Parameters",
+    "interface.run": "FitRun Iterate fit iterates",
+    "interface.scan": "Scan read_scan",
+    "interface.transfer": "transfer",
+    "rig.model": "Rig",
+}
+_PLACES = {name: module for module, names in _MODULES.items() for name in names.split()}
+
+
+if not TYPE_CHECKING:  # they know the names from above, and then report any other
+
+    def __getattr__(name: str) -> object:
+        """Loads the module that has the name, when it is first asked for."""
+        if name not in _PLACES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from importlib import import_module
+
+        found: object = getattr(import_module(f"{__name__}.{_PLACES[name]}"), name)
+        globals()[name] = found
+        return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

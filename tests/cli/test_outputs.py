@@ -52,9 +52,10 @@ def without_work(monkeypatch: pytest.MonkeyPatch) -> None:
     def work(*_: object, **__: object) -> None:
         raise AssertionError("the work began")
 
-    for module, name in ((fit_command, "run_fit"), (fit_command, "run_pair"), (report_command, "write_report")):
-        monkeypatch.setattr(module, name, work)
-    monkeypatch.setattr(landmarks_command, "propose_on_scan", work)
+    for name in ("iterates", "pair_iterates"):
+        monkeypatch.setattr(fit_command, name, work)
+    monkeypatch.setattr(report_command, "write_report", work)
+    monkeypatch.setattr(landmarks_command, "propose_landmarks", work)
 
 
 def refused(command: list[str], capsys: pytest.CaptureFixture[str]) -> str:

@@ -83,6 +83,8 @@ def test_imports_only_go_downwards(repository: Path) -> None:
         ({"fitting/one.py": "import flask"}, "Flask stays in api"),
         ({"storage/one.py": "import numpy"}, "storage keeps rows, not mathematics"),
         ({"workflow/one.py": "import breastrig.storage.storage"}, "workflow knows neither processes nor rows"),
+        ({"interface/one.py": "import breastrig.storage"}, "programs need neither server nor database"),
+        ({"interface/one.py": "import breastrig.api"}, "layers: imports only go downwards"),
         ({"scan/one.py": "import threading"}, "the numerics know neither SQL nor threads"),
     ],
     ids=lambda value: "+".join(value) if isinstance(value, dict) else "",

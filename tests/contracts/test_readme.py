@@ -11,11 +11,26 @@ import pytest
 from breastrig.cli.main import main
 
 
-def block(readme: str, language: str) -> str:
-    """The first code block of that language."""
-    found = re.search(rf"```{language}\n(.*?)```", readme, re.DOTALL)
+def block(readme: str, section: str) -> str:
+    """The first Python block below that heading."""
+    found = re.search(rf"^## {section}\n.*?```python\n(.*?)```", readme, re.DOTALL | re.MULTILINE)
     assert found
     return found[1]
+
+
+def test_the_lines_in_python_fit_measure_and_carry(repository: Path, tmp_path: Path) -> None:
+    example = repository / "model_assets" / "example"
+    for stance in ("standing", "supine"):
+        shutil.copy(example / stance / "scan.ply", tmp_path / f"{stance}.ply")
+    shutil.copy(example / "standing" / "landmarks.json", tmp_path)
+    lines = block((repository / "README.md").read_text(), "In Python") + "assert len(there.lines) == 4\n"
+    run = subprocess.run(
+        [sys.executable, "-W", "error", "-c", lines], cwd=tmp_path, capture_output=True, text=True, timeout=120
+    )
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.startswith("good (")
+    assert "'volume'" in run.stdout
+    assert (tmp_path / "out" / "result.json").is_file()
 
 
 def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) -> None:
@@ -27,7 +42,7 @@ def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) ->
             assert server.stdout is not None
             address = re.search(r"http://[^/\s]+", server.stdout.readline())
             assert address
-            client = block((repository / "README.md").read_text(), "python").replace(
+            client = block((repository / "README.md").read_text(), "Over HTTP").replace(
                 "http://127.0.0.1:8321", address[0]
             )
             run = subprocess.run(

@@ -6,30 +6,23 @@ seven files each, OUT/pair.json says what they share.
 
 import argparse
 import sys
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.output_options import add_output_options, files_of_model, fit_set, output_folder
-from breastrig.core.errors import BadScan, BadSettings
+from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
+from breastrig.core.errors import BadSettings
 from breastrig.core.output_files import Output
-from breastrig.core.output_record import OutputSet
-from breastrig.core.private_files import is_ordinary, shown
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.drawings.patterns import pattern_help, tumour_text
-from breastrig.fitting.two_stances import ALIKE, ONE_BODY
-from breastrig.scan.landmark_files import landmark_confidences, read_landmarks
-from breastrig.scan.read import read_scan
-from breastrig.workflow.events import Done, Event, Iterated, Started
-from breastrig.workflow.run_fit import STANCES, FitJob, run_fit
-from breastrig.workflow.run_pair import PAIR_SCHEMA, run_pair
+from breastrig.drawings.patterns import pattern_help
+from breastrig.interface.fit_result import Fit
+from breastrig.interface.pair import PAIR_SETS, FitPair, pair_iterates
+from breastrig.interface.run import FitRun, Iterate, iterates
+from breastrig.workflow.fit_files import fit_set
+from breastrig.workflow.run_fit import STANCES
 
-PAIR = "pair.json"
 LEVELS = {"check": "check this fit", "unusable": "this fit is not usable"}
 
 
@@ -70,60 +63,44 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.set_defaults(run=run)
 
 
-def landmarks_in_mm(file: Path | None, scan: Path, units: str) -> dict[str, list[float]]:
-    """A landmark file's points in mm; without a unit of its own it has the scan's."""
-    if file is None:
-        return {}
-    places, unit = read_landmarks(file)
-    factor = 1e3 * (METRES_PER_UNIT[unit] if unit else read_scan(scan, None, units, texture=False).metres_per_unit)
-    return {name: [factor * float(value) for value in place] for name, place in places.items()}
-
-
-def _drawing(options: argparse.Namespace) -> str | None:
-    parts = [] if options.drawing == "none" else [options.drawing]
-    return "+".join([*parts, *(tumour_text(short) for short in options.tumour)]) or None
-
-
-def _job(options: argparse.Namespace, scan: Path, landmarks: Path | None, units: str, stance: str, out: Path) -> FitJob:
-    if not is_ordinary(scan):
-        raise BadScan(f"There is no scan file {shown(scan)}; check the name.")
-    return FitJob(
-        scan=scan,
-        out=out,
-        landmarks_mm=landmarks_in_mm(landmarks, scan, units),
-        landmark_confidence=landmark_confidences(landmarks) if landmarks else {},
-        units=units,
-        stance=stance,
-        preset=options.preset,
-        drawing=_drawing(options),
-        model=options.model,
-        refine=options.refine,
-    )
-
-
 def _output(options: argparse.Namespace) -> Output:
     """What will be written, and what is read."""
     preset = Path(options.preset) if options.preset.endswith(".toml") else None
     inputs = [options.scan, options.landmarks, options.other, options.with_landmarks, preset]
-    sets = [fit_set(Path())]
-    if options.other is not None:
-        pair = OutputSet(Path(), (PAIR,), PAIR, PAIR_SCHEMA)
-        sets = [fit_set(Path("first")), fit_set(Path("second")), pair]
+    sets = [fit_set(Path())] if options.other is None else PAIR_SETS
     return output_folder(options, sets, [*inputs, *files_of_model(options.model)])
 
 
-def _stories(options: argparse.Namespace, out: Path) -> Iterator[tuple[int, Event]]:
-    """(0, or 1 for the second scan; its next event)."""
-    first = options.scan, options.landmarks, options.units, options.stance
+def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Iterate, Iterate], FitPair]:
+    """The fit, or the two together, ready for the first iteration."""
+    drawing = None if options.drawing == "none" else options.drawing
     if options.other is None:
-        yield from ((0, event) for event in run_fit(_job(options, *first, out)))
-        return
-    second = options.other, options.with_landmarks, options.with_units, options.with_stance
-    yield from run_pair(
-        _job(options, *first, out / "first"),
-        _job(options, *second, out / "second"),
-        out / PAIR,
-        ALIKE if options.alike else ONE_BODY,
+        return iterates(
+            options.scan,
+            options.landmarks,
+            units=options.units,
+            stance=options.stance,
+            preset=options.preset,
+            drawing=drawing,
+            tumours=options.tumour,
+            refine=options.refine,
+            model=options.model,
+        )
+    return pair_iterates(
+        options.scan,
+        options.other,
+        options.landmarks,
+        options.with_landmarks,
+        units=options.units,
+        second_units=options.with_units,
+        stance=options.stance,
+        second_stance=options.with_stance,
+        preset=options.preset,
+        drawing=drawing,
+        tumours=options.tumour,
+        refine=options.refine,
+        alike=options.alike,
+        model=options.model,
     )
 
 
@@ -132,23 +109,20 @@ def run(options: argparse.Namespace) -> int:
     given = options.with_landmarks or options.alike or (options.with_units, options.with_stance) != ("auto", "auto")
     if options.other is None and given:
         raise BadSettings("--with-landmarks, --with-units, --with-stance and --alike need --with SCAN_B.")
-    results: dict[int, dict[str, Any]] = {}
     quiet = options.no_progress or not sys.stderr.isatty()
-    with (
-        threadpool_limits(1),
-        all_or_nothing(_output(options)) as out,
-        tqdm(disable=quiet, unit="step", leave=False) as bar,
-    ):
-        for which, event in _stories(options, out):
+    with all_or_nothing(_output(options)) as out, tqdm(disable=quiet, unit="step", leave=False) as bar:
+        fitting = _run(options)
+        bar.reset(fitting.iterations_limit)
+        for step in fitting:
             raise_if_asked()
-            if isinstance(event, Started):
-                bar.reset(event.iterations_limit)
-            elif isinstance(event, Iterated):
-                bar.update(event.iteration - bar.n)
-                bar.set_postfix_str(f"{event.stage}, {event.mean_distance_mm:.2f} mm")
-            elif isinstance(event, Done):
-                results[which] = event.result
-    for which, result in results.items():
+            iterate = step[1] if isinstance(step, tuple) else step
+            bar.update(iterate.iteration - bar.n)
+            bar.set_postfix_str(f"{iterate.stage}, {iterate.mean_distance_mm:.2f} mm")
+        found = fitting.result()
+        raise_if_asked()
+        found.write(out)
+    results = [found.result] if isinstance(found, Fit) else [found.first.result, found.second.result]
+    for which, result in enumerate(results):
         scan = f"{(options.scan, options.other)[which]}: " if len(results) > 1 else ""
         verdict = result["verdict"]
         for reason in verdict["reasons"]:

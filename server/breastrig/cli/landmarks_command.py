@@ -4,17 +4,13 @@ import argparse
 import json
 from pathlib import Path
 
-from threadpoolctl import threadpool_limits
-
 from breastrig.cli.output_options import add_output_options, files_of_model, output_file
-from breastrig.core.errors import BadScan
-from breastrig.core.private_files import is_ordinary, shown, write_private
+from breastrig.core.private_files import write_private
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.interface.landmarks import propose_landmarks
+from breastrig.interface.scan import read_scan
 from breastrig.scan.landmark_files import landmark_file
-from breastrig.scan.read import read_scan
-from breastrig.workflow.propose_on_scan import propose_on_scan
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -28,22 +24,16 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 
 def run(options: argparse.Namespace) -> int:
     """Proposes and writes, in the scan's frame and unit; returns 0."""
-    with (
-        threadpool_limits(1),
-        all_or_nothing(output_file(options, [options.scan, *files_of_model(options.model)])) as out,
-    ):
+    with all_or_nothing(output_file(options, [options.scan, *files_of_model(options.model)])) as out:
         write_private(out / options.output.name, _proposed(options))
     return 0
 
 
 def _proposed(options: argparse.Namespace) -> bytes:
     """The landmark file."""
-    if not is_ordinary(options.scan):
-        raise BadScan(f"There is no scan file {shown(options.scan)}; check the name.")
-    scan = read_scan(options.scan, None, options.units, texture=False)
-    rig = read_rig(options.model or default_rig_path())
-    proposals = propose_on_scan(rig, scan)
-    places = {name: p.point / scan.metres_per_unit for name, p in proposals.items()}
+    scan = read_scan(options.scan, options.units)
+    proposals = propose_landmarks(scan, model=options.model)
+    places = {name: proposal.point for name, proposal in proposals.items()}
     name = options.output.name.lower()
     kind = "mrk.json" if name.endswith(".mrk.json") else options.output.suffix.lower().lstrip(".")
     content = landmark_file(places, kind, scan.unit)

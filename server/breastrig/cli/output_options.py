@@ -7,7 +7,7 @@ from pathlib import Path
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.core.output_files import Output, single_file
 from breastrig.core.output_record import OutputSet
-from breastrig.workflow.fit_files import FIT_FILES, RESULT, RESULT_SCHEMA
+from breastrig.workflow.fit_files import FIT_FILES
 
 
 def add_output_options(parser: argparse.ArgumentParser, metavar: str, what: str) -> None:
@@ -15,11 +15,6 @@ def add_output_options(parser: argparse.ArgumentParser, metavar: str, what: str)
     parser.add_argument(
         "--force", action="store_true", help="replace files that BreastRig did not write; never what the command reads"
     )
-
-
-def fit_set(folder: Path) -> OutputSet:
-    """The files of a fit."""
-    return OutputSet(folder, FIT_FILES, RESULT, RESULT_SCHEMA)
 
 
 def output_folder(options: argparse.Namespace, sets: Iterable[OutputSet], inputs: Iterable[Path | None]) -> Output:

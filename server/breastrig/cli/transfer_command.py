@@ -9,13 +9,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from threadpoolctl import threadpool_limits
-
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
-from breastrig.core.private_files import write_private
 from breastrig.core.staged_output import all_or_nothing
-from breastrig.workflow.fit_files import json_bytes
-from breastrig.workflow.transfer import TransferJob, drawing_document, transfer
+from breastrig.interface.transfer import transfer
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -35,14 +31,17 @@ def run(options: argparse.Namespace) -> int:
     """Carries and writes; returns 0."""
     fits = [*files_of_fit(options.from_fit), *files_of_fit(options.to_fit)]
     inputs = [options.drawing, *fits, *files_of_model(options.model)]
-    with threadpool_limits(1), all_or_nothing(output_file(options, inputs)) as out:
-        drawing = None if options.drawing is None else drawing_document(options.drawing)
-        document = transfer(
-            TransferJob(options.from_fit, options.to_fit, drawing, options.other_patient, options.model)
+    with all_or_nothing(output_file(options, inputs)) as out:
+        drawing = transfer(
+            options.from_fit,
+            options.to_fit,
+            options.drawing,
+            other_patient=options.other_patient,
+            model=options.model,
         )
-        write_private(out / options.output.name, json_bytes(document))
-    bridged = sum(sum(shape["bridged"]) for shape in document["shapes"])
-    count = sum(len(shape["points"]) for shape in document["shapes"])
+        drawing.save(out / options.output.name)
+    shapes = drawing.document["shapes"]
+    bridged, count = sum(sum(shape["bridged"]) for shape in shapes), sum(len(shape["points"]) for shape in shapes)
     if sys.stdout.isatty():
         print(f"{count} points, {bridged} of them over holes of the scan; drawing in {options.output}")
     return 0

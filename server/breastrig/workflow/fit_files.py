@@ -1,7 +1,7 @@
 """What a finished fit leaves on disk (paragraph 5 of the specification)."""
 
 import json
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from pathlib import Path
 
@@ -11,59 +11,23 @@ from breastrig import __version__
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.output_record import OutputSet
 from breastrig.core.private_files import private_folder, write_private
-from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.drawing_file import shape_document
-from breastrig.fitting.landmark_outliers import Doubt
-from breastrig.fitting.verdicts.verdict import Verdict
-from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
 from breastrig.report.distances import (
-    SurfaceDistances,
     landmark_summary_mm,
     signed_distances,
     summary_mm,
     surface_summary_mm,
 )
 from breastrig.report.surface_files import surface_ply
-from breastrig.rig.model import ModelDrawing, Rig
-from breastrig.rig.parameters import RigParameters
-from breastrig.scan.scan import Scan
-from breastrig.workflow.events import Iterated
+from breastrig.workflow.fit_outcome import FitOutcome
 
 RESULT = "result.json"
 RESULT_SCHEMA = "breastrig/result@1"
-FIT_FILES = ("scan.ply", "fitted.ply", "fitted.glb", "drawing.json", "distances.bin", "fit.log.jsonl", RESULT)
-
-
-@dataclass(frozen=True, eq=False)
-class FitOutcome:
-    """All that is known at the end of a fit; parameters are in the scan's frame, metres."""
-
-    scan: Scan
-    target: ScanTarget  # the cleaned scan
-    rig: Rig
-    stance: str
-    stance_reason: str
-    preset: str
-    parameters: RigParameters
-    vertices: Array  # (V, 3) m, the fitted surface in the scan's frame, refined or not
-    refined: bool
-    history: tuple[RigParameters, ...]
-    times_s: tuple[float, ...]
-    log: tuple[Iterated, ...]
-    status: Status
-    timing_s: dict[str, float]
-    distances: SurfaceDistances
-    landmarks: dict[str, Array]  # picked, m
-    doubts: tuple[Doubt, ...]  # picks that were not followed
-    drawing: ModelDrawing | None
-    lines: tuple[Polyline, ...]
-    notes: tuple[str, ...]
-    verdict: Verdict
-    table_triangles: int  # of the scan, cut away as table
 
 
 def _rounded(values: Array, digits: int = 6) -> list[float]:
@@ -151,22 +115,60 @@ def json_bytes(document: object) -> bytes:
     return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
 
 
+def fit_set(folder: Path) -> OutputSet:
+    """The files of a fit, in a folder of an output's."""
+    return OutputSet(folder, FIT_FILES, RESULT, RESULT_SCHEMA)
+
+
+def fit_file(outcome: FitOutcome, name: str) -> bytes:
+    """The content of one of FIT_FILES."""
+    return MAKERS[name](outcome)
+
+
 def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
     """Writes the seven files and returns result.json's document; BadInput when the folder cannot be written."""
-    per_unit = outcome.scan.metres_per_unit
-    ply = surface_ply(outcome.vertices, outcome.rig.faces, per_unit)
-    scan = surface_ply(outcome.target.vertices, outcome.target.faces, per_unit)
-    glb = fitted_glb(outcome.rig, outcome.history, outcome.times_s, outcome.drawing, {"preset": outcome.preset})
-    distances = distances_bin(outcome)
-    result = result_json(outcome)
-    log = "".join(event.model_dump_json(exclude={"nodes"}) + "\n" for event in outcome.log)
+    files = {name: fit_file(outcome, name) for name in FIT_FILES}
+    write_files(files, folder)
+    result: dict[str, object] = json.loads(files[RESULT])
+    return result
+
+
+def write_files(files: Mapping[str, bytes], folder: Path) -> None:
+    """Writes them for their owner only, in that order; BadInput when the folder cannot be written."""
     try:
         private_folder(folder)
-        contents = (scan, ply, glb, json_bytes(drawing_json(outcome)), distances, log.encode(), json_bytes(result))
-        for name, content in zip(FIT_FILES, contents, strict=True):
+        for name, content in files.items():
             write_private(folder / name, content)
     except OSError as error:
         raise BadInput(
             f"The results cannot be written ({error.strerror}); free space or choose another folder."
         ) from error
-    return result
+
+
+def _scan_ply(outcome: FitOutcome) -> bytes:
+    """The cleaned scan, in its own frame and unit."""
+    return surface_ply(outcome.target.vertices, outcome.target.faces, outcome.scan.metres_per_unit)
+
+
+def _fitted_ply(outcome: FitOutcome) -> bytes:
+    return surface_ply(outcome.vertices, outcome.rig.faces, outcome.scan.metres_per_unit)
+
+
+def _fitted_glb(outcome: FitOutcome) -> bytes:
+    return fitted_glb(outcome.rig, outcome.history, outcome.times_s, outcome.drawing, {"preset": outcome.preset})
+
+
+def _log(outcome: FitOutcome) -> bytes:
+    return "".join(event.model_dump_json(exclude={"nodes"}) + "\n" for event in outcome.log).encode()
+
+
+MAKERS: dict[str, Callable[[FitOutcome], bytes]] = {
+    "scan.ply": _scan_ply,
+    "fitted.ply": _fitted_ply,
+    "fitted.glb": _fitted_glb,
+    "drawing.json": lambda outcome: json_bytes(drawing_json(outcome)),
+    "distances.bin": distances_bin,
+    "fit.log.jsonl": _log,
+    RESULT: lambda outcome: json_bytes(result_json(outcome)),
+}
+FIT_FILES = tuple(MAKERS)

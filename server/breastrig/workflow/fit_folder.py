@@ -1,10 +1,12 @@
 """The folder that a fit has left, read back: what a transfer, a measure or a report starts from.
 
-Folders travel between machines and versions, so nothing in them is believed: what does not fit together is one
-sentence.
+Folders are copied between machines and versions, so everything in them is checked: what does not fit together is an
+error of one sentence.
 """
 
 import json
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -21,7 +23,9 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.scan.clean import Surface
+from breastrig.scan.limits import FILE_BYTES
 from breastrig.scan.read import read_scan
+from breastrig.workflow.fit_files import FIT_FILES, RESULT
 
 RESULT_BYTES = 4_000_000  # a result.json has some ten thousand
 
@@ -96,13 +100,48 @@ def read_fit_folder(folder: Path, model: Path | None = None) -> FitFolder:
 
 def fit_folder_of(folder: Path, rig: Rig) -> FitFolder:
     """As read_fit_folder, with a rig that has been read."""
-    file = folder / "result.json"
+    text = _result_text(folder)
+    return _fit(text, lambda name, unit: _mesh_file(folder / name, unit), rig, _shown(folder))
+
+
+def read_fit_files(folder: Path) -> dict[str, bytes]:
+    """Those of a fit's files that are there and can be read, by name; BadInput when there is no result.json."""
+    found = {RESULT: _result_text(folder)}
+    for name in FIT_FILES:
+        with suppress(OSError):
+            content = read_ordinary(folder / name, FILE_BYTES)
+            if name not in found and len(content) <= FILE_BYTES:
+                found[name] = content
+    return found
+
+
+def _shown(folder: Path) -> str:
+    return folder.resolve().name[:100]  # a message names no place outside of the folder
+
+
+def _result_text(folder: Path) -> bytes:
+    """The bytes of result.json; none when it is far too large to be one."""
     try:
-        shown = folder.resolve().name[:100]  # a message names no place outside of the folder
-        text = read_ordinary(file, RESULT_BYTES)
-        text = text if len(text) <= RESULT_BYTES else b""
+        _shown(folder)
+        text = read_ordinary(folder / RESULT, RESULT_BYTES)
     except OSError as error:
         raise BadInput(f"There is no fit in {folder.name[:100]}; give a folder that `breastrig fit` wrote.") from error
+    return text if len(text) <= RESULT_BYTES else b""
+
+
+def fit_of_files(files: Mapping[str, bytes], rig: Rig, shown: str) -> FitFolder:
+    """As read_fit_folder, from the contents of result.json, scan.ply and fitted.ply; `shown` names them in errors."""
+
+    def mesh(name: str, unit: str) -> tuple[Array, Integers]:
+        if name not in files:
+            raise _missing(f"{shown}/{name}")
+        return _mesh(files[name], f"{shown}/{name}", unit)
+
+    return _fit(files[RESULT], mesh, rig, shown)
+
+
+def _fit(text: bytes, mesh: Callable[[str, str], tuple[Array, Integers]], rig: Rig, shown: str) -> FitFolder:
+    """From result.json and, by name and unit, the two meshes beside it."""
     try:
         result = _Result.model_validate_json(text)
     except ValidationError as error:
@@ -116,8 +155,8 @@ def fit_folder_of(folder: Path, rig: Rig) -> FitFolder:
             f"{shown} was fitted with another model ({result.model.name}); fit the scan again, or give that model."
         )
     per_unit = METRES_PER_UNIT[result.scan.unit]
-    surface_vertices, surface_faces = _mesh(folder / "scan.ply", result.scan.unit)
-    vertices, faces = _mesh(folder / "fitted.ply", result.scan.unit)
+    surface_vertices, surface_faces = mesh("scan.ply", result.scan.unit)
+    vertices, faces = mesh("fitted.ply", result.scan.unit)
     if not np.array_equal(faces, rig.faces) or len(vertices) != len(rig.template):
         raise BadInput(f"{shown}/fitted.ply is not the fitted model; fit the scan again.")
     doubted = {name for doubt in result.landmarks_not_followed for name in doubt.names}
@@ -141,16 +180,24 @@ def _document(text: bytes) -> dict[str, Any]:
     return document
 
 
-def _mesh(file: Path, unit: str) -> tuple[Array, Integers]:
-    """(V, 3) m vertices and (F, 3) triangles."""
+def _mesh_file(file: Path, unit: str) -> tuple[Array, Integers]:
     shown = f"{file.parent.resolve().name}/{file.name}"
     if not is_ordinary(file):
-        raise BadInput(f"{shown} is missing; fit the scan again with this version of BreastRig.")
+        raise _missing(shown)
+    return _mesh(file, shown, unit)
+
+
+def _mesh(source: Path | bytes, shown: str, unit: str) -> tuple[Array, Integers]:
+    """(V, 3) m vertices and (F, 3) triangles."""
     try:
-        mesh = read_scan(file, "ply", unit, texture=False)
+        mesh = read_scan(source, "ply", unit, texture=False)
     except BadScan as error:
         raise BadInput(f"{shown} is damaged; fit the scan again.") from error
     return np.asarray(mesh.vertices), np.asarray(mesh.faces)
+
+
+def _missing(shown: str) -> BadInput:
+    return BadInput(f"{shown} is missing; fit the scan again with this version of BreastRig.")
 
 
 def _parameters(file: str, rig: Rig, found: _Parameters) -> RigParameters:

@@ -1,8 +1,8 @@
 """Where a fit starts and in which stance: found from landmarks and scan, or taken over from an earlier fit.
 
-Going on from an earlier fit of the same scan is for the hand that moves one pick and looks: finding start and stance
-costs more than the iterations that are then needed.  The picks are where they are, so the result is that of a fresh
-fit, up to what the last iterations leave open (0.1 to 0.6 mm on average, measured with picks moved by 10 mm).
+Going on from an earlier fit of the same scan is for a person who moves one pick and looks at the result: finding start
+and stance costs more than the iterations that are then needed.  The result is that of a fresh fit with the same picks,
+up to what the last iterations leave open (0.1 to 0.6 mm on average, measured with picks moved by 10 mm).
 """
 
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ from breastrig.gltf.pose_nodes import posed_by_nodes
 
 @dataclass(frozen=True)
 class EarlierFit:
-    """A fit of the same scan: its stance, and its last pose in glTF's words, in the scan's frame (m)."""
+    """A fit of the same scan: its stance, and its last pose as glTF nodes, in the scan's frame (m)."""
 
     stance: str
     nodes: list[dict[str, Any]]

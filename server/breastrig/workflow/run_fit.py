@@ -1,15 +1,44 @@
-"""One fit from files to files, as a stream of events: what the command line and the service both run.
+"""One fit as a stream: of recorded iterates in memory, and from files to files as events.
 
-Whoever stops consuming the generator cancels the fit; nothing is written then but what was already there.
+The command line, the service and a program's `import breastrig` consume the same iterates.  Whoever stops consuming
+a generator cancels the fit; nothing is written then but what was already there.
 """
 
 from collections.abc import Iterator
 
 from breastrig.fitting.landmark_outliers import checked_iterates
-from breastrig.workflow.events import Event
-from breastrig.workflow.scan_fit import STANCES, Clock, FitJob, ScanStory, made_ready, read_model
+from breastrig.workflow.events import Done, Event
+from breastrig.workflow.fit_files import write_fit_files
+from breastrig.workflow.fit_outcome import FitOutcome
+from breastrig.workflow.fit_recorder import FitRecorder, RecordedIterate
+from breastrig.workflow.scan_fit import (
+    STANCES,
+    Clock,
+    FitJob,
+    ReadyScan,
+    fit_plan,
+    made_ready,
+    read_model,
+    scan_of_job,
+)
 
-__all__ = ["STANCES", "FitJob", "run_fit"]
+__all__ = ["STANCES", "FitJob", "fit_steps", "run_fit"]
+
+
+def fit_steps(ready: ReadyScan, clock: Clock) -> Iterator[RecordedIterate | FitOutcome]:
+    """Every iterate of the fit, then its outcome; FitFailed when there is none.  `clock` began with the fit."""
+    recorder = FitRecorder(ready)
+    clock.lap()
+    solve = ready.timing_s["solve"]
+    iterates = checked_iterates(ready.task, ready.begun)
+    while True:
+        iterate = next(iterates, None)
+        solve += clock.lap()
+        if iterate is None:
+            break
+        yield recorder.record(iterate)
+        clock.lap()
+    yield recorder.finish(solve, clock)
 
 
 def run_fit(job: FitJob) -> Iterator[Event]:
@@ -19,17 +48,11 @@ def run_fit(job: FitJob) -> Iterator[Event]:
     before Done.
     """
     clock = Clock()
-    ready = made_ready(job, read_model(job))
-    story = ScanStory(ready)
+    plan = fit_plan(job, read_model(job), job.landmarks_mm)
+    ready = made_ready(plan, *scan_of_job(job))
     yield ready.started
-    clock.lap()
-    solve = ready.timing_s["solve"]
-    steps = checked_iterates(ready.task, ready.begun)
-    while True:
-        iterate = next(steps, None)
-        solve += clock.lap()
-        if iterate is None:
-            break
-        yield story.told(iterate)
-        clock.lap()
-    yield story.finished(solve, clock)
+    for step in fit_steps(ready, clock):
+        if isinstance(step, FitOutcome):
+            yield Done(result=write_fit_files(step, job.out))
+        else:
+            yield step.event

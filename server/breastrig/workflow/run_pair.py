@@ -1,25 +1,74 @@
-"""Two stances of one patient, from files to files, as two streams of events that go hand in hand.
+"""Two stances of one patient as a stream: of recorded iterates in memory, and from files to files as events.
 
-Whoever stops consuming the generator cancels both.
+Whoever stops consuming a generator cancels both.
 """
 
 import os
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.errors import BadInput, BadScan, BadSettings
+from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.private_files import write_private
 from breastrig.fitting.landmark_outliers import agreeing_picks
 from breastrig.fitting.two_stances import ONE_BODY, Coupling, SharedBody, fit_pair_iterates
 from breastrig.rig.model import Rig
+from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Done, Event
-from breastrig.workflow.fit_files import json_bytes
-from breastrig.workflow.scan_fit import Clock, FitJob, ScanStory, made_ready, read_model
+from breastrig.workflow.fit_files import RESULT, json_bytes, write_files, write_fit_files
+from breastrig.workflow.fit_outcome import FitOutcome
+from breastrig.workflow.fit_recorder import FitRecorder, RecordedIterate
+from breastrig.workflow.scan_fit import (
+    Clock,
+    FitJob,
+    FitPlan,
+    ReadyScan,
+    fit_plan,
+    made_ready,
+    read_model,
+    scan_of_job,
+)
 
 PAIR_SCHEMA = "breastrig/pair@1"
+
+
+@dataclass(frozen=True, eq=False)
+class PairOutcome:
+    """What is known of both stances at the end."""
+
+    first: FitOutcome
+    second: FitOutcome
+
+
+def both_ready(plans: tuple[FitPlan, FitPlan], scans: Sequence[tuple[Scan, float]]) -> tuple[ReadyScan, ReadyScan]:
+    """Two scans, each with the seconds that reading it took, made ready; BadScan when they are one and the same."""
+    (scan, read_s), (other, other_read_s) = scans
+    if scan.sha256 == other.sha256:
+        raise BadScan("Both scans are the same file; give a scan of the same patient in another stance.")
+    return made_ready(plans[0], scan, read_s), made_ready(plans[1], other, other_read_s)
+
+
+def pair_steps(
+    ready: tuple[ReadyScan, ReadyScan], coupling: Coupling, clock: Clock
+) -> Iterator[tuple[RecordedIterate, RecordedIterate] | PairOutcome]:
+    """Every iterate of both stances, then their outcome; FitFailed when there is none.  `clock` began with the fit."""
+    recorders = FitRecorder(ready[0]), FitRecorder(ready[1])
+    clock.lap()
+    solve = sum(each.timing_s["solve"] for each in ready)
+    (task, let_go), (other_task, other_let_go) = (agreeing_picks(each.task, each.begun) for each in ready)
+    iterates = fit_pair_iterates(task, other_task, coupling)
+    while True:
+        iterate = next(iterates, None)
+        solve += clock.lap()
+        if iterate is None:
+            break
+        yield (
+            recorders[0].record(replace(iterate.first, not_followed=let_go)),
+            recorders[1].record(replace(iterate.second, not_followed=other_let_go)),
+        )
+        clock.lap()
+    yield PairOutcome(recorders[0].finish(solve, clock), recorders[1].finish(solve, clock))
 
 
 def run_pair(
@@ -34,33 +83,20 @@ def run_pair(
         raise BadSettings("Two stances are fitted together with one model; give the same model for both.")
     clock = Clock()
     rig = read_model(first)
-    ready = made_ready(first, rig), made_ready(second, rig)
-    if ready[0].scan.sha256 == ready[1].scan.sha256:
-        raise BadScan("Both scans are the same file; give a scan of the same patient in another stance.")
-    stories = ScanStory(ready[0]), ScanStory(ready[1])
+    plans = fit_plan(first, rig, first.landmarks_mm), fit_plan(second, rig, second.landmarks_mm)
+    ready = both_ready(plans, [scan_of_job(job) for job in (first, second)])
     for which, each in enumerate(ready):
         yield which, each.started
-    clock.lap()
-    solve = sum(each.timing_s["solve"] for each in ready)
-    (task, let_go), (other_task, other_let_go) = (agreeing_picks(each.task, each.begun) for each in ready)
-    steps = fit_pair_iterates(task, other_task, coupling)
-    while True:
-        iterate = next(steps, None)
-        solve += clock.lap()
-        if iterate is None:
-            break
-        told = (
-            stories[0].told(replace(iterate.first, not_followed=let_go)),
-            stories[1].told(replace(iterate.second, not_followed=other_let_go)),
-        )
-        yield 0, told[0]
-        yield 1, told[1]
-        clock.lap()
-    done = stories[0].finished(solve, clock), stories[1].finished(solve, clock)
-    if pair_file is not None:
-        _write_pair_file(pair_file, rig, (first, second), done, coupling)
-    yield 0, done[0]
-    yield 1, done[1]
+    for step in pair_steps(ready, coupling, clock):
+        if isinstance(step, PairOutcome):
+            results = write_fit_files(step.first, first.out), write_fit_files(step.second, second.out)
+            if pair_file is not None:
+                places = [os.path.relpath(job.out / RESULT, pair_file.parent) for job in (first, second)]
+                document = pair_document(rig, results, places, coupling)
+                write_files({pair_file.name: json_bytes(document)}, pair_file.parent)
+            yield from enumerate(Done(result=result) for result in results)
+        else:
+            yield from enumerate(each.event for each in step)
 
 
 def shared_body(rig: Rig, result: dict[str, Any]) -> dict[str, Any]:
@@ -77,17 +113,14 @@ def shared_body(rig: Rig, result: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _write_pair_file(
-    file: Path, rig: Rig, jobs: tuple[FitJob, FitJob], done: tuple[Done, Done], coupling: Coupling
-) -> None:
-    results: list[dict[str, Any]] = [each.result for each in done]
-    document = {
+def pair_document(
+    rig: Rig, results: Sequence[dict[str, Any]], places: Sequence[str], coupling: Coupling
+) -> dict[str, Any]:
+    """The document breastrig/pair@1 of two result.json's, which are found at `places`."""
+    return {
         "schema": PAIR_SCHEMA,
         "notice": LIMITS_OF_USE,
-        "results": {
-            name: os.path.relpath(job.out / "result.json", file.parent)
-            for name, job in zip(("first", "second"), jobs, strict=True)
-        },
+        "results": dict(zip(("first", "second"), places, strict=True)),
         "stances": [result["stance"] for result in results],
         "bodies": "one" if coupling.exact else "alike",
         "shared": shared_body(rig, results[0]) if coupling.exact else None,
@@ -96,9 +129,3 @@ def _write_pair_file(
         "iterations": results[0]["iterations"],
         "timing_s": {"solve": results[1]["timing_s"]["solve"], "total": results[1]["timing_s"]["total"]},
     }
-    try:
-        write_private(file, json_bytes(document))
-    except OSError as error:
-        raise BadInput(
-            f"The results cannot be written ({error.strerror}); free space or choose another folder."
-        ) from error

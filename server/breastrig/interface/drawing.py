@@ -1,0 +1,126 @@
+"""Surgical drawings on a scan, as programs see them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+
+from breastrig.core.arrays import Array, Booleans, frozen
+from breastrig.core.errors import BadDrawing
+from breastrig.core.output_files import single_file
+from breastrig.core.private_files import write_private
+from breastrig.core.staged_output import all_or_nothing
+from breastrig.workflow.fit_files import json_bytes
+
+BLACK = "#101010"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Line:
+    """A polyline of M points on a scan's skin."""
+
+    name: str
+    points: Array  # (M, 3) in the scan's unit and frame
+    closed: bool = False
+    color: str = BLACK  # "#rrggbb"
+    bridged: Booleans | None = None  # (M,) where the scan has a hole and the line goes over it; None: nowhere
+    distance_from_mm: Array | None = None  # (M,) of a carried line: from its first scan to the model there; or nan
+    distance_to_mm: Array | None = None  # (M,) and from the scan that it is on now to the model there
+
+    def __repr__(self) -> str:
+        over = 0 if self.bridged is None else int(np.count_nonzero(self.bridged))
+        return f"<Line {self.name}: {len(self.points)} points, {over} of them over holes>"
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """The lines on one scan, in its unit and frame."""
+
+    name: str | None
+    unit: str
+    lines: tuple[Line, ...]
+    document: dict[str, Any] = field(repr=False)  # breastrig/drawing@1
+    inputs: tuple[Path, ...] = field(default=(), repr=False)  # files that it was made from; saving replaces none
+
+    def save(self, file: str | Path, *, force: bool = False) -> None:
+        """Writes drawing JSON (breastrig/drawing@1, which names its unit), for its owner only.
+
+        A file that BreastRig did not write, or that was changed since, is replaced with `force` only.  Raises BadInput.
+        """
+        with all_or_nothing(single_file(Path(file), self.inputs, force)) as folder:
+            write_private(folder / Path(file).name, json_bytes(self.document))
+
+
+class _Shape(BaseModel):
+    model_config = ConfigDict(extra="ignore")
+
+    name: str
+    closed: bool = False
+    color: str | None = None
+    points: list[Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]]
+    bridged: list[bool] | None = None
+    distance_from_mm: list[float | None] | None = None
+    distance_to_mm: list[float | None] | None = None
+
+
+class _File(BaseModel):
+    model_config = ConfigDict(extra="ignore")
+
+    name: str | None = None
+    unit: Literal["m", "dm", "cm", "mm", "in"]
+    shapes: list[_Shape]
+
+
+def drawing_of(document: Any, inputs: tuple[Path, ...] = ()) -> Drawing:
+    """The lines of a document whose shapes lie on a scan; BadDrawing when it is none."""
+    try:
+        found = _File.model_validate(document)
+        lines = tuple(_line(shape) for shape in found.shapes)
+    except ValidationError as error:
+        where = ".".join(map(str, error.errors(include_url=False, include_input=False)[0]["loc"])) or "the whole"
+        raise BadDrawing(f"This is no drawing on a scan ({where}); fit the scan again.") from error
+    return Drawing(found.name, found.unit, lines, document, inputs)
+
+
+def _line(shape: _Shape) -> Line:
+    points = np.array(shape.points, dtype=np.float64).reshape(-1, 3)
+    per_point = (shape.bridged, shape.distance_from_mm, shape.distance_to_mm)
+    if any(values is not None and len(values) != len(points) for values in per_point):
+        raise BadDrawing(f'"{shape.name[:60]}" does not say the same of each of its points; fit the scan again.')
+    bridged = np.zeros(len(points), np.bool_) if shape.bridged is None else np.array(shape.bridged, np.bool_)
+    return Line(
+        shape.name,
+        frozen(points),
+        shape.closed,
+        shape.color or BLACK,
+        frozen(bridged, np.bool_),
+        _distances(shape.distance_from_mm),
+        _distances(shape.distance_to_mm),
+    )
+
+
+def _distances(values: list[float | None] | None) -> Array | None:
+    return None if values is None else frozen([np.nan if value is None else value for value in values])
+
+
+def document_of(lines: Sequence[Line]) -> dict[str, Any]:
+    """breastrig/drawing@1 of a program's own lines, in the scan's unit; BadDrawing for what are no points."""
+    shapes = []
+    for line in lines:
+        if not isinstance(line, Line):
+            raise BadDrawing("A drawing of a program is made of lines; give breastrig.Line(name, points) for each.")
+        try:
+            points = np.asarray(line.points, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise BadDrawing(f'The points of "{line.name}" are no numbers; give an array (M, 3).') from error
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise BadDrawing(f'The points of "{line.name}" have the shape {points.shape}; it must be (M, 3).')
+        shape: dict[str, Any] = {"name": line.name, "closed": line.closed, "color": line.color}
+        shape["points"] = points.tolist()
+        if line.bridged is not None:
+            shape["bridged"] = np.asarray(line.bridged, np.bool_).tolist()
+        shapes.append(shape)
+    return {"schema": "breastrig/drawing@1", "shapes": shapes}

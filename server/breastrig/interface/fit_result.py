@@ -1,0 +1,219 @@
+"""A finished fit as programs hold it, save it and load it.
+
+A `Fit` says what its files say, to the last digit: whether it was just made or loaded, measures and transfers of it
+agree with those of the command line.  Its files are made when they are asked for, and can be saved anywhere.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import trimesh
+from pydantic import BaseModel, ConfigDict, FiniteFloat, ValidationError
+
+from breastrig.core.arrays import Array, Integers, frozen
+from breastrig.core.errors import BadDrawing, BadInput
+from breastrig.core.output_files import Output as FolderOutput
+from breastrig.core.output_record import WRITTEN
+from breastrig.core.staged_output import all_or_nothing
+from breastrig.fitting.verdicts.verdict import Verdict
+from breastrig.interface.drawing import Drawing, drawing_of
+from breastrig.interface.model import Model, loaded
+from breastrig.interface.one_thread import one_thread
+from breastrig.interface.parameters import Parameters, parameters_by_name
+from breastrig.rig.model import Rig
+from breastrig.workflow.fit_files import FIT_FILES, RESULT, fit_file, fit_set, json_bytes, write_files
+from breastrig.workflow.fit_folder import FitFolder, fit_of_files, read_fit_files
+from breastrig.workflow.fit_outcome import FitOutcome
+
+THIS_FIT = "this fit"  # as an error calls one that no folder holds
+
+
+class FitFiles:
+    """The contents of a fit's files by name: read from a folder, or made of an outcome when first asked for."""
+
+    def __init__(self, made: dict[str, bytes], outcome: FitOutcome | None = None) -> None:
+        self._made, self._outcome = made, outcome
+
+    def __getitem__(self, name: str) -> bytes:
+        if name not in self._made:
+            if self._outcome is None:
+                raise BadInput(f"{name} was not in the folder that this fit was read from; fit the scan again.")
+            with one_thread():
+                self._made[name] = fit_file(self._outcome, name)
+        return self._made[name]
+
+    def several(self, names: Sequence[str]) -> dict[str, bytes]:
+        """Those of these names, in that order; BadInput names the one that is missing."""
+        return {name: self[name] for name in names}
+
+    def __reduce__(self) -> tuple[type["FitFiles"], tuple[dict[str, bytes]]]:
+        """Between processes go the files, not what they were made of."""
+        return FitFiles, (self.several(FIT_FILES) if self._outcome is not None else self._made,)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit:
+    """The model fitted to one scan: V model vertices, F model triangles, S vertices and G triangles of the scan.
+
+    Everything is in the scan's unit and frame; arrays cannot be written to.
+    """
+
+    model: Rig
+    unit: str  # the scan's: m, dm, cm, mm or in
+    metres_per_unit: float
+    vertices: Array  # (V, 3) the whole fitted model, unseen parts included, in the template's vertex order
+    faces: Integers  # (F, 3)
+    scan_vertices: Array  # (S, 3) the scan as it was fitted: cleaned, without a table
+    scan_faces: Integers  # (G, 3)
+    landmarks: dict[str, Array]  # (3,) each: where the fitted model has them
+    picked: dict[str, Array]  # (3,) each: as they were given
+    not_followed: dict[str, str]  # given landmarks that all else contradicts, each with a sentence
+    parameters: Parameters
+    stance: str  # standing | supine
+    verdict: Verdict  # level (good | check | unusable) and reasons
+    converged: bool
+    stop_reason: str
+    iterations: int
+    notes: tuple[str, ...]  # what reading and cleaning the scan found, one sentence each
+    result: dict[str, Any]  # the document of result.json
+    files: FitFiles
+    in_metres: FitFolder  # what measures and transfers work on
+    inputs: tuple[Path, ...]  # files that the fit was made from; saving replaces none of them
+
+    @cached_property
+    def distances(self) -> Array:
+        """(V,) from each model vertex to the scan, in the scan's unit.
+
+        Above zero where the model lies outside the scan's skin; nan where the scan shows nothing.
+        """
+        found = np.frombuffer(self.files["distances.bin"], dtype="<f4").astype(np.float64)
+        if len(found) != len(self.vertices):
+            raise BadInput("distances.bin does not belong to this fit; fit the scan again.")
+        return np.asarray(frozen(1e-3 * found / self.metres_per_unit))
+
+    @cached_property
+    def drawing(self) -> Drawing:
+        """The drawing on the scan's skin, in its unit and frame; no lines where none was asked for."""
+        try:
+            document = json.loads(self.files["drawing.json"])
+        except (ValueError, RecursionError) as error:
+            raise BadDrawing("drawing.json of this fit is damaged; fit the scan again.") from error
+        return drawing_of(document, self.inputs)
+
+    def to_trimesh(self) -> trimesh.Trimesh:
+        """A copy of the fitted model as a trimesh.Trimesh, in the scan's unit and frame, vertices in their order."""
+        return trimesh.Trimesh(self.vertices, self.faces, process=False)
+
+    def save(self, folder: str | Path, *, force: bool = False) -> None:
+        """Writes the files of `breastrig fit -o FOLDER`, all of them or none, for their owner only.
+
+        result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin and fit.log.jsonl; each says its
+        unit or has the scan's.  Files there that BreastRig did not write, or that were changed since, are replaced
+        with `force` only; files that the fit was made from never.  Raises BadInput.
+        """
+        output = FolderOutput(Path(folder), (fit_set(Path()),), self.inputs, force)
+        with all_or_nothing(output) as staging:
+            self.write(staging)
+
+    def write(self, folder: Path) -> None:
+        """Writes the files into a folder that is the caller's to protect.  Raises BadInput."""
+        write_files(self.files.several(FIT_FILES), folder)
+
+    @staticmethod
+    def load(folder: str | Path, model: Model = None) -> "Fit":
+        """What `save`, `breastrig fit` or `breastrig batch` wrote; `model` is the one it was made with.
+
+        result.json, scan.ply and fitted.ply must be there; another file is missed when it is asked for.  Places are in
+        the scan's unit and frame.  Raises BadInput with one sentence.
+        """
+        place = Path(folder)
+        return fit_of(read_fit_files(place), loaded(model), place.resolve().name[:100])
+
+    def __repr__(self) -> str:
+        mean = self.result["surface_distance_mm"]["mean"]
+        far = "no pair" if mean is None else f"{mean:.2f} mm to the scan"
+        return f"<Fit: {self.stance}, {self.verdict.level}, {far}, {self.iterations} iterations, in {self.unit}>"
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="ignore", frozen=True)
+
+
+class _Verdict(_Part):
+    level: Literal["good", "check", "unusable"]
+    reasons: tuple[str, ...]
+
+
+class _Doubted(_Part):
+    names: tuple[str, ...]
+    reason: str
+
+
+class _Distance(_Part):
+    mean: FiniteFloat | None
+
+
+class _Result(_Part):
+    """The part of result.json that a Fit shows and that the folder's reader has not checked."""
+
+    landmarks: dict[str, tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
+    landmarks_picked: dict[str, tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
+    landmarks_not_followed: tuple[_Doubted, ...]
+    verdict: _Verdict
+    converged: bool
+    stop_reason: str
+    iterations: int
+    notes: tuple[str, ...]
+    surface_distance_mm: _Distance
+
+
+def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
+    """The Fit of a fit that has just ended."""
+    files = FitFiles({}, outcome)
+    needed = files.several(("scan.ply", "fitted.ply", RESULT))
+    return _fit(files, fit_of_files(needed, outcome.rig, THIS_FIT), inputs, THIS_FIT)
+
+
+def fit_of(contents: dict[str, bytes], rig: Rig, shown: str) -> Fit:
+    """The Fit of files that have been read; `shown` names them in errors."""
+    found = fit_of_files(contents, rig, shown)
+    found.result.pop(WRITTEN, None)  # of the folder, not of the fit
+    contents = contents | {RESULT: json_bytes(found.result)}
+    return _fit(FitFiles(contents), found, (), shown)
+
+
+def _fit(files: FitFiles, found: FitFolder, inputs: tuple[Path, ...], shown: str) -> Fit:
+    try:
+        result = _Result.model_validate(found.result)
+    except ValidationError as error:
+        where = ".".join(map(str, error.errors(include_url=False, include_input=False)[0]["loc"]))
+        raise BadInput(f"{shown}/{RESULT} is damaged or of another version ({where}); fit the scan again.") from error
+    per_unit = found.metres_per_unit
+    return Fit(
+        model=found.rig,
+        unit=found.unit,
+        metres_per_unit=per_unit,
+        vertices=frozen(found.vertices / per_unit),
+        faces=found.rig.faces,
+        scan_vertices=frozen(found.surface.vertices / per_unit),
+        scan_faces=frozen(found.surface.faces, np.int64),
+        landmarks={name: frozen(place) for name, place in result.landmarks.items()},
+        picked={name: frozen(place) for name, place in result.landmarks_picked.items()},
+        not_followed={name: each.reason for each in result.landmarks_not_followed for name in each.names},
+        parameters=parameters_by_name(found.rig, found.parameters, per_unit),
+        stance=found.stance,
+        verdict=Verdict(result.verdict.level, result.verdict.reasons),
+        converged=result.converged,
+        stop_reason=result.stop_reason,
+        iterations=result.iterations,
+        notes=result.notes,
+        result=found.result,
+        files=files,
+        in_metres=found,
+        inputs=inputs,
+    )

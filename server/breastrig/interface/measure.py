@@ -1,0 +1,93 @@
+"""The measures of a fit, for programs: the same as in `breastrig report`."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from breastrig.interface.fit_result import Fit
+from breastrig.interface.model import Model
+from breastrig.interface.one_thread import one_thread
+from breastrig.report.measures import measures
+from breastrig.report.stance import Stance
+
+
+class Value(Protocol):
+    """A number of the report, with or without its band."""
+
+    @property
+    def value(self) -> float: ...
+    @property
+    def low(self) -> float | None: ...
+    @property
+    def high(self) -> float | None: ...
+
+
+@dataclass(frozen=True)
+class Number:
+    """One number, in its measure's unit, with the band that holds the true one where that is known."""
+
+    value: float
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One measure, of each breast or of both together; sides are the patient's."""
+
+    name: str
+    label: str  # for people
+    kind: str  # straight | along the skin | ratio | volume
+    unit: str  # mm | ml | 1
+    left: Number | None
+    right: Number | None
+    value: Number | None  # where there is one for both sides
+    landmarks: tuple[str, ...]  # what it is measured between, each with its source: picked, or the model's
+    method: str
+
+    @property
+    def difference(self) -> float | None:
+        """Left less right, in `unit`."""
+        return None if self.left is None or self.right is None else self.left.value - self.right.value
+
+
+def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
+    """Distances (mm, straight and along the skin), ratios and breast volumes (ml) of a fit, or of the folder of one.
+
+    They are in mm and ml whatever the scan's unit; `unit` says so.  Landmarks that were picked and not doubted count
+    as they were picked, the others as the fitted model has them.  `model` is that of a folder.  Raises BadInput.
+    """
+    found = (fit if isinstance(fit, Fit) else Fit.load(fit, model)).in_metres
+    with one_thread():
+        rows = measures(
+            Stance(
+                rig=found.rig,
+                vertices=found.vertices,
+                scan_vertices=found.surface.vertices,
+                scan_faces=found.surface.faces,
+                name=found.stance,
+                picked=found.landmarks,
+            )
+        )
+
+    def number(found: Value | None) -> Number | None:
+        return None if found is None else Number(float(found.value), _float(found.low), _float(found.high))
+
+    return tuple(
+        Measure(
+            name=row.measure,
+            label=row.label,
+            kind=row.kind,
+            unit=row.unit,
+            left=number(row.left),
+            right=number(row.right),
+            value=number(row.value),
+            landmarks=row.landmarks,
+            method=row.method,
+        )
+        for row in rows
+    )
+
+
+def _float(value: float | None) -> float | None:
+    return None if value is None else float(value)

@@ -1,0 +1,239 @@
+"""Fits of one scan: as a stream of iterates, or at once.
+
+The stream is an iterator and not a callback, as in the rest of the package: whoever stops consuming it has cancelled
+the fit, and an error is raised where the next iterate is asked for.
+"""
+
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Generic, TypeVar
+
+from breastrig.core.arrays import Array, frozen
+from breastrig.core.errors import FitFailed
+from breastrig.drawings.patterns import tumour_text
+from breastrig.interface.fit_result import Fit, fit_of_outcome
+from breastrig.interface.landmarks import Landmarks, landmarks_in_mm
+from breastrig.interface.model import Model, files_of, loaded
+from breastrig.interface.one_thread import one_thread
+from breastrig.interface.parameters import Parameters, parameters_by_name
+from breastrig.interface.scan import Scan, ScanSource
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import pose
+from breastrig.workflow.fit_outcome import FitOutcome
+from breastrig.workflow.fit_recorder import RecordedIterate
+from breastrig.workflow.run_fit import fit_steps
+from breastrig.workflow.scan_fit import Clock, FitPlan, FitSettings, ReadyScan, fit_plan, made_ready
+
+Step = TypeVar("Step")
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Iterate:
+    """One state of a fit; numbers in mm are means over what is matched at that moment."""
+
+    iteration: int  # 0 is the start
+    stage: str
+    energy: float  # comparable within one iteration only: matches and sigmas change
+    mean_distance_mm: float  # of matched model vertices to the scan
+    landmark_distance_mm: float | None  # of the given landmarks; None without any
+    coverage: float  # share of the model's vertices with an accepted match
+    elapsed_s: float  # since the first iteration
+    model: Rig
+    in_metres: RigParameters  # in the scan's frame
+    metres_per_unit: float
+
+    @cached_property
+    def vertices(self) -> Array:
+        """(V, 3) the model at this moment, in the scan's unit and frame."""
+        vertices: Array = frozen(pose(self.model, self.in_metres) / self.metres_per_unit)
+        return vertices
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """Pose and shape at this moment, by name, in the scan's unit and frame."""
+        return parameters_by_name(self.model, self.in_metres, self.metres_per_unit)
+
+    def __repr__(self) -> str:
+        return f"<Iterate {self.iteration}: {self.stage}, {self.mean_distance_mm:.2f} mm>"
+
+
+class FitRun(Iterator[Step], Generic[Step, Result]):
+    """The iterates of a fit, one at a time; `result()` is what it ends with.
+
+    Nothing is computed between two iterates.  `iterations_limit` is the most that can come.
+    """
+
+    def __init__(self, steps: Generator[Step, None, Result], iterations_limit: int) -> None:
+        self._steps = steps
+        self._result: Result | None = None
+        self.iterations_limit = iterations_limit
+
+    def __iter__(self) -> "FitRun[Step, Result]":
+        return self
+
+    def __next__(self) -> Step:
+        with one_thread():
+            try:
+                return next(self._steps)
+            except StopIteration as end:
+                self._result = self._result if end.value is None else end.value
+                raise StopIteration from None
+
+    def result(self) -> Result:
+        """What the fit found; runs the iterations that are left.  Raises FitFailed, also when it was closed before."""
+        for _ in self:
+            pass
+        if self._result is None:
+            raise FitFailed("This fit was stopped before its end; start it again.")
+        return self._result
+
+    def close(self) -> None:
+        """Cancels what is left."""
+        self._steps.close()
+
+
+def iterates(
+    scan: Scan | str | Path,
+    landmarks: Landmarks = None,
+    *,
+    units: str = "auto",
+    stance: str = "auto",
+    preset: str = "default",
+    drawing: str | None = "lumpectomy",
+    tumours: Sequence[str] = (),
+    refine: bool = False,
+    model: Model = None,
+) -> FitRun[Iterate, Fit]:
+    """A fit as an iterator of `Iterate`s, each with its vertices (V, 3) in the scan's unit and frame.
+
+        run = breastrig.iterates("scan.ply")
+        for iterate in run:
+            print(iterate.iteration, iterate.mean_distance_mm)
+        fit = run.result()
+
+    Arguments and errors are those of `fit`.  Everything up to the first iteration is done by this call; leaving the
+    loop cancels the fit.
+    """
+    clock = Clock()
+    settings = Settings(stance, preset, drawing, tuple(tumours), refine)
+    given = GivenScan(ScanSource(scan, units), landmarks)
+    with one_thread():
+        plan = given.plan(settings, loaded(model))
+        ready = made_ready(plan, *given.scan.read())
+    inputs = (*given.files, *settings.files, *files_of(model))
+
+    def steps() -> Generator[Iterate, None, Fit]:
+        for step in fit_steps(ready, clock):
+            if isinstance(step, FitOutcome):
+                return fit_of_outcome(step, inputs)
+            yield iterate_of(step, ready)
+        raise AssertionError("a fit ends with its outcome")
+
+    return FitRun(steps(), ready.task.recipe.iterations_limit)
+
+
+def fit(
+    scan: Scan | str | Path,
+    landmarks: Landmarks = None,
+    *,
+    units: str = "auto",
+    stance: str = "auto",
+    preset: str = "default",
+    drawing: str | None = "lumpectomy",
+    tumours: Sequence[str] = (),
+    refine: bool = False,
+    model: Model = None,
+) -> Fit:
+    """Fits the model to one scan, and returns a `Fit` with everything in the scan's unit and frame; writes nothing.
+
+    scan        from `read_scan`, or the path of a file
+    landmarks   name -> (3,) place in the scan's unit and frame, or a `Proposal`; or the path of a landmark file
+                (JSON, CSV, .pp, .mrk.json); None: the scan alone decides
+    units       of a path: auto, m, dm, cm, mm, in
+    stance      auto, standing or supine
+    preset      default, paper, or the path of a TOML file
+    drawing     a drawing of the model (lumpectomy, anatomy, mastectomy), a pattern in mm (reduction:areola_mm=42),
+                several joined by +, or None
+    tumours     circles on the skin, in mm: "L:10,45,12" (side: hour, distance from the nipple, radius), or
+                "at:X,Y,Z,RADIUS" around a place in the scan's frame
+    refine      adds a smooth free-form layer where the scan shows skin
+    model       from `load_model`, or the path of a .glb; None: the torso of the package
+
+    Raises BadScan, BadLandmarks, BadDrawing, BadModel or BadSettings (all BadInput) for what can be mended, FitFailed
+    when the fit fails, each with one sentence.
+    """
+    return iterates(
+        scan,
+        landmarks,
+        units=units,
+        stance=stance,
+        preset=preset,
+        drawing=drawing,
+        tumours=tumours,
+        refine=refine,
+        model=model,
+    ).result()
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What both kinds of fits are asked in the same words."""
+
+    stance: str
+    preset: str
+    drawing: str | None
+    tumours: tuple[str, ...]
+    refine: bool
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """A preset of the user's own."""
+        return (Path(self.preset),) if self.preset.endswith(".toml") else ()
+
+    @property
+    def drawing_text(self) -> str | None:
+        """Drawing and tumours as one; BadDrawing names what is no tumour."""
+        parts = [] if self.drawing is None else [self.drawing]
+        return "+".join([*parts, *(tumour_text(short) for short in self.tumours)]) or None
+
+
+class GivenScan:
+    """A scan with its landmarks, as a program gives them."""
+
+    def __init__(self, scan: ScanSource, landmarks: Landmarks) -> None:
+        self.scan = scan
+        self.landmarks_mm, self.confidences = landmarks_in_mm(landmarks, scan)
+        places = landmarks if isinstance(landmarks, str | Path) else None
+        self.files = tuple(Path(file) for file in (scan.file, places) if file is not None)
+
+    def plan(self, settings: Settings, rig: Rig) -> FitPlan:
+        """Checked as far as it can be without the scan.  Raises BadInput."""
+        asked = FitSettings(
+            stance=settings.stance,
+            preset=settings.preset,
+            drawing=settings.drawing_text,
+            landmark_confidence=self.confidences,
+            refine=settings.refine,
+        )
+        return fit_plan(asked, rig, self.landmarks_mm)
+
+
+def iterate_of(step: RecordedIterate, ready: ReadyScan) -> Iterate:
+    """What a program sees of a recorded iterate."""
+    event = step.event
+    return Iterate(
+        iteration=event.iteration,
+        stage=event.stage,
+        energy=event.energy,
+        mean_distance_mm=event.mean_distance_mm,
+        landmark_distance_mm=event.landmark_distance_mm,
+        coverage=event.coverage,
+        elapsed_s=event.elapsed_s,
+        model=ready.task.rig,
+        in_metres=step.iterate.parameters,
+        metres_per_unit=ready.scan.metres_per_unit,
+    )

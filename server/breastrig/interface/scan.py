@@ -1,0 +1,95 @@
+"""A scan as programs see it: the file's own triangles, unit and frame."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+import breastrig.scan.read as scan_files
+from breastrig.core.arrays import Array, Integers, frozen
+from breastrig.core.errors import BadScan, BadSettings
+from breastrig.core.private_files import is_ordinary, shown
+from breastrig.scan.scan import Scan as ScanInMetres
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Scan:
+    """V vertices and F triangles, as the scanner wrote them: not cleaned, not turned, not moved."""
+
+    vertices: Array  # (V, 3) in `unit`, the scan's own frame
+    faces: Integers  # (F, 3)
+    colours: NDArray[np.uint8] | None  # (V, 3) sRGB
+    unit: str  # m, dm, cm, mm or in
+    metres_per_unit: float
+    unit_reason: str  # one sentence: how the unit was decided
+    sha256: str  # of the file's bytes
+    notes: tuple[str, ...]  # what reading found, one sentence each
+    in_metres: ScanInMetres = field(repr=False)  # what a fit works on
+    file: Path | None = field(repr=False)  # where it was read; no result replaces it
+
+    def to_trimesh(self) -> trimesh.Trimesh:
+        """A copy as a trimesh.Trimesh, in the scan's unit and frame."""
+        return trimesh.Trimesh(self.vertices, self.faces, vertex_colors=self.colours, process=False)
+
+    def __repr__(self) -> str:
+        return f"<Scan: {len(self.vertices):,} vertices, {len(self.faces):,} triangles, in {self.unit}>"
+
+
+def read_scan(source: str | Path | bytes, units: str = "auto", *, texture: bool = False) -> Scan:
+    """Reads PLY, OBJ, STL, GLB, or a zip of one of them with its material and pictures; or the bytes of such a file.
+
+    `units` is the file's: m, dm, cm, mm, in, or auto to decide from the size (`Scan.unit_reason` says how).
+    `texture=True` decodes the picture as well, which no fit needs: `Scan.in_metres` then holds it, with its uv.
+    The scan's `vertices` (V, 3) are in the file's unit and frame.
+
+    Raises BadScan, TooLarge or BadSettings (no such unit), each with one sentence.
+    """
+    file = None if isinstance(source, bytes) else existing(source)
+    found = scan_files.read_scan(source if isinstance(source, bytes) else Path(source), None, units, texture)
+    return Scan(
+        vertices=frozen(found.vertices / found.metres_per_unit),
+        faces=found.faces,
+        colours=found.colours,
+        unit=found.unit,
+        metres_per_unit=found.metres_per_unit,
+        unit_reason=found.unit_reason,
+        sha256=found.sha256,
+        notes=found.notes,
+        in_metres=found,
+        file=file,
+    )
+
+
+def existing(file: str | Path) -> Path:
+    """The path; BadScan when there is no such file."""
+    if not is_ordinary(Path(file)):
+        raise BadScan(f"There is no scan file {shown(file)}; check the name.")
+    return Path(file)
+
+
+class ScanSource:
+    """A scan that has been read, or will be when it is needed: what else is wrong is better known before."""
+
+    def __init__(self, scan: Scan | str | Path, units: str) -> None:
+        if isinstance(scan, Scan) and units != "auto":
+            raise BadSettings("This scan has been read already; give its units to read_scan.")
+        self._given = scan if isinstance(scan, Scan) else existing(scan)
+        self._units = units
+        self._read = (scan.in_metres, 0.0) if isinstance(scan, Scan) else None
+
+    @property
+    def file(self) -> Path | None:
+        """Where it is or was read, if that is known."""
+        return self._given.file if isinstance(self._given, Scan) else self._given
+
+    def read(self) -> tuple[ScanInMetres, float]:
+        """The scan, and the seconds that reading it took here."""
+        if self._read is None:
+            assert isinstance(self._given, Path)
+            began = perf_counter()
+            found = scan_files.read_scan(self._given, None, self._units, texture=False)
+            self._read = found, perf_counter() - began
+        return self._read

@@ -1,0 +1,83 @@
+"""A drawing of one scan on another, for programs: of fits in memory or in folders."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+from breastrig.core.errors import BadInput
+from breastrig.core.scratch import scratch_folder
+from breastrig.interface.drawing import Drawing, Line, document_of, drawing_of
+from breastrig.interface.fit_result import Fit
+from breastrig.interface.model import load_model
+from breastrig.interface.one_thread import one_thread
+from breastrig.workflow.fit_files import FIT_FILES, RESULT, write_files
+from breastrig.workflow.transfer import TransferJob, drawing_document
+from breastrig.workflow.transfer import transfer as transfer_documents
+
+READ = ("scan.ply", "fitted.ply", RESULT)  # what a transfer reads of a fit
+
+
+def transfer(
+    source: Fit | str | Path,
+    target: Fit | str | Path,
+    drawing: Drawing | Sequence[Line] | Mapping[str, Any] | str | Path | None = None,
+    *,
+    other_patient: bool = False,
+    model: str | Path | None = None,
+) -> Drawing:
+    """A drawing made on the scan of one fit, shown on the scan of another, in that scan's unit and frame.
+
+    source, target   fits, or folders of fits
+    drawing          `Line`s with points (M, 3) in the source scan's unit and frame; a `Drawing`; a document
+                     breastrig/drawing@1 or the path of one; None: the drawing that the first fit has
+    other_patient    the scans are of two patients: the same place of the model instead of the same skin
+    model            the .glb that both fits were made with, where it is not the package's
+
+    Each line of the answer has more points than before; `bridged` (M,) says where the target's scan has a hole, and
+    `distance_from_mm`, `distance_to_mm` (M,) how far both fits were from their scans there.
+
+    Raises BadDrawing or another BadInput with one sentence.
+    """
+    rigs = {each.model.sha256: each.model.name for each in (source, target) if isinstance(each, Fit)}
+    if rigs and set(rigs) != {load_model(model).sha256}:
+        raise BadInput(
+            f"The fits were made with another model ({', '.join(rigs.values())}); fit both scans with one, and "
+            "give its .glb as model when it is not the package's."
+        )
+    document, inputs = _document(source, drawing)
+    inputs += tuple(Path(each) / name for each in (source, target) if not isinstance(each, Fit) for name in FIT_FILES)
+    with ExitStack() as stack:
+        folders = [stack.enter_context(_folder(each, with_drawing=document is None)) for each in (source, target)]
+        with one_thread():
+            found = transfer_documents(
+                TransferJob(folders[0], folders[1], document, other_patient, None if model is None else Path(model))
+            )
+    return drawing_of(found, inputs)
+
+
+def _document(
+    source: Fit | str | Path, drawing: Drawing | Sequence[Line] | Mapping[str, Any] | str | Path | None
+) -> tuple[dict[str, Any] | None, tuple[Path, ...]]:
+    """The drawing as a document, None for the source's own; and the files that it is from."""
+    if drawing is None:
+        return None, ()
+    if isinstance(drawing, str | Path):
+        return drawing_document(Path(drawing)), (Path(drawing),)
+    if isinstance(drawing, Drawing):
+        return drawing.document, drawing.inputs
+    if isinstance(drawing, Mapping):
+        return dict(drawing), ()
+    return document_of(drawing), ()
+
+
+@contextmanager
+def _folder(fit: Fit | str | Path, with_drawing: bool) -> Iterator[Path]:
+    """A folder of the fit; for the moment, where it has none."""
+    if not isinstance(fit, Fit):
+        yield Path(fit)
+        return
+    with scratch_folder() as folder:
+        names = (*READ, "drawing.json") if with_drawing else READ
+        write_files(fit.files.several(names), folder)
+        yield folder

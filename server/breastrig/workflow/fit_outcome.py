@@ -1,0 +1,43 @@
+"""What is known at the end of a fit, in memory: what its files, a report or a program's `Fit` are made from."""
+
+from dataclasses import dataclass
+
+from breastrig.core.arrays import Array
+from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.landmark_outliers import Doubt
+from breastrig.fitting.verdicts.verdict import Verdict
+from breastrig.geometry.polyline import Polyline
+from breastrig.least_squares.newton import Status
+from breastrig.report.distances import SurfaceDistances
+from breastrig.rig.model import ModelDrawing, Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.scan.scan import Scan
+from breastrig.workflow.events import Iterated
+
+
+@dataclass(frozen=True, eq=False)
+class FitOutcome:
+    """All that is known at the end of a fit; parameters are in the scan's frame, metres."""
+
+    scan: Scan
+    target: ScanTarget  # the cleaned scan
+    rig: Rig
+    stance: str
+    stance_reason: str
+    preset: str
+    parameters: RigParameters
+    vertices: Array  # (V, 3) m, the fitted surface in the scan's frame, refined or not
+    refined: bool
+    history: tuple[RigParameters, ...]
+    times_s: tuple[float, ...]
+    log: tuple[Iterated, ...]
+    status: Status
+    timing_s: dict[str, float]
+    distances: SurfaceDistances
+    landmarks: dict[str, Array]  # picked, m
+    doubts: tuple[Doubt, ...]  # picks that were not followed
+    drawing: ModelDrawing | None
+    lines: tuple[Polyline, ...]
+    notes: tuple[str, ...]
+    verdict: Verdict
+    table_triangles: int  # of the scan, cut away as table

@@ -1,0 +1,119 @@
+"""Records the iterations of one scan's fit, and makes of them what is known at its end.
+
+Nothing is written here: the same outcome becomes a folder of files, an event, or a program's `Fit`.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from breastrig.core.errors import FitFailed
+from breastrig.drawings.project_drawing import on_scan
+from breastrig.fitting.fit import FitIterate
+from breastrig.fitting.landmark_outliers import doubts
+from breastrig.fitting.orientation import MIN_LANDMARKS
+from breastrig.fitting.refine import refined
+from breastrig.fitting.verdicts.fit_signals import fit_signals
+from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
+from breastrig.gltf.pose_nodes import node_poses
+from breastrig.least_squares.newton import Status
+from breastrig.report.distances import surface_distances
+from breastrig.rig.model import Rig
+from breastrig.rig.skinning import pose
+from breastrig.workflow.events import Iterated, NodePose
+from breastrig.workflow.fit_outcome import FitOutcome
+from breastrig.workflow.scan_fit import Clock, ReadyScan
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedIterate:
+    """One iteration and its event."""
+
+    iterate: FitIterate
+    event: Iterated
+
+
+@dataclass(eq=False)
+class FitRecorder:
+    """All iterations of one scan so far."""
+
+    ready: ReadyScan
+    _recorded: list[RecordedIterate] = field(default_factory=list)
+
+    def record(self, iterate: FitIterate) -> RecordedIterate:
+        """Keeps the iterate; FitFailed when the fit broke down."""
+        if iterate.status is Status.NOT_FINITE or not np.isfinite(iterate.mean_distance):
+            raise FitFailed(_why_failed(iterate))
+        self._recorded.append(RecordedIterate(iterate, _iterated(self.ready.task.rig, iterate)))
+        return self._recorded[-1]
+
+    def finish(self, solve_s: float, clock: Clock) -> FitOutcome:
+        """Measures the last iterate; FitFailed when this is no torso.
+
+        `solve_s` is what the iterations took, `clock` began with the fit.
+        """
+        ready, last = self.ready, self._recorded[-1].iterate
+        rig, target = ready.task.rig, ready.task.target
+        signals = fit_signals(rig, target, last.parameters, ready.clearness)
+        placed = len(ready.task.landmarks) >= MIN_LANDMARKS
+        found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed)
+        if not found_verdict.is_torso:
+            raise FitFailed(found_verdict.refusal)
+        timing = ready.timing_s | {"solve": solve_s}
+        vertices = pose(rig, last.parameters)
+        if ready.settings.refine:
+            clock.lap()
+            vertices = refined(target, vertices, rig.faces).vertices
+            timing["refine"] = clock.lap()
+        fitted_landmarks = rig.landmark_points().positions(vertices, rig.faces)
+        found = dict(zip(rig.landmark_names, fitted_landmarks, strict=True))
+        task = ready.task
+        doubtful = ready.exchanged or doubts(rig, task.recipe.outliers, found, task.landmarks, last.not_followed)
+        distances = surface_distances(target, vertices, rig.faces)
+        drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None
+        lines = on_scan(rig, vertices, drawing, target) if drawing else ()
+        timing["total"] = clock.total()
+        return FitOutcome(
+            scan=ready.scan,
+            target=target,
+            rig=rig,
+            stance=ready.task.stance,
+            stance_reason=ready.stance_reason,
+            preset=ready.task.recipe.name,
+            parameters=last.parameters,
+            vertices=vertices,
+            refined=ready.settings.refine,
+            history=tuple(each.iterate.parameters for each in self._recorded),
+            times_s=tuple(each.iterate.elapsed_s for each in self._recorded),
+            log=tuple(each.event for each in self._recorded),
+            status=last.status,
+            timing_s=timing,
+            distances=distances,
+            landmarks=ready.landmarks,
+            doubts=doubtful,
+            drawing=drawing,
+            lines=lines,
+            notes=ready.notes,
+            table_triangles=ready.table_triangles,
+            verdict=found_verdict,
+        )
+
+
+def _iterated(rig: Rig, iterate: FitIterate) -> Iterated:
+    gap = iterate.landmark_distance
+    return Iterated(
+        iteration=iterate.iteration,
+        stage=iterate.stage,
+        energy=round(float(np.nan_to_num(iterate.energy)), 6),
+        mean_distance_mm=round(1e3 * iterate.mean_distance, 4),
+        landmark_distance_mm=None if gap is None else round(1e3 * gap, 4),
+        coverage=round(iterate.coverage, 4),
+        elapsed_s=round(iterate.elapsed_s, 4),
+        nodes=[NodePose.model_validate(node) for node in node_poses(rig, iterate.parameters)],
+    )
+
+
+def _why_failed(iterate: FitIterate) -> str:
+    if iterate.status is Status.NOT_FINITE:
+        return "The fit broke down (a number is not finite); try other landmarks or another scan."
+    return "The model found no skin of the scan near it; place at least three landmarks, or check the scan's unit."

@@ -1,0 +1,81 @@
+"""The examples run as they are shown, each in a process of its own, with warnings as errors."""
+
+import csv
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from breastrig.core.assets import asset_folder
+
+EXAMPLE = asset_folder("example")
+STANDING, SUPINE = EXAMPLE / "standing", EXAMPLE / "supine"
+
+
+def run(repository: Path, name: str, *arguments: Path | str) -> subprocess.CompletedProcess[str]:
+    script = repository / "server" / "examples" / name
+    command = [sys.executable, "-W", "error", str(script), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+
+
+def test_every_example_is_run_here(repository: Path) -> None:
+    there = {file.name for file in (repository / "server" / "examples").iterdir() if file.suffix == ".py"}
+    assert there == {"fit_with_plot.py", "folder_to_table.py", "drawing_between_stances.py"}
+
+
+def test_one_fit_is_watched_and_drawn(repository: Path, tmp_path: Path) -> None:
+    scan, landmarks = STANDING / "scan.ply", STANDING / "landmarks.json"
+    done = run(repository, "fit_with_plot.py", scan, landmarks, tmp_path / "fit.png")
+    assert done.returncode == 0, done.stderr
+    assert "<Fit: standing, good" in done.stdout
+    with Image.open(tmp_path / "fit.png") as picture:
+        pixels = np.asarray(picture.convert("RGB"))
+    assert pixels.shape[1] > pixels.shape[0] > 500
+    assert len(np.unique(pixels.reshape(-1, 3), axis=0)) > 500  # colours of the distances, not an empty frame
+
+
+def test_a_folder_of_scans_becomes_a_table(repository: Path, tmp_path: Path) -> None:
+    (tmp_path / "scans").mkdir()
+    for name in ("standing", "supine"):
+        shutil.copy(EXAMPLE / name / "scan.ply", tmp_path / "scans" / f"{name}.ply")
+        shutil.copy(EXAMPLE / name / "landmarks.json", tmp_path / "scans" / f"{name}.json")
+    (tmp_path / "scans" / "broken.ply").write_bytes(b"ply\n")
+    done = run(repository, "folder_to_table.py", tmp_path / "scans", tmp_path / "table.csv")
+    assert done.returncode == 0, done.stderr
+    with open(tmp_path / "table.csv", newline="") as table:
+        broken, *rows = csv.DictReader(table)
+    assert broken["problem"].endswith(".")
+    assert broken["stance"] == ""
+    assert [(row["scan"], row["stance"], row["verdict"]) for row in rows] == [
+        ("standing.ply", "standing", "good"),
+        ("supine.ply", "supine", "good"),
+    ]
+    for row in rows:
+        numbers = [float(value) for name, value in row.items() if name.endswith(("_L", "_R"))]
+        assert len(numbers) == 8
+        assert min(numbers) > 10.0
+
+
+@pytest.mark.parametrize("with_landmarks", [True, False])
+def test_a_drawing_is_carried_between_stances(repository: Path, tmp_path: Path, with_landmarks: bool) -> None:
+    picks = [STANDING / "landmarks.json", SUPINE / "landmarks.json"] if with_landmarks else []
+    result = tmp_path / "there.json"
+    done = run(repository, "drawing_between_stances.py", STANDING / "scan.ply", SUPINE / "scan.ply", result, *picks)
+    assert done.returncode == 0, done.stderr
+    (shape,) = json.loads(result.read_text())["shapes"]
+    assert shape["name"] == "circle"
+    assert shape["closed"]
+    there_and_back = float(done.stdout.split("it is ")[1].split(" mm")[0])
+    assert there_and_back < 1.5
+
+
+def test_an_example_says_in_a_sentence_what_is_wrong(repository: Path, tmp_path: Path) -> None:
+    done = run(repository, "fit_with_plot.py", tmp_path / "none.ply", STANDING / "landmarks.json", tmp_path / "a.png")
+    assert done.returncode == 1
+    assert done.stderr.startswith("There is no scan file")
+    assert done.stderr.count("\n") == 1

@@ -1,0 +1,114 @@
+"""Two stances, and drawings carried between them, from a program: in every digit what the commands write."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.same_files import assert_same_files
+
+import breastrig
+from breastrig.cli.main import main
+from breastrig.core.assets import asset_folder
+
+EXAMPLE = asset_folder("example")
+SCANS = [EXAMPLE / name / "scan.ply" for name in ("standing", "supine")]
+PICKS = [EXAMPLE / name / "landmarks.json" for name in ("standing", "supine")]
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Fits of the command, standing and supine."""
+    folder = tmp_path_factory.mktemp("fits")
+    for scan, picks in zip(SCANS, PICKS, strict=True):
+        assert main(["fit", str(scan), "--landmarks", str(picks), "-o", str(folder / scan.parent.name)]) == 0
+    return folder / "standing", folder / "supine"
+
+
+@pytest.fixture(scope="module")
+def fits() -> tuple[breastrig.Fit, breastrig.Fit]:
+    """The same in memory."""
+    return breastrig.fit(SCANS[0], PICKS[0]), breastrig.fit(SCANS[1], PICKS[1])
+
+
+def document(file: Path) -> dict:
+    found = json.loads(file.read_text())
+    assert found.pop("written")
+    return found
+
+
+def test_a_pair_is_saved_as_the_command_writes_it_and_loaded_again(tmp_path: Path) -> None:
+    pair = breastrig.fit_pair(*SCANS, *PICKS, alike=True, drawing=None)
+    pair.save(tmp_path / "ours")
+    command = ["fit", str(SCANS[0]), "--landmarks", str(PICKS[0]), "--with", str(SCANS[1])]
+    command += ["--with-landmarks", str(PICKS[1]), "--alike", "--drawing", "none", "-o", str(tmp_path / "theirs")]
+    assert main(command) == 0
+    assert_same_files(tmp_path / "ours", tmp_path / "theirs")
+    found = breastrig.FitPair.load(tmp_path / "ours")
+    assert found.document == pair.document
+    assert (found.first.stance, found.second.stance) == ("standing", "supine")
+    np.testing.assert_array_equal(found.second.vertices, pair.second.vertices)
+    with pytest.raises(breastrig.BadInput, match="There is no pair of fits in first"):
+        breastrig.FitPair.load(tmp_path / "ours" / "first")
+
+
+def test_the_two_of_a_pair_are_iterated_hand_in_hand() -> None:
+    run = breastrig.pair_iterates(*SCANS, drawing=None, stance="standing", second_stance="supine")
+    first, second = next(run)
+    assert (first.iteration, second.iteration) == (0, 0)
+    assert first.vertices.shape == second.vertices.shape == breastrig.load_model().template.shape
+    run.close()
+    with pytest.raises(breastrig.BadScan, match="same file"):
+        breastrig.fit_pair(SCANS[0], SCANS[0])
+
+
+def test_a_drawing_is_carried_as_the_command_carries_it(
+    fits: tuple[breastrig.Fit, breastrig.Fit], folders: tuple[Path, Path], tmp_path: Path
+) -> None:
+    there = tmp_path / "there.json"
+    assert main(["transfer", "--from", str(folders[0]), "--to", str(folders[1]), "-o", str(there)]) == 0
+    of_fits, of_folders = breastrig.transfer(*fits), breastrig.transfer(*folders)
+    assert of_fits.document == of_folders.document == document(there)
+    of_fits.save(tmp_path / "ours.json")
+    assert (tmp_path / "ours.json").read_bytes() == there.read_bytes()
+    for line, shape in zip(of_fits.lines, document(there)["shapes"], strict=True):
+        assert line.bridged is not None
+        assert line.distance_to_mm is not None
+        np.testing.assert_array_equal(line.points, shape["points"])
+        np.testing.assert_array_equal(line.bridged, np.isnan(line.distance_to_mm))
+    with pytest.raises(breastrig.BadInput, match="which this command reads"):
+        of_folders.save(folders[1] / "drawing.json", force=True)
+
+
+def test_a_programs_own_lines_are_carried_in_the_scans_unit(fits: tuple[breastrig.Fit, breastrig.Fit]) -> None:
+    a, b = fits
+    around = next(line for line in a.drawing.lines if line.name == "breast_L")
+    assert around.bridged is not None
+    points = around.points[~around.bridged][::5]
+    one = breastrig.transfer(a, b, [breastrig.Line("mine", points, closed=True)])
+    written = {"unit": "mm", "shapes": [{"name": "mine", "closed": True, "points": (1e3 * points).tolist()}]}
+    other = breastrig.transfer(a, b, written)
+    again = breastrig.transfer(a, b, breastrig.Drawing("mine", "mm", (), written))
+    (line,), (same,) = one.lines, other.lines
+    assert (line.name, line.closed, one.unit) == ("mine", True, "m")
+    np.testing.assert_allclose(line.points, same.points, atol=2e-6)
+    assert again.document == other.document
+    assert np.linalg.norm(line.points.mean(axis=0) - b.landmarks["nipple_L"]) < 0.1
+
+
+def test_what_cannot_be_carried_is_said_in_one_sentence(fits: tuple[breastrig.Fit, breastrig.Fit]) -> None:
+    a, b = fits
+    with pytest.raises(breastrig.BadDrawing, match=r"it must be \(M, 3\)"):
+        breastrig.transfer(a, b, [breastrig.Line("flat", np.zeros((4, 2)))])
+    with pytest.raises(breastrig.BadDrawing, match=r"give breastrig\.Line"):
+        breastrig.transfer(a, b, [np.zeros((4, 3))])  # type: ignore[list-item]
+    other = replace(a, model=replace(a.model, name="other", sha256="0" * 64))
+    with pytest.raises(breastrig.BadInput, match=r"made with another model \(other, torso\)"):
+        breastrig.transfer(other, b)
+    with pytest.raises(breastrig.BadDrawing, match="are no numbers"):
+        breastrig.transfer(a, b, [breastrig.Line("words", ["here", "there"])])  # type: ignore[arg-type]
+    with pytest.raises(breastrig.BadDrawing, match=r"away from the scan|off the"):
+        breastrig.transfer(a, b, [breastrig.Line("far", np.full((4, 3), 5.0))])
+    with pytest.raises(breastrig.BadInput, match="There is no fit in nowhere"):
+        breastrig.transfer(a, "nowhere")
