@@ -11,9 +11,9 @@ smooth displacement u(x), a Gaussian process with three kinds of observations, e
 
     min_w  |w|² + Σ_l |a_l + u(a_l) − b_l|²/σ_l² + Σ_m |...|²/σ_m² + Σ_i (n_i · (x_i + u(x_i) − p_i))²/σ_n²
 
-u = H w with the columns of H made from the Matérn-5/2 kernel at CENTRES points of A (w is white, so the prior is
-|w|²) and a small affine part.  Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, chapters
-2 and 4.
+u = H w with the columns of H made from the Matérn-5/2 kernel at some points of A (w is white, so the prior is
+|w|²) and a small affine part.  All numbers stand in skin_maps/, one file for each rig.  Rasmussen and Williams,
+Gaussian Processes for Machine Learning, 2006, chapters 2 and 4.
 
 Tried on four virtual patients, six pairs of stances, mean error over chest and breasts in mm (exact landmarks /
 landmarks clicked 5 mm off): rigid 12.3 / 12.6; thin-plate spline 4.0 / 7.5; the fitted models alone 7.5 / 8.4, with
@@ -40,26 +40,13 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadDrawing
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.skin_map_settings import SkinMapSettings, skin_map_settings
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 
-CENTRES = 150  # of the kernel; 3 cm apart on a torso's front, a third of LENGTH; 250 gain nothing
-LENGTH = 0.1  # m, the distance over which the skin's displacement changes; 0.07 follows clicks, 0.15 is too stiff
-DISPLACEMENT = 0.01  # m, expected size of the smooth displacement; breasts move 10 to 30 mm when lying down
-STRAIN = 0.03  # expected affine strain on top of the rigid motion; 1 lets clicks shear the body (0.2 mm worse)
-SHIFT_LENGTH = 0.05  # m; times STRAIN the expected shift on top of the rigid motion
-LANDMARK_ERROR = 0.003  # m; between an exact pick (0.002 is best) and one that is 5 mm off (0.004)
-MODEL_ERROR = 0.05  # m for each of MODEL_POINTS, which err together; 0.02 lets the models' sliding in
-MODEL_POINTS = 60
-SURFACE_ERROR = 0.003  # m; the scanner's noise and what the smooth displacement cannot show
-SURFACE_SCALE = 0.012  # m, matches farther than this are let go
-ON_SCAN = MatchRules("rays", max_distance=0.012, max_angle=1.0)
-TO_SCAN_B = MatchRules("tree", max_distance=0.03, max_angle=np.pi / 3)
-ROUNDS = 3  # the first by landmarks and models alone, then twice with the surface; more slide along the skin
 INVERSE_ROUNDS = 8  # each leaves the way's local stretch, at most a third, of the gap
-REACH = 0.22  # m from the breasts: arms are raised between the stances and no smooth way leads along
 MIN_SEEN = 30  # vertices of the model that must lie on each scan
 
 
@@ -76,11 +63,14 @@ class FittedScan:
 class SkinMap:
     """The smooth way from scan A to scan B and back; built once, then asked for any points."""
 
-    def __init__(self, rig: Rig, a: FittedScan, b: FittedScan) -> None:
-        """Raises BadDrawing when a model does not lie on its scan."""
+    def __init__(self, rig: Rig, a: FittedScan, b: FittedScan, settings: SkinMapSettings | None = None) -> None:
+        """With the rig's settings, or others.  Raises BadDrawing when a model does not lie on its scan."""
         self._rig, self._a, self._b = rig, a, b
-        on_a = _near_the_breasts(rig, a.vertices, match(a.target, a.vertices, _normals(rig, a.vertices), ON_SCAN))
-        on_b = match(b.target, b.vertices, _normals(rig, b.vertices), ON_SCAN)
+        self._settings = own = settings or skin_map_settings(rig.name)
+        on_scan = MatchRules("rays", own.on_scan_distance, own.on_scan_angle)
+        seen = match(a.target, a.vertices, _normals(rig, a.vertices), on_scan)
+        on_a = _near_the_breasts(rig, a.vertices, seen, own.reach)
+        on_b = match(b.target, b.vertices, _normals(rig, b.vertices), on_scan)
         if min(len(on_a.vertices), len(on_b.vertices)) < MIN_SEEN:
             raise BadDrawing("A fitted model does not lie on its scan; fit it again before carrying points.")
         self._source, self._goal = a.vertices[on_a.vertices].mean(axis=0), b.vertices[on_a.vertices].mean(axis=0)
@@ -88,8 +78,8 @@ class SkinMap:
             b.vertices[on_a.vertices] - self._goal, a.vertices[on_a.vertices] - self._source
         )[0]
         self._centre = on_a.points.mean(axis=0)
-        self._kernel_points = on_a.points[spread_out(on_a.points, CENTRES)]
-        gram = _matern(cdist(self._kernel_points, self._kernel_points))
+        self._kernel_points = on_a.points[spread_out(on_a.points, own.centres)]
+        gram = _matern(cdist(self._kernel_points, self._kernel_points) / own.length)
         self._factor = sla.cholesky(gram + 1e-9 * np.eye(len(gram)), lower=True)
         self._weights = self._solved(on_a)
         self._moved_model = ClosestPointSearch(self.moved(a.vertices), rig.faces)
@@ -100,36 +90,38 @@ class SkinMap:
 
     def _basis(self, points: Array) -> Array:
         """(M, K) the displacements' basis H at (M, 3) points of A."""
-        kernel = _matern(cdist(points, self._kernel_points))
-        smooth = DISPLACEMENT * sla.solve_triangular(self._factor, kernel.T, lower=True).T
-        shift = np.full((len(points), 1), SHIFT_LENGTH)
-        return np.concatenate([smooth, STRAIN * shift, STRAIN * (points - self._centre)], axis=1)
+        own = self._settings
+        kernel = _matern(cdist(points, self._kernel_points) / own.length)
+        smooth = own.displacement * sla.solve_triangular(self._factor, kernel.T, lower=True).T
+        shift = np.full((len(points), 1), own.shift_length)
+        return np.concatenate([smooth, own.strain * shift, own.strain * (points - self._centre)], axis=1)
 
     def _solved(self, on_a: Correspondences) -> Array:
         """(K, 3) the weights w."""
-        a, b = self._a, self._b
+        a, b, own = self._a, self._b, self._settings
         names = [name for name in a.landmarks if name in b.landmarks]
-        chosen = spread_out(on_a.points, MODEL_POINTS)
+        chosen = spread_out(on_a.points, own.model_points)
         known = [np.array([scan.landmarks[name] for name in names]).reshape(-1, 3) for scan in (a, b)]
         start = self._motion(on_a.points)
         basis = self._basis(on_a.points)
         size = basis.shape[1]
-        rows = np.concatenate([self._basis(known[0]) / LANDMARK_ERROR, basis[chosen] / MODEL_ERROR])
+        rows = np.concatenate([self._basis(known[0]) / own.landmark_error, basis[chosen] / own.model_error])
         gaps = np.concatenate(
             [
-                (known[1] - self._motion(known[0])) / LANDMARK_ERROR,
-                (b.vertices[on_a.vertices[chosen]] - start[chosen]) / MODEL_ERROR,
+                (known[1] - self._motion(known[0])) / own.landmark_error,
+                (b.vertices[on_a.vertices[chosen]] - start[chosen]) / own.model_error,
             ]
         )
         placed = np.kron(np.eye(3), rows.T @ rows + np.eye(size))
         pull = (rows.T @ gaps).T.ravel()
         weights = sla.solve(placed, pull, assume_a="pos").reshape(3, size).T
         moved = self._motion(a.vertices)
-        for _ in range(ROUNDS - 1):
+        to_scan = MatchRules("tree", own.to_scan_distance, own.to_scan_angle)
+        for _ in range(own.rounds - 1):
             moved[on_a.vertices] = start + basis @ weights
             normals = _normals(self._rig, moved)[on_a.vertices]
-            found = match(b.target, moved[on_a.vertices], normals, TO_SCAN_B)
-            trust = 1.0 / (1.0 + (found.distances / SURFACE_SCALE) ** 2) / SURFACE_ERROR  # Geman-McClure's root
+            found = match(b.target, moved[on_a.vertices], normals, to_scan)
+            trust = 1.0 / (1.0 + (found.distances / own.surface_scale) ** 2) / own.surface_error  # Geman-McClure's root
             jacobian = np.concatenate([basis[found.vertices] * found.normals[:, [axis]] for axis in range(3)], axis=1)
             jacobian *= trust[:, None]
             depth = trust * np.einsum("mi,mi->m", found.normals, found.points - start[found.vertices])
@@ -184,18 +176,18 @@ def _normals(rig: Rig, vertices: Array) -> Array:
     return vertex_normals(vertices, rig.faces)
 
 
-def _near_the_breasts(rig: Rig, vertices: Array, found: Correspondences) -> Correspondences:
-    """Matches within REACH of the line between the breasts; all for a rig without breasts."""
+def _near_the_breasts(rig: Rig, vertices: Array, found: Correspondences, reach: float) -> Correspondences:
+    """Matches within `reach` (m) of the line between the breasts; all for a rig without breasts."""
     if not {"breast_L", "breast_R"} <= rig.regions.keys():
         return found
     left, right = (vertices[rig.regions[name]].mean(axis=0) for name in ("breast_L", "breast_R"))
     across = right - left
     share = np.clip((found.points - left) @ across / (across @ across), 0.0, 1.0)
-    near = np.linalg.norm(found.points - left - share[:, None] * across, axis=1) < REACH
+    near = np.linalg.norm(found.points - left - share[:, None] * across, axis=1) < reach
     return Correspondences(found.vertices[near], found.points[near], found.normals[near], found.distances[near])
 
 
 def _matern(distances: Array) -> Array:
-    """Matérn 5/2 of unit size."""
-    r = np.sqrt(5.0) * distances / LENGTH
+    """Matérn 5/2 of unit size and length."""
+    r = np.sqrt(5.0) * distances
     return np.asarray((1.0 + r + r * r / 3.0) * np.exp(-r))
