@@ -74,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
     try:
         rows = read_manifest(options.manifest, rig, options.output, options.force)
     except BadManifest as error:
-        return _tell_faults(error.faults)
+        return _report_faults(error.faults)
     _check_places(options, rows)
     batch = Batch(rows, options.output, rig.sha256, options.again, run_fit, force=options.force)
     with exclusive(options.output):
@@ -139,27 +139,27 @@ def _orderly_end() -> Iterator[Event]:
 
 
 def _run(batch: Batch, executor: Executor, silent: bool, stop: Event) -> list[Outcome]:
-    """Tells of each row: a bar on a terminal, else a line of JSON on stdout; failures in words on stderr."""
-    told = 0
+    """Reports each row: a bar on a terminal, else a line of JSON on stdout; failures in words on stderr."""
+    row = 0
     in_lines = not silent and not sys.stderr.isatty()
     with tqdm(total=len(batch.rows), unit="fit", disable=silent or in_lines, leave=False, smoothing=0.1) as bar:
 
-        def tell(outcome: Outcome) -> None:
-            nonlocal told
-            told += 1
+        def report(outcome: Outcome) -> None:
+            nonlocal row
+            row += 1
             bar.update()
             if in_lines:
                 line: dict[str, object] = {"name": outcome.name, "state": outcome.state, "reason": outcome.reason}
                 numbers = {name: outcome.numbers.get(name) for name in ("mean_mm", "verdict")}
-                line |= {**numbers, "row": told, "of": len(batch.rows)}
+                line |= {**numbers, "row": row, "of": len(batch.rows)}
                 print(json.dumps(line), flush=True)
             if outcome.reason is not None:
                 bar.write(f"breastrig: {outcome.name}: {outcome.reason}", file=sys.stderr)
 
-        return run_batch(batch, executor, tell, stop)
+        return run_batch(batch, executor, report, stop)
 
 
-def _tell_faults(faults: list[str]) -> int:
+def _report_faults(faults: list[str]) -> int:
     for fault in faults[:SHOWN_FAULTS]:
         print(f"breastrig: {fault}", file=sys.stderr)
     if len(faults) > SHOWN_FAULTS:

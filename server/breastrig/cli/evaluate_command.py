@@ -81,11 +81,11 @@ def _cohort(options: argparse.Namespace) -> Path:
         private_folder(folder)
         with tqdm(unit="scan", disable=not sys.stderr.isatty(), leave=False, desc="virtual patients") as bar:
 
-            def told(what: str) -> None:
+            def progress(what: str) -> None:
                 bar.set_postfix_str(what)
                 bar.update()
 
-            make_cohort(folder, told)
+            make_cohort(folder, progress)
     return folder
 
 

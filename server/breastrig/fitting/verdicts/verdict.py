@@ -34,7 +34,7 @@ class SignalLimits(_Part):
     above: bool
     check: float
     no_torso: float
-    unit: Literal["percent", "mm", "degrees"]  # in which the sentence tells a share, m, rad
+    unit: Literal["percent", "mm", "degrees"]  # of the sentence; the value is a share, m or rad
     reason: str  # a sentence; {value} is the signal
 
 
