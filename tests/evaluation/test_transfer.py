@@ -16,14 +16,22 @@ from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 
+ALL_SIDES = -2.0  # of a normal
+
 
 @pytest.fixture(scope="module")
 def stiff(tmp_path_factory: pytest.TempPathFactory, rig: Rig) -> Path:
     """A patient who lies down without changing at all."""
     folder = tmp_path_factory.mktemp("stiff")
     rest = rest_parameters(rig)
-    write_case(folder / "p" / "standing", rig, rest, "standing")
-    write_case(folder / "p" / "lying", rig, rest.moved(exp_so3(np.array([-0.3, 0.2, 0.1])), np.ones(3)), "supine")
+    write_case(folder / "p" / "standing", rig, rest, "standing", behind=ALL_SIDES)
+    write_case(
+        folder / "p" / "lying",
+        rig,
+        rest.moved(exp_so3(np.array([-0.3, 0.2, 0.1])), np.ones(3)),
+        "supine",
+        behind=ALL_SIDES,
+    )
     (folder / "p" / "patient.json").write_text(json.dumps({"family": "makehuman"}))
     return folder
 

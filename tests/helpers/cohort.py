@@ -16,12 +16,17 @@ FEW = ("suprasternal_notch", "xiphoid", "acromion_L", "acromion_R", "nipple_L", 
 
 
 def write_case(
-    folder: Path, rig: Rig, parameters: RigParameters, stance: str, names: tuple[str, ...] | None = None
+    folder: Path,
+    rig: Rig,
+    parameters: RigParameters,
+    stance: str,
+    names: tuple[str, ...] | None = None,
+    behind: float = BEHIND,
 ) -> None:
     """scan, truth, true landmarks (all, or those named) and case.json of one posed rig, in metres."""
     folder.mkdir(parents=True)
     vertices = pose(rig, parameters)
-    seen = face_normals(vertices, rig.faces)[:, 2] > BEHIND
+    seen = face_normals(vertices, rig.faces)[:, 2] > behind
     for name, faces in (("scan.ply", rig.faces[seen]), ("truth.ply", rig.faces)):
         trimesh.Trimesh(vertices, faces, process=False).export(folder / name)
     places = rig.landmark_points().positions(vertices, rig.faces)
