@@ -178,6 +178,12 @@ test("the model's shape is read off sliders; they pose the picture, not the fit"
   expect(troubles).toEqual([]);
 });
 
+interface Followed {
+  readonly ms: number;
+  readonly isChanged: boolean;
+}
+type Watched = Window & { followed?: Promise<Followed> };
+
 test("a landmark that is dragged after the fit is fitted again at once, and arrow keys move one along the skin", async ({ page, base, troubles }) => {
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
@@ -194,10 +200,11 @@ test("a landmark that is dragged after the fit is fitted again at once, and arro
   await page.mouse.down();
   await page.mouse.move(at.x + 12, at.y + 8, { steps: 3 });
   const wanted = await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!)!.point, [at.x + 12, at.y + 8]);
-  // From the finger's lift to the first picture on which the model is another one, by the page's own clock.
-  const followed = page.evaluate(
-    (id) =>
-      new Promise<{ ms: number; isChanged: boolean }>((done) => {
+  // From the finger's lift to the first picture on which the model is another one, by the page's own clock.  The page has to
+  // be listening before the finger is lifted, so what it hears is asked for afterwards.
+  await page.evaluate(
+    (id) => {
+      (window as Watched).followed = new Promise<Followed>((done) => {
         const before = window.__breastrig!.picture().checksum;
         addEventListener("pointerup", () => {
           const lifted = performance.now();
@@ -209,11 +216,12 @@ test("a landmark that is dragged after the fit is fitted again at once, and arro
           };
           look();
         }, { once: true, capture: true });
-      }),
+      });
+    },
     first.id,
   );
   await page.mouse.up();
-  const { ms, isChanged } = await followed;
+  const { ms, isChanged } = await page.evaluate(() => (window as Watched).followed!);
   expect(isChanged).toBe(true);
   console.log(`a landmark let go: the model follows after ${ms.toFixed(0)} ms`);
   expect(distance((await hook.pick(page, "umbilicus"))!, wanted)).toBeLessThan(0.01);
