@@ -40,10 +40,11 @@ FLOOR = 1e-6  # of an unknown's natural size: keeps directions that nothing hold
 
 @dataclass(frozen=True)
 class Doubt:
-    """A pick that was not followed, and why, as a sentence."""
+    """A pick that is asked about, and why, as a sentence."""
 
     names: tuple[str, ...]
     reason: str
+    followed: bool = False  # True: unusual, but followed all the same
 
 
 def partner(rig: Rig, name: str) -> str:
@@ -113,9 +114,10 @@ def contradicted(task: FitTask, x: RigParameters) -> str | None:
     recipe, rules = task.recipe, task.recipe.outliers
     limit = {name: recipe.outlier_limit(name) + task.landmark_errors.get(name, 0.0) for name in picks.names}
     gaps = picks.gaps()
-    suspects = [name for name in picks.names if gaps[name] > limit[name]]
+    open_to_doubt = [name for name in picks.names if name not in task.certain]
+    suspects = [name for name in open_to_doubt if gaps[name] > limit[name]]
     if not suspects and max(picks.distances.values()) > rules.doubtful:  # it, or a neighbour of it, is wrong
-        suspects = [name for name in picks.names if gaps[name] > rules.neighbour * limit[name]]
+        suspects = [name for name in open_to_doubt if gaps[name] > rules.neighbour * limit[name]]
 
     def disagreement(suspect: str) -> float:
         gaps = picks.gaps(without=(suspect,))

@@ -38,3 +38,4 @@ class FitTask:
     landmarks: dict[str, Array]  # name -> (3,) m, in the scan's frame
     stance: str = "standing"  # standing | supine
     landmark_errors: Mapping[str, float] = field(default_factory=dict)  # m, expected beyond a click's; absent: none
+    certain: frozenset[str] = frozenset()  # picks that are followed whatever all else says

@@ -28,7 +28,7 @@ class NodePose(EventPart):
 
 
 class DoubtedPick(EventPart):
-    """Picked landmarks that the fit did not follow."""
+    """Picked landmarks that are asked about: not followed, or unusual."""
 
     names: list[str] = Field(description="which ones")
     reason: str = Field(description="one sentence")

@@ -14,6 +14,7 @@ from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.output_record import OutputSet
 from breastrig.core.private_files import private_folder, write_private
 from breastrig.drawings.drawing_file import shape_document
+from breastrig.fitting.landmark_outliers import Doubt
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
@@ -32,6 +33,10 @@ RESULT_SCHEMA = "breastrig/result@1"
 
 def _rounded(values: Array, digits: int = 6) -> list[float]:
     return [round(float(value), digits) for value in np.asarray(values).ravel()]
+
+
+def _doubted(doubt: Doubt) -> dict[str, object]:
+    return {"names": list(doubt.names), "reason": doubt.reason}
 
 
 def result_json(outcome: FitOutcome) -> dict[str, object]:
@@ -71,7 +76,8 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         "surface_distance_mm": surface_summary_mm(outcome.distances.model),
         "scan_to_model_mm": summary_mm(outcome.distances.scan),
         "landmark_distance_mm": landmark_summary_mm(model_landmarks, outcome.landmarks),
-        "landmarks_not_followed": [{"names": list(d.names), "reason": d.reason} for d in outcome.doubts],
+        "landmarks_not_followed": [_doubted(doubt) for doubt in outcome.doubts if not doubt.followed],
+        "landmarks_unusual": [_doubted(doubt) for doubt in outcome.doubts if doubt.followed],
         "landmarks": {name: _rounded(place / per_unit) for name, place in model_landmarks.items()},
         "landmarks_picked": {name: _rounded(place / per_unit) for name, place in outcome.landmarks.items()},
         "parameters": {

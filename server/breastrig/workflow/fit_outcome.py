@@ -35,7 +35,7 @@ class FitOutcome:
     timing_s: dict[str, float]
     distances: SurfaceDistances
     landmarks: dict[str, Array]  # picked, m
-    doubts: tuple[Doubt, ...]  # picks that were not followed
+    doubts: tuple[Doubt, ...]  # picks that are asked about
     drawing: ModelDrawing | None
     lines: tuple[Polyline, ...]
     notes: tuple[str, ...]

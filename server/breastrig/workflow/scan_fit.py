@@ -44,6 +44,7 @@ class FitSettings:
     preset: str = "default"
     drawing: str | None = "lumpectomy"  # see drawings/patterns.py: names, patterns with parameters, joined by +
     landmark_confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of proposed ones; absent: 1
+    certain: tuple[str, ...] = ()  # picks that are followed whatever all else says
     refine: bool = False  # a free-form layer on top, for fitted.ply, the drawing and the numbers
     earlier: EarlierFit | None = None  # None: the start is found from landmarks and scan
     orientation: dict[str, Any] | None = None  # of the scan, found at its upload; see fitting/scan_orientation.py
@@ -182,7 +183,15 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     exchanged = (Doubt(tuple(landmarks), ALL_EXCHANGED),) if are_exchanged else ()
     followed = {} if exchanged else landmarks
     errors = {name: expected_error(share) for name, share in settings.landmark_confidence.items()}
-    task = FitTask(rig, target, rest_parameters(rig), plan.recipe, followed, landmark_errors=errors)
+    task = FitTask(
+        rig,
+        target,
+        rest_parameters(rig),
+        plan.recipe,
+        followed,
+        landmark_errors=errors,
+        certain=frozenset(settings.certain) & frozenset(followed),
+    )
     if earlier is None:
         task, clearness = with_start(task, ready, orientation)
         timing["align"] = clock.lap()

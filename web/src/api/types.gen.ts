@@ -51,7 +51,7 @@ export type Done = {
   result: Record<string, unknown>;
 };
 
-/** Picked landmarks that the fit did not follow. */
+/** Picked landmarks that are asked about: not followed, or unusual. */
 export type DoubtedPick = {
   /** which ones */
   names: string[];
@@ -523,6 +523,8 @@ export type ResultFile = {
   landmark_distance_mm: LandmarkDistances;
   /** picks that cannot be right, by name */
   landmarks_not_followed?: DoubtedPick[];
+  /** picks that were followed and should be looked at */
+  landmarks_unusual?: DoubtedPick[];
   /** of the fitted model, in the scan's frame and unit */
   landmarks: Record<string, [number, number, number]>;
   /** as given, in the scan's frame and unit */

@@ -76,6 +76,7 @@ class ResultFile(Document):
     scan_to_model_mm: Distances
     landmark_distance_mm: LandmarkDistances
     landmarks_not_followed: list[DoubtedPick] = Field([], description="picks that cannot be right, by name")
+    landmarks_unusual: list[DoubtedPick] = Field([], description="picks that were followed and should be looked at")
     landmarks: dict[str, Three] = Field(description="of the fitted model, in the scan's frame and unit")
     landmarks_picked: dict[str, Three] = Field({}, description="as given, in the scan's frame and unit")
     parameters: ResultParameters
