@@ -101,8 +101,7 @@ def test_who_stops_listening_stops_both(tmp_path: Path) -> None:
 
 def test_a_wrong_pick_on_one_scan_is_named_there_and_followed_nowhere(tmp_path: Path) -> None:
     right, wrong = job("standing", tmp_path / "a"), job("supine", tmp_path / "b")
-    x, y, z = wrong.landmarks_mm["suprasternal_notch"]
-    wrong.landmarks_mm["suprasternal_notch"] = [x + 50.0, y, z]
+    wrong.landmarks_mm["suprasternal_notch"] = wrong.landmarks_mm["nipple_L"]
     first, second = [event.result for _, event in run_pair(right, wrong) if isinstance(event, Done)]
     assert first["landmarks_not_followed"] == []
     assert [doubt["names"] for doubt in second["landmarks_not_followed"]] == [["suprasternal_notch"]]

@@ -11,9 +11,11 @@ from helpers.toy_rig import toy_rig
 
 import breastrig.fitting.orientation as orientation_module
 import breastrig.fitting.stance as stance_module
+import breastrig.workflow.run_fit as run_fit_module
 from breastrig.core.assets import asset_folder
 from breastrig.execution.limits import FitLimits
-from breastrig.fitting import fit, landmark_outliers, prepare_scan, propose, scan_orientation
+from breastrig.fitting import prepare_scan, propose, scan_orientation
+from breastrig.fitting.picks import checked_fit
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.write_rig import write_rig
@@ -33,7 +35,11 @@ PICKS = json.loads((EXAMPLE / "landmarks.json").read_text())["landmarks"]
 def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     """How often the costly things are done: whole fits, and searches for front, table and start."""
     count = {"fits": 0, "fronts": 0, "starts": 0}
-    of_fit, of_front, of_start = fit.fit_iterates, prepare_scan.propose_frame, orientation_module.start_from_scan
+    of_fit, of_front, of_start = (
+        checked_fit.checked_iterates,
+        prepare_scan.propose_frame,
+        orientation_module.start_from_scan,
+    )
 
     def fitted(task: FitTask) -> Iterator[FitIterate]:
         count["fits"] += 1
@@ -47,8 +53,9 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
         count["starts"] += 1
         return of_start(*args)
 
-    for module in (stance_module, landmark_outliers, propose):
-        monkeypatch.setattr(module, "fit_iterates", fitted)
+    for module in (stance_module, run_fit_module):
+        monkeypatch.setattr(module, "checked_iterates", fitted)
+    monkeypatch.setattr(propose, "fit_iterates", fitted)
     monkeypatch.setattr(prepare_scan, "propose_frame", fronts)
     for module in (orientation_module, scan_orientation):
         monkeypatch.setattr(module, "start_from_scan", starts)

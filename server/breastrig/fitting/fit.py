@@ -95,19 +95,23 @@ class OneScan:
 
 
 class _Stillness:
-    """Counts the iterations in a row in which a scan's mean distance hardly changed."""
+    """Counts the iterations in a row in which a scan's mean distance hardly changed.
+
+    Some fits end in a cycle of two: a few vertices at a border find another partner at every other step.  That the
+    distance is what it was two steps ago counts as well, for nothing more comes of it.
+    """
 
     def __init__(self, stop: Stop) -> None:
-        self._stop, self._previous, self._quiet = stop, np.inf, 0
+        self._stop, self._previous, self._earlier, self._quiet = stop, np.inf, np.inf, 0
 
     def new_stage(self) -> None:
-        self._quiet = 0
+        self._quiet, self._earlier = 0, np.inf
 
     def reached(self, mean: float, progress: float) -> bool:
         """Whether the fit may end at this mean distance (m); only a stage that has tightened can be still."""
-        still = progress == 1.0 and abs(mean - self._previous) < self._stop.distance_change_m
-        self._quiet = self._quiet + 1 if still else 0
-        self._previous = mean
+        change = min(abs(mean - self._previous), abs(mean - self._earlier))
+        self._quiet = self._quiet + 1 if progress == 1.0 and change < self._stop.distance_change_m else 0
+        self._previous, self._earlier = mean, self._previous
         return self._quiet >= self._stop.patience
 
 

@@ -86,13 +86,13 @@ class Stage(_Part):
 
 
 class Outliers(_Part):
-    """When a picked landmark is not followed; see landmark_outliers.py."""
+    """When a picked landmark is asked about, and when it is not followed; see fitting/picks."""
 
-    limit: Positive  # m, of a pick's distance had it not been given
-    neighbour: Annotated[float, Field(gt=0.0, le=1.0)]  # share of the limit, where another pick is far already
-    most: Annotated[float, Field(ge=0.0, lt=1.0)]  # share of the picks that may be dropped
-    doubtful: Positive  # m from a pick to the fitted landmark: it is named
-    near_partner: Positive  # m; a pick this near the other side's landmark was meant for it
+    unusual: Positive  # standard deviations from where it is expected, beyond which a pick is asked about
+    impossible: Positive  # likewise; beyond it a pick that a mistake explains is not followed
+    most: Annotated[float, Field(ge=0.0, lt=1.0)]  # share of the picks that may be let go
+    near_partner: Positive  # m; a pick this near the other side's landmark was meant for it ...
+    near_other: Positive  # m; ... or this near to any other landmark's place
     exchanged_gain: Annotated[float, Field(gt=0.0, lt=1.0)]  # share below which exchanging sides must bring the misfit
 
 
@@ -100,7 +100,8 @@ class LandmarkErrors(_Part):
     """Of one landmark, or of all that are not named."""
 
     proposal: Positive  # m, expected error where the scan alone proposes it
-    outlier_limit: Positive | None = None  # m; absent: that of all
+    misfit: Positive  # m on each axis, what the model cannot show of real bodies there
+    unusual: Positive | None = None  # see Outliers; absent: that of all
 
 
 class StanceRule(_Part):
@@ -132,10 +133,6 @@ class Recipe(_Part):
     def landmark_errors(self, name: str) -> LandmarkErrors:
         """What is known of the landmark of this name."""
         return self.landmarks.get(name.removesuffix("_L").removesuffix("_R"), self.landmarks["other"])
-
-    def outlier_limit(self, name: str) -> float:
-        """m, for the landmark of this name."""
-        return self.landmark_errors(name).outlier_limit or self.outliers.limit
 
     @property
     def continued(self) -> "Recipe":

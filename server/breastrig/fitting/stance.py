@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.fit import fit_iterates
+from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
@@ -49,11 +49,11 @@ def found_stance(task: FitTask, frame: Frame) -> FoundStance:
     if frame.stance == "supine" or not any(shape.kind == "gravity" for shape in task.rig.shapes):
         return FoundStance(frame.stance, frame.stance_reason)
     rule = task.recipe.stance_rule
-    standing = tuple(fit_iterates(replace(task, stance="standing")))
+    standing = tuple(checked_iterates(replace(task, stance="standing")))
     arms = _arm_angles(task.rig, standing[-1].parameters)
     if not len(arms) or arms.mean() < rule.arms_hanging:
         return FoundStance("standing", "There is no table in the scan, and the arms hang.", standing)
-    supine = tuple(fit_iterates(replace(task, stance="supine")))
+    supine = tuple(checked_iterates(replace(task, stance="supine")))
     score = standing[-1].energy - supine[-1].energy + rule.per_radian * (arms.mean() - rule.arms_between)
     if score > 0.0:
         reason = "There is no table in the scan, but breasts and arms are as in a lying patient."

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.recipe import Recipe
 from breastrig.least_squares.newton import Status
 from breastrig.rig.model import Rig
@@ -24,7 +25,7 @@ class FitIterate:
     landmark_distance: float | None  # m, mean over the picked landmarks
     elapsed_s: float
     status: Status  # RUNNING on all but the last
-    not_followed: tuple[str, ...] = ()  # picks that were let go
+    not_followed: tuple[Doubt, ...] = ()  # picks that were let go
 
 
 @dataclass(frozen=True, eq=False)

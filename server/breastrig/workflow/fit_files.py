@@ -14,7 +14,7 @@ from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.output_record import OutputSet
 from breastrig.core.private_files import private_folder, write_private
 from breastrig.drawings.drawing_file import shape_document
-from breastrig.fitting.landmark_outliers import Doubt
+from breastrig.fitting.doubt import Doubt
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.landmark_outliers import Doubt
+from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.geometry.polyline import Polyline
 from breastrig.least_squares.newton import Status

@@ -10,8 +10,10 @@ import numpy as np
 from breastrig.core.errors import FitFailed
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.fit import FitIterate
-from breastrig.fitting.landmark_outliers import doubts
 from breastrig.fitting.orientation import MIN_LANDMARKS
+from breastrig.fitting.picks.checked_fit import without
+from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
@@ -65,10 +67,10 @@ class FitRecorder:
             clock.lap()
             vertices = refined(target, vertices, rig.faces).vertices
             timing["refine"] = clock.lap()
-        fitted_landmarks = rig.landmark_points().positions(vertices, rig.faces)
-        found = dict(zip(rig.landmark_names, fitted_landmarks, strict=True))
         task = ready.task
-        doubtful = ready.exchanged or doubts(rig, task.recipe.outliers, found, task.landmarks, last.not_followed)
+        let_go = (*ready.exchanged, *last.not_followed)
+        posterior = Posterior(without(task, let_go), last.parameters)
+        doubtful = (*let_go, *unusual(posterior))
         distances = surface_distances(target, vertices, rig.faces)
         drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()

@@ -6,7 +6,7 @@ a generator cancels the fit; nothing is written then but what was already there.
 
 from collections.abc import Iterator
 
-from breastrig.fitting.landmark_outliers import checked_iterates
+from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.workflow.events import Done, Event
 from breastrig.workflow.fit_files import write_fit_files
 from breastrig.workflow.fit_outcome import FitOutcome
@@ -30,7 +30,7 @@ def fit_steps(ready: ReadyScan, clock: Clock) -> Iterator[RecordedIterate | FitO
     recorder = FitRecorder(ready)
     clock.lap()
     solve = ready.timing_s["solve"]
-    iterates = checked_iterates(ready.task, ready.begun)
+    iterates = iter(ready.begun) if ready.begun else checked_iterates(ready.task)
     while True:
         iterate = next(iterates, None)
         solve += clock.lap()

@@ -11,7 +11,7 @@ from typing import Any
 
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.fitting.landmark_outliers import agreeing_picks
+from breastrig.fitting.picks.checked_fit import agreeing_picks
 from breastrig.fitting.two_stances import ONE_BODY, Coupling, SharedBody, fit_pair_iterates
 from breastrig.rig.model import Rig
 from breastrig.scan.scan import Scan

@@ -16,8 +16,9 @@ from breastrig.core.errors import BadLandmarks, BadSettings, unknown_name
 from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
+from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.fit import FitIterate, FitTask
-from breastrig.fitting.landmark_outliers import Doubt, sides_exchanged
+from breastrig.fitting.picks.mistakes import sides_exchanged
 from breastrig.fitting.prepare_scan import AUTO, prepared
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe

@@ -17,9 +17,12 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.cohort import Case
+from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.fit import FitTask
-from breastrig.fitting.landmark_outliers import Doubt, checked_iterates, doubts
 from breastrig.fitting.orientation import best_start
+from breastrig.fitting.picks.checked_fit import checked_iterates, without
+from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
@@ -46,7 +49,7 @@ class Fitted:
     parameters: RigParameters
     seconds: float  # of the solver alone: one core's time, so that work beside it does not count
     iterations: int
-    not_followed: tuple[str, ...]  # picks that were let go
+    doubts: tuple[Doubt, ...]  # what the program says of the picks
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +94,9 @@ class Scene:
             raise FitFailed("The fit broke down: a number is not finite.")
         if not np.isfinite(last.mean_distance):
             raise FitFailed("The model found no skin of the scan near it.")
-        return Fitted(vertices, last.parameters, seconds, last.iteration, last.not_followed)
+        posterior = Posterior(without(task, last.not_followed), last.parameters)
+        doubts = (*last.not_followed, *unusual(posterior))
+        return Fitted(vertices, last.parameters, seconds, last.iteration, doubts)
 
     def landmark_errors(self, rig: Rig, vertices: Array, names: tuple[str, ...] = ()) -> Array:
         """(L,) m between the model's landmarks and the true ones; all that are known when none are named."""
@@ -118,12 +123,6 @@ class Scene:
             "truth_mm": summary_mm(self.truth_errors(vertices, rig.faces))["mean"],
             "landmarks_mm": summary_mm(self.landmark_errors(rig, vertices))["mean"],
         }
-
-    def doubts(self, rig: Rig, recipe: Recipe, fit: Fitted, picked: dict[str, Array]) -> tuple[Doubt, ...]:
-        """What the program says of these picks after the fit."""
-        places = rig.landmark_points().positions(fit.vertices, rig.faces)
-        found = dict(zip(rig.landmark_names, places, strict=True))
-        return doubts(rig, recipe.outliers, found, picked, fit.not_followed)
 
     def along_the_skin(self, place: Array, distance: float, rng: np.random.Generator) -> Array:
         """A pick on the scan's skin about `distance` m away from (3,) m, in a random direction."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.evaluation.studies.case import Scene
-from breastrig.fitting.landmark_outliers import partner, sides_exchanged
+from breastrig.fitting.picks.mistakes import partner, sides_exchanged
 from breastrig.fitting.recipe import Recipe
 from breastrig.report.distances import summary_mm
 from breastrig.rig.model import Rig
@@ -58,7 +58,7 @@ def clicks(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
         if not exact:
             picked = {name: scene.along_the_skin(at, CLICK_ERROR, rng) for name, at in scene.landmarks.items()}
         fit = scene.fitted(rig, recipe, picked)
-        named = sorted({name for doubt in scene.doubts(rig, recipe, fit, picked) for name in doubt.names})
+        named = sorted({name for doubt in fit.doubts for name in doubt.names})
         trials.append(scene.numbers(rig, fit.vertices) | {"named": named})
     mean = {key: float(np.mean([trial[key] for trial in trials[1:]])) for key in ("surface_mm", "landmarks_mm")}
     known = [trial["truth_mm"] for trial in trials[1:] if trial["truth_mm"] is not None]
@@ -70,7 +70,7 @@ def _judged(scene: Scene, rig: Rig, recipe: Recipe, picked: dict[str, Array], wr
     """A fit to partly wrong picks: who was named, who without reason, how far the model is from the true places."""
     exchanged = sides_exchanged(rig, picked, recipe.outliers)
     fit = scene.fitted(rig, recipe, {} if exchanged else picked)
-    named = {name for doubt in scene.doubts(rig, recipe, fit, picked) for name in doubt.names}
+    named = {name for doubt in fit.doubts for name in doubt.names}
     if exchanged:
         named = {name for name in picked if partner(rig, name) != name}  # "left and right look exchanged"
     return scene.numbers(rig, fit.vertices) | {

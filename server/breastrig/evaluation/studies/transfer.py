@@ -98,7 +98,7 @@ def _summary(gaps: Array) -> dict[str, float]:
 def _fitted(rig: Rig, recipe: Recipe, scene: Scene, picks: Picks) -> FittedScan:
     """The program's fit; picks that it doubts are left out of the transfer."""
     fit = scene.fitted(rig, recipe, picks)
-    doubted = {name for doubt in scene.doubts(rig, recipe, fit, picks) for name in doubt.names}
+    doubted = {name for doubt in fit.doubts for name in doubt.names}
     trusted = {name: place for name, place in picks.items() if name not in doubted}
     return FittedScan(scene.target, fit.vertices, trusted, scene.case.stance)
 

@@ -1,0 +1,74 @@
+"""Picks that are explained by a mistake with a name: sides exchanged, or another landmark's place.
+
+Only such picks are ever let go, and only when they are farther from where all else expects them than any right pick
+was found to be.  Whether all sides are exchanged is seen in the picks alone, before anything is fitted; single ones
+show at the fitted model, as long as its landmark term lets distant picks go (presets, `landmark_kernel_scale`).
+"""
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.fitting.doubt import Doubt
+from breastrig.fitting.orientation import trusted_similarity
+from breastrig.fitting.picks.leave_one_out import LeaveOneOut
+from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.recipe import Outliers
+from breastrig.fitting.task import FitTask
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import pose
+
+
+def partner(rig: Rig, name: str) -> str:
+    """The landmark on the other side."""
+    return next(landmark.mirror for landmark in rig.landmarks if landmark.name == name)
+
+
+def sides_exchanged(rig: Rig, landmarks: dict[str, Array], outliers: Outliers) -> bool:
+    """Whether the picks ((3,) m by name) as a whole make sense only with left and right exchanged."""
+    names = tuple(landmarks)
+    if sum(partner(rig, name) != name for name in names) < 4:
+        return False
+    picked = np.array([landmarks[name] for name in names])
+    misfit = []
+    for order in (names, tuple(partner(rig, name) for name in names)):
+        model = rig.landmark_points(order).positions(rig.template, rig.faces)
+        misfit.append(float(np.median(trusted_similarity(model, picked)[1])))
+    return misfit[1] < outliers.exchanged_gain * misfit[0]
+
+
+def _near(rig: Rig, name: str, pick: Array, fitted: dict[str, Array], rules: Outliers) -> set[str]:
+    """The landmarks for which a pick of this name could have been meant."""
+    wide = {name, partner(rig, name)}
+    return {
+        each
+        for each, place in fitted.items()
+        if np.linalg.norm(place - pick) < (rules.near_partner if each in wide else rules.near_other)
+    }
+
+
+def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[Doubt, ...]:
+    """The picks that are not to be followed, at most so many; certain ones are not among them."""
+    rig, rules = task.rig, task.recipe.outliers
+    places = rig.landmark_points().positions(pose(rig, x), rig.faces)
+    fitted = dict(zip(rig.landmark_names, places, strict=True))
+    near = {name: _near(rig, name, at, fitted, rules) for name, at in task.landmarks.items()}
+    strays = [name for name in task.landmarks if name not in near[name] and name not in task.certain]
+    if not strays:
+        return ()
+    deviations = LeaveOneOut(Posterior(task, x)).deviations()
+    strays = sorted((n for n in strays if deviations[n] > rules.impossible), key=deviations.__getitem__, reverse=True)
+    found: list[Doubt] = []
+    for name in strays:
+        gone = {each for doubt in found for each in doubt.names}
+        other = partner(rig, name)
+        if name in gone or not near[name]:
+            continue
+        if other in strays and other in near[name] and name in near[other]:
+            if len(gone) + 2 <= most:
+                left, right = sorted((name, other))
+                found.append(Doubt((left, right), f"{left} and {right} look exchanged; they were not followed."))
+        elif len(gone) < most:
+            taken = min(near[name], key=lambda each: float(np.linalg.norm(fitted[each] - task.landmarks[name])))
+            found.append(Doubt((name,), f"{name} lies where {taken} is expected; it was not followed."))
+    return tuple(found)

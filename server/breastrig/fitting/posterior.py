@@ -1,0 +1,36 @@
+"""How sure a fit is: the Gaussian that has its normal equations at the end (Laplace's approximation).
+
+The covariance of the unknowns is the inverse of Gauss-Newton's H with the joints' part in it.  It knows the scan's
+noise and the priors, not that the model cannot show every body, so whoever uses it adds that misfit.
+"""
+
+import numpy as np
+import scipy.linalg as sla
+
+from breastrig.core.arrays import Array
+from breastrig.energies.landmarks import Landmarks
+from breastrig.fitting.problem import ScanProblem
+from breastrig.fitting.task import FitTask
+from breastrig.least_squares.problem import HARD
+from breastrig.rig.parameters import RigParameters
+from breastrig.rig.state import BodyState
+
+FLOOR = 1e-6  # of an unknown's natural size: keeps directions that nothing holds out of the inverse
+
+
+class Posterior:
+    """Of a task whose fit ended at `x`."""
+
+    def __init__(self, task: FitTask, x: RigParameters) -> None:
+        problem, stage = ScanProblem(task), task.recipe.stages[-1]
+        self.task, self.state = task, BodyState(task.rig, x)
+        terms = problem.terms(stage, 1.0, self.state, problem.matches(stage, 1.0, self.state))
+        system = problem.system(terms, self.state)
+        held = system.constraint_jacobian
+        hessian = system.hessian + held.T @ (held / np.maximum(system.compliance, HARD)[:, None])
+        self._factor = sla.cholesky(hessian + np.diag(FLOOR * problem.scaling), lower=True)
+        self.picks = next((term for term in terms if isinstance(term, Landmarks)), None)
+
+    def whitened(self, rows: Array) -> Array:
+        """(N, P) rows of a Jacobian -> (N, P) whose products with each other are the covariances of what they move."""
+        return np.asarray(sla.solve_triangular(self._factor, rows.T, lower=True, check_finite=False).T)
