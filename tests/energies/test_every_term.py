@@ -20,6 +20,8 @@ from breastrig.energies.point_to_point import PointToPoint
 from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
+from breastrig.energies.table_contact import TableContact
+from breastrig.geometry.plane import Plane
 from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
@@ -56,6 +58,15 @@ TERMS: dict[str, Callable[[Rig, np.random.Generator], Any]] = {
     "shape_prior": lambda rig, rng: ShapePrior(rng.uniform(0.1, 1, len(rig.shapes)), rng.normal(size=len(rig.shapes))),
     "symmetry": lambda rig, _: Symmetry(rig, 0.5, 0.02),
     "joint_rest": lambda rig, rng: JointRest(Joints(rig, rig.joints, 0.2 * rng.normal(size=(len(rig.joints), 3)))),
+    "table_contact": lambda rig, rng: TableContact(
+        rig,
+        Plane(np.array([0.6, 0.0, 0.8]), 0.01),
+        (np.arange(3), np.arange(5, len(rig.template), 7)),
+        rng.uniform(0.0, 0.05, 2),
+        0.012,
+        0.005,
+        0.004,
+    ),
     "joint_limits": lambda rig, _: JointLimits(tight_joints(rig), 0.03),
 }
 

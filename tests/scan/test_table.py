@@ -14,7 +14,7 @@ from breastrig.scan.clean import Surface, clean
 from breastrig.scan.orient import propose_frame
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
-from breastrig.scan.table import table_triangles
+from breastrig.scan.table import found_table
 
 Mesh = tuple[np.ndarray, np.ndarray]
 
@@ -105,7 +105,7 @@ def test_skin_that_rests_on_the_table_stays(sag: float, rng: np.random.Generator
     surface = Surface(vertices @ turn.T, faces, ())
     frame = propose_frame(surface.vertices, faces)
     assert frame.table is not None
-    cut = table_triangles(surface.vertices, faces, *frame.table)
+    cut = found_table(surface.vertices, faces, *frame.table).triangles
     lowest = body[faces].min(axis=1)
     assert not cut[lowest > 0.012].any()  # of the body
     assert cut[body[faces].max(axis=1) == 0.0].mean() > 0.99  # of the table
@@ -124,7 +124,7 @@ def test_what_lies_below_the_table_goes_unless_it_is_connected_with_the_body(rng
     starts = np.cumsum([0, *(len(each) for each, _ in parts)])
     joined = np.concatenate([each for each, _ in parts])
     triangles = np.concatenate([each + start for (_, each), start in zip(parts, starts, strict=False)])
-    cut = table_triangles(joined, triangles, np.array([0.0, 0.0, 1.0]), 0.0)
+    cut = found_table(joined, triangles, np.array([0.0, 0.0, 1.0]), 0.0).triangles
     of = np.repeat(np.arange(3), [len(each) for _, each in parts])
     assert arm[:, 2].min() < -0.1
     assert not cut[of == 1].any()
@@ -135,13 +135,13 @@ def test_a_plane_with_the_body_behind_it_is_no_table(rng: np.random.Generator) -
     """The flattened front of a ball, as flat as any table."""
     vertices, faces = sphere(0.2, 4)
     vertices[:, 2] = np.minimum(vertices[:, 2], 0.17)
-    assert not table_triangles(vertices, faces, np.array([0.0, 0.0, 1.0]), 0.17).any()
+    assert not found_table(vertices, faces, np.array([0.0, 0.0, 1.0]), 0.17).triangles.any()
 
 
 def test_a_curved_front_is_no_table() -> None:
     vertices, faces = sphere(0.2, 4)
     front = faces[(vertices[faces][:, :, 2] > 0.16).all(axis=1)]
-    assert not table_triangles(vertices, front, np.array([0.0, 0.0, 1.0]), 0.185).any()
+    assert not found_table(vertices, front, np.array([0.0, 0.0, 1.0]), 0.185).triangles.any()
 
 
 def test_a_scan_that_is_nothing_but_a_table_is_left_as_it_is(rng: np.random.Generator) -> None:

@@ -16,6 +16,7 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_normals, vertex_normals
+from breastrig.geometry.plane import Plane
 from breastrig.geometry.rays import HAVE_EMBREE, RayCaster
 
 SMOOTHING_ROUNDS = 2  # rounds of neighbour averaging of the normals: a depth camera's noise tilts single triangles
@@ -28,6 +29,7 @@ class ScanTarget:
     vertices: Array
     faces: Integers
     use_rays: bool = True  # False: the tree only, as on platforms without embreex
+    table: Plane | None = None  # under a lying patient, its normal to the body; its triangles are not among the faces
 
     @cached_property
     def normals(self) -> Array:

@@ -34,3 +34,24 @@ class Posterior:
     def whitened(self, rows: Array) -> Array:
         """(N, P) rows of a Jacobian -> (N, P) whose products with each other are the covariances of what they move."""
         return np.asarray(sla.solve_triangular(self._factor, rows.T, lower=True, check_finite=False).T)
+
+    def landmark_variances(self, names: tuple[str, ...]) -> Array:
+        """(L,) m², over all three axes, of where the model has these landmarks."""
+        rig = self.task.rig
+        points = rig.landmark_points(names)
+        corners = rig.faces[points.faces]  # (L, 3)
+        total = np.zeros(len(names))
+        for axis in np.eye(3):
+            directions = (points.barycentric[:, :, None] * axis).reshape(-1, 3)
+            rows = self.state.posed.rows(corners.ravel(), directions)
+            total += (self.whitened(rows[0::3] + rows[1::3] + rows[2::3]) ** 2).sum(axis=1)
+        return total
+
+    def vertex_variances(self) -> Array:
+        """(V,) m², over all three axes, of every vertex."""
+        count = len(self.task.rig.template)
+        chosen, total = np.arange(count), np.zeros(count)
+        for axis in np.eye(3):
+            rows = self.state.posed.rows(chosen, np.tile(axis, (count, 1)))
+            total += (self.whitened(rows) ** 2).sum(axis=1)
+        return total

@@ -12,7 +12,7 @@ import numpy as np
 from breastrig.correspondence.target import ScanTarget
 from breastrig.scan.clean import MIN_TRIANGLES, Surface, compact, without_fragments
 from breastrig.scan.orient import Frame, propose_frame
-from breastrig.scan.table import table_triangles
+from breastrig.scan.table import found_table
 
 AUTO = "auto"  # the stance is to be found
 
@@ -44,13 +44,15 @@ def prepared(surface: Surface, stance: str, frame: Frame | None = None) -> Prepa
 
     A table is looked for unless she stands; one that is seen behind the body says that she lies.
     """
-    vertices, faces, cut = surface.vertices, surface.faces, 0
+    vertices, faces, cut, plane = surface.vertices, surface.faces, 0, None
     if stance != "standing":
         frame = frame or propose_frame(vertices, faces)
         if frame.table is not None:
-            table = table_triangles(vertices, faces, *frame.table)
-            if table.any() and np.count_nonzero(~table) >= MIN_TRIANGLES:
-                kept, _ = without_fragments(vertices, faces[~table])  # what curled up at the table's edge
+            table = found_table(vertices, faces, *frame.table)
+            body = ~table.triangles
+            if not body.all() and np.count_nonzero(body) >= MIN_TRIANGLES:
+                plane = table.plane
+                kept, _ = without_fragments(vertices, faces[body])  # what curled up at the table's edge
                 cut = len(faces) - len(kept)
                 vertices, faces = compact(vertices, kept)
-    return PreparedScan(surface, ScanTarget(vertices, faces), cut, frame)
+    return PreparedScan(surface, ScanTarget(vertices, faces, table=plane), cut, frame)

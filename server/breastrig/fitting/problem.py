@@ -20,6 +20,7 @@ from breastrig.energies.point_to_point import PointToPoint
 from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
+from breastrig.energies.table_contact import TableContact
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import Range, Stage
 from breastrig.fitting.task import FitIterate, FitTask
@@ -210,7 +211,23 @@ def prior_terms(task: FitTask, joints: Joints) -> Terms:
         terms.append(JointLimits(joints, recipe.joints.limit_sigma))
     if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
         terms.append(Symmetry(rig, recipe.shapes.symmetry_sigma or np.inf, recipe.scales.symmetry_sigma or np.inf))
-    return terms
+    contact = table_contact(task)
+    return terms if contact is None else [*terms, contact]
+
+
+def table_contact(task: FitTask) -> TableContact | None:
+    """The term of a lying back; None where no table is seen or nothing is known of the rig's back."""
+    rig, settings, table = task.rig, task.recipe.lying, task.target.table
+    back = rig.regions.get("back")
+    if table is None or task.stance != "supine" or back is None:
+        return None
+    leading = np.argmax(rig.weights_by_bone[:, back], axis=0)
+    groups = {name: back[leading == rig.bone_names.index(name)] for name in settings.heights if name in rig.bone_names}
+    known = {name: group for name, group in groups.items() if len(group)}
+    heights = np.array([settings.heights[name] for name in known])
+    return TableContact(
+        rig, table, tuple(known.values()), heights, settings.sigma, settings.profile_sigma, settings.floor_sigma
+    )
 
 
 def step_scaling(task: FitTask) -> Array:

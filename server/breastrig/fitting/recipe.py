@@ -14,7 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.core.private_files import is_ordinary, shown
 
-COMMON, COMMON_PARTS = "default", ("outliers", "stance_rule", "landmarks")  # taken from it where a preset is silent
+COMMON = "default"  # what a preset is silent about is taken from it:
+COMMON_PARTS = ("outliers", "stance_rule", "lying", "landmarks")
 
 Positive = Annotated[float, Field(gt=0.0)]
 Range = tuple[Positive, Positive]
@@ -96,6 +97,15 @@ class Outliers(_Part):
     exchanged_gain: Annotated[float, Field(gt=0.0, lt=1.0)]  # share below which exchanging sides must bring the misfit
 
 
+class Lying(_Part):
+    """Where a back rests on a table that the scan shows; see energies/table_contact.py."""
+
+    sigma: Positive  # m, of the height of the whole back
+    profile_sigma: Positive  # m, of each bone's part against the whole
+    floor_sigma: Positive  # m, how softly the table is met from above
+    heights: dict[str, float]  # m, expected mean height of the back above the table, by bone
+
+
 class LandmarkErrors(_Part):
     """Of one landmark, or of all that are not named."""
 
@@ -123,6 +133,7 @@ class Recipe(_Part):
     shapes: Shapes
     outliers: Outliers
     stance_rule: StanceRule
+    lying: Lying
     landmarks: dict[str, LandmarkErrors]  # by name without its side; "other" for those that are not named
     stages: Annotated[tuple[Stage, ...], Field(min_length=1)]
 

@@ -112,7 +112,7 @@ class Fit:
     def save(self, folder: str | Path, *, force: bool = False) -> None:
         """Writes the files of `breastrig fit -o FOLDER`, all of them or none, for their owner only.
 
-        result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin and fit.log.jsonl; each says its
+        result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin, uncertainty.bin and fit.log.jsonl; each says its
         unit or has the scan's.  Files there that BreastRig did not write, or that were changed since, are replaced
         with `force` only; files that the fit was made from never.  Raises BadInput.
         """

@@ -7,12 +7,15 @@ above the plane are fragments of the table, its edge, or the floor.  What is con
 beside a narrow table, is never one of them.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.normals import face_crosses, vertex_normals
+from breastrig.geometry.plane import Plane
 
 FIRST_BAND = 0.02  # m, around the proposed plane: two of its bins
 FACING = np.cos(np.radians(20.0))  # of what the plane is laid through, as in scan/orient.py
@@ -23,29 +26,38 @@ FLAT = 0.004  # m, standard deviation; 14 simulated scans of tables have 0.6 to 
 BEHIND_SHARE = 0.06  # of the area may lie behind the plane, as in scan/orient.py: a patch of skin has a body behind it
 
 
-def table_triangles(vertices: Array, faces: Integers, normal: Array, level: float) -> Booleans:
-    """(F,) which of the triangles are table, for the plane at height `level` (m) along a (3,) unit normal to the body.
+@dataclass(frozen=True, eq=False)
+class Table:
+    """What of a scan is table."""
 
-    None of them when nothing flat is there, or more lies behind it than behind a table.
+    triangles: Booleans  # (F,)
+    plane: Plane | None  # its normal to the body; None where there is no table
+
+
+def found_table(vertices: Array, faces: Integers, normal: Array, level: float) -> Table:
+    """The table for the plane at height `level` (m) along a (3,) unit normal to the body.
+
+    None when nothing flat is there, or more lies behind it than behind a table.
     """
+    none = Table(np.zeros(len(faces), dtype=np.bool_), None)
     result = np.zeros(len(faces), dtype=np.bool_)
     crosses = face_crosses(vertices, faces)
     areas = np.linalg.norm(crosses, axis=1)
     laid = _laid(vertices[faces].mean(axis=1), crosses, areas, normal, level)
     if laid is None:
-        return result
+        return none
     normal, level, spread = laid
     band = float(np.clip(4.0 * spread, LEAST_BAND, MOST_BAND))
     heights = vertices @ normal - level
     corners = heights[faces]
     if areas[corners.max(axis=1) < -FIRST_BAND].sum() > BEHIND_SHARE * areas.sum():
-        return result
+        return none
     low = np.flatnonzero(corners.min(axis=1) < band)  # all triangles of the vertices below the band's upper side
     near, corners = faces[low], corners[low]
     facing = vertex_normals(vertices, near) @ normal  # of all triangles around a vertex: single ones are noisy
     flat: Booleans = (np.abs(corners) < band).all(axis=1) & (facing[near].mean(axis=1) > LIKE_TABLE)
     result[low] = flat | _low_pieces(near, flat, heights, band)
-    return result
+    return Table(result, Plane(normal, level))
 
 
 def _laid(

@@ -5,7 +5,7 @@
     data/scans/ID/              scan.ply, .obj, ... (the bytes as uploaded), mesh.glb (for display),
                                 plain.glb (the same without colours, for share links)
     data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json,
-                                distances.bin, fit.log.jsonl
+                                distances.bin, uncertainty.bin, fit.log.jsonl
     data/rubbish/KIND.ID        on its way out: a folder is first moved here, so that no path into it works any more
     data/reserve                space that a full disk has left for deleting (see `reserve`)
     data/lock                   held by the server

@@ -39,6 +39,10 @@ def _doubted(doubt: Doubt) -> dict[str, object]:
     return {"names": list(doubt.names), "reason": doubt.reason}
 
 
+def _in_mm(values: Mapping[str, float]) -> dict[str, float]:
+    return {name: round(1e3 * value, 2) for name, value in values.items()}
+
+
 def result_json(outcome: FitOutcome) -> dict[str, object]:
     """The document breastrig/result@1."""
     rig, x, scan = outcome.rig, outcome.parameters, outcome.scan
@@ -78,6 +82,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         "landmark_distance_mm": landmark_summary_mm(model_landmarks, outcome.landmarks),
         "landmarks_not_followed": [_doubted(doubt) for doubt in outcome.doubts if not doubt.followed],
         "landmarks_unusual": [_doubted(doubt) for doubt in outcome.doubts if doubt.followed],
+        "landmark_uncertainty_mm": {} if outcome.radii is None else _in_mm(outcome.radii.landmarks),
         "landmarks": {name: _rounded(place / per_unit) for name, place in model_landmarks.items()},
         "landmarks_picked": {name: _rounded(place / per_unit) for name, place in outcome.landmarks.items()},
         "parameters": {
@@ -117,6 +122,12 @@ def distances_bin(outcome: FitOutcome) -> bytes:
     return (1e3 * signed).astype("<f4").tobytes()
 
 
+def uncertainty_bin(outcome: FitOutcome) -> bytes:
+    """Of each model vertex the radius that holds its true place with 90 %: little-endian float32, mm; nan if unknown."""
+    unknown = np.full(len(outcome.vertices), np.nan)
+    return (1e3 * (unknown if outcome.radii is None else outcome.radii.vertices)).astype("<f4").tobytes()
+
+
 def json_bytes(document: object) -> bytes:
     return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
 
@@ -132,7 +143,7 @@ def fit_file(outcome: FitOutcome, name: str) -> bytes:
 
 
 def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
-    """Writes the seven files and returns result.json's document; BadInput when the folder cannot be written."""
+    """Writes the eight files and returns result.json's document; BadInput when the folder cannot be written."""
     files = {name: fit_file(outcome, name) for name in FIT_FILES}
     write_files(files, folder)
     result: dict[str, object] = json.loads(files[RESULT])
@@ -174,6 +185,7 @@ MAKERS: dict[str, Callable[[FitOutcome], bytes]] = {
     "fitted.glb": _fitted_glb,
     "drawing.json": lambda outcome: json_bytes(drawing_json(outcome)),
     "distances.bin": distances_bin,
+    "uncertainty.bin": uncertainty_bin,
     "fit.log.jsonl": _log,
     RESULT: lambda outcome: json_bytes(result_json(outcome)),
 }

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.doubt import Doubt
+from breastrig.fitting.uncertainty.radii import Radii
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.geometry.polyline import Polyline
 from breastrig.least_squares.newton import Status
@@ -38,6 +39,7 @@ class FitOutcome:
     doubts: tuple[Doubt, ...]  # picks that are asked about
     drawing: ModelDrawing | None
     lines: tuple[Polyline, ...]
+    radii: Radii | None  # None: nothing is known of this model's errors
     notes: tuple[str, ...]
     verdict: Verdict
     table_triangles: int  # of the scan, cut away as table

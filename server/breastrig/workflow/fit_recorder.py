@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from breastrig.core.errors import FitFailed
+from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.orientation import MIN_LANDMARKS
@@ -15,6 +16,7 @@ from breastrig.fitting.picks.checked_fit import without
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
+from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
 from breastrig.gltf.pose_nodes import node_poses
@@ -71,9 +73,11 @@ class FitRecorder:
         let_go = (*ready.exchanged, *last.not_followed)
         posterior = Posterior(without(task, let_go), last.parameters)
         doubtful = (*let_go, *unusual(posterior))
+        known = radii(posterior)
         distances = surface_distances(target, vertices, rig.faces)
         drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()
+        lines = with_errors(rig, vertices, None if known is None else known.vertices, lines)
         timing["total"] = clock.total()
         return FitOutcome(
             scan=ready.scan,
@@ -95,6 +99,7 @@ class FitRecorder:
             doubts=doubtful,
             drawing=drawing,
             lines=lines,
+            radii=known,
             notes=ready.notes,
             table_triangles=ready.table_triangles,
             verdict=found_verdict,

@@ -44,7 +44,8 @@ def fit_steps(ready: ReadyScan, clock: Clock) -> Iterator[RecordedIterate | FitO
 def run_fit(job: FitJob) -> Iterator[Event]:
     """Started, Iterated …, Done; a BreastRigError instead when it cannot be done.
 
-    Writes result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin and fit.log.jsonl into job.out
+    Writes result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin, uncertainty.bin and
+    fit.log.jsonl into job.out
     before Done.
     """
     clock = Clock()

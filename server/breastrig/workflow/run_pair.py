@@ -76,7 +76,7 @@ def run_pair(
 ) -> Iterator[tuple[int, Event]]:
     """(0 or 1 for the stance, its event): each stance's Started, Iterated …, Done; a BreastRigError ends both.
 
-    Each stance leaves the seven files of a fit in its own job's folder before its Done; pair_file (breastrig/pair@1),
+    Each stance leaves the eight files of a fit in its own job's folder before its Done; pair_file (breastrig/pair@1),
     when given, says what the two have in common.
     """
     if first.model != second.model:

@@ -34,6 +34,7 @@ MEDIA_TYPES = {
     "fitted.ply": BINARY,
     "drawing.json": JSON,
     "distances.bin": BINARY,
+    "uncertainty.bin": BINARY,
 }
 
 
@@ -216,6 +217,24 @@ def show_distances(fit_id: str) -> Response:
     return _result_file(fit_id, "distances.bin")
 
 
+@fits.get("/<fit_id>/uncertainty.bin")
+@fits.doc(
+    operation_id="getUncertainty",
+    responses={
+        200: file_of(
+            BINARY,
+            "float32, little-endian, one number for each vertex of the model in its order: the radius in millimetres "
+            "that holds its true place with 90 %, nan where nothing is known",
+        ),
+        404: "A fit of an older version has none",
+        409: "Not done",
+    },
+)
+def show_uncertainty(fit_id: str) -> Response:
+    """How far off each model vertex may be, mm"""
+    return _result_file(fit_id, "uncertainty.bin")
+
+
 def _result_file(fit_id: str, name: str) -> Response:
     storage = app_context().service.storage
     fit = get_fit(storage, fit_id)
@@ -241,6 +260,7 @@ def fit_links(fit_id: str) -> wire.FitLinks:
         fitted_ply=f"{place}/fitted.ply",
         drawing=f"{place}/drawing.json",
         distances=f"{place}/distances.bin",
+        uncertainty=f"{place}/uncertainty.bin",
         report=f"{place}/report.pdf",
         measures=f"{place}/measures.json",
         cancel=f"{place}/cancel",

@@ -147,6 +147,7 @@ class FitLinks(Wire):
     fitted_ply: str
     drawing: str
     distances: str
+    uncertainty: str
     report: str
     measures: str
     cancel: str

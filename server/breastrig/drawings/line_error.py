@@ -1,0 +1,30 @@
+"""How far off each point of a line may be: radii that hold its true place with 90 %.
+
+A line that the fit projects is as far off as the model under it.  A line that is carried from one scan to another is
+off by what both fits are off there, but what they share (one model, one body) cancels, so the square sum of both
+radii is taken down by a factor, and what the skin itself does is added; both are chosen with known skin (skin_maps).
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.polyline import Polyline, parts
+from breastrig.rig.model import Rig
+
+
+def radii_at(rig: Rig, vertices: Array, radii: Array, points: Array) -> Array:
+    """(M,) m: the (V,) m radii of the fitted model's (V, 3) m vertices, at (M, 3) m points near it."""
+    nearest = ClosestPointSearch(vertices, rig.faces).query(points)
+    return np.asarray(np.einsum("mc,mc->m", nearest.barycentric, radii[rig.faces[nearest.faces]]))
+
+
+def with_errors(rig: Rig, vertices: Array, radii: Array | None, lines: Sequence[Polyline]) -> tuple[Polyline, ...]:
+    """The lines on the scan of a fitted model, each point with its radius; as they are where none are known."""
+    if radii is None or not lines:
+        return tuple(lines)
+    errors = radii_at(rig, vertices, radii, np.concatenate([line.points for line in lines]))
+    return tuple(replace(line, error=errors[part]) for line, part in zip(lines, parts(lines), strict=True))

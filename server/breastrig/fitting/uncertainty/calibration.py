@@ -1,0 +1,51 @@
+"""What a posterior does not know: how far real bodies are from what the model can show, kept as data beside this file.
+
+The posterior (posterior.py) counts noise and priors.  Its standard deviations are stretched by a factor, and a misfit is
+added to them, both chosen so that the radii hold nine of ten true places of bodies that are known.
+"""
+
+import tomllib
+from functools import lru_cache
+from importlib import resources
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Misfit(_Part):
+    """m, root mean square distance, of one kind of place."""
+
+    shown: NotNegative  # by a pick, or by the scan
+    hidden: NotNegative  # by neither
+
+
+class Calibration(_Part):
+    """Of one model."""
+
+    stretch: NotNegative  # of the posterior's standard deviations
+    landmarks: dict[str, Misfit]  # by name without its side; "other" for those that are not named
+    regions: dict[str, Misfit]  # of the rig; "other" for vertices outside of all
+
+    def landmark(self, name: str) -> Misfit:
+        """Of the landmark of this name."""
+        return self.landmarks.get(name.removesuffix("_L").removesuffix("_R"), self.landmarks["other"])
+
+    def region(self, name: str) -> Misfit:
+        """Of the region of this name."""
+        return self.regions.get(name.removesuffix("_L").removesuffix("_R"), self.regions["other"])
+
+
+@lru_cache(maxsize=8)
+def calibration(model: str) -> Calibration | None:
+    """For a model of this name; None when nobody has found any."""
+    if model != "torso":
+        return None
+    file = resources.files("breastrig.fitting") / "uncertainty" / "torso.toml"
+    return Calibration.model_validate(tomllib.loads(file.read_text("utf-8")))
