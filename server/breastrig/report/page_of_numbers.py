@@ -185,13 +185,14 @@ def _distances(found: dict[str, float | None]) -> str:
 
 
 def _doubts(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
-    """Picks that were not followed, and what reading the scans found."""
+    """Picks that were not followed or are unusual, and what reading the scans found."""
     y = sheet.heading(MARGIN, y, "Doubts and notes")
     remarks = []
     for one in stances:
         prefix = f"{one.name.capitalize()}: " if len(stances) > 1 else ""
         remarks += [prefix + reason for reason in (one.result.get("verdict") or {}).get("reasons", [])]
-        remarks += [prefix + pick["reason"] for pick in one.result.get("landmarks_not_followed", [])]
+        for picks in ("landmarks_not_followed", "landmarks_unusual"):
+            remarks += [prefix + pick["reason"] for pick in one.result.get(picks, [])]
         remarks += [prefix + note for note in one.result.get("notes", [])]
         remarks += (
             [prefix + "the model's own place was taken for " + ", ".join(_unpicked(one)) + "."]
