@@ -1,32 +1,34 @@
 // The last step: which landmarks to check, the model's shape, and the files to take away.
+import { type Asked, openQuestions, sentenceOf } from "../landmarks/questions";
+import type { LandmarksSlice } from "../landmarks/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
+import { button } from "../ui/controls";
 import { el, fill, icon, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { HandPoseActions } from "./handPoseActions";
-import { labelsOf, landmarkWarnings } from "./landmarkWarnings";
 import { createShapeSliders } from "./ShapeSliders";
 import type { FitSlice } from "./state";
 import * as text from "./text";
 
-type Shown = Pick<PageSlice & FitSlice, "meta" | "model" | "fit" | "handPose">;
+type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "model" | "picks" | "certain" | "fit" | "handPose"> & Pick<Asked, "scan">;
 
-export function createResultPanel(handPose: HandPoseActions): Panel<Shown> {
+export function createResultPanel(handPose: HandPoseActions, toLandmarks: () => void): Panel<Shown> {
   const sliders = createShapeSliders(handPose);
   const files = el("ul", { class: "files" });
   const downloads = el("div", {}, el("p", { class: "label" }, text.result.files), files);
   const list = el("ul", { class: "reasons" });
-  const warnings = el("div", { class: "look-here", hidden: true }, el("p", { class: "label" }, text.result.warnings), list);
+  const warnings = el("div", { class: "look-here", hidden: true }, el("p", { class: "label" }, text.result.warnings), list, button(text.result.toLandmarks, toLandmarks, "quiet outlined"));
   const element = el("div", { class: "panel" }, warnings, sliders.element, downloads);
   return {
     element,
-    select: only("meta", "model", "fit", "handPose"),
+    select: only("meta", "model", "scan", "picks", "certain", "fit", "handPose"),
     update(state: Shown): void {
       const fit = state.fit;
       const isDone = fit?.state === "done";
       show(downloads, isDone);
       sliders.update(state);
-      const sentences = isDone ? landmarkWarnings(fit, labelsOf(state.meta?.landmarks)) : [];
+      const sentences = isDone ? openQuestions(state).map((question) => sentenceOf(question, state.meta?.landmarks ?? [])) : [];
       show(warnings, sentences.length > 0);
       fill(list, sentences, () => sentences.map((sentence) => el("li", {}, sentence)));
       if (!fit) return;

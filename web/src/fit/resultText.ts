@@ -5,6 +5,7 @@ export const result = {
   save: "Download the fitted model",
   files: "Files",
   warnings: "Check these landmarks",
+  toLandmarks: "Answer in the list",
   drawing: "Drawing on the scan",
   noDrawing: "No drawing was asked for.",
   downloads: [
@@ -47,6 +48,9 @@ export const numbers = {
   scanToModelHint: "From each scan point within the model's reach to the fitted surface",
   landmarks: "Landmarks",
   landmarksHint: "From the model's landmark to the picked one",
+  radius: (mm: string) => `±\u00a0${mm}`,
+  radiusHint: (mm: string) => `The true place lies within ${mm} mm of the model's landmark in 90 of 100 cases.`,
+  eachHint: "From the model's landmark to the picked one; ± is the radius that holds the true place with 90 %",
   run: "Run",
   mean: "mean",
   std: "std",
