@@ -105,8 +105,8 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Ite
 
 
 def _to_check(reason: str) -> str:
-    """What is said of a pick that was followed, with what to do."""
-    return reason if "check it" in reason else f"{reason.rstrip('.')}; check it."
+    """What is said of a pick that was followed, as a question or with what to do."""
+    return reason if reason.endswith("?") else f"{reason.removesuffix('.')}; check it."
 
 
 def run(options: argparse.Namespace) -> int:

@@ -69,7 +69,6 @@ class FitRecorder:
         found = dict(zip(rig.landmark_names, fitted_landmarks, strict=True))
         task = ready.task
         doubtful = ready.exchanged or doubts(rig, task.recipe.outliers, found, task.landmarks, last.not_followed)
-        asked = tuple(doubt for doubt in doubtful if not task.certain.issuperset(doubt.names))
         distances = surface_distances(target, vertices, rig.faces)
         drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()
@@ -91,7 +90,7 @@ class FitRecorder:
             timing_s=timing,
             distances=distances,
             landmarks=ready.landmarks,
-            doubts=asked,
+            doubts=tuple(doubt for doubt in doubtful if not task.certain.issuperset(doubt.names)),
             drawing=drawing,
             lines=lines,
             notes=ready.notes,

@@ -18,7 +18,7 @@ from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.fitting.fit import FitIterate, FitTask
-from breastrig.fitting.landmark_outliers import Doubt, partner, sides_exchanged
+from breastrig.fitting.landmark_outliers import Doubt, sides_exchanged
 from breastrig.fitting.prepare_scan import AUTO, prepared
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
@@ -223,8 +223,8 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
 
 def _exchanged(rig: Rig, recipe: Recipe, landmarks: dict[str, Array], certain: Collection[str]) -> tuple[Doubt, ...]:
     """The doubt that all sides are exchanged; none where a person is certain of a side."""
-    sided_for_certain = any(partner(rig, name) != name for name in certain)
-    if sided_for_certain or not sides_exchanged(rig, landmarks, recipe.outliers):
+    knows_sides = any(landmark.name in certain and landmark.mirror != landmark.name for landmark in rig.landmarks)
+    if knows_sides or not sides_exchanged(rig, landmarks, recipe.outliers):
         return ()
     return (Doubt(tuple(name for name in landmarks if name not in certain), ALL_EXCHANGED),)
 

@@ -33,7 +33,10 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
     if (next.kind === "confirm scan") actions.scan.confirm();
     if (next.kind === "place") actions.landmarks.want(next.isArmed ? null : next.landmark);
     if (next.kind === "confirm") actions.landmarks.confirm(next.names);
-    if (next.kind === "check") actions.page.goTo("landmarks");
+    if (next.kind === "check") {
+      actions.page.goTo("landmarks");
+      document.querySelector<HTMLElement>("#step-landmarks .question:not([hidden])")?.focus(); // and into view; Enter answers nothing yet
+    }
     if (next.kind === "carry") void actions.stances.carry();
     if (next.kind === "fit") void actions.fit.start();
   };

@@ -3,7 +3,6 @@ import { type Asked, openQuestions, sentenceOf } from "../landmarks/questions";
 import type { LandmarksSlice } from "../landmarks/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
-import { button } from "../ui/controls";
 import { el, fill, icon, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { HandPoseActions } from "./handPoseActions";
@@ -13,12 +12,12 @@ import * as text from "./text";
 
 type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "model" | "picks" | "certain" | "fit" | "handPose"> & Pick<Asked, "scan">;
 
-export function createResultPanel(handPose: HandPoseActions, toLandmarks: () => void): Panel<Shown> {
+export function createResultPanel(handPose: HandPoseActions): Panel<Shown> {
   const sliders = createShapeSliders(handPose);
   const files = el("ul", { class: "files" });
   const downloads = el("div", {}, el("p", { class: "label" }, text.result.files), files);
   const list = el("ul", { class: "reasons" });
-  const warnings = el("div", { class: "look-here", hidden: true }, el("p", { class: "label" }, text.result.warnings), list, button(text.result.toLandmarks, toLandmarks, "quiet outlined"));
+  const warnings = el("div", { class: "look-here", hidden: true }, el("p", { class: "label" }, text.result.warnings), list);
   const element = el("div", { class: "panel" }, warnings, sliders.element, downloads);
   return {
     element,

@@ -5,7 +5,6 @@ export const result = {
   save: "Download the fitted model",
   files: "Files",
   warnings: "Check these landmarks",
-  toLandmarks: "Answer in the list",
   drawing: "Drawing on the scan",
   noDrawing: "No drawing was asked for.",
   downloads: [

@@ -12,7 +12,7 @@ const words = text.questions;
 export function createQuestionBox<Tag extends "li" | "div">(tag: Tag, actions: LandmarkActions, answered: () => void) {
   const sentence = el("p", {});
   const answers = el("div", { class: "buttons" });
-  const element = el(tag, { class: "question", hidden: true }, el("div", { class: "question-words" }, icon("alert"), sentence), answers);
+  const element = el(tag, { class: "question", tabindex: -1, hidden: true }, el("div", { class: "question-words" }, icon("alert"), sentence), answers);
 
   const answer = (label: string, about: string, look: string, act: () => void): HTMLButtonElement => {
     const made = button(label, () => {

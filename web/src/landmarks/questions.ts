@@ -79,9 +79,9 @@ function question({ names, reason }: Doubted): Question {
   return { names, reason, exchange: null };
 }
 
-/** The reason as a sentence, with the landmarks' labels in place of their names. */
-export function sentenceOf({ names, reason }: Doubted, list: readonly Pick<LandmarkDefinition, "name" | "label">[]): string {
-  const labels = new Map(list.map(({ name, label }) => [name, label]));
-  const labelled = names.reduce((sentence, name) => sentence.replaceAll(name, labels.get(name) ?? name), reason);
+/** The reason as a sentence, with the landmarks' labels in place of their names: it may name others than are asked about. */
+export function sentenceOf({ reason }: Doubted, list: readonly Pick<LandmarkDefinition, "name" | "label">[]): string {
+  const labels = new Map(list.map(({ name, label }) => [name, label.charAt(0).toLowerCase() + label.slice(1)]));
+  const labelled = reason.replaceAll(/\b[a-z]\w*\b/g, (word) => labels.get(word) ?? word);
   return labelled.charAt(0).toUpperCase() + labelled.slice(1);
 }

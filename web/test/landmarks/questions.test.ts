@@ -81,6 +81,7 @@ test("certain is a pick at its place: it goes with a move and comes back with un
 
 test("picks are named by their labels; a name without one stays; a sentence begins with a capital", () => {
   const list = [{ name: "nipple_L", label: "Left nipple" }, { name: "nipple_R", label: "Right nipple" }];
-  expect(sentenceOf(exchangedSides, list)).toBe("Left nipple and Right nipple look exchanged; they were not followed.");
+  expect(sentenceOf(exchangedSides, list)).toBe("Left nipple and right nipple look exchanged; they were not followed.");
+  expect(sentenceOf({ names: ["nipple_R"], reason: "nipple_R lies where nipple_L is expected." }, list)).toBe("Right nipple lies where left nipple is expected.");
   expect(sentenceOf({ names: ["my_point"], reason: "my_point is 60 mm off." }, list)).toBe("My_point is 60 mm off.");
 });
