@@ -132,6 +132,25 @@ test("exchanged nipples are repaired by one answer", async ({ page, base, troubl
   for (const name of ["nipple_L", "nipple_R"]) expect(await hook.pick(page, name)).toEqual(right[name]);
   await expect(question(page)).toHaveCount(0);
   await expect(page.locator(".landmark.is-asked")).toHaveCount(0);
+
+  await test.step("where the result knows it, each landmark has the radius that holds its true place", async () => {
+    const radii = { nipple_L: 3.25, umbilicus: 12.5 };
+    await page.route("**/api/fits/*/events*", async (route) => {
+      const answer = await route.fetch();
+      const known = JSON.stringify(radii);
+      await route.fulfill({ response: answer, body: (await answer.text()).replace(/("landmark_uncertainty_mm": ?\{[^}]*\}, ?)?"landmarks_picked"/, `"landmark_uncertainty_mm":${known},"landmarks_picked"`) });
+    });
+    await page.reload();
+    await hook.ready(page);
+    await untilFitted(page);
+    await page.locator(".numbers summary").click();
+    const each = page.locator(".numbers details");
+    await expect(each.locator("[data-landmark=nipple_L] dd")).toHaveText(/^\d+\.\d±\u00a03\.[23] mm$/);
+    await expect(each.locator("[data-landmark=umbilicus] dd")).toHaveText(/^\d+\.\d±\u00a012\.5 mm$/);
+    await expect(each.locator("[data-landmark=xiphoid] dd")).toHaveText(/^\d+\.\d mm$/);
+    await each.scrollIntoViewIfNeeded();
+    await look(page, "radii");
+  });
   expect(troubles).toEqual([]);
 });
 

@@ -1,7 +1,7 @@
 // The left side: the steps, of which one is open, and below them the button that says what to do next.
 import { drawing as drawingText } from "../drawing/text";
 import { fit as fitText, result as resultText } from "../fit/text";
-import { openQuestions } from "../landmarks/questions";
+import { askedNames, openQuestions } from "../landmarks/questions";
 import { pickCount } from "../landmarks/state";
 import { landmarks as landmarkText, questions } from "../landmarks/text";
 import { scan as scanText } from "../scan/text";
@@ -20,7 +20,7 @@ const ORDER: Step[] = ["scan", "landmarks", "fit", "drawing", "result"];
 function summary(step: Step, state: StepsShown): string {
   if (!state.scan) return "";
   if (step === "scan") return scanText.summary(formatCount(state.scan.info.triangles));
-  const count = step === "landmarks" ? openQuestions(state).length : 0;
+  const count = step === "landmarks" ? askedNames(openQuestions(state)).size : 0;
   if (count > 0) return questions.toCheck(count);
   if (step === "landmarks") return landmarkText.progress(pickCount(state), state.meta?.landmarks.length ?? 0);
   if (step === "drawing") return drawingText.summary(state.drawn.lines.present.length);

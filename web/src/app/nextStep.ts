@@ -3,7 +3,7 @@ import { isFitting } from "../fit/state";
 import { ENOUGH, nextMissing } from "../landmarks/picks";
 import { certainNames } from "../landmarks/certain";
 import { isLikely, openProposals } from "../landmarks/proposals";
-import { openQuestions } from "../landmarks/questions";
+import { askedNames, openQuestions } from "../landmarks/questions";
 import { needsConfirming, pickCount } from "../landmarks/state";
 import { canCarryTo } from "../stances/state";
 import type { Session } from "./session";
@@ -41,7 +41,8 @@ export function nextStep(state: NextShown): NextStep {
     const landmark = state.active ?? nextMissing(list, state.picks.present, state.skipped);
     if (landmark !== null) return { kind: "place", landmark, isArmed: state.active !== null };
   }
-  const count = state.fit?.state === "done" && (state.step === "fit" || state.step === "result") ? openQuestions(state).length : 0;
+  const mayAsk = state.fit?.state === "done" && state.step !== "scan" && state.step !== "drawing";
+  const count = mayAsk ? askedNames(openQuestions(state)).size : 0;
   if (count > 0) return { kind: "check", count };
   const carried = state.step === "drawing" ? canCarryTo(state) : null;
   if (carried !== null) return { kind: "carry", to: carried };

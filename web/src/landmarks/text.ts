@@ -49,7 +49,7 @@ export const landmarks = {
 
 export const questions = {
   keep: "Keep it",
-  keepAll: "Keep as they are",
+  keepAll: "Keep them",
   takeOut: "Take it out",
   exchange: "Exchange left and right",
   exchangeTwo: "Exchange the two",

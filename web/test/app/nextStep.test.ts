@@ -50,7 +50,8 @@ test("what a fit asks about comes before its result, until it is answered", () =
   const asks = { ...fitted(some), result: { landmarks_unusual: [{ names: ["notch"], reason: "notch is unusual." }] } } as unknown as Session["fit"];
   const state: Session = { ...withScan, step: "result", picks: startHistory(some), fit: asks };
   expect(nextStep(state)).toEqual({ kind: "check", count: 1 });
-  expect(nextStep({ ...state, step: "landmarks", skipped: new Set(["umbilicus"]) }).kind).toBe("save");
+  expect(nextStep({ ...state, step: "landmarks", skipped: new Set(["umbilicus"]) }).kind).toBe("check");
+  expect(nextStep({ ...state, step: "drawing" }).kind).toBe("save");
   expect(nextStep({ ...state, certain: { notch: [0, 0, 0] } }), "kept, and not yet fitted so").toEqual({ kind: "fit", again: true, landmarks: 3 });
 });
 
