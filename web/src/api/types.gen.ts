@@ -47,7 +47,7 @@ export type Distances = {
 
 export type Done = {
   kind?: "done";
-  /** result.json; `verdict` says whether to trust it, `landmarks_not_followed` names every doubted pick */
+  /** result.json; `verdict` says whether to trust it, `landmarks_not_followed` and `landmarks_unusual` name every pick that is asked about */
   result: Record<string, unknown>;
 };
 
