@@ -69,6 +69,23 @@ def test_landmarks_come_from_the_scan_unless_they_are_given(
         assert client.get(answer.json["links"]["result"]).json["landmarks_given"] == expected
 
 
+def test_certain_picks_come_from_the_scan_unless_the_request_brings_its_own(
+    client: FlaskClient, service: Service, scan_id: str
+) -> None:
+    stored = {"nipple_L": [70.0, 350.0, 120.0], "nipple_R": [-70.0, 350.0, 120.0]}
+    client.put(f"/api/scans/{scan_id}/landmarks", json={"landmarks": stored, "certain": ["nipple_L"]})
+    for body, expected in (
+        ({}, ["nipple_L"]),
+        ({"certain": []}, []),
+        ({"certain": ["nipple_R"]}, ["nipple_R"]),
+        ({"landmarks": stored}, []),
+        ({"landmarks": stored, "certain": ["nipple_R"]}, ["nipple_R"]),
+    ):
+        answer = client.post("/api/fits", json={"scan": scan_id, "drawing": None, **body})
+        ended(service, answer.json["id"])
+        assert client.get(answer.json["links"]["result"]).json["certain"] == expected
+
+
 def test_refining_is_asked_for_and_executed(client: FlaskClient, service: Service, scan_id: str) -> None:
     for refine in (True, False):
         links = client.post("/api/fits", json={"scan": scan_id, "drawing": None, "refine": refine}).json["links"]
@@ -90,6 +107,7 @@ def test_refining_is_asked_for_and_executed(client: FlaskClient, service: Servic
         ({"stance": "sitting"}, "stance: Input should be 'auto', 'standing' or 'supine'."),
         ({"landmarks": {"elbow": [0, 0, 0]}}, '"elbow" is not a landmark'),
         ({"landmarks": {"nipple_L": [0, 0, 9000]}}, "nipple_L lies"),
+        ({"landmarks": {}, "certain": ["nipple_L"]}, '"certain" names nipple_L, which is not among these landmarks'),
         ({"colour": "red"}, "colour: Extra inputs are not permitted."),
         ({"scan": 7}, "scan: Input should be a valid string."),
     ],

@@ -24,7 +24,7 @@ def test_two_stances_are_accepted_and_each_has_its_own_fit(
     client: FlaskClient, service: Service, scan_id: str, lying: str
 ) -> None:
     stored, given = {"nipple_L": [70.0, 350.0, 120.0]}, {"nipple_R": [-70.0, 350.0, 120.0]}
-    client.put(f"/api/scans/{lying}/landmarks", json={"landmarks": stored})
+    client.put(f"/api/scans/{lying}/landmarks", json={"landmarks": stored, "certain": list(stored)})
     body = {"scan": scan_id, "stance": "standing", "landmarks": given, "drawing": "lumpectomy", "refine": True}
     answer = client.post("/api/fits", json={**body, "with": {"scan": lying, "stance": "supine"}})
     assert answer.status_code == 202
@@ -39,6 +39,7 @@ def test_two_stances_are_accepted_and_each_has_its_own_fit(
         assert (fit["state"], fit["scan"], fit["stance"], fit["partner"]) == ("done", scan, stance, other["id"])
         assert (fit["drawing"], fit["refine"], fit["links"]) == ("lumpectomy", True, one["links"])
         assert client.get(one["links"]["result"]).json["landmarks_given"] == landmarks
+        assert client.get(one["links"]["result"]).json["certain"] == (["nipple_L"] if one is second else [])
         events = client.get(one["links"]["events"] + ".json").json["events"]
         assert [each["event"]["kind"] for each in events] == ["started", *["iterated"] * 4, "done"]
         assert client.get(f"{one['links']['self']}/iterations/3.gltf").status_code == 200

@@ -145,7 +145,7 @@ def test_an_unknown_unit_is_refused_with_the_known_ones(client: FlaskClient, tor
 
 def test_landmarks_are_kept(client: FlaskClient, scan_id: str) -> None:
     place = f"/api/scans/{scan_id}/landmarks"
-    empty = {"schema": "breastrig/landmarks@1", "unit": "mm", "landmarks": {}}
+    empty = {"schema": "breastrig/landmarks@1", "unit": "mm", "landmarks": {}, "certain": []}
     assert client.get(place).json == empty
     picked = {**empty, "landmarks": {"nipple_L": [70.0, 350.0, 120.5]}}
     answer = client.put(place, json=picked)
@@ -163,12 +163,23 @@ def test_landmarks_are_kept(client: FlaskClient, scan_id: str) -> None:
         ({"landmarks": {"nipple_L": [0, 0, 9000]}}, "nipple_L lies 8.8"),
         ({"landmarks": {"nipple_L": [0, 0, 0]}, "unit": "cm"}, "unit"),
         ({"landmark": {}}, "landmarks: Field required (1 more)"),
+        ({"landmarks": {}, "certain": ["nipple_L"]}, '"certain" names nipple_L, which is not among these landmarks'),
+        ({"landmarks": {}, "certain": "nipple_L"}, "certain: "),
         ([], "valid"),
         ("null", "valid"),
     ],
 )
 def test_landmarks_that_cannot_be_meant_are_refused(client: FlaskClient, scan_id: str, body, word: str) -> None:
     assert word in problem(client.put(f"/api/scans/{scan_id}/landmarks", json=body), 422)
+
+
+def test_what_a_person_is_certain_of_is_kept_with_the_landmarks(client: FlaskClient, scan_id: str) -> None:
+    place = f"/api/scans/{scan_id}/landmarks"
+    picked = {"nipple_L": [70.0, 350.0, 120.5], "nipple_R": [-70.0, 350.0, 120.5]}
+    assert client.put(place, json={"landmarks": picked, "certain": ["nipple_R"]}).status_code == 200
+    assert client.get(place).json["certain"] == ["nipple_R"]
+    client.put(place, json={"landmarks": picked})
+    assert client.get(place).json["certain"] == []
 
 
 def test_landmarks_that_are_not_finite_are_refused(client: FlaskClient, scan_id: str) -> None:

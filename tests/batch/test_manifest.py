@@ -68,6 +68,7 @@ def test_tables_of_other_programs_are_read(split: str, folder: Path, rig: Rig) -
 
 
 def test_each_wrong_row_is_one_sentence_with_its_line(folder: Path, rig: Rig) -> None:
+    (folder / "certain.json").write_text('{"landmarks": {"nipple_L": [1, 2, 3]}, "certain": ["nipple_R"]}')
     found = faults(
         folder,
         rig,
@@ -86,6 +87,7 @@ def test_each_wrong_row_is_one_sentence_with_its_line(folder: Path, rig: Rig) ->
         "a.ply,twelve,,,,,,L:10",
         "a.ply,thirteen,,,,,,,perhaps",
         "a.ply,fourteen,,,,own.toml",
+        "a.ply,fifteen,certain.json",
     )
     words = (
         (3, "There is no scan missing.ply"),
@@ -100,6 +102,7 @@ def test_each_wrong_row_is_one_sentence_with_its_line(folder: Path, rig: Rig) ->
         (13, '"L:10" is not a tumour'),
         (14, '"perhaps" is not a value of refine'),
         (15, "There is no preset own.toml"),
+        (16, '"certain" names nipple_R, which is not among these landmarks'),
     )
     assert len(found) == len(words)
     for fault, (line, text) in zip(found, words, strict=True):

@@ -15,8 +15,11 @@ from helpers import fake_batch
 from breastrig.batch.manifest import BatchRow
 from breastrig.batch.run import DIED, Batch, BatchStopped, exclusive, run_batch
 from breastrig.batch.table import Outcome, write_table
+from breastrig.batch.task import FitOfBytes, fit_of_bytes
 from breastrig.core.errors import BadSettings
 from breastrig.execution.processes import Processes
+from breastrig.workflow.events import Event
+from breastrig.workflow.run_fit import FitJob
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +58,18 @@ def test_a_failing_row_stops_no_other_and_says_why(processes: Processes, tmp_pat
     assert sorted(outcome.name for outcome in outcomes_seen) == sorted(scans)
     assert [entry.name for entry in (tmp_path / "out").iterdir()] == ["six"]
     assert {file.name for file in (tmp_path / "out" / "six").iterdir()} == {*fake_batch.FILES, "inputs.json"}
+
+
+def test_what_a_landmark_file_calls_certain_reaches_the_fit() -> None:
+    def runner(job: FitJob) -> Iterator[Event]:
+        job.out.mkdir()
+        (job.out / "certain").write_text(",".join(job.certain))
+        return iter(())
+
+    picks = b'{"unit": "mm", "landmarks": {"xiphoid": [1, 2, 3], "umbilicus": [4, 5, 6]}, "certain": ["umbilicus"]}'
+    for landmarks, expected in ((picks, b"umbilicus"), (picks.replace(b'"umbilicus"]', b"]"), b""), (None, b"")):
+        task = FitOfBytes(b"", ".ply", landmarks, "", "mm", "auto", "default", None, None, False)
+        assert fit_of_bytes(task, runner) == {"certain": expected}
 
 
 def test_only_what_failed_is_missing_or_has_changed_is_done_again(processes: Processes, tmp_path: Path) -> None:

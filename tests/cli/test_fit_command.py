@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +11,14 @@ import pygltflib
 import pytest
 import trimesh
 
+import breastrig
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.workflow.fit_outcome import Doubt
+from breastrig.workflow.fit_recorder import FitRecorder
 
 EXAMPLE = asset_folder("example") / "standing"
 
@@ -208,6 +212,59 @@ def test_picks_that_were_not_followed_are_named_on_stderr(tmp_path: Path, capsys
     assert main(arguments) == 0
     told = capsys.readouterr().err.splitlines()
     assert told == ["breastrig: nipple_L and nipple_R look exchanged; they were not followed."]
+
+
+def test_a_certain_pick_is_followed_and_not_asked_about(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    landmarks = document(EXAMPLE, "landmarks.json")
+    landmarks["landmarks"]["xiphoid"][0] += 50.0
+    for name, certain in (("doubted", []), ("certain", ["xiphoid"])):
+        (tmp_path / f"{name}.json").write_text(json.dumps(landmarks | {"certain": certain}))
+        wish = ["--landmarks", str(tmp_path / f"{name}.json"), "-o", str(tmp_path / name)]
+        assert main(["fit", str(EXAMPLE / "scan.ply"), *wish]) == 0
+        said = capsys.readouterr().err.splitlines()
+        result = document(tmp_path / name, "result.json")
+        asked = [pick["names"] for pick in (*result["landmarks_not_followed"], *result["landmarks_unusual"])]
+        assert asked == ([["xiphoid"]] if name == "doubted" else [])
+        assert any("xiphoid is" in line for line in said) is (name == "doubted"), said
+    (tmp_path / "wrong.json").write_text(json.dumps(landmarks | {"certain": "xiphoid"}))
+    wish = ["--landmarks", str(tmp_path / "wrong.json"), "-o", str(tmp_path / "wrong")]
+    assert main(["fit", str(EXAMPLE / "scan.ply"), *wish]) == 2
+    assert '"certain" in this landmark file must be a list' in capsys.readouterr().err
+    assert not (tmp_path / "wrong").exists()
+
+
+def test_unusual_picks_are_named_on_stderr_to_be_checked(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reason, question = "umbilicus is 42 mm from where the model expects it.", "xiphoid is unusual. Is it right?"
+    found = (
+        Doubt(("umbilicus",), reason, followed=True),
+        Doubt(("nipple_L",), "nipple_L was let go."),
+        Doubt(("xiphoid",), question, followed=True),
+    )
+    finish = FitRecorder.finish
+    monkeypatch.setattr(FitRecorder, "finish", lambda *given: replace(finish(*given), doubts=found))
+    arguments = ["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(EXAMPLE / "landmarks.json"), "-o", str(tmp_path)]
+    assert main(arguments) == 0
+    assert capsys.readouterr().err.splitlines() == [
+        "breastrig: nipple_L was let go.",
+        "breastrig: umbilicus is 42 mm from where the model expects it; check it.",
+        f"breastrig: {question}",
+    ]
+    assert document(tmp_path, "result.json")["landmarks_unusual"] == [
+        {"names": ["umbilicus"], "reason": reason},
+        {"names": ["xiphoid"], "reason": question},
+    ]
+    fit = breastrig.Fit.load(tmp_path)
+    assert (fit.not_followed, fit.unusual) == (
+        {"nipple_L": "nipple_L was let go."},
+        {"umbilicus": reason, "xiphoid": question},
+    )
+    result = json.loads((tmp_path / "result.json").read_text())
+    del result["landmarks_unusual"]  # as a version before left it
+    (tmp_path / "result.json").write_text(json.dumps(result))
+    assert breastrig.Fit.load(tmp_path).unusual == {}
+    assert main(["report", str(tmp_path), "-o", str(tmp_path / "report")]) == 0
 
 
 @pytest.fixture(scope="module")

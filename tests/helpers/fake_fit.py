@@ -60,6 +60,7 @@ def quick(job: FitJob) -> Iterator[Event]:
         yield iterated(iteration)
     result = {"schema": "breastrig/result@1", "iterations": ITERATIONS - 1, "landmarks_given": job.landmarks_mm}
     result["refined"] = job.refine
+    result["certain"] = list(job.certain)
     for name in ("fitted.glb", "fitted.ply", "distances.bin"):
         (job.out / name).write_bytes(name.encode())
     (job.out / "drawing.json").write_text('{"schema": "breastrig/drawing@1", "unit": "mm", "shapes": []}')

@@ -78,6 +78,31 @@ def test_a_landmark_file_without_a_unit_has_the_scans(in_millimetres: Path, tmp_
     assert by_file.result["landmarks_picked"] == by_name.result["landmarks_picked"]
 
 
+def test_what_is_certain_may_be_named_by_the_program_or_by_its_file(tmp_path: Path) -> None:
+    wrong, unit = read_landmarks(PICKS)
+    wrong["xiphoid"] = wrong["xiphoid"] + np.array([50.0, 0.0, 0.0])
+    (tmp_path / "plain.json").write_bytes(landmark_file(wrong, unit=unit))
+    (tmp_path / "certain.json").write_bytes(landmark_file(wrong, unit=unit, certain=("xiphoid",)))
+    by_program = breastrig.fit(STANDING, tmp_path / "plain.json", certain=("xiphoid",), drawing=None)
+    by_file = breastrig.fit(STANDING, tmp_path / "certain.json", drawing=None)
+    np.testing.assert_array_equal(by_file.vertices, by_program.vertices)
+    assert "xiphoid" not in by_program.not_followed | by_program.unusual
+    doubted = breastrig.fit(STANDING, tmp_path / "plain.json", drawing=None)
+    assert "xiphoid" in doubted.not_followed | doubted.unusual
+
+
+def test_what_cannot_be_certain_is_refused() -> None:
+    proposal = breastrig.Proposal(np.array([0.0, 0.1, 0.1]), 0.4, True)
+    for picks, certain, sentence in (
+        (PICKS, ("nose",), "names nose, which is not among these landmarks"),
+        (None, ("xiphoid",), "names xiphoid, which is not among these landmarks"),
+        ({"xiphoid": proposal}, ("xiphoid",), "xiphoid is proposed and cannot be certain"),
+        (PICKS, "xiphoid", "certain must be a list"),
+    ):
+        with pytest.raises(breastrig.BadLandmarks, match=sentence):
+            breastrig.fit(STANDING, picks, certain=certain)
+
+
 def test_between_two_iterates_blas_has_the_threads_that_it_had() -> None:
     def threads() -> list[int]:
         return [each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"]
@@ -138,7 +163,8 @@ def test_a_saved_fit_is_loaded_with_every_digit_and_saved_again(fit: breastrig.F
         np.testing.assert_array_equal(getattr(found, name), getattr(fit, name), err_msg=name)
     assert found.result == fit.result
     assert "written" not in found.result
-    for name in ("stance", "verdict", "unit", "notes", "iterations", "converged", "stop_reason", "not_followed"):
+    same = ("stance", "verdict", "unit", "notes", "iterations", "converged", "stop_reason", "not_followed", "unusual")
+    for name in same:
         assert getattr(found, name) == getattr(fit, name), name
     for name in ("landmarks", "picked"):
         for landmark, place in getattr(fit, name).items():

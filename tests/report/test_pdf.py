@@ -66,6 +66,26 @@ def test_a_long_list_of_doubts_stays_on_its_page_in_letters_that_can_be_printed(
     assert " ..." in texts[1]
 
 
+def test_unusual_picks_stand_among_the_doubts(toy_stance: Stance) -> None:
+    unusual = [{"names": ["nipple_L"], "reason": "nipple_L is unusual: 30 mm from where others have it."}]
+    shown = Reported("standing", toy_stance, result(landmarks_unusual=unusual), measures(toy_stance))
+    assert unusual[0]["reason"] in pages(report_pdf([shown]))[1].replace("\n", " ")
+    assert report_document([shown])["stances"][0]["landmarks_unusual"] == unusual
+
+
+def test_each_landmark_has_its_distance_and_the_radius_that_holds_its_true_place(toy_stance: Stance) -> None:
+    radii = {"suprasternal_notch": 4.25, "nipple_L": 12.5}
+    distances = NONE | {"each": {"suprasternal_notch": 3.1, "nipple_R": 0.7}}
+    known = result(landmark_uncertainty_mm=radii, landmark_distance_mm=distances)
+    shown = Reported("standing", toy_stance, known, measures(toy_stance))
+    _, text = pages(report_pdf([shown]))
+    assert "holds the true place with 90 %" in text
+    assert "standing 3.1 ± 4.2 ± 12.5 0.7" in text
+    assert report_document([shown])["stances"][0]["landmark_uncertainty_mm"] == radii
+    plain = Reported("standing", toy_stance, result(landmark_distance_mm=distances), measures(toy_stance))
+    assert "90 %" not in pages(report_pdf([plain]))[1]
+
+
 def test_the_document_keeps_no_times_and_no_landmark_of_the_patient(toy_stance: Stance) -> None:
     document = report_document([Reported("standing", toy_stance, result(), measures(toy_stance))])
     assert document["schema"] == "breastrig/report@1"

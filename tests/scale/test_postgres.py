@@ -19,7 +19,7 @@ from breastrig.storage.deletion import delete_rows, remove_files
 from breastrig.storage.location import Location
 from breastrig.storage.rows.events import append, events_after
 from breastrig.storage.rows.fits import claim_fit, fits_page, get_fit, next_queued, queue_position
-from breastrig.storage.rows.scans import ScanRow, add_scan, get_landmarks, get_scan, put_landmarks
+from breastrig.storage.rows.scans import Picks, ScanRow, add_scan, get_landmarks, get_scan, put_landmarks
 from breastrig.storage.rows.shares import (
     ShareRow,
     add_opening,
@@ -90,7 +90,7 @@ def test_writers_wait_for_each_other_and_readers_for_nobody(storage: Storage) ->
         inside.set()
         writer.execute(insert(schema.landmarks).values(scan="scan-1", points_mm="{}"))
         thread.join(timeout=0.1)
-        assert get_landmarks(storage, "scan-1") == {}
+        assert get_landmarks(storage, "scan-1") == Picks({})
         with storage.database.reading() as reader:
             assert reader.execute(select(func.count()).select_from(schema.landmarks)).scalar_one() == 0
         assert not storage.database.can_write(0.05)
@@ -104,7 +104,7 @@ def test_a_reader_sees_one_state_and_can_write_nothing(storage: Storage) -> None
     count = select(func.count()).select_from(schema.landmarks)
     with storage.database.reading() as reader:
         assert reader.execute(count).scalar_one() == 0
-        put_landmarks(storage, "scan-1", {})
+        put_landmarks(storage, "scan-1", Picks({}))
         assert reader.execute(count).scalar_one() == 0
     with storage.database.reading() as reader:
         assert reader.execute(count).scalar_one() == 1
@@ -185,7 +185,7 @@ def test_deleting_a_scan_leaves_no_row(storage: Storage) -> None:
     for visit in ("cd" * 32, "ef" * 32):
         assert add_opening(storage, "share-1", "2026", visit, most_wrong=1)
     assert get_share(storage, "fit-1", "share-1").openings == 2
-    put_landmarks(storage, "scan-1", {"nipple_L": [1.0, 2.0, 3.0]})
+    put_landmarks(storage, "scan-1", Picks({"nipple_L": [1.0, 2.0, 3.0]}, ("nipple_L",)))
     append(storage, "fit-1", iterated(0))
     assert delete_rows(storage, "scan-1") == ["fit-1"]
     assert remove_files(storage, "scan-1") == []

@@ -9,6 +9,7 @@ import pytest
 from breastrig.core.errors import BadLandmarks
 from breastrig.scan.landmark_files import (
     FILE_TYPES,
+    certain_landmarks,
     landmark_confidences,
     landmark_file,
     read_landmarks,
@@ -184,3 +185,37 @@ def test_a_confidence_that_is_none(value: str) -> None:
     text = f'{{"landmarks": {{"xiphoid": [1, 2, 3]}}, "confidence": {{"xiphoid": {value}}}}}'
     with pytest.raises(BadLandmarks, match="confidence of xiphoid in this landmark file must be from 0 to 1"):
         landmark_confidences(text.encode())
+
+
+def test_certain_picks_come_back_as_they_were_written(tmp_path: Path) -> None:
+    path = tmp_path / "picks.json"
+    write_landmarks(path, PLACES, "mm", certain=("umbilicus", "nipple_R"))
+    for source in (path, path.read_bytes()):
+        assert certain_landmarks(source) == ("umbilicus", "nipple_R")
+        assert same(read_landmarks(source)[0])
+    assert landmark_confidences(path) == {}
+
+
+@pytest.mark.parametrize("kind", FILE_TYPES)
+def test_nothing_is_certain_unless_the_file_says_so(kind: str) -> None:
+    content = landmark_file(PLACES, kind, certain=() if kind == "json" else ("umbilicus",))
+    assert b"certain" not in content
+    assert certain_landmarks(content) == ()
+
+
+@pytest.mark.parametrize(
+    ("certain", "sentence"),
+    [
+        ('"xiphoid"', "must be a list of landmarks' names"),
+        ('{"xiphoid": true}', "must be a list of landmarks' names"),
+        ("[1]", "must be a list of landmarks' names"),
+        ("null", "must be a list of landmarks' names"),
+        ('["umbilicus"]', "names umbilicus, which is not among these landmarks; pick it or take it out."),
+        ('["nipple_L"]', "nipple_L is proposed and cannot be certain"),
+    ],
+)
+def test_what_cannot_be_certain_is_said_in_one_sentence(certain: str, sentence: str) -> None:
+    text = '{"landmarks": {"xiphoid": [1, 2, 3], "nipple_L": [4, 5, 6]}, "confidence": {"nipple_L": 0.25}, '
+    with pytest.raises(BadLandmarks, match=sentence) as refused:
+        certain_landmarks(f'{text}"certain": {certain}}}'.encode())
+    assert "\n" not in str(refused.value)

@@ -17,7 +17,7 @@ from breastrig.storage import schema
 from breastrig.storage.migrate import alembic_config, known_revisions
 from breastrig.storage.rows.events import append, events_after
 from breastrig.storage.rows.fits import get_fit, next_queued
-from breastrig.storage.rows.scans import get_landmarks, get_scan
+from breastrig.storage.rows.scans import Picks, get_landmarks, get_scan
 from breastrig.storage.storage import Storage
 
 
@@ -46,9 +46,9 @@ def test_a_database_of_the_first_version_gets_the_tables_of_this_one_and_keeps_i
     old.prepare()
     assert_tables_of_this_version(old)
     assert get_scan(old, "scan-1").facts == {"unit": "mm"}
-    assert get_landmarks(old, "scan-1") == {"nipple_L": [1.0, 2.0, 3.0]}
+    assert get_landmarks(old, "scan-1") == Picks({"nipple_L": [1.0, 2.0, 3.0]}, ())
     fit = get_fit(old, "fit-1")
-    assert (fit.refine, fit.both, fit.last_event) == (False, ("fit-1",), 1)
+    assert (fit.refine, fit.certain, fit.both, fit.last_event) == (False, (), ("fit-1",), 1)
     assert next_queued(old, set()) == "fit-1"
     assert append(old, "fit-1", {"kind": "failed", "reason": "a test"}) == 2
     assert [event.kind for event in events_after(old, "fit-1", 0)] == ["started", "failed"]

@@ -5,9 +5,11 @@ from pathlib import Path
 import pytest
 
 from breastrig.core.assets import asset_folder
+from breastrig.core.errors import BadLandmarks
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.workflow.events import Done, Started
 from breastrig.workflow.run_fit import FitJob, run_fit
+from breastrig.workflow.scan_fit import fit_plan, made_ready, read_model, scan_of_job
 
 EXAMPLE = asset_folder("example") / "standing"
 OTHER_SIDE = {"_L": "_R", "_R": "_L"}
@@ -28,12 +30,52 @@ def picks() -> dict[str, list[float]]:
 
 
 def test_all_sides_exchanged_are_named_before_the_first_step_and_at_the_end(picks, tmp_path: Path) -> None:
-    exchanged = {name[:-2] + OTHER_SIDE.get(name[-2:], name[-2:]): place for name, place in picks.items()}
+    exchanged = exchanged_sides(picks)
     started, done = events(exchanged, tmp_path)
     [doubt] = started.landmarks_not_followed
     assert doubt.names == list(exchanged)
     assert "exchanged" in doubt.reason
     assert done.result["landmarks_not_followed"] == [doubt.model_dump()]
+
+
+def exchanged_sides(picks: dict[str, list[float]]) -> dict[str, list[float]]:
+    return {name[:-2] + OTHER_SIDE.get(name[-2:], name[-2:]): place for name, place in picks.items()}
+
+
+def test_sides_that_a_person_is_certain_of_are_not_called_exchanged(picks, tmp_path: Path) -> None:
+    exchanged = exchanged_sides(picks)
+    certain = tuple(exchanged)
+    job = FitJob(scan=EXAMPLE / "scan.ply", out=tmp_path, landmarks_mm=exchanged, certain=certain)
+    first = next(run_fit(job))
+    assert isinstance(first, Started)
+    assert first.landmarks_not_followed == []
+
+
+def test_a_certain_pick_of_the_middle_is_followed_when_all_sides_are_exchanged(picks, tmp_path: Path) -> None:
+    exchanged = exchanged_sides(picks)
+    job = FitJob(scan=EXAMPLE / "scan.ply", out=tmp_path, landmarks_mm=exchanged, certain=("umbilicus",))
+    ready = made_ready(fit_plan(job, read_model(job), job.landmarks_mm), *scan_of_job(job))
+    [doubt] = ready.started.landmarks_not_followed
+    assert doubt.names == [name for name in exchanged if name != "umbilicus"]
+    assert list(ready.task.landmarks) == ["umbilicus"]
+    assert ready.task.certain == {"umbilicus"}
+
+
+@pytest.mark.parametrize(
+    ("certain", "sentence"), [(("nose",), "names nose, which is not among"), (("xiphoid",), "xiphoid is proposed")]
+)
+def test_what_cannot_be_certain_ends_a_fit_before_it_begins(
+    picks, certain: tuple[str, ...], sentence: str, tmp_path: Path
+) -> None:
+    job = FitJob(
+        scan=EXAMPLE / "scan.ply",
+        out=tmp_path,
+        landmarks_mm=picks,
+        certain=certain,
+        landmark_confidence={"xiphoid": 0.4},
+    )
+    with pytest.raises(BadLandmarks, match=sentence):
+        next(run_fit(job))
 
 
 def test_one_pick_far_off_is_named_at_the_end(picks, tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import asked_drawing, tumour_text
 from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
-from breastrig.scan.landmark_files import landmark_confidences, read_landmarks
+from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
 from breastrig.workflow.scan_fit import STANCES, checked_landmarks
 
 COLUMNS = ("scan", "landmarks", "name", "units", "stance", "preset", "drawing", "tumour", "refine")
@@ -137,6 +137,7 @@ def _row(
     if landmarks is not None:
         places, _ = read_landmarks(landmarks)
         landmark_confidences(landmarks)
+        certain_landmarks(landmarks)
         checked_landmarks(rig, {name: place.tolist() for name, place in places.items()})
     preset = cells.get("preset") or "default"
     if preset.endswith(".toml"):

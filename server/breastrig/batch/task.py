@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from breastrig.core.scratch import scratch_folder
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.scan.landmark_files import landmark_confidences, read_landmarks
+from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Event
 from breastrig.workflow.run_fit import FitJob
@@ -55,6 +55,7 @@ def fit_of_bytes(task: FitOfBytes, runner: Runner) -> dict[str, bytes]:
             out=folder / "out",
             landmarks_mm=task.landmarks_mm(),
             landmark_confidence=landmark_confidences(task.landmarks) if task.landmarks is not None else {},
+            certain=certain_landmarks(task.landmarks) if task.landmarks is not None else (),
             units=task.units,
             stance=task.stance,
             preset=preset,

@@ -104,6 +104,11 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Ite
     )
 
 
+def _to_check(reason: str) -> str:
+    """What is said of a pick that was followed, as a question or with what to do."""
+    return reason if reason.endswith("?") else f"{reason.removesuffix('.')}; check it."
+
+
 def run(options: argparse.Namespace) -> int:
     """Fits and writes; returns 0."""
     given = options.with_landmarks or options.alike or (options.with_units, options.with_stance) != ("auto", "auto")
@@ -129,6 +134,8 @@ def run(options: argparse.Namespace) -> int:
             print(f"breastrig: {scan}{LEVELS[verdict['level']]}: {reason}", file=sys.stderr)
         for pick in result["landmarks_not_followed"]:
             print(f"breastrig: {scan}{pick['reason']}", file=sys.stderr)
+        for pick in result["landmarks_unusual"]:
+            print(f"breastrig: {scan}{_to_check(pick['reason'])}", file=sys.stderr)
         surface, landmarks = result["surface_distance_mm"], result["landmark_distance_mm"]
         if sys.stdout.isatty():
             to_landmarks = "" if landmarks["mean"] is None else f", {landmarks['mean']:.2f} mm to the landmarks"

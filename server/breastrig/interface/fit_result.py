@@ -73,6 +73,7 @@ class Fit:
     landmarks: dict[str, Array]  # (3,) each: where the fitted model has them
     picked: dict[str, Array]  # (3,) each: as they were given
     not_followed: dict[str, str]  # given landmarks that all else contradicts, each with a sentence
+    unusual: dict[str, str]  # given landmarks that were followed and should be looked at, each with a sentence
     parameters: Parameters
     stance: str  # standing | supine
     verdict: Verdict  # level (good | check | unusable) and reasons
@@ -164,6 +165,7 @@ class _Result(_Part):
     landmarks: dict[str, tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
     landmarks_picked: dict[str, tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
     landmarks_not_followed: tuple[_Doubted, ...]
+    landmarks_unusual: tuple[_Doubted, ...] = ()  # results of versions before have none
     verdict: _Verdict
     converged: bool
     stop_reason: str
@@ -187,6 +189,10 @@ def fit_of(contents: dict[str, bytes], rig: Rig, shown: str) -> Fit:
     return _fit(FitFiles(contents), found, (), shown)
 
 
+def _by_name(doubted: tuple[_Doubted, ...]) -> dict[str, str]:
+    return {name: each.reason for each in doubted for name in each.names}
+
+
 def _fit(files: FitFiles, found: FitFolder, inputs: tuple[Path, ...], shown: str) -> Fit:
     try:
         result = _Result.model_validate(found.result)
@@ -204,7 +210,8 @@ def _fit(files: FitFiles, found: FitFolder, inputs: tuple[Path, ...], shown: str
         scan_faces=frozen(found.surface.faces, np.int64),
         landmarks={name: frozen(place) for name, place in result.landmarks.items()},
         picked={name: frozen(place) for name, place in result.landmarks_picked.items()},
-        not_followed={name: each.reason for each in result.landmarks_not_followed for name in each.names},
+        not_followed=_by_name(result.landmarks_not_followed),
+        unusual=_by_name(result.landmarks_unusual),
         parameters=parameters_by_name(found.rig, found.parameters, per_unit),
         stance=found.stance,
         verdict=Verdict(result.verdict.level, result.verdict.reasons),

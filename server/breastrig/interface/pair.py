@@ -71,6 +71,8 @@ def pair_iterates(
     landmarks: Landmarks = None,
     second_landmarks: Landmarks = None,
     *,
+    certain: Sequence[str] = (),
+    second_certain: Sequence[str] = (),
     units: str = "auto",
     second_units: str = "auto",
     stance: str = "auto",
@@ -87,8 +89,8 @@ def pair_iterates(
     coupling = ALIKE if alike else ONE_BODY
     settings = [Settings(each, preset, drawing, tuple(tumours), refine) for each in (stance, second_stance)]
     given = (
-        GivenScan(ScanSource(first, units), landmarks),
-        GivenScan(ScanSource(second, second_units), second_landmarks),
+        GivenScan(ScanSource(first, units), landmarks, certain),
+        GivenScan(ScanSource(second, second_units), second_landmarks, second_certain),
     )
     with one_thread():
         rig = loaded(model)
@@ -114,6 +116,8 @@ def fit_pair(
     landmarks: Landmarks = None,
     second_landmarks: Landmarks = None,
     *,
+    certain: Sequence[str] = (),
+    second_certain: Sequence[str] = (),
     units: str = "auto",
     second_units: str = "auto",
     stance: str = "auto",
@@ -138,6 +142,8 @@ def fit_pair(
         second,
         landmarks,
         second_landmarks,
+        certain=certain,
+        second_certain=second_certain,
         units=units,
         second_units=second_units,
         stance=stance,

@@ -100,6 +100,7 @@ def iterates(
     scan: Scan | str | Path,
     landmarks: Landmarks = None,
     *,
+    certain: Sequence[str] = (),
     units: str = "auto",
     stance: str = "auto",
     preset: str = "default",
@@ -120,7 +121,7 @@ def iterates(
     """
     clock = Clock()
     settings = Settings(stance, preset, drawing, tuple(tumours), refine)
-    given = GivenScan(ScanSource(scan, units), landmarks)
+    given = GivenScan(ScanSource(scan, units), landmarks, certain)
     with one_thread():
         plan = given.plan(settings, loaded(model))
         ready = made_ready(plan, *given.scan.read())
@@ -140,6 +141,7 @@ def fit(
     scan: Scan | str | Path,
     landmarks: Landmarks = None,
     *,
+    certain: Sequence[str] = (),
     units: str = "auto",
     stance: str = "auto",
     preset: str = "default",
@@ -153,6 +155,7 @@ def fit(
     scan        from `read_scan`, or the path of a file
     landmarks   name -> (3,) place in the scan's unit and frame, or a `Proposal`; or the path of a landmark file
                 (JSON, CSV, .pp, .mrk.json); None: the scan alone decides
+    certain     names of landmarks that are followed whatever all else says, besides those that the file names so
     units       of a path: auto, m, dm, cm, mm, in
     stance      auto, standing or supine
     preset      default, paper, or the path of a TOML file
@@ -169,6 +172,7 @@ def fit(
     return iterates(
         scan,
         landmarks,
+        certain=certain,
         units=units,
         stance=stance,
         preset=preset,
@@ -204,9 +208,9 @@ class Settings:
 class GivenScan:
     """A scan with its landmarks, as a program gives them."""
 
-    def __init__(self, scan: ScanSource, landmarks: Landmarks) -> None:
+    def __init__(self, scan: ScanSource, landmarks: Landmarks, certain: Sequence[str] = ()) -> None:
         self.scan = scan
-        self.landmarks_mm, self.confidences = landmarks_in_mm(landmarks, scan)
+        self.landmarks = landmarks_in_mm(landmarks, scan, certain)
         places = landmarks if isinstance(landmarks, str | Path) else None
         self.files = tuple(Path(file) for file in (scan.file, places) if file is not None)
 
@@ -216,10 +220,11 @@ class GivenScan:
             stance=settings.stance,
             preset=settings.preset,
             drawing=settings.drawing_text,
-            landmark_confidence=self.confidences,
+            landmark_confidence=self.landmarks.confidences,
+            certain=self.landmarks.certain,
             refine=settings.refine,
         )
-        return fit_plan(asked, rig, self.landmarks_mm)
+        return fit_plan(asked, rig, self.landmarks.places_mm)
 
 
 def iterate_of(step: RecordedIterate, ready: ReadyScan) -> Iterate:

@@ -6,9 +6,11 @@ from typing import Any
 from breastrig.report.document import Reported
 from breastrig.report.measures import OUTLINE
 from breastrig.report.page import FOOT, MARGIN, QUIET, WIDTH, Align, Sheet
+from breastrig.report.page_landmarks import landmark_table
 from breastrig.report.table import Row, Value, changes, number, with_band
 
-ROW = 5.1  # mm
+ROW = 4.7  # mm
+GAP = 3.6  # mm between two tables
 NAME = 40.0  # mm of a row's name
 HALF = 0.5 * (WIDTH - 8.0)  # mm of a table beside another
 VERDICTS = {"good": "good", "check": "check: see doubts and notes", "unusable": "unusable: see doubts and notes"}
@@ -28,11 +30,12 @@ def numbers_page(sheet: Sheet, stances: Sequence[Reported], top: float) -> None:
     """Draws the page."""
     y = top
     for kind in ("straight", "along the skin"):
-        y = _lengths(sheet, stances, kind, y) + 5.0
+        y = _lengths(sheet, stances, kind, y) + GAP
     left = _volumes(sheet, stances, y)
     right = _ratios(sheet, stances, y)
-    y = max(left, right) + 5.0
-    y = _settings(sheet, stances, y) + 5.0
+    y = max(left, right) + GAP
+    y = landmark_table(sheet, stances, y, GAP)
+    y = _settings(sheet, stances, y) + GAP
     y = _doubts(sheet, stances, y) + 4.0
     room = int((FOOT - 2.0 - y) / 3.0)
     sheet.lines(MARGIN, y, WIDTH, METHODS, 6.5, QUIET, most=max(room, 1))
@@ -146,7 +149,7 @@ def _settings(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
     for place, name in enumerate(said[0]):
         cells: list[Cell] = [(MARGIN + 1.0, NAME, name, "L")]
         cells += [(MARGIN + NAME + k * width, width - 2.0, words[name], "L") for k, words in enumerate(said)]
-        y = sheet.row(y, cells, band=(MARGIN, WIDTH) if place % 2 else None, height=ROW - 0.2, size=7.5)
+        y = sheet.row(y, cells, band=(MARGIN, WIDTH) if place % 2 else None, height=ROW - 0.3, size=7.5)
     return y
 
 
@@ -185,13 +188,14 @@ def _distances(found: dict[str, float | None]) -> str:
 
 
 def _doubts(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
-    """Picks that were not followed, and what reading the scans found."""
+    """Picks that were not followed or are unusual, and what reading the scans found."""
     y = sheet.heading(MARGIN, y, "Doubts and notes")
     remarks = []
     for one in stances:
         prefix = f"{one.name.capitalize()}: " if len(stances) > 1 else ""
         remarks += [prefix + reason for reason in (one.result.get("verdict") or {}).get("reasons", [])]
-        remarks += [prefix + pick["reason"] for pick in one.result.get("landmarks_not_followed", [])]
+        for picks in ("landmarks_not_followed", "landmarks_unusual"):
+            remarks += [prefix + pick["reason"] for pick in one.result.get(picks, [])]
         remarks += [prefix + note for note in one.result.get("notes", [])]
         remarks += (
             [prefix + "the model's own place was taken for " + ", ".join(_unpicked(one)) + "."]

@@ -13,7 +13,7 @@ import csv
 import json
 import math
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -72,14 +72,53 @@ def landmark_confidences(source: Path | bytes) -> dict[str, float]:
     return {name: float(value) for name, value in found.items()}
 
 
-def landmark_file(places: Mapping[str, Array], file_type: str = "json", unit: str | None = None) -> bytes:
+def certain_landmarks(source: Path | bytes) -> tuple[str, ...]:
+    """The picks that a person is certain of, as the file names them; none in files of other programs.
+
+    Raises BadLandmarks with one sentence.
+    """
+    text = _text(source)
+    if text.lstrip()[:1] != "{":
+        return ()
+    pairs, _ = _from_json(text)
+    found = json.loads(text).get("certain", [])
+    if not isinstance(found, list) or not all(isinstance(name, str) for name in found):
+        raise BadLandmarks('"certain" in this landmark file must be a list of landmarks\' names; mend or remove it.')
+    return checked_certain(found, _checked(pairs), landmark_confidences(source))
+
+
+def checked_certain(
+    certain: Sequence[str], landmarks: Collection[str], confidences: Mapping[str, float]
+) -> tuple[str, ...]:
+    """Each name once, in the order given.
+
+    Raises BadLandmarks for a name without a pick, and for one that is only proposed (a confidence below 1).
+    """
+    for name in certain:
+        shown_name = name[:LIMIT_NAME]
+        if name not in landmarks:
+            raise BadLandmarks(
+                f'"certain" names {shown_name}, which is not among these landmarks; pick it or take it out.'
+            )
+        if confidences.get(name, 1.0) < 1.0:
+            raise BadLandmarks(
+                f"{shown_name} is proposed and cannot be certain; place it by hand, or remove its confidence."
+            )
+    return tuple(dict.fromkeys(certain))
+
+
+def landmark_file(
+    places: Mapping[str, Array], file_type: str = "json", unit: str | None = None, certain: Sequence[str] = ()
+) -> bytes:
     """The bytes of a landmark file; file_type is one of FILE_TYPES.
 
-    `unit` is written into our JSON only: in the other kinds the points must be in the scan's unit.
+    `unit` and `certain` are written into our JSON only: in the other kinds the points must be in the scan's unit, and
+    there is no place for certainty.
     """
     points = {name: [float(value) for value in place] for name, place in places.items()}
     if file_type == "json":
         document: dict[str, Any] = {"schema": SCHEMA} | ({"unit": unit} if unit else {}) | {"landmarks": points}
+        document |= {"certain": list(certain)} if certain else {}
         return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
     if file_type == "csv":
         rows = ["name,x,y,z", *(",".join([name, *map(repr, point)]) for name, point in points.items())]
@@ -91,11 +130,13 @@ def landmark_file(places: Mapping[str, Array], file_type: str = "json", unit: st
     raise BadLandmarks(f'"{file_type}" is not a kind of landmark file; known are: {", ".join(FILE_TYPES)}.')
 
 
-def write_landmarks(path: Path, places: Mapping[str, Array], unit: str | None = None) -> None:
+def write_landmarks(
+    path: Path, places: Mapping[str, Array], unit: str | None = None, certain: Sequence[str] = ()
+) -> None:
     """Writes `path` in the kind that its name's ending asks for; see `landmark_file`."""
     name = path.name.lower()
     kind = "mrk.json" if name.endswith(".mrk.json") else path.suffix.lower().lstrip(".")
-    path.write_bytes(landmark_file(places, kind, unit))
+    path.write_bytes(landmark_file(places, kind, unit, certain))
 
 
 def _text(source: Path | bytes) -> str:

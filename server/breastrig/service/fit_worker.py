@@ -174,6 +174,7 @@ def fit_job(scan: ScanRow, fit: FitRow, folder: Path, out: Path, model: Path | N
         scan=folder / upload_name(scan.file_type),
         out=out,
         landmarks_mm=fit.landmarks_mm,
+        certain=fit.certain,
         units=scan.facts["unit"],
         file_type=scan.file_type,
         stance=fit.asked_stance,

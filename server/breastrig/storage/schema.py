@@ -39,6 +39,7 @@ landmarks = Table(
     metadata,
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
     Column("points_mm", Text, nullable=False),  # JSON, {name: [x, y, z]}, scan frame
+    Column("certain", Text, nullable=False, server_default="[]"),  # JSON, names among them
 )
 
 proposals = Table(
@@ -69,6 +70,7 @@ fits = Table(
     Column("preset", String(100), nullable=False),
     Column("drawing", String(100)),
     Column("landmarks_mm", Text, nullable=False),  # JSON, as they were when the fit was asked for
+    Column("certain", Text, nullable=False, server_default="[]"),  # JSON, names among them
     Column("refine", Boolean, nullable=False, server_default=false()),
     Column("start_from", String(32)),  # an earlier fit of the same scan, whose last pose this one goes on from
     Column("partner", String(32)),  # the fit of the other stance, when both are fitted together

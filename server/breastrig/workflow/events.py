@@ -63,7 +63,8 @@ class Iterated(Event):
 class Done(Event):
     kind: Literal["done"] = "done"
     result: dict[str, object] = Field(
-        description="result.json; `verdict` says whether to trust it, `landmarks_not_followed` names every doubted pick"
+        description="result.json; `verdict` says whether to trust it, `landmarks_not_followed` and `landmarks_unusual` "
+        "name every pick that is asked about"
     )
 
 

@@ -96,7 +96,7 @@ class FitRecorder:
             timing_s=timing,
             distances=distances,
             landmarks=ready.landmarks,
-            doubts=doubtful,
+            doubts=tuple(doubt for doubt in doubtful if not task.certain.issuperset(doubt.names)),
             drawing=drawing,
             lines=lines,
             radii=known,

@@ -85,6 +85,8 @@ class _Result(BaseModel):
     scan_to_model_mm: _Distances
     landmark_distance_mm: _Landmarks
     landmarks_not_followed: list[_Doubt]
+    landmarks_unusual: list[_Doubt] = []
+    landmark_uncertainty_mm: dict[str, FiniteFloat] = {}
     notes: list[str]
     versions: dict[str, str]
 

@@ -5,6 +5,7 @@ read its scan already.  Everything that can be wrong with the request itself is 
 """
 
 import time
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -27,13 +28,14 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.scan.clean import clean
+from breastrig.scan.landmark_files import checked_certain
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import DoubtedPick, Started
 from breastrig.workflow.fit_start import EarlierFit, with_earlier_start, with_stance, with_start
 
 STANCES = (AUTO, "standing", "supine")
-ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; no landmark was followed."
+ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; none of them was followed."
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
 
 
@@ -158,7 +160,9 @@ def fit_plan(settings: FitSettings, rig: Rig, landmarks_mm: dict[str, list[float
         raise BadSettings(unknown_name("stance", settings.stance, STANCES))
     recipe = load_recipe(settings.preset)
     drawing = None if settings.drawing is None else asked_drawing(rig, settings.drawing)
-    return FitPlan(settings, rig, recipe, drawing, checked_landmarks(rig, landmarks_mm))
+    landmarks = checked_landmarks(rig, landmarks_mm)
+    checked_certain(settings.certain, landmarks, settings.landmark_confidence)
+    return FitPlan(settings, rig, recipe, drawing, landmarks)
 
 
 def scan_of_job(job: FitJob) -> tuple[Scan, float]:
@@ -180,9 +184,9 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     _near_the_scan(landmarks, target)
     _warm(target)
     timing["prepare"] = clock.lap()
-    are_exchanged = sides_exchanged(rig, landmarks, plan.recipe.outliers)
-    exchanged = (Doubt(tuple(landmarks), ALL_EXCHANGED),) if are_exchanged else ()
-    followed = {} if exchanged else landmarks
+    exchanged = _exchanged(rig, plan.recipe, landmarks, settings.certain)
+    doubted = {name for doubt in exchanged for name in doubt.names}
+    followed = {name: place for name, place in landmarks.items() if name not in doubted}
     errors = {name: expected_error(share) for name, share in settings.landmark_confidence.items()}
     task = FitTask(
         rig,
@@ -216,6 +220,14 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         begun=stance.iterates,
         timing_s=timing,
     )
+
+
+def _exchanged(rig: Rig, recipe: Recipe, landmarks: dict[str, Array], certain: Collection[str]) -> tuple[Doubt, ...]:
+    """The doubt that all sides are exchanged; none where a person is certain of a side."""
+    knows_sides = any(landmark.name in certain and landmark.mirror != landmark.name for landmark in rig.landmarks)
+    if knows_sides or not sides_exchanged(rig, landmarks, recipe.outliers):
+        return ()
+    return (Doubt(tuple(name for name in landmarks if name not in certain), ALL_EXCHANGED),)
 
 
 def _warm(target: ScanTarget) -> None:

@@ -47,7 +47,7 @@ export type Distances = {
 
 export type Done = {
   kind?: "done";
-  /** result.json; `verdict` says whether to trust it, `landmarks_not_followed` names every doubted pick */
+  /** result.json; `verdict` says whether to trust it, `landmarks_not_followed` and `landmarks_unusual` name every pick that is asked about */
   result: Record<string, unknown>;
 };
 
@@ -210,6 +210,8 @@ export type FitRequest = {
   drawing?: string | null;
   /** millimetres, the scan's own frame; by default those stored with the scan */
   landmarks?: Record<string, [number, number, number]> | null;
+  /** names of landmarks that are followed whatever all else says; by default those stored with the scan, or none where the request brings landmarks of its own */
+  certain?: string[] | null;
   /** after the fit a smooth free-form layer where the scan shows skin */
   refine?: boolean;
   /** id of a fit of the same scan that is done: this one goes on from there, with its landmarks where they are now, in fewer iterations */
@@ -299,6 +301,8 @@ export type LandmarkFile = {
   unit?: "mm";
   /** millimetres, the scan's own frame */
   landmarks: Record<string, [number, number, number]>;
+  /** names of landmarks that are followed whatever all else says */
+  certain?: string[];
 };
 
 export type LandmarkInfo = {
@@ -433,6 +437,8 @@ export type OtherStance = {
   stance?: "auto" | "standing" | "supine";
   /** millimetres, the second scan's own frame; by default those stored with it */
   landmarks?: Record<string, [number, number, number]> | null;
+  /** names of landmarks that are followed whatever all else says; by default those stored with the scan, or none where the request brings landmarks of its own */
+  certain?: string[] | null;
 };
 
 /** Lines that were drawn on a scan; fields of other drawing files are passed over and not kept. */
@@ -525,6 +531,8 @@ export type ResultFile = {
   landmarks_not_followed?: DoubtedPick[];
   /** picks that were followed and should be looked at */
   landmarks_unusual?: DoubtedPick[];
+  /** radius that holds the landmark's true place with 90 %, by name; of a fit of this version */
+  landmark_uncertainty_mm?: Record<string, number>;
   /** of the fitted model, in the scan's frame and unit */
   landmarks: Record<string, [number, number, number]>;
   /** as given, in the scan's frame and unit */

@@ -1,7 +1,7 @@
 // The one primary button: it says what to do next, and does it.
 import { fit as fitText, result as resultText } from "../fit/text";
 import { pickCount } from "../landmarks/state";
-import { landmarks as landmarkText, proposals as proposalText } from "../landmarks/text";
+import { landmarks as landmarkText, proposals as proposalText, questions } from "../landmarks/text";
 import { scan as scanText } from "../scan/text";
 import { stances as stancesText } from "../stances/text";
 import { only } from "../store/store";
@@ -18,6 +18,7 @@ function wording(next: NextStep, state: NextShown): string {
     const label = entry ? landmarkText.spoken(entry) : next.landmark;
     return next.isArmed ? text.next.armed(label) : text.next.start(label);
   }
+  if (next.kind === "check") return questions.check(next.count);
   if (next.kind === "confirm scan") return scanText.confirm;
   if (next.kind === "confirm") return proposalText.confirmLikely(next.names.length);
   if (next.kind === "fit" && next.again) return fitText.again(next.landmarks);
@@ -32,6 +33,10 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
     if (next.kind === "confirm scan") actions.scan.confirm();
     if (next.kind === "place") actions.landmarks.want(next.isArmed ? null : next.landmark);
     if (next.kind === "confirm") actions.landmarks.confirm(next.names);
+    if (next.kind === "check") {
+      actions.page.goTo("landmarks");
+      document.querySelector<HTMLElement>("#step-landmarks .question:not([hidden])")?.focus(); // and into view; Enter answers nothing yet
+    }
     if (next.kind === "carry") void actions.stances.carry();
     if (next.kind === "fit") void actions.fit.start();
   };
@@ -43,7 +48,7 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
   const element = el("div", { class: "next" }, go, save, other);
   return {
     element,
-    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "proposals", "skipped", "active", "fit", "isStarting", "stance", "drawn", "stances"),
+    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "drawn", "stances"),
     update(state: NextShown): void {
       next = nextStep(state);
       show(element, next.kind !== "none");

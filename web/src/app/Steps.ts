@@ -1,8 +1,9 @@
 // The left side: the steps, of which one is open, and below them the button that says what to do next.
 import { drawing as drawingText } from "../drawing/text";
 import { fit as fitText, result as resultText } from "../fit/text";
+import { askedNames, openQuestions } from "../landmarks/questions";
 import { pickCount } from "../landmarks/state";
-import { landmarks as landmarkText } from "../landmarks/text";
+import { landmarks as landmarkText, questions } from "../landmarks/text";
 import { scan as scanText } from "../scan/text";
 import type { Step } from "../store/page";
 import { only } from "../store/store";
@@ -19,6 +20,8 @@ const ORDER: Step[] = ["scan", "landmarks", "fit", "drawing", "result"];
 function summary(step: Step, state: StepsShown): string {
   if (!state.scan) return "";
   if (step === "scan") return scanText.summary(formatCount(state.scan.info.triangles));
+  const count = step === "landmarks" ? askedNames(openQuestions(state)).size : 0;
+  if (count > 0) return questions.toCheck(count);
   if (step === "landmarks") return landmarkText.progress(pickCount(state), state.meta?.landmarks.length ?? 0);
   if (step === "drawing") return drawingText.summary(state.drawn.lines.present.length);
   if (step === "fit") return state.fit?.result ? fitText.summary(formatMm(state.fit.result.surface_distance_mm.mean)) : "";
@@ -32,7 +35,7 @@ function isDone(step: Step, state: StepsShown): boolean {
   return state.fit?.state === "done";
 }
 
-type StepsShown = Pick<Session, "meta" | "step" | "scan" | "picks" | "drawn" | "fit">;
+type StepsShown = Pick<Session, "meta" | "step" | "scan" | "picks" | "certain" | "drawn" | "fit">;
 
 /** `bodies`: what each step has inside; `next`: the button below them all.  They follow the state by themselves. */
 export function createSteps(actions: Actions, bodies: Record<Step, HTMLElement>, next: HTMLElement): Panel<StepsShown> {
@@ -56,7 +59,7 @@ export function createSteps(actions: Actions, bodies: Record<Step, HTMLElement>,
   const element = el("nav", { class: "steps", "aria-label": text.page.stepsLabel }, list, next);
   return {
     element,
-    select: only("meta", "step", "scan", "picks", "drawn", "fit"),
+    select: only("meta", "step", "scan", "picks", "certain", "drawn", "fit"),
     update(state: StepsShown): void {
       for (const { step, number, element: section, head, badge, note, before, body } of sections) {
         const isOpen = state.scan !== null && state.step === step;
@@ -65,10 +68,13 @@ export function createSteps(actions: Actions, bodies: Record<Step, HTMLElement>,
         head.setAttribute("aria-expanded", String(isOpen));
         head.disabled = state.scan === null;
         setText(note, summary(step, state));
+        const isAsked = step === "landmarks" && state.scan !== null && openQuestions(state).length > 0;
+        section.classList.toggle("is-asked", isAsked);
         badge.classList.toggle("is-done", done);
-        if (badge.dataset.done !== String(done)) {
-          badge.dataset.done = String(done);
-          badge.replaceChildren(done ? icon("check") : String(number));
+        const sign = isAsked ? "alert" : done ? "check" : "number";
+        if (badge.dataset.sign !== sign) {
+          badge.dataset.sign = sign;
+          badge.replaceChildren(sign === "number" ? String(number) : icon(sign));
         }
         const hasContent = state.scan !== null && (step !== "result" || state.fit !== null);
         show(before, !hasContent);

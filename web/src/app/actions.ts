@@ -21,7 +21,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const player = createPlayer(store, prefersStill);
   const fit = fitActions(store, client, player);
   const proposals = createProposalSearch(store, client);
-  const landmarks = landmarkActions(store, client, proposals.lookOnce, fit.refit);
+  const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refitAnew });
   const scan = scanActions(store, client, scanContents(client, fit.stop), proposals.lookOnce);
   const drawing = drawingActions(store, client);
   const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;

@@ -59,7 +59,7 @@ async function begin(): Promise<void> {
   await followAddress(store, actions);
   const { unsaved } = waiting ?? {};
   if (!unsaved || unsaved.scan !== store.get().scan?.info.id) return;
-  if (unsaved.picks) actions.landmarks.restore(unsaved.picks);
+  if (unsaved.picks) actions.landmarks.restore(unsaved.picks, unsaved.certain);
   if (unsaved.lines) actions.drawing.restore(unsaved.lines);
 }
 

@@ -1,7 +1,9 @@
 // The one primary button: what the person would do next, from the state alone.
 import { isFitting } from "../fit/state";
 import { ENOUGH, nextMissing } from "../landmarks/picks";
+import { certainNames } from "../landmarks/certain";
 import { isLikely, openProposals } from "../landmarks/proposals";
+import { askedNames, openQuestions } from "../landmarks/questions";
 import { needsConfirming, pickCount } from "../landmarks/state";
 import { canCarryTo } from "../stances/state";
 import type { Session } from "./session";
@@ -9,7 +11,7 @@ import type { Session } from "./session";
 /** What of the state decides. */
 export type NextShown = Pick<
   Session,
-  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "drawn" | "stances"
+  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "drawn" | "stances"
 >;
 
 export type NextStep =
@@ -18,11 +20,15 @@ export type NextStep =
   | { kind: "place"; landmark: string; isArmed: boolean }
   | { kind: "confirm"; names: readonly string[] }
   | { kind: "fit"; again: boolean; landmarks: number }
+  | { kind: "check"; count: number }
   | { kind: "carry"; to: string }
   | { kind: "save" };
 
-const picksChanged = (state: NextShown): boolean =>
-  state.fit?.picks !== null && state.fit?.picks !== undefined && state.fit.picks !== state.picks.present;
+/** The fit on the screen was given other picks, or was not told which of them are certain. */
+function picksChanged({ fit, picks, certain }: NextShown): boolean {
+  if (!fit?.picks) return false;
+  return fit.picks !== picks.present || certainNames(picks.present, certain).join() !== fit.certain.join();
+}
 
 export function nextStep(state: NextShown): NextStep {
   if (!state.scan || state.loading || isFitting(state)) return { kind: "none" };
@@ -35,6 +41,9 @@ export function nextStep(state: NextShown): NextStep {
     const landmark = state.active ?? nextMissing(list, state.picks.present, state.skipped);
     if (landmark !== null) return { kind: "place", landmark, isArmed: state.active !== null };
   }
+  const mayAsk = state.fit?.state === "done" && state.step !== "scan" && state.step !== "drawing";
+  const count = mayAsk ? askedNames(openQuestions(state)).size : 0;
+  if (count > 0) return { kind: "check", count };
   const carried = state.step === "drawing" ? canCarryTo(state) : null;
   if (carried !== null) return { kind: "carry", to: carried };
   if (state.fit?.state === "done" && !picksChanged(state)) return { kind: "save" };

@@ -16,11 +16,12 @@ export function scanContents(client: Client, stop: () => void): ScanContents {
       const [saved, drawing] = await Promise.all([client.landmarks(info).catch(() => null), isNew ? null : client.ownDrawing(info)]);
       const picks = saved ? picksOf(saved) : {};
       const drawn = startDrawn(drawing ? fromDrawing(drawing) : []);
-      const state: Partial<Session> = { ...startLandmarks(picks), drawn, fit: null, isStarting: false, stance: "auto" };
+      const state: Partial<Session> = { ...startLandmarks(picks, saved?.certain), drawn, fit: null, isStarting: false, stance: "auto" };
       return { state, frame: frameFromPicks(picks) };
     },
     none: (): Partial<Session> => ({
       picks: startHistory({}),
+      certain: {},
       proposals: null,
       active: null,
       drawn: startDrawn(),

@@ -1,6 +1,7 @@
 // Step 3: the few choices before a fit, and what goes on during one.
 import type { StanceChoice } from "../api/types";
 import { ENOUGH } from "../landmarks/picks";
+import { type Asked, openQuestions, sentenceOf } from "../landmarks/questions";
 import { type LandmarksSlice, pickCount } from "../landmarks/state";
 import * as scanText from "../scan/text";
 import type { PageSlice } from "../store/page";
@@ -9,13 +10,12 @@ import { button, problem, select } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { FitActions } from "./actions";
-import { labelsOf, landmarkWarnings } from "./landmarkWarnings";
 import { hasPattern } from "./modelLines";
 import { drawingLabels, requestLabel } from "./requestedDrawing";
 import { type FitSlice, isFitting, shownIteration } from "./state";
 import * as text from "./text";
 
-type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "model" | "problems" | "picks" | "stance" | "preset" | "drawing" | "refine" | "fit" | "isStarting">;
+type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "model" | "problems" | "picks" | "certain" | "stance" | "preset" | "drawing" | "refine" | "fit" | "isStarting"> & Pick<Asked, "scan">;
 
 export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<Shown> {
   const stance = select<StanceChoice>(text.fit.stance, actions.chooseStance);
@@ -37,7 +37,7 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
   const element = el("div", { class: "panel" }, wrong.element, drawing.element, stance.element, preset.element, refining, hint, running, cancelled, warnings, notes);
   return {
     element,
-    select: only("meta", "model", "problems", "picks", "stance", "preset", "drawing", "refine", "fit", "isStarting"),
+    select: only("meta", "model", "problems", "scan", "picks", "certain", "stance", "preset", "drawing", "refine", "fit", "isStarting"),
     update(state: Shown): void {
       const { fit, meta } = state;
       const busy = isFitting(state);
@@ -62,7 +62,7 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
       show(pattern, hasPattern(state.model?.side ?? null, fit?.drawingName ?? null));
       show(retrying, fit !== null && !fit.isConnected);
       show(cancelled, fit?.state === "cancelled");
-      const unfollowed = fit ? landmarkWarnings(fit, labelsOf(meta?.landmarks)) : [];
+      const unfollowed = fit ? openQuestions(state).map((question) => sentenceOf(question, meta?.landmarks ?? [])) : [];
       show(warnings, unfollowed.length > 0);
       setText(warnings, unfollowed.join(" "));
       const sentences = [...new Set([fit?.started?.stance_reason ?? "", ...(fit?.started?.notes ?? [])])].filter((each) => each !== "");

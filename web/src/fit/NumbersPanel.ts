@@ -41,16 +41,25 @@ function ofIteration(shown: Iterated): HTMLElement[] {
   ];
 }
 
+/** Distance to the pick, where there is one, and how far the truth may be from the model's place. */
+function ofLandmark(mm: number | undefined, radius: number | undefined): HTMLElement[] {
+  const distance = mm === undefined ? [] : [el("span", {}, formatMm(mm))];
+  const band = radius === undefined ? [] : [el("span", { class: "band", title: words.radiusHint(formatMm(radius)) }, words.radius(formatMm(radius)))];
+  return [...distance, ...band, el("span", { class: "unit" }, " mm")];
+}
+
 function ofResult(result: Result, state: Shown): HTMLElement[] {
   const surface = result.surface_distance_mm;
   const back = result.scan_to_model_mm;
   const points = result.landmark_distance_mm;
   const labels = new Map(state.meta?.landmarks.map((entry) => [entry.name, entry.label]));
-  const each = Object.entries(points.each).map(([name, mm]) => {
+  const radii = result.landmark_uncertainty_mm ?? {};
+  const named = [...new Set([...Object.keys(points.each), ...Object.keys(radii)])];
+  const each = named.map((name) => {
     const side = landmarkText.sideShort[sideOf(name)];
     const chip = side === "" ? null : el("span", { class: `mini side-${sideOf(name)}`, title: landmarkText.sides[sideOf(name)] }, side);
     const label = el("dt", {}, plainLabel(labels.get(name) ?? name), chip);
-    return el("div", { class: "row", "data-landmark": name }, label, el("dd", {}, formatMm(mm), el("span", { class: "unit" }, " mm")));
+    return el("div", { class: "row", "data-landmark": name }, label, el("dd", {}, ...ofLandmark(points.each[name], radii[name])));
   });
   const signed = state.fit?.distances ? summarise(state.fit.distances) : null;
   const ofSigned: HTMLElement[] = signed
@@ -69,10 +78,10 @@ function ofResult(result: Result, state: Shown): HTMLElement[] {
     ]),
     ...ofSigned,
     block(words.scanToModel, words.scanToModelHint, [[words.mean, formatMm(back.mean), "mm"], ...spread(back)]),
-    each.length > 0
+    points.mean !== null
       ? block(words.landmarks, words.landmarksHint, [[words.mean, formatMm(points.mean), "mm"], [words.max, formatMm(points.max), "mm"]])
       : el("section", { class: "block" }, el("h3", {}, words.landmarks), el("p", { class: "muted" }, words.noLandmarks)),
-    ...(each.length > 0 ? [el("details", {}, el("summary", {}, words.each), el("dl", {}, ...each))] : []),
+    ...(each.length > 0 ? [el("details", { title: named.some((name) => name in radii) ? words.eachHint : words.landmarksHint }, el("summary", {}, words.each), el("dl", {}, ...each))] : []),
     block(words.run, "", [
       [words.solve, formatSeconds(result.timing_s.solve), "s"],
       [words.total, formatSeconds(result.timing_s.total), "s"],

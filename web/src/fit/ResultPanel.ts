@@ -1,15 +1,16 @@
 // The last step: which landmarks to check, the model's shape, and the files to take away.
+import { type Asked, openQuestions, sentenceOf } from "../landmarks/questions";
+import type { LandmarksSlice } from "../landmarks/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { el, fill, icon, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { HandPoseActions } from "./handPoseActions";
-import { labelsOf, landmarkWarnings } from "./landmarkWarnings";
 import { createShapeSliders } from "./ShapeSliders";
 import type { FitSlice } from "./state";
 import * as text from "./text";
 
-type Shown = Pick<PageSlice & FitSlice, "meta" | "model" | "fit" | "handPose">;
+type Shown = Pick<PageSlice & LandmarksSlice & FitSlice, "meta" | "model" | "picks" | "certain" | "fit" | "handPose"> & Pick<Asked, "scan">;
 
 export function createResultPanel(handPose: HandPoseActions): Panel<Shown> {
   const sliders = createShapeSliders(handPose);
@@ -20,13 +21,13 @@ export function createResultPanel(handPose: HandPoseActions): Panel<Shown> {
   const element = el("div", { class: "panel" }, warnings, sliders.element, downloads);
   return {
     element,
-    select: only("meta", "model", "fit", "handPose"),
+    select: only("meta", "model", "scan", "picks", "certain", "fit", "handPose"),
     update(state: Shown): void {
       const fit = state.fit;
       const isDone = fit?.state === "done";
       show(downloads, isDone);
       sliders.update(state);
-      const sentences = isDone ? landmarkWarnings(fit, labelsOf(state.meta?.landmarks)) : [];
+      const sentences = isDone ? openQuestions(state).map((question) => sentenceOf(question, state.meta?.landmarks ?? [])) : [];
       show(warnings, sentences.length > 0);
       fill(list, sentences, () => sentences.map((sentence) => el("li", {}, sentence)));
       if (!fit) return;

@@ -2,8 +2,11 @@
 import type { Client } from "../api/client";
 import { followFit, type Handlers } from "../api/events";
 import type { FitLinks, StanceChoice } from "../api/types";
+import { certainNames } from "../landmarks/certain";
 import { picksOf } from "../landmarks/picks";
+import { openQuestions, sentenceOf } from "../landmarks/questions";
 import { type LandmarksSlice, pickCount } from "../landmarks/state";
+import { questions } from "../landmarks/text";
 import { straightened } from "../landmarks/straighten";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
@@ -21,7 +24,7 @@ type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice;
 const PAUSE_MS = 150; // a run of key presses that nudge a landmark is one fit
 
 /** As the service's first word makes it: nothing has been computed yet. */
-const freshFit = (id: string, links: FitLinks, drawingName: string | null, picks: FitState["picks"]): FitState => ({
+const freshFit = (id: string, links: FitLinks, drawingName: string | null, given: Pick<FitState, "picks" | "certain" | "before">): FitState => ({
   id,
   links,
   state: "running",
@@ -36,7 +39,7 @@ const freshFit = (id: string, links: FitLinks, drawingName: string | null, picks
   distances: null,
   reason: null,
   isConnected: true,
-  picks,
+  ...given,
 });
 
 export function fitActions(store: Store<State>, client: Client, player: Player) {
@@ -46,20 +49,27 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
   let unseen: FitLinks | null = null; // of a fit that runs, while the page still shows the one before
   let timer: ReturnType<typeof setTimeout> | undefined;
   let askedAt = -Infinity;
+  let wantsAnew = false; // the fit that is asked for next goes on from none
 
-  function stop(): void {
+  /** Nobody follows what ran until now; a fit that was asked for in the meantime still comes. */
+  function leave(): void {
     run += 1;
-    clearTimeout(timer);
     stopFollowing();
     unseen = null;
     player.pause();
+  }
+
+  function stop(): void {
+    clearTimeout(timer);
+    wantsAnew = false;
+    leave();
   }
 
   const change = (part: Partial<FitState>, more: Partial<State> = {}): void =>
     store.set((state) => (state.fit ? { ...more, fit: { ...state.fit, ...part } } : more));
 
   function follow(fit: FitState): void {
-    stop();
+    leave();
     // A fit again is looked at as the one before it was.
     const look = store.get().fit ? {} : { overlay: "both" as const, showDistances: false };
     store.set({ ...look, fit, step: "fit", active: null, isStarting: false, announcement: text.fit.announceStarted });
@@ -69,7 +79,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
 
   /** The fit before stays on the screen, whole, until this one has something to show. */
   function followUnseen(asked: FitState): void {
-    stop();
+    leave();
     unseen = asked.links;
     let fit = asked;
     const isSeen = (): boolean => store.get().fit?.id === fit.id;
@@ -118,9 +128,12 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
     done: ({ body }) => {
       const { scan, fit } = store.get();
       if (scan && fit) finished = { scan: scan.info.id, fit: fit.id };
-      const announcement = text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean));
+      const said = text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean));
       const upright = straightened(store.get(), picksOf({ landmarks: body.result.landmarks, unit: body.result.scan.unit }));
-      change({ state: "done", result: body.result }, { ...upright, step: "result", announcement });
+      change({ state: "done", result: body.result }, { ...upright, step: "result" });
+      const list = store.get().meta?.landmarks ?? [];
+      const asked = openQuestions(store.get()).map((question) => sentenceOf(question, list));
+      store.set({ announcement: asked.length > 0 ? `${said} ${questions.announceAsked(asked)}` : said });
       player.follow();
       void fetchDrawing();
       void fetchSurface();
@@ -154,20 +167,25 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
     }
   }
 
-  /** `from`: a finished fit of the same scan, which the new one goes on from; null: from the beginning. */
-  async function begin(from: string | null): Promise<void> {
-    const { scan, picks, stance, preset, drawing, refine } = store.get();
+  /**
+   * `from`: a finished fit of the same scan, which the new one goes on from; null: from the beginning.
+   * `isUnseen`: what is on the screen stays there until the new one has something to show.
+   */
+  async function begin(from: string | null, isUnseen: boolean): Promise<void> {
+    const { scan, picks, certain: kept, stance, preset, drawing, refine } = store.get();
     if (!scan) return;
     const mine = ++run;
     const landmarks = { ...picks.present };
+    const certain = certainNames(picks.present, kept);
     const goingOn = from === null ? {} : { start_from: from };
     try {
-      const { id, links } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, refine, landmarks, ...goingOn });
+      const { id, links } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, refine, landmarks, certain, ...goingOn });
       if (mine !== run || store.get().scan?.info.id !== scan.info.id) {
         void client.cancel(links.cancel).catch(() => undefined); // nobody waits for it any more
         return;
       }
-      (from === null ? follow : followUnseen)(freshFit(id, links, drawing || null, picks.present));
+      const before = isUnseen ? (store.get().fit?.result ?? store.get().fit?.before ?? null) : null;
+      (isUnseen ? followUnseen : follow)(freshFit(id, links, drawing || null, { picks: picks.present, certain, before }));
     } catch (error) {
       if (mine === run) store.set((state) => ({ ...standStill(state), ...withProblem(state, "fit", messageOf(error)) }));
     }
@@ -177,17 +195,31 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
   function giveUpRunning(): void {
     const { fit } = store.get();
     const links = unseen ?? (fit?.state === "running" ? fit.links : null);
-    stop();
+    leave();
     if (links) void client.cancel(links.cancel).catch(() => undefined);
   }
 
   function refitNow(): void {
+    const isAnew = wantsAnew;
+    wantsAnew = false;
     const { scan, fit } = store.get();
     if (!scan || !fit) return;
     giveUpRunning();
     const from = finished?.scan === scan.info.id ? finished.fit : null;
     store.set((state) => ({ isStarting: true, ...withProblem(state, "fit", null) }));
-    void begin(from);
+    void begin(isAnew ? null : from, isAnew || from !== null);
+  }
+
+  function refitSoon(): void {
+    if (!store.get().fit) {
+      wantsAnew = false;
+      return;
+    }
+    const isRun = performance.now() - askedAt < PAUSE_MS;
+    askedAt = performance.now();
+    clearTimeout(timer);
+    if (isRun) timer = setTimeout(refitNow, PAUSE_MS);
+    else refitNow();
   }
 
   return {
@@ -195,6 +227,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
 
     async start(): Promise<void> {
       if (!store.get().scan || store.get().isStarting) return;
+      clearTimeout(timer);
       store.set((state) => ({
         ...straightened(state, state.picks.present),
         ...withProblem(state, "fit", null),
@@ -202,25 +235,25 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
         active: null,
         step: "fit",
       }));
-      await begin(null);
+      await begin(null, false);
     },
 
     /** Landmarks were moved after a fit: at once the fit that belongs to them, from where the model stands. */
-    refit: (): void => {
-      if (!store.get().fit) return;
-      const isRun = performance.now() - askedAt < PAUSE_MS;
-      askedAt = performance.now();
-      clearTimeout(timer);
-      if (isRun) timer = setTimeout(refitNow, PAUSE_MS);
-      else refitNow();
+    refit: (): void => refitSoon(),
+
+    /** A question about a pick was answered: at once the fit that belongs to it, from the beginning, as the pick may have led it astray. */
+    refitAnew: (): void => {
+      wantsAnew = true;
+      refitSoon();
     },
 
     /** The fit that the address names, from its first event. */
     async open(id: string): Promise<void> {
       try {
         const fit = await client.fit(id);
-        const picks = store.get().picks.present;
-        follow(freshFit(fit.id, fit.links, fit.drawing, pickCount(store.get()) > 0 ? picks : null));
+        const { picks, certain } = store.get();
+        const given = { picks: pickCount(store.get()) > 0 ? picks.present : null, certain: certainNames(picks.present, certain), before: null };
+        follow(freshFit(fit.id, fit.links, fit.drawing, given));
       } catch (error) {
         store.set((state) => withProblem(state, "fit", messageOf(error)));
       }

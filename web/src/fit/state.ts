@@ -23,6 +23,8 @@ export interface FitState {
   readonly reason: string | null;
   readonly isConnected: boolean;
   readonly picks: Picks | null; // that it was started with; null when it came from the address
+  readonly certain: readonly string[]; // of those
+  readonly before: Result | null; // of the fit whose place it takes, which is shown until this one has its own
 }
 
 export interface FitSlice {

@@ -9,13 +9,16 @@ import type { Panel } from "../ui/Panel";
 import { formatMmWhole } from "../ui/units";
 import type { LandmarkActions } from "./actions";
 import { landmarkExport } from "./LandmarkExport";
-import { onWrongSide, plainLabel, sideOf } from "./picks";
+import { isCertain } from "./certain";
+import { plainLabel, sideOf } from "./picks";
 import { expectedErrorMm, isLikely, type OpenProposal, openProposals } from "./proposals";
 import type { ProposalSearch } from "./proposalSearch";
+import { createQuestionBox } from "./QuestionBox";
+import { type Asked, askedNames, openQuestions, type Question } from "./questions";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 
-type Shown = Pick<PageSlice & ScanSlice & LandmarksSlice, "meta" | "problems" | "scan" | "picks" | "proposals" | "skipped" | "active" | "saving">;
+type Shown = Pick<PageSlice & ScanSlice & LandmarksSlice, "meta" | "problems" | "scan" | "picks" | "certain" | "proposals" | "skipped" | "active" | "saving"> & Pick<Asked, "fit">;
 
 export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSearch, dismiss: () => void): Panel<Shown> {
   const rows = el("ol", { class: "landmarks" });
@@ -31,7 +34,7 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
   file.querySelector("span")!.className = "visually-hidden";
   file.title = text.landmarks.importHint;
   const save = landmarkExport(() => state);
-  const warning = el("p", { class: "look-here", hidden: true });
+  const ofAll = createQuestionBox("div", actions, () => undo.focus());
   const proposals = makeProposals(actions, search);
   const element = el(
     "div",
@@ -40,29 +43,30 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
     el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, save.button),
     save.menu,
     proposals.element,
+    ofAll.element,
     rows,
-    warning,
     example,
   );
   const made = new Map<string, ReturnType<typeof makeRow>>();
   return {
     element,
-    select: only("meta", "problems", "scan", "picks", "proposals", "skipped", "active", "saving"),
+    select: only("meta", "problems", "scan", "picks", "certain", "proposals", "skipped", "active", "saving", "fit"),
     update(session: Shown): void {
       state = session;
       const list = session.meta?.landmarks ?? [];
       fill(rows, list.map((entry) => entry.name), () => {
         made.clear();
         for (const entry of list) made.set(entry.name, makeRow(entry, made.size + 1, actions));
-        return [...made.values()].map((each) => each.element);
+        return [...made.values()].flatMap((each) => [each.element, each.question.element]);
       });
-      const wrongSide = session.scan ? onWrongSide(session.picks.present, session.scan.frame) : new Set<string>();
+      const questions = openQuestions(session);
+      const asked = askedNames(questions);
       const open = new Map(openProposals(session.proposals, session.picks.present).map((proposal) => [proposal.name, proposal]));
-      for (const [name, each] of made) each.update(session, wrongSide.has(name), open.get(name) ?? null);
+      for (const [name, each] of made) each.update(session, asked.has(name), open.get(name) ?? null);
+      const placed = new Map(questions.map((question) => [rowOf(question, list), question]));
+      for (const [name, each] of made) each.question.update(placed.get(name) ?? null, list);
+      ofAll.update(questions.find(({ exchange }) => exchange === "all") ?? null, list);
       proposals.update(session, [...open.values()]);
-      const first = list.find((entry) => wrongSide.has(entry.name));
-      setText(warning, first ? text.landmarks.wrongSide(text.landmarks.spoken(first)) : "");
-      show(warning, first !== undefined);
       undo.disabled = session.picks.past.length === 0;
       redo.disabled = session.picks.future.length === 0;
       const isEmpty = Object.keys(session.picks.present).length === 0;
@@ -73,6 +77,11 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
       show(example, Boolean(session.scan?.example));
     },
   };
+}
+
+/** Below which row a question stands: the last of those that it names; one about all sides stands above the list. */
+function rowOf({ names, exchange }: Question, list: readonly LandmarkDefinition[]): string | null {
+  return exchange === "all" ? null : (list.findLast(({ name }) => names.includes(name))?.name ?? null);
 }
 
 function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkActions) {
@@ -94,13 +103,15 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
   );
   const remove = iconButton("close", text.landmarks.remove(text.landmarks.spoken(entry)), () => actions.remove(entry.name));
   remove.classList.add("remove");
-  const tick = icon("check");
+  const kept = el("button", { type: "button", class: "button kept", title: text.questions.keptHint(text.landmarks.spoken(entry)), "aria-label": text.questions.keptHint(text.landmarks.spoken(entry)), onclick: () => actions.unkeep(entry.name) }, text.questions.kept);
   const confirm = el("button", { type: "button", class: "button confirm", onclick: () => actions.confirm([entry.name]) }, icon("check"), el("span", {}));
   const words = confirm.querySelector("span")!;
-  const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, tick, confirm, remove);
+  const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, kept, icon("check"), icon("alert"), confirm, remove);
+  const question = createQuestionBox("li", actions, () => place.focus());
   return {
     element,
-    update(state: Shown, isWrong: boolean, proposal: OpenProposal | null): void {
+    question,
+    update(state: Shown, isAsked: boolean, proposal: OpenProposal | null): void {
       const isPlaced = entry.name in state.picks.present;
       const isSkipped = state.skipped.has(entry.name) && !isPlaced;
       const isActive = state.active === entry.name;
@@ -108,7 +119,10 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
       element.classList.toggle("is-placed", isPlaced);
       element.classList.toggle("is-skipped", isSkipped);
       element.classList.toggle("is-active", isActive);
-      element.classList.toggle("is-wrong", isWrong);
+      const isKept = isCertain(state.picks.present, state.certain, entry.name);
+      element.classList.toggle("is-asked", isAsked);
+      element.classList.toggle("is-kept", isKept);
+      show(kept, isKept);
       place.setAttribute("aria-pressed", String(isActive));
       show(remove, isPlaced);
       const mm = proposal ? formatMmWhole(expectedErrorMm(proposal.confidence)) : "";
@@ -119,7 +133,8 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
       confirm.title = proposal?.on_scan === false ? text.proposals.offScanHint : text.proposals.errorHint(mm);
       confirm.setAttribute("aria-label", `${text.proposals.confirm(text.landmarks.spoken(entry))}, ${text.proposals.error(mm)}`);
       const missing = proposal ? text.proposals.rowState(mm) : text.landmarks.missing;
-      setText(status, isPlaced ? text.landmarks.placed : isSkipped ? text.landmarks.skippedState : missing);
+      const placed = isAsked ? text.questions.state : isKept ? text.questions.keptState : text.landmarks.placed;
+      setText(status, isPlaced ? placed : isSkipped ? text.landmarks.skippedState : missing);
     },
   };
 }

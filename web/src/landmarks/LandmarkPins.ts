@@ -9,10 +9,11 @@ import { metresFromMm } from "../ui/units";
 import { isHidden, type Surface } from "../viewer/picking";
 import type { ViewSlice } from "../viewer/state";
 import type { Viewer } from "../viewer/Viewer";
-import { sideOf } from "./picks";
+import { type Picks, sideOf } from "./picks";
+import { type Asked, askedNames, openQuestions } from "./questions";
 import type { LandmarksSlice } from "./state";
 
-type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice, "meta" | "overlay" | "scan" | "picks" | "active">;
+type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice, "meta" | "overlay" | "scan" | "picks" | "certain" | "active"> & Pick<Asked, "fit">;
 
 const REACH = 12; // pixels from a mark's middle that still hold it: a target of 24
 
@@ -42,6 +43,12 @@ export class LandmarkPins {
     const isShown = (this.isShown = state.scan !== null && state.overlay !== "model" && isFree);
     for (const pin of this.pins.values()) pin.element.hidden = !isShown;
     for (const [name, pin] of this.pins) pin.element.classList.toggle("is-active", name === state.active);
+    this.draw(state, picks);
+    const asked = askedNames(openQuestions(state));
+    for (const [name, pin] of this.pins) pin.element.classList.toggle("is-asked", asked.has(name));
+  }
+
+  private draw(state: Shown, picks: Picks): void {
     if (picks === this.drawn) return;
     this.drawn = picks;
     for (const [name, pin] of this.pins) {

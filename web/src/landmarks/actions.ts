@@ -7,8 +7,9 @@ import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
-import { readLandmarks, UnreadableLandmarks } from "./files";
-import { nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
+import { type Certain, certainAt, certainNames } from "./certain";
+import { readCertain, readLandmarks, UnreadableLandmarks } from "./files";
+import { exchanged, nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
 import { openProposals } from "./proposals";
 import type { LandmarksSlice } from "./state";
 import { straightened } from "./straighten";
@@ -18,9 +19,17 @@ type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice;
 
 const PAUSE_MS = 400; // a run of quick clicks is one save
 
-export function landmarkActions(store: Store<State>, client: Client, onBegun: () => void, onMoved: () => void) {
+/** What follows from a change: landmarks were begun with; one was moved; a question about one was answered. */
+interface Followed {
+  begun(): void;
+  moved(): void;
+  answered(): void;
+}
+
+export function landmarkActions(store: Store<State>, client: Client, followed: Followed) {
   let timer: ReturnType<typeof setTimeout> | undefined;
-  let waiting: { scan: Scan; picks: Picks } | null = null;
+  let waiting: { scan: Scan; picks: Picks; certain: Certain } | null = null;
+  const answers = new WeakSet<Picks>(); // picks that an answer has made: undoing it asks for another fit as well
 
   const list = () => store.get().meta?.landmarks ?? [];
   function labelOf(name: string | null): string | null {
@@ -29,13 +38,13 @@ export function landmarkActions(store: Store<State>, client: Client, onBegun: ()
   }
 
   /** What is shown about saving concerns the scan on the screen; another one is saved all the same. */
-  async function save(scan: Scan, picks: Picks): Promise<void> {
+  async function save(scan: Scan, picks: Picks, certain: Certain): Promise<void> {
     const show = (part: (state: State) => Partial<State>): void =>
       store.set((state) => (state.scan?.info.id === scan.id ? part(state) : {}));
     show(() => ({ saving: "saving" }));
     try {
-      await client.saveLandmarks(scan, { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks } });
-      show((state) => (state.picks.present === picks ? { saving: "saved", ...withProblem(state, "landmarks", null) } : {}));
+      await client.saveLandmarks(scan, { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks }, certain: certainNames(picks, certain) });
+      show((state) => (state.picks.present === picks && state.certain === certain ? { saving: "saved", ...withProblem(state, "landmarks", null) } : {}));
     } catch (error) {
       show((state) => ({ saving: "unsaved", ...withProblem(state, "landmarks", messageOf(error)) }));
     }
@@ -44,31 +53,31 @@ export function landmarkActions(store: Store<State>, client: Client, onBegun: ()
   /** Sends at once what still waits: before another scan takes the page, or the page goes away. */
   async function flush(): Promise<void> {
     clearTimeout(timer);
-    const { scan, picks } = waiting ?? {};
+    const last = waiting;
     waiting = null;
-    if (scan && picks) await save(scan, picks);
+    if (last) await save(last.scan, last.picks, last.certain);
   }
 
   function saveSoon(): void {
-    const { scan, picks } = store.get();
+    const { scan, picks, certain } = store.get();
     if (!scan) return;
     if (waiting && waiting.scan.id !== scan.info.id) void flush();
     clearTimeout(timer);
-    waiting = { scan: scan.info, picks: picks.present };
+    waiting = { scan: scan.info, picks: picks.present, certain };
     store.set({ saving: "unsaved" });
     timer = setTimeout(() => void flush(), PAUSE_MS);
   }
 
   async function saveNow(): Promise<void> {
-    const { scan, picks } = store.get();
-    if (scan) await save(scan.info, picks.present);
+    const { scan, picks, certain } = store.get();
+    if (scan) await save(scan.info, picks.present, certain);
   }
 
   /** The same landmarks elsewhere, and nothing else: what a fit can go on from. */
   function noticeMoves(before: Picks): void {
     const after = store.get().picks.present;
     const names = Object.keys(after);
-    if (names.length === Object.keys(before).length && names.every((name) => name in before) && names.some((name) => after[name] !== before[name])) onMoved();
+    if (names.length === Object.keys(before).length && names.every((name) => name in before) && names.some((name) => after[name] !== before[name])) followed.moved();
   }
 
   function change(picks: Picks, more: Partial<State> = {}): void {
@@ -76,6 +85,29 @@ export function landmarkActions(store: Store<State>, client: Client, onBegun: ()
     store.set((state) => ({ ...more, picks: record(state.picks, picks) }));
     saveSoon();
     noticeMoves(before);
+  }
+
+  const spokenOf = (names: readonly string[]): string => names.map((name) => labelOf(name) ?? name).join(", ");
+
+  /** An answer to a question: one step of the history, and at once the fit that belongs to it. */
+  function answer(picks: Picks, announcement: string): void {
+    answers.add(picks);
+    store.set((state) => ({ ...straightened(state, picks), picks: record(state.picks, picks), announcement }));
+    saveSoon();
+    followed.answered();
+  }
+
+  function setCertain(certain: Certain, announcement: string): void {
+    store.set({ certain, announcement });
+    saveSoon();
+    followed.answered();
+  }
+
+  /** The picks changed from `before` by going back or forth in the history. */
+  function follow(before: Picks, isAnswer: boolean): void {
+    saveSoon();
+    if (isAnswer) followed.answered();
+    else noticeMoves(before);
   }
 
   return {
@@ -101,7 +133,7 @@ export function landmarkActions(store: Store<State>, client: Client, onBegun: ()
 
     want(name: string | null): void {
       store.set({ active: name, ...(name === null ? {} : { step: "landmarks" as const, overlay: "both" as const }) });
-      if (name !== null) onBegun();
+      if (name !== null) followed.begun();
     },
 
     /** Proposals become picks like any other: one step of the history, and they can be placed again. */
@@ -137,8 +169,22 @@ export function landmarkActions(store: Store<State>, client: Client, onBegun: ()
       store.set({ skipped, active: nextMissing(list(), state.picks.present, skipped, state.active) });
     },
 
+    /** What is asked about stays as it was picked; from now on every fit follows it. */
+    keep(names: readonly string[]): void {
+      const { picks, certain } = store.get();
+      setCertain({ ...certain, ...certainAt(picks.present, names) }, text.questions.announceKept(spokenOf(names)));
+    },
+
+    /** It may be asked about again. */
+    unkeep(name: string): void {
+      setCertain(withoutPick(store.get().certain, name), text.questions.announceUnkept(labelOf(name) ?? name));
+    },
+
+    takeOut: (name: string): void => answer(withoutPick(store.get().picks.present, name), text.questions.announceTakenOut(labelOf(name) ?? name)),
+    exchange: (names: readonly string[]): void => answer(exchanged(store.get().picks.present, names), text.questions.announceExchanged(names.length > 2 ? text.questions.allSides : spokenOf(names))),
+
     /** Picks that could not be saved before; what the service has is one undo away. */
-    restore: (picks: Picks): void => change(picks),
+    restore: (picks: Picks, certain: readonly string[] = []): void => change(picks, { certain: certainAt(picks, certain) }),
     remove: (name: string): void => change(withoutPick(store.get().picks.present, name)),
     clear: (): void => change({}, { active: null, skipped: new Set() }),
 
@@ -146,16 +192,14 @@ export function landmarkActions(store: Store<State>, client: Client, onBegun: ()
       if (store.get().picks.past.length === 0) return;
       const before = store.get().picks.present;
       store.set((state) => ({ picks: undo(state.picks), announcement: text.landmarks.announceUndone }));
-      saveSoon();
-      noticeMoves(before);
+      follow(before, answers.has(before));
     },
 
     redo(): void {
       if (store.get().picks.future.length === 0) return;
       const before = store.get().picks.present;
       store.set((state) => ({ picks: redo(state.picks), announcement: text.landmarks.announceRedone }));
-      saveSoon();
-      noticeMoves(before);
+      follow(before, answers.has(store.get().picks.present));
     },
 
     useExample(): void {
@@ -170,11 +214,13 @@ export function landmarkActions(store: Store<State>, client: Client, onBegun: ()
       const scan = store.get().scan;
       if (!scan) return;
       try {
-        const picks = readLandmarks(await file.text(), scan.info.unit, list());
+        const content = await file.text();
+        const picks = readLandmarks(content, scan.info.unit, list());
+        const certain = { ...store.get().certain, ...certainAt(picks, readCertain(content, picks)) };
         const announcement = text.landmarks.announceImported(Object.keys(picks).length);
         store.set((state) => withProblem(state, "landmarks", null));
         const all = { ...store.get().picks.present, ...picks };
-        change(all, { ...straightened(store.get(), all), active: null, announcement });
+        change(all, { ...straightened(store.get(), all), certain, active: null, announcement });
       } catch (error) {
         const message = error instanceof UnreadableLandmarks ? error.message : messageOf(error);
         store.set((state) => withProblem(state, "landmarks", message));

@@ -7,8 +7,9 @@ import type { Picks } from "./picks";
 
 export class UnreadableLandmarks extends Error {}
 
-export function toJson(picks: Picks): string {
-  const file: LandmarkFile = { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks } };
+/** `_scanUnit` is not asked: this kind says its own. */
+export function toJson(picks: Picks, _scanUnit: Unit, certain: readonly string[]): string {
+  const file: LandmarkFile = { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks }, ...(certain.length > 0 ? { certain: [...certain] } : {}) };
   return JSON.stringify(file, null, 1) + "\n";
 }
 
@@ -81,4 +82,16 @@ export function readLandmarks(text: string, scanUnit: Unit, list: readonly Landm
   const picks = read(text, scanUnit, known);
   if (Object.keys(picks).length === 0) throw new UnreadableLandmarks("The file holds no landmarks.");
   return picks;
+}
+
+/** What a file that readLandmarks has read calls certain; throws UnreadableLandmarks with one plain sentence. */
+export function readCertain(text: string, picks: Picks): string[] {
+  if (!text.trimStart().startsWith("{")) return [];
+  const { certain = [] } = JSON.parse(text) as { certain?: unknown };
+  if (!Array.isArray(certain) || !certain.every((name): name is string => typeof name === "string")) {
+    throw new UnreadableLandmarks("“certain” in this file must be a list of landmarks' names: mend or remove it.");
+  }
+  const unknown = certain.find((name) => !Object.hasOwn(picks, name));
+  if (unknown !== undefined) throw new UnreadableLandmarks(`“certain” names “${unknown}”, which is not among the file's landmarks: pick it or take it out.`);
+  return certain;
 }

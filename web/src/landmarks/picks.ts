@@ -33,6 +33,17 @@ export function withoutPick(picks: Picks, name: string): Picks {
   return rest;
 }
 
+/** The picks of these landmarks with their places exchanged: two with each other, more each with its partner. */
+export function exchanged(picks: Picks, names: readonly string[]): Picks {
+  const [first, second] = names;
+  const goal = (name: string): string => {
+    if (!names.includes(name)) return name;
+    if (names.length === 2) return name === first ? second! : first!;
+    return sideOf(name) === "middle" ? name : partnerOf(name);
+  };
+  return Object.fromEntries(Object.entries(picks).map(([name, place]) => [goal(name), place]));
+}
+
 /** The first landmark after `from`, in the list's order and round its end, that is neither placed nor skipped. */
 export function nextMissing(
   list: readonly LandmarkDefinition[],
@@ -45,7 +56,7 @@ export function nextMissing(
   return inOrder.find((entry) => !(entry.name in picks) && !skipped.has(entry.name))?.name ?? null;
 }
 
-const partnerOf = (name: string): string => name.slice(0, -1) + (name.endsWith("_L") ? "R" : "L");
+export const partnerOf = (name: string): string => name.slice(0, -1) + (name.endsWith("_L") ? "R" : "L");
 
 /** Left landmarks with a partner, and the way from right to left between the two (mm). */
 function acrossPairs(picks: Picks): { name: string; across: Vector }[] {

@@ -1,20 +1,23 @@
 // Landmarks on the page's scan: placed ones with their history, proposed ones, and the one that the next click places.
 import type { ScanSlice } from "../scan/state";
 import { type History, startHistory } from "../store/history";
+import { type Certain, certainAt } from "./certain";
 import type { Picks } from "./picks";
 import type { Proposals } from "./proposals";
 
 export interface LandmarksSlice {
   readonly picks: History<Picks>;
+  readonly certain: Certain;
   readonly proposals: Proposals | null; // null until somebody asked
   readonly skipped: ReadonlySet<string>;
   readonly active: string | null; // the landmark that the next click places
   readonly saving: "saved" | "saving" | "unsaved";
 }
 
-/** As it is for a scan on which these were placed before. */
-export const startLandmarks = (picks: Picks = {}): LandmarksSlice => ({
+/** As it is for a scan on which these were placed before, `certain` among them. */
+export const startLandmarks = (picks: Picks = {}, certain: readonly string[] = []): LandmarksSlice => ({
   picks: startHistory(picks),
+  certain: certainAt(picks, certain),
   proposals: null,
   skipped: new Set(),
   active: null,

@@ -17,8 +17,6 @@ export const landmarks = {
   placed: "placed",
   skippedState: "skipped",
   missing: "not placed",
-  wrongSide: (label: string) =>
-    `Are left and right swapped? The point for “${label}” lies on the other side of the body than its partner.`,
   skip: "Skip",
   remove: (label: string) => `Remove ${label}`,
   undo: "Undo",
@@ -47,6 +45,27 @@ export const landmarks = {
   announceUndone: "Undone.",
   announceRedone: "Redone.",
   announceImported: (count: number) => `${plural(count, "landmark", "landmarks")} read.`,
+};
+
+export const questions = {
+  keep: "Keep it",
+  keepAll: "Keep them",
+  takeOut: "Take it out",
+  exchange: "Exchange left and right",
+  exchangeTwo: "Exchange the two",
+  allSides: "all sides",
+  state: "placed, to be checked",
+  toCheck: (count: number) => `${count} to check`,
+  check: (count: number) => (count === 1 ? "Check one landmark" : `Check ${count} landmarks`),
+  wrongSide: (isSeveral: boolean) => (isSeveral ? "Are left and right swapped? Left points lie on the right side of the body, and right ones on the left." : "Are left and right swapped? Each of the two lies on the other's side of the body."),
+  kept: "kept",
+  keptState: "placed, kept as picked",
+  keptHint: (label: string) => `Kept as picked, whatever the fit says: ${label}. Press to have it judged again.`,
+  announceAsked: (sentences: readonly string[]) => `Please check: ${sentences.join(" ")}`,
+  announceKept: (labels: string) => `Kept: ${labels}.`,
+  announceUnkept: (label: string) => `Judged again: ${label}.`,
+  announceTakenOut: (label: string) => `Taken out: ${label}.`,
+  announceExchanged: (labels: string) => `Exchanged: ${labels}.`,
 };
 
 export const proposals = {

@@ -55,7 +55,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
         .fit(fit.id)
         .then(async ({ state }) => {
           if (state === "queued" || state === "running") return;
-          const loaded = await loadFit(client, fit.id, fit.picks);
+          const loaded = await loadFit(client, fit.id, fit.picks, fit.certain);
           change(scan.info.id, (workspace) => (workspace.fit?.id === fit.id ? { fit: loaded } : {}));
         }, fail)
         .finally(lookAfter);

@@ -5,6 +5,7 @@ import { fromDrawing } from "../drawing/files";
 import { startDrawn } from "../drawing/state";
 import { readDistances } from "../fit/distances";
 import type { FitState } from "../fit/state";
+import { certainAt } from "../landmarks/certain";
 import { frameFromPicks, type Picks, picksOf } from "../landmarks/picks";
 import type { ScanState } from "../scan/state";
 import { uploaded } from "../scan/text";
@@ -13,7 +14,7 @@ import { tidyFrame } from "../viewer/frame";
 import type { Workspace } from "./state";
 
 /** A fit with its events so far; its files too when it is done. */
-export async function loadFit(client: Client, id: string, picks: Picks | null): Promise<FitState> {
+export async function loadFit(client: Client, id: string, picks: Picks | null, certain: readonly string[]): Promise<FitState> {
   const fit = await client.fit(id);
   const records = await client.allEvents(fit.links.events);
   const events = records.map(({ event }) => event);
@@ -43,6 +44,8 @@ export async function loadFit(client: Client, id: string, picks: Picks | null): 
     reason: fit.reason,
     isConnected: true,
     picks,
+    certain,
+    before: null,
   };
 }
 
@@ -57,11 +60,12 @@ export async function loadWorkspace(client: Client, scan: string, fit: string | 
   const info: ExampleScan = await client.scan(scan);
   const [mesh, saved, drawing] = await Promise.all([client.mesh(info), client.landmarks(info), client.ownDrawing(info)]);
   const picks = picksOf(saved);
-  const fitted = fit === null ? null : await loadFit(client, fit, picks);
+  const fitted = fit === null ? null : await loadFit(client, fit, picks, saved.certain ?? []);
   const stands = own ? ({ frame: tidyFrame(own), frameFrom: "person" } as const) : frameOf(info, picks, fitted);
   return {
     scan: { info, title: uploaded, mesh, file: null, example: info.example_landmarks ?? null, ...stands },
     picks: startHistory(picks),
+    certain: certainAt(picks, saved.certain),
     drawn: startDrawn(fromDrawing(drawing)),
     proposals: null,
     skipped: new Set(),

@@ -10,7 +10,7 @@ import { isBeside, type ViewSlice } from "../viewer/state";
 /** What belongs to one scan, and goes away and comes back with it. */
 export type Workspace = Pick<
   ScanSlice & LandmarksSlice & FitSlice & DrawingSlice,
-  "scan" | "picks" | "proposals" | "skipped" | "saving" | "stance" | "fit" | "drawn"
+  "scan" | "picks" | "certain" | "proposals" | "skipped" | "saving" | "stance" | "fit" | "drawn"
 >;
 
 /** A scan that was open in this tab. */
@@ -54,9 +54,9 @@ export const initialStances: StancesState = {
 };
 
 /** What the page has of its scan, as it may wait: a replay is at its end. */
-export function workspaceOf({ scan, picks, drawn, proposals, skipped, saving, stance, fit }: Workspace): Workspace {
+export function workspaceOf({ scan, picks, certain, drawn, proposals, skipped, saving, stance, fit }: Workspace): Workspace {
   const resting = fit && { ...fit, shown: fit.iterations.length - 1, playing: false };
-  return { scan, picks, drawn: { ...drawn, tool: "none", start: null, open: null, corner: null }, proposals, skipped, saving, stance, fit: resting };
+  return { scan, picks, certain, drawn: { ...drawn, tool: "none", start: null, open: null, corner: null }, proposals, skipped, saving, stance, fit: resting };
 }
 
 /** standing or supine: as fitted, as asked for, or as the service proposes. */

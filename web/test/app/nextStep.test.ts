@@ -7,8 +7,8 @@ import { record, startHistory } from "../../src/store/history";
 
 const landmarks = ["notch", "nipple_L", "nipple_R", "umbilicus"].map((name) => ({ name }) as LandmarkDefinition);
 const some: Picks = { notch: [0, 0, 0], nipple_L: [1, 0, 0], nipple_R: [-1, 0, 0] };
-const withScan = { ...initialSession, meta: { landmarks }, scan: { file: null } } as unknown as Session;
-const fitted = (picks: Picks | null, state = "done") => ({ state, picks }) as unknown as Session["fit"];
+const withScan = { ...initialSession, meta: { landmarks }, scan: { file: null, frame: { up: [0, 1, 0], front: [0, 0, 1] } } } as unknown as Session;
+const fitted = (picks: Picks | null, state = "done") => ({ state, picks, certain: [] }) as unknown as Session["fit"];
 
 test("without a scan, and while a fit runs, no step is the next", () => {
   expect(nextStep(initialSession).kind).toBe("none");
@@ -44,6 +44,15 @@ test("a finished fit offers its result, until a landmark is changed", () => {
   expect(nextStep(state)).toEqual({ kind: "save" });
   const changed = { ...state, picks: record(state.picks, { ...some, umbilicus: [0, -1, 0] as [number, number, number] }) };
   expect(nextStep(changed)).toEqual({ kind: "fit", again: true, landmarks: 4 });
+});
+
+test("what a fit asks about comes before its result, until it is answered", () => {
+  const asks = { ...fitted(some), result: { landmarks_unusual: [{ names: ["notch"], reason: "notch is unusual." }] } } as unknown as Session["fit"];
+  const state: Session = { ...withScan, step: "result", picks: startHistory(some), fit: asks };
+  expect(nextStep(state)).toEqual({ kind: "check", count: 1 });
+  expect(nextStep({ ...state, step: "landmarks", skipped: new Set(["umbilicus"]) }).kind).toBe("check");
+  expect(nextStep({ ...state, step: "drawing" }).kind).toBe("save");
+  expect(nextStep({ ...state, certain: { notch: [0, 0, 0] } }), "kept, and not yet fitted so").toEqual({ kind: "fit", again: true, landmarks: 3 });
 });
 
 test("a failed fit offers another try", () => {

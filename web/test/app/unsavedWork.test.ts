@@ -18,7 +18,7 @@ const state = { ...initialSession, scan: { info: { id: "s1" } }, picks: startHis
 test("after signing in again the page is where it was, with the landmarks that could not be saved, once", () => {
   const here = memory();
   keepUnsaved({ ...state, saving: "unsaved" }, "#scan=s1&fit=f1", here);
-  expect(takeUnsaved(here)).toEqual({ hash: "#scan=s1&fit=f1", unsaved: { scan: "s1", picks: { nipple_L: [1, 2, 3] } } });
+  expect(takeUnsaved(here)).toEqual({ hash: "#scan=s1&fit=f1", unsaved: { scan: "s1", picks: { nipple_L: [1, 2, 3] }, certain: [] } });
   expect(takeUnsaved(here)).toBeNull();
 });
 

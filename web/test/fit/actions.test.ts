@@ -25,6 +25,7 @@ test("a fit is followed from start to result", async () => {
     drawing: "lumpectomy",
     refine: true,
     landmarks: { nipple_L: [1, 2, 3] },
+    certain: [],
   });
   const source = FakeEventSource.last!;
   expect(source.url).toBe("/api/fits/f1/events");

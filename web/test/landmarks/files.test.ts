@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { LandmarkDefinition } from "../../src/api/types";
-import { readLandmarks, toCsv, toJson } from "../../src/landmarks/files";
+import { readCertain, readLandmarks, toCsv, toJson } from "../../src/landmarks/files";
 import { toMeshlab, toSlicer } from "../../src/landmarks/otherFormats";
 import type { Picks } from "../../src/landmarks/picks";
 
@@ -9,9 +9,24 @@ const list = names.map((name) => ({ name, label: name, latin: "", definition: ""
 const picks: Picks = { suprasternal_notch: [1, 300, 40], nipple_L: [95, 120.5, 130], nipple_R: [-98, 118, 128] };
 
 test("landmark files come back as they were written", () => {
-  expect(readLandmarks(toJson(picks), "m", list)).toEqual(picks);
+  expect(readLandmarks(toJson(picks, "m", []), "m", list)).toEqual(picks);
   const again = readLandmarks(toCsv(picks, "m"), "m", list);
   for (const [name, point] of Object.entries(picks)) point.forEach((mm, axis) => expect(again[name]![axis]).toBeCloseTo(mm, 4));
+});
+
+test("what is certain comes back from our own kind; other kinds have none", () => {
+  expect(readCertain(toJson(picks, "m", ["nipple_R"]), picks)).toEqual(["nipple_R"]);
+  expect(toJson(picks, "m", [])).not.toContain("certain");
+  for (const text of [toJson(picks, "m", []), toCsv(picks, "m"), toMeshlab(picks, "m"), toSlicer(picks, "m")]) expect(readCertain(text, picks)).toEqual([]);
+});
+
+test.each([
+  ['"nipple_L"', "must be a list of landmarks' names"],
+  ["[1]", "must be a list of landmarks' names"],
+  ["null", "must be a list of landmarks' names"],
+  ['["umbilicus"]', "names “umbilicus”, which is not among the file's landmarks"],
+])("what cannot be certain is said in a sentence: %s", (certain, sentence) => {
+  expect(() => readCertain(`{"landmarks": {"nipple_L": [1, 2, 3]}, "certain": ${certain}}`, { nipple_L: [1, 2, 3] })).toThrow(sentence);
 });
 
 test("MeshLab's picked points come back, and a point that was not picked is none", () => {

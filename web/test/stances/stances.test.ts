@@ -112,7 +112,7 @@ afterEach(() => void vi.useRealTimers());
 
 const done = (id: string): FitState => ({
   id, links: fitLinks(id), state: "done", started: null, iterations: [], shown: -1, playing: false, result: null, drawing: null, drawingName: null,
-  surface: new ArrayBuffer(8), distances: null, reason: null, isConnected: true, picks: null,
+  surface: new ArrayBuffer(8), distances: null, reason: null, isConnected: true, picks: null, certain: [], before: null,
 });
 const LINE = { name: "Line 1", closed: false, color: INK, points: [[0, 0, 0], [2, 0, 0]] as Vector[], corners: [0, 1] };
 

@@ -20,7 +20,7 @@ from breastrig.fitting.recipe import preset_names
 from breastrig.service.stored_iteration import stored_iteration
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_position
-from breastrig.storage.rows.scans import get_landmarks, get_scan
+from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan
 from breastrig.workflow.iteration_file import iteration_gltf
 
 FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it live, fetch the results."}
@@ -96,19 +96,27 @@ def _new_fit(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance)
     """One scan's part of the request."""
     context = app_context()
     scan = get_scan(context.service.storage, stance.scan)
-    landmarks = stance.landmarks
-    if landmarks is None:
-        landmarks = get_landmarks(context.service.storage, scan.id)
-    check_landmarks(landmarks, scan, context.model)
+    picks = _picks(scan, stance)
+    check_landmarks(picks.points_mm, picks.certain, scan, context.model)
     return NewFit(
         scan=scan.id,
         stance=stance.stance,
         preset=asked.preset,
         drawing=asked.drawing,
-        landmarks_mm=landmarks,
+        landmarks_mm=picks.points_mm,
+        certain=picks.certain,
         refine=asked.refine,
         start_from=asked.start_from,
     )
+
+
+def _picks(scan: ScanRow, stance: wire.FitRequest | wire.OtherStance) -> Picks:
+    """As the request says, else as they are stored with the scan."""
+    certain = None if stance.certain is None else tuple(stance.certain)
+    if stance.landmarks is not None:
+        return Picks(stance.landmarks, certain or ())
+    stored = get_landmarks(app_context().service.storage, scan.id)
+    return stored if certain is None else Picks(stored.points_mm, certain)
 
 
 def _once(key: str | None, asked: wire.FitRequest) -> Once | None:

@@ -12,7 +12,7 @@ from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.storage.files import MESH, OpenedFile, scan_place
-from breastrig.storage.rows.scans import ScanRow, get_landmarks, get_scan, put_landmarks
+from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan, put_landmarks
 from breastrig.storage.storage import Storage
 
 TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, delete it with everything made of it."}
@@ -86,7 +86,8 @@ def show_landmarks(scan_id: str) -> wire.LandmarkFile:
     """The landmarks picked so far, mm"""
     storage = app_context().service.storage
     get_scan(storage, scan_id)
-    return wire.LandmarkFile(landmarks=get_landmarks(storage, scan_id))
+    stored = get_landmarks(storage, scan_id)
+    return wire.LandmarkFile(landmarks=stored.points_mm, certain=list(stored.certain))
 
 
 @scans.put("/<scan_id>/landmarks")
@@ -96,12 +97,13 @@ def show_landmarks(scan_id: str) -> wire.LandmarkFile:
 def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile) -> wire.LandmarkFile:
     """Replace the landmarks, mm
 
-    Names must be landmarks of the model; points must lie near the scan.
+    Names must be landmarks of the model; points must lie near the scan.  `certain` names those of them that a fit
+    follows whatever all else says.
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
-    check_landmarks(json_data.landmarks, row, context.model)
-    put_landmarks(context.service.storage, scan_id, json_data.landmarks)
+    check_landmarks(json_data.landmarks, json_data.certain, row, context.model)
+    put_landmarks(context.service.storage, scan_id, Picks(json_data.landmarks, tuple(json_data.certain)))
     return json_data
 
 

@@ -24,6 +24,12 @@ Name = Annotated[str, Field(min_length=1, max_length=100)]
 UNITS: tuple[Units, ...] = ("auto", "m", "dm", "cm", "mm", "in")
 
 
+CERTAIN = (
+    "names of landmarks that are followed whatever all else says; by default those stored with the scan, "
+    "or none where the request brings landmarks of its own"
+)
+
+
 class Wire(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
@@ -83,6 +89,9 @@ class LandmarkFile(Wire):
     schema_: Literal["breastrig/landmarks@1"] = Field(default="breastrig/landmarks@1", alias="schema")
     unit: Literal["mm"] = "mm"
     landmarks: dict[Name, Point] = Field(description="millimetres, the scan's own frame", max_length=200)
+    certain: list[Name] = Field(
+        default=[], max_length=200, description="names of landmarks that are followed whatever all else says"
+    )
 
 
 class ProposedLandmark(Wire):
@@ -104,6 +113,7 @@ class FitRequest(Wire):
     landmarks: dict[Name, Point] | None = Field(
         None, max_length=200, description="millimetres, the scan's own frame; by default those stored with the scan"
     )
+    certain: list[Name] | None = Field(None, max_length=200, description=CERTAIN)
     refine: bool = Field(
         False, strict=True, description="after the fit a smooth free-form layer where the scan shows skin"
     )
@@ -128,6 +138,7 @@ class OtherStance(Wire):
     landmarks: dict[Name, Point] | None = Field(
         None, max_length=200, description="millimetres, the second scan's own frame; by default those stored with it"
     )
+    certain: list[Name] | None = Field(None, max_length=200, description=CERTAIN)
 
 
 class FitHeaders(BaseModel):

@@ -77,6 +77,9 @@ class ResultFile(Document):
     landmark_distance_mm: LandmarkDistances
     landmarks_not_followed: list[DoubtedPick] = Field([], description="picks that cannot be right, by name")
     landmarks_unusual: list[DoubtedPick] = Field([], description="picks that were followed and should be looked at")
+    landmark_uncertainty_mm: dict[str, float] = Field(
+        {}, description="radius that holds the landmark's true place with 90 %, by name; of a fit of this version"
+    )
     landmarks: dict[str, Three] = Field(description="of the fitted model, in the scan's frame and unit")
     landmarks_picked: dict[str, Three] = Field({}, description="as given, in the scan's frame and unit")
     parameters: ResultParameters

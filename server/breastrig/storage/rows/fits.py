@@ -28,6 +28,7 @@ class NewFit:
     preset: str = "default"
     drawing: str | None = None
     landmarks_mm: Points
+    certain: tuple[str, ...] = ()  # of the landmarks, those that are followed whatever all else says
     refine: bool = False
     start_from: str | None = None  # an earlier fit of the same scan
 
@@ -95,6 +96,7 @@ def add_fits(storage: Storage, created_at: str, new_fits: dict[str, NewFit], onc
                 **asdict(new_fit),
                 "asked_stance": new_fit.stance,
                 "landmarks_mm": json.dumps(new_fit.landmarks_mm),
+                "certain": json.dumps(new_fit.certain),
                 "id": fit_id,
                 "partner": partner if others else None,
                 "leads": fit_id == first,
@@ -256,6 +258,7 @@ def _fit_row(row: Row[Any]) -> FitRow:
         preset=row.preset,
         drawing=row.drawing,
         landmarks_mm=json.loads(row.landmarks_mm),
+        certain=tuple(json.loads(row.certain)),
         refine=row.refine,
         start_from=row.start_from,
         last_event=row.last_event,

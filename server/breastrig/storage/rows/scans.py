@@ -16,6 +16,14 @@ Points = dict[str, list[float]]  # landmark name -> x, y, z in mm, scan frame
 
 
 @dataclass(frozen=True)
+class Picks:
+    """A person's landmarks on a scan."""
+
+    points_mm: Points
+    certain: tuple[str, ...] = ()  # names of those that a fit follows whatever all else says
+
+
+@dataclass(frozen=True)
 class ScanRow:
     id: str
     created_at: str
@@ -60,19 +68,20 @@ def scans_before(storage: Storage, moment: str) -> list[str]:
         return list(connection.execute(query).scalars())
 
 
-def get_landmarks(storage: Storage, scan_id: str) -> Points:
+def get_landmarks(storage: Storage, scan_id: str) -> Picks:
     """Empty when none were stored."""
+    table = schema.landmarks
     with storage.database.reading() as connection:
-        query = select(schema.landmarks.c.points_mm).where(schema.landmarks.c.scan == scan_id)
-        text = connection.execute(query).scalar_one_or_none()
-    return {} if text is None else json.loads(text)
+        query = select(table.c.points_mm, table.c.certain).where(table.c.scan == scan_id)
+        row = connection.execute(query).one_or_none()
+    return Picks({}) if row is None else Picks(json.loads(row.points_mm), tuple(json.loads(row.certain)))
 
 
-def put_landmarks(storage: Storage, scan_id: str, points_mm: Points) -> None:
+def put_landmarks(storage: Storage, scan_id: str, picks: Picks) -> None:
     """Replaces the scan's landmarks.  Raises NotFound when the scan is gone."""
-    text = json.dumps(points_mm)
+    values = {"points_mm": json.dumps(picks.points_mm), "certain": json.dumps(picks.certain)}
     with storage.database.writing() as connection:
         if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is None:
             raise NotFound("There is no such scan; it may have been deleted.")
         connection.execute(delete(schema.landmarks).where(schema.landmarks.c.scan == scan_id))
-        connection.execute(insert(schema.landmarks).values(scan=scan_id, points_mm=text))
+        connection.execute(insert(schema.landmarks).values(scan=scan_id, **values))

@@ -83,6 +83,8 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
       reason: null,
       isConnected: true,
       picks: null,
+      certain: [],
+      before: null,
     },
   };
 }
