@@ -218,6 +218,7 @@ def test_a_fit_of_no_scan_is_refused(client: FlaskClient) -> None:
         ("fitted.ply", "application/octet-stream"),
         ("drawing.json", "application/json"),
         ("distances.bin", "application/octet-stream"),
+        ("uncertainty.bin", "application/octet-stream"),
     ],
 )
 def test_results_are_files_with_an_etag_that_the_browser_may_keep(

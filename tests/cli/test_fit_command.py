@@ -44,6 +44,7 @@ def test_the_seven_files_are_there_and_nothing_else(fitted: Path) -> None:
         "fitted.glb",
         "drawing.json",
         "distances.bin",
+        "uncertainty.bin",
         "fit.log.jsonl",
     }
 

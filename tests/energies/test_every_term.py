@@ -12,6 +12,7 @@ from helpers.random_pose import random_parameters
 
 import breastrig.energies
 from breastrig.correspondence.match import Correspondences
+from breastrig.energies.body_prior import BodyPrior
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
 from breastrig.energies.landmarks import Landmarks
@@ -45,6 +46,13 @@ def tight_joints(rig: Rig) -> Joints:
     return Joints(rig, tuple(replace(j, rotation_limit=limit) for j, limit in zip(rig.joints, limits, strict=True)))
 
 
+def random_body(rig: Rig, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """A mean and a covariance in which everything goes with everything."""
+    size = 3 * len(rig.bones) + len(rig.shapes)
+    factors = rng.normal(size=(size, size))
+    return rng.normal(size=size), factors @ factors.T / size + np.eye(size)
+
+
 TERMS: dict[str, Callable[[Rig, np.random.Generator], Any]] = {
     "point_to_plane": lambda rig, rng: PointToPlane(rig, matches(rig, rng), rng.uniform(0.1, 1, 40), 0.003),
     "point_to_point": lambda rig, rng: PointToPoint(rig, matches(rig, rng), rng.uniform(0.1, 1, 40), 0.01),
@@ -58,6 +66,7 @@ TERMS: dict[str, Callable[[Rig, np.random.Generator], Any]] = {
     "shape_prior": lambda rig, rng: ShapePrior(rng.uniform(0.1, 1, len(rig.shapes)), rng.normal(size=len(rig.shapes))),
     "symmetry": lambda rig, _: Symmetry(rig, 0.5, 0.02),
     "joint_rest": lambda rig, rng: JointRest(Joints(rig, rig.joints, 0.2 * rng.normal(size=(len(rig.joints), 3)))),
+    "body_prior": lambda rig, rng: BodyPrior(rig, *random_body(rig, rng)),
     "table_contact": lambda rig, rng: TableContact(
         rig,
         Plane(np.array([0.6, 0.0, 0.8]), 0.01),

@@ -21,7 +21,16 @@ from breastrig.core.errors import FitFailed
 from breastrig.workflow.events import Done, Event
 from breastrig.workflow.run_fit import FitJob
 
-FILES = ("result.json", "scan.ply", "fitted.ply", "fitted.glb", "drawing.json", "distances.bin", "fit.log.jsonl")
+FILES = (
+    "result.json",
+    "scan.ply",
+    "fitted.ply",
+    "fitted.glb",
+    "drawing.json",
+    "distances.bin",
+    "uncertainty.bin",
+    "fit.log.jsonl",
+)
 WHOLE = {*FILES, "inputs.json"}
 
 

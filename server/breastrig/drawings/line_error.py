@@ -1,8 +1,9 @@
 """How far off each point of a line may be: radii that hold its true place with 90 %.
 
 A line that the fit projects is as far off as the model under it.  A line that is carried from one scan to another is
-off by what both fits are off there, but what they share (one model, one body) cancels, so the square sum of both
-radii is taken down by a factor, and what the skin itself does is added; both are chosen with known skin (skin_maps).
+off by what both fits are off there, whatever it was off before; but what they share (one model, one body) cancels, so
+the square sum of both radii is taken down by a factor, and what the skin itself does is added.  Both are chosen with
+known skin (skin_maps).
 """
 
 from collections.abc import Sequence
@@ -11,6 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.skin_map_settings import skin_map_settings
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline, parts
 from breastrig.rig.model import Rig
@@ -20,6 +23,17 @@ def radii_at(rig: Rig, vertices: Array, radii: Array, points: Array) -> Array:
     """(M,) m: the (V,) m radii of the fitted model's (V, 3) m vertices, at (M, 3) m points near it."""
     nearest = ClosestPointSearch(vertices, rig.faces).query(points)
     return np.asarray(np.einsum("mc,mc->m", nearest.barycentric, radii[rig.faces[nearest.faces]]))
+
+
+def carried_errors(rig: Rig, a: FittedScan, b: FittedScan, on_a: Array, on_b: Array) -> Array:
+    """(M,) m: of (M, 3) m points of A's skin that were carried to (M, 3) m on B; nan where a fit knows no radii."""
+    settings = skin_map_settings(rig.name)
+    total = np.full(len(on_a), settings.error_skin**2)
+    for scan, points in ((a, on_a), (b, on_b)):
+        if scan.radii is None:
+            return np.full(len(on_a), np.nan)
+        total += (settings.error_share * radii_at(rig, scan.vertices, scan.radii, points)) ** 2
+    return np.asarray(np.sqrt(total))
 
 
 def with_errors(rig: Rig, vertices: Array, radii: Array | None, lines: Sequence[Polyline]) -> tuple[Polyline, ...]:

@@ -58,6 +58,7 @@ class FittedScan:
     vertices: Array  # (V, 3) of the model
     landmarks: dict[str, Array]  # picked and not doubted, (3,)
     stance: str  # standing | supine
+    radii: Array | None = None  # (V,) m, each holds the vertex's true place with 90 %; None: not known
 
 
 class SkinMap:

@@ -8,6 +8,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
 Count = Annotated[int, Field(ge=1)]
 
 FALLBACK = "torso"  # for rigs without a file of their own
@@ -34,6 +35,8 @@ class SkinMapSettings(BaseModel):
     to_scan_angle: Positive
     rounds: Count
     reach: Positive
+    error_share: NotNegative
+    error_skin: Positive
 
 
 @lru_cache(maxsize=8)

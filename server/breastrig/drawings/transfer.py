@@ -16,6 +16,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.line_error import carried_errors
 from breastrig.drawings.prepare_polyline import prepared
 from breastrig.drawings.project_drawing import LineNearSkin, smoothed_on_skin
 from breastrig.drawings.skin_map import FittedScan, SkinMap
@@ -66,8 +67,11 @@ def transferred(
     models = [ClosestPointSearch(each.vertices, rig.faces) for each in (a, b)]
     gaps = [model.query(each).distances for model, each in zip(models, (points, there), strict=True)]
     gaps[0][skipped], gaps[1][bridged] = np.nan, np.nan
+    errors = carried_errors(rig, a, b, points, there)
     return tuple(
-        TransferredLine(replace(line, points=there[part], bridged=bridged[part]), gaps[0][part], gaps[1][part])
+        TransferredLine(
+            replace(line, points=there[part], bridged=bridged[part], error=errors[part]), gaps[0][part], gaps[1][part]
+        )
         for line, part in zip(lines, rows, strict=True)
     )
 
@@ -146,6 +150,8 @@ def _model_map(rig: Rig, a: FittedScan, b: FittedScan, model: ClosestPointSearch
     return mapped
 
 
-def fitted_scan(surface: Surface, vertices: Array, landmarks: dict[str, Array], stance: str) -> FittedScan:
+def fitted_scan(
+    surface: Surface, vertices: Array, landmarks: dict[str, Array], stance: str, radii: Array | None = None
+) -> FittedScan:
     """A cleaned scan with its fit."""
-    return FittedScan(ScanTarget(surface.vertices, surface.faces), vertices, landmarks, stance)
+    return FittedScan(ScanTarget(surface.vertices, surface.faces), vertices, landmarks, stance, radii)

@@ -12,6 +12,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.match import Correspondences, MatchRules, match
+from breastrig.energies.body_prior import BodyPrior
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
 from breastrig.energies.landmarks import Landmarks
@@ -21,6 +22,7 @@ from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
+from breastrig.fitting.body.statistics import body_statistics
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import Range, Stage
 from breastrig.fitting.task import FitIterate, FitTask
@@ -202,17 +204,26 @@ def expected_joints(task: FitTask) -> Joints:
 def prior_terms(task: FitTask, joints: Joints) -> Terms:
     """The terms that no scan changes."""
     rig, recipe = task.rig, task.recipe
-    sigma, mean = expected_shapes(task)
-    terms: Terms = [
-        ScalePrior(rig, recipe.scales.sigma, recipe.scales.neighbour_sigma or np.inf),
-        ShapePrior(sigma, mean),
-    ]
+    terms = body_terms(task)
     if recipe.joints.limit_sigma is not None:
         terms.append(JointLimits(joints, recipe.joints.limit_sigma))
     if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
         terms.append(Symmetry(rig, recipe.shapes.symmetry_sigma or np.inf, recipe.scales.symmetry_sigma or np.inf))
     contact = table_contact(task)
     return terms if contact is None else [*terms, contact]
+
+
+def body_terms(task: FitTask) -> Terms:
+    """What is expected of scales and shapes: by the statistics of bodies where the recipe and the rig have them."""
+    rig, recipe = task.rig, task.recipe
+    sigma, mean = expected_shapes(task)
+    known = body_statistics(rig) if recipe.body is not None else None
+    if recipe.body is None or known is None:
+        plain = ScalePrior(rig, recipe.scales.sigma, recipe.scales.neighbour_sigma or np.inf)
+        return [plain, ShapePrior(sigma, mean)]
+    alone = np.concatenate([np.full(3 * len(rig.bones), recipe.body.scale_sigma), recipe.body.shape_factor * sigma])
+    covariance = recipe.body.share * known.covariance + np.diag(alone**2)
+    return [BodyPrior(rig, np.concatenate([known.mean_scales, mean]), covariance)]
 
 
 def table_contact(task: FitTask) -> TableContact | None:

@@ -51,6 +51,14 @@ class Scales(_Part):
     symmetry_sigma: Positive | None = None
 
 
+class Body(_Part):
+    """How far the statistics of bodies are believed; see fitting/body and energies/body_prior.py."""
+
+    share: Positive  # of their covariance
+    scale_sigma: Positive  # what single scales do beyond it
+    shape_factor: Positive  # likewise single weights, in units of what is expected of them (Shapes)
+
+
 class Shapes(_Part):
     constraint: Literal["simplex", "box", "free"]
     sigma: Positive | None = None  # the same for all shapes; else the rig's own times the factor
@@ -131,6 +139,7 @@ class Recipe(_Part):
     joints: Joints
     scales: Scales
     shapes: Shapes
+    body: Body | None = None  # absent: scales and shapes do not know of each other
     outliers: Outliers
     stance_rule: StanceRule
     lying: Lying

@@ -26,7 +26,7 @@ from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.parameters import Parameters, parameters_by_name
 from breastrig.rig.model import Rig
-from breastrig.workflow.fit_files import FIT_FILES, RESULT, fit_file, fit_set, json_bytes, write_files
+from breastrig.workflow.fit_files import FIT_FILES, RESULT, UNCERTAINTY, fit_file, fit_set, json_bytes, write_files
 from breastrig.workflow.fit_folder import FitFolder, fit_of_files, read_fit_files
 from breastrig.workflow.fit_outcome import FitOutcome
 
@@ -113,9 +113,9 @@ class Fit:
     def save(self, folder: str | Path, *, force: bool = False) -> None:
         """Writes the files of `breastrig fit -o FOLDER`, all of them or none, for their owner only.
 
-        result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin, uncertainty.bin and fit.log.jsonl; each says its
-        unit or has the scan's.  Files there that BreastRig did not write, or that were changed since, are replaced
-        with `force` only; files that the fit was made from never.  Raises BadInput.
+        result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin, uncertainty.bin and fit.log.jsonl;
+        each says its unit or has the scan's.  Files there that BreastRig did not write, or that were changed since, are
+        replaced with `force` only; files that the fit was made from never.  Raises BadInput.
         """
         output = FolderOutput(Path(folder), (fit_set(Path()),), self.inputs, force)
         with all_or_nothing(output) as staging:
@@ -177,7 +177,7 @@ class _Result(_Part):
 def fit_of_outcome(outcome: FitOutcome, inputs: tuple[Path, ...]) -> Fit:
     """The Fit of a fit that has just ended."""
     files = FitFiles({}, outcome)
-    needed = files.several(("scan.ply", "fitted.ply", RESULT))
+    needed = files.several(("scan.ply", "fitted.ply", UNCERTAINTY, RESULT))
     return _fit(files, fit_of_files(needed, outcome.rig, THIS_FIT), inputs, THIS_FIT)
 
 

@@ -28,6 +28,7 @@ from breastrig.report.surface_files import surface_ply
 from breastrig.workflow.fit_outcome import FitOutcome
 
 RESULT = "result.json"
+UNCERTAINTY = "uncertainty.bin"
 RESULT_SCHEMA = "breastrig/result@1"
 
 
@@ -123,7 +124,7 @@ def distances_bin(outcome: FitOutcome) -> bytes:
 
 
 def uncertainty_bin(outcome: FitOutcome) -> bytes:
-    """Of each model vertex the radius that holds its true place with 90 %: little-endian float32, mm; nan if unknown."""
+    """Of each model vertex the radius that holds its true place with 90 %: float32 as above, mm; nan where unknown."""
     unknown = np.full(len(outcome.vertices), np.nan)
     return (1e3 * (unknown if outcome.radii is None else outcome.radii.vertices)).astype("<f4").tobytes()
 
@@ -185,7 +186,7 @@ MAKERS: dict[str, Callable[[FitOutcome], bytes]] = {
     "fitted.glb": _fitted_glb,
     "drawing.json": lambda outcome: json_bytes(drawing_json(outcome)),
     "distances.bin": distances_bin,
-    "uncertainty.bin": uncertainty_bin,
+    UNCERTAINTY: uncertainty_bin,
     "fit.log.jsonl": _log,
     RESULT: lambda outcome: json_bytes(result_json(outcome)),
 }

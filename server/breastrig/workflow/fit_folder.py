@@ -7,7 +7,7 @@ error of one sentence.
 import json
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -25,7 +25,7 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.scan.clean import Surface
 from breastrig.scan.limits import FILE_BYTES
 from breastrig.scan.read import read_scan
-from breastrig.workflow.fit_files import FIT_FILES, RESULT
+from breastrig.workflow.fit_files import FIT_FILES, RESULT, UNCERTAINTY
 
 RESULT_BYTES = 4_000_000  # a result.json has some ten thousand
 
@@ -42,6 +42,7 @@ class FitFolder:
     stance: str  # standing | supine
     metres_per_unit: float
     parameters: RigParameters
+    radii: Array | None = None  # (V,) m, each holds the vertex's true place with 90 %; None: an older fit
 
     @property
     def unit(self) -> str:
@@ -87,6 +88,7 @@ class _Result(_Part):
     stance: Literal["standing", "supine"]
     landmarks_picked: dict[str, list[FiniteFloat]]
     landmarks_not_followed: list[_Doubted]
+    landmarks_unusual: list[_Doubted] = []
     parameters: _Parameters
 
 
@@ -101,7 +103,10 @@ def read_fit_folder(folder: Path, model: Path | None = None) -> FitFolder:
 def fit_folder_of(folder: Path, rig: Rig) -> FitFolder:
     """As read_fit_folder, with a rig that has been read."""
     text = _result_text(folder)
-    return _fit(text, lambda name, unit: _mesh_file(folder / name, unit), rig, _shown(folder))
+    found = _fit(text, lambda name, unit: _mesh_file(folder / name, unit), rig, _shown(folder))
+    with suppress(OSError):
+        return replace(found, radii=_radii(read_ordinary(folder / UNCERTAINTY, FILE_BYTES), rig))
+    return found
 
 
 def read_fit_files(folder: Path) -> dict[str, bytes]:
@@ -137,7 +142,8 @@ def fit_of_files(files: Mapping[str, bytes], rig: Rig, shown: str) -> FitFolder:
             raise _missing(f"{shown}/{name}")
         return _mesh(files[name], f"{shown}/{name}", unit)
 
-    return _fit(files[RESULT], mesh, rig, shown)
+    found = _fit(files[RESULT], mesh, rig, shown)
+    return replace(found, radii=_radii(files.get(UNCERTAINTY, b""), rig))
 
 
 def _fit(text: bytes, mesh: Callable[[str, str], tuple[Array, Integers]], rig: Rig, shown: str) -> FitFolder:
@@ -159,7 +165,8 @@ def _fit(text: bytes, mesh: Callable[[str, str], tuple[Array, Integers]], rig: R
     vertices, faces = mesh("fitted.ply", result.scan.unit)
     if not np.array_equal(faces, rig.faces) or len(vertices) != len(rig.template):
         raise BadInput(f"{shown}/fitted.ply is not the fitted model; fit the scan again.")
-    doubted = {name for doubt in result.landmarks_not_followed for name in doubt.names}
+    asked_about = (*result.landmarks_not_followed, *result.landmarks_unusual)
+    doubted = {name for doubt in asked_about for name in doubt.names}
     places = {name: np.array(place) for name, place in result.landmarks_picked.items() if name not in doubted}
     if any(place.shape != (3,) or name not in rig.landmark_names for name, place in places.items()):
         raise BadInput(f"{shown}/result.json is damaged (landmarks_picked); fit the scan again.")
@@ -173,6 +180,14 @@ def _fit(text: bytes, mesh: Callable[[str, str], tuple[Array, Integers]], rig: R
         metres_per_unit=per_unit,
         parameters=_parameters(f"{shown}/result.json", rig, result.parameters),
     )
+
+
+def _radii(content: bytes, rig: Rig) -> Array | None:
+    """(V,) m of uncertainty.bin; None for another model's, or where nothing is known."""
+    if len(content) != 4 * len(rig.template):
+        return None
+    radii = 1e-3 * np.frombuffer(content, dtype="<f4").astype(np.float64)
+    return radii if np.isfinite(radii).all() and (radii >= 0.0).all() else None
 
 
 def _document(text: bytes) -> dict[str, Any]:

@@ -54,8 +54,8 @@ def transfer(job: TransferJob) -> dict[str, Any]:
     source, goal = fit_folder_of(job.from_fit, rig), fit_folder_of(job.to_fit, rig)
     document = drawing_document(job.from_fit / "drawing.json") if job.drawing is None else job.drawing
     given = parsed_drawing(document, rig, source.unit)
-    a = fitted_scan(source.surface, source.vertices, source.landmarks, source.stance)
-    b = fitted_scan(goal.surface, goal.vertices, goal.landmarks, goal.stance)
+    a = fitted_scan(source.surface, source.vertices, source.landmarks, source.stance, source.radii)
+    b = fitted_scan(goal.surface, goal.vertices, goal.landmarks, goal.stance, goal.radii)
     shapes = list(given.on_scan)
     if given.on_model:
         drawn = ModelDrawing(given.name, given.name, given.on_model)

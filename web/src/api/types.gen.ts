@@ -183,6 +183,7 @@ export type FitLinks = {
   fitted_ply: string;
   drawing: string;
   distances: string;
+  uncertainty: string;
   report: string;
   measures: string;
   cancel: string;

@@ -1,7 +1,7 @@
 """What a posterior does not know: how far real bodies are from what the model can show, kept as data beside this file.
 
-The posterior (posterior.py) counts noise and priors.  Its standard deviations are stretched by a factor, and a misfit is
-added to them, both chosen so that the radii hold nine of ten true places of bodies that are known.
+The posterior (posterior.py) counts noise and priors.  Its standard deviations are stretched by a factor, and a misfit
+is added to them, both chosen so that the radii hold nine of ten true places of bodies that are known.
 """
 
 import tomllib

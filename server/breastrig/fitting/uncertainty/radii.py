@@ -9,9 +9,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.uncertainty.calibration import Calibration, Misfit, calibration
 from breastrig.geometry.normals import vertex_normals
 
-HOLDS_90 = (
-    1.5  # radius of 90 % for a total variance of one: 1.44 where all three axes share it, 1.52 for two, 1.64 for one
-)
+HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three axes share it, 1.52 two, 1.64 one
 SEEN_DISTANCE, SEEN_COSINE = 0.015, 0.5  # m, cosine of 60 degrees: a vertex with scan this near, facing alike, is shown
 
 

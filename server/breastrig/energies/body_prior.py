@@ -1,0 +1,52 @@
+"""What bodies have in common, as one Gaussian over all bone scales and shape weights (equations 4 and 5 joined).
+
+r = A (θ − μ) with Aᵀ A = Σ⁻¹ and θ the scales, bone by bone, then the weights.  With a diagonal Σ these are the two
+priors of the paper; with what is known of bodies a broad chest is also expected to be deep, and a part that no scan
+shows follows those that it does.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg as sla
+
+from breastrig.core.arrays import Array
+from breastrig.least_squares.problem import Linearisation
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import BONE_DOFS
+from breastrig.rig.state import BodyState
+
+
+@dataclass(frozen=True, eq=False)
+class BodyPrior:
+    rig: Rig
+    mean: Array  # (N,) N = 3 B + S
+    covariance: Array  # (N, N)
+    name: str = "body_prior"
+
+    @cached_property
+    def _whitening(self) -> Array:
+        """(N, N)"""
+        root = np.linalg.cholesky(self.covariance)
+        return np.asarray(sla.solve_triangular(root, np.eye(len(root)), lower=True))
+
+    def residual(self, state: BodyState) -> Array:
+        """(N,)"""
+        body = np.concatenate([state.x.scales.ravel(), state.x.weights])
+        return np.asarray(self._whitening @ (body - self.mean))
+
+    @cached_property
+    def _jacobian(self) -> Array:
+        """(N, P), always the same"""
+        bones, white = len(self.rig.bones), self._whitening
+        jacobian = np.zeros((len(white), BONE_DOFS * bones + len(self.rig.shapes)))
+        scales = jacobian[:, : BONE_DOFS * bones].reshape(len(white), bones, BONE_DOFS)[:, :, 6:9]
+        scales[:] = white[:, : 3 * bones].reshape(len(white), bones, 3)
+        jacobian[:, BONE_DOFS * bones :] = white[:, 3 * bones :]
+        jacobian.flags.writeable = False
+        return jacobian
+
+    def linearise(self, state: BodyState) -> Linearisation:
+        """(N,), (N, P)"""
+        return Linearisation(self.residual(state), self._jacobian)
