@@ -41,15 +41,14 @@ def make_warped(
     version, stay.  `progress` gets a sentence a scan.  BadInput when `data` does not fit.
     """
     sources = read_sources(data)
-    for number in range(bodies):
-        wanted = (CHOOSE, REPORT)[number % 2]
-        if half in ("both", wanted):
-            _write_body(folder / name_of(number, wanted), sources, number, seed, progress)
+    for name, number in names_of(bodies, half).items():
+        _write_body(folder / name, sources, number, seed, progress)
 
 
-def name_of(number: int, half: str) -> str:
-    """The folder of a body."""
-    return f"warped_{number:03d}_{half}"
+def names_of(bodies: int, half: Half = "both") -> dict[str, int]:
+    """The folders of the first bodies, as far as they are of the half, and their numbers."""
+    halves = {number: (CHOOSE, REPORT)[number % 2] for number in range(bodies)}
+    return {f"warped_{number:03d}_{own}": number for number, own in halves.items() if half in ("both", own)}
 
 
 def source_of(sources: Sequence[Source], number: int, random: np.random.Generator) -> Source:
