@@ -7,7 +7,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.evaluation.virtual.bodies import Bodies, VirtualBody, closed
 from breastrig.evaluation.virtual.depth_camera import take
-from breastrig.evaluation.virtual.depth_fusion import fuse, without_small_pieces
+from breastrig.evaluation.virtual.depth_fusion import ENOUGH, fuse, without_small_pieces
 from breastrig.evaluation.virtual.session import plan_session, table_top
 from breastrig.geometry.closest_point import ClosestPointSearch
 
@@ -30,7 +30,7 @@ class Circumstances:
 
     noisier: float = 1.0  # times the sensor's noise
     voxel: float = VOXEL  # m
-    every: int = 1  # 2: only every second view of the session
+    every: int = 1  # 2: only every second view of the session, and half as many need to have seen a place
     holes: Array | None = None  # (M, 4): centre and radius (m) of more skin that gives no answer
 
 
@@ -54,7 +54,7 @@ def scan_skin(
         vertices = np.concatenate([vertices, top])
         kept = np.concatenate([kept, np.ones(len(top), dtype=np.bool_)])
     images = take(vertices, faces, session.views[:: about.every], camera, random, spots)
-    seen, triangles = fuse(images, session.low, session.high, about.voxel)
+    seen, triangles = fuse(images, session.low, session.high, about.voxel, ENOUGH / about.every)
     nearest = ClosestPointSearch(vertices, faces).query(seen)
     share = np.einsum("mc,mc->m", nearest.barycentric, kept[faces[nearest.faces]].astype(np.float64))
     inside = (share > 0.5)[triangles].all(axis=1)
