@@ -26,7 +26,7 @@ FILES = ("scan.ply", "truth.ply", "landmarks.json", "case.json")
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few views and large voxels: the files are looked at here, not the scan."""
-    monkeypatch.setattr(captures_module, "EVERY", 9)
+    monkeypatch.setattr(captures_module, "EVERY", 4)
     monkeypatch.setattr(captures_module, "VOXEL", 0.010)
     monkeypatch.setattr(captures_module, "POOR_VOXEL", 0.012)
 
@@ -64,7 +64,7 @@ def test_a_body_is_the_same_alone_and_again_and_then_stays(tmp_path: Path) -> No
 def test_poor_sensors_are_coarse_and_parts_are_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     source = read_sources()[0]
     body = _standing(source)
-    monkeypatch.setattr(captures_module, "EVERY", 9)
+    monkeypatch.setattr(captures_module, "EVERY", 4)
     scans = {
         capture: scan_captured(body, source.faces, source.scanned, capture, np.random.default_rng(4))
         for capture in ("ordinary", "poor_sensor", "large_holes", "below_nipples")

@@ -11,7 +11,7 @@ from breastrig.evaluation.virtual.depth_fusion import without_small_pieces
 from breastrig.evaluation.virtual.scan import SMALLEST_PIECE, VOXEL, Circumstances, SimulatedScan, scan_skin
 
 POOR_NOISE, POOR_VOXEL = 2.0, 0.008  # times, m
-EVERY = 2  # view of the cohort's sessions, because there are many bodies: half the time, a tenth of a mm more error
+EVERY = 2  # of the cohort's views, because there are many bodies: half the time; 1.1-1.3 mm of error, not 0.85
 HOLES = (2, 4)  # how many
 HOLE = (0.030, 0.045)  # m, radius
 ASIDE = 0.04  # m beyond the midline, from where a scan of one side only begins
