@@ -17,7 +17,7 @@ from breastrig.core.output_files import Output, check_output
 from breastrig.core.output_record import OutputSet
 from breastrig.core.private_files import private_folder
 from breastrig.core.staged_output import all_or_nothing
-from breastrig.evaluation.cohort import read_cohort
+from breastrig.evaluation.cohort import Case, read_cohort
 from breastrig.evaluation.evaluate import measured
 from breastrig.evaluation.page.charts import have_plots
 from breastrig.evaluation.page.page import Circumstances
@@ -43,6 +43,15 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )
     parser.add_argument("--virtual", action="store_true", help="make the virtual cohort into DIR/cohort and take it")
     parser.add_argument(
+        "--warped",
+        type=int,
+        metavar="N",
+        help="make N warped bodies into DIR/warped and take them; a COHORT's patients are warped, too",
+    )
+    parser.add_argument(
+        "--half", choices=("choose", "report", "both"), help="of the warped bodies; the halves share no source (both)"
+    )
+    parser.add_argument(
         "--preset",
         action="append",
         metavar="NAME",
@@ -64,6 +73,10 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 
 def _cohort(options: argparse.Namespace) -> Path:
     """The folder of the patients; the virtual ones are made when they are not there yet."""
+    if options.warped is not None:
+        return _warped(options)
+    if options.half is not None:
+        raise BadInput("--half is a half of the warped bodies; give --warped N with it.")
     if options.virtual and options.cohort is not None:
         raise BadInput("Give a COHORT folder or --virtual, not both.")
     if not options.virtual:
@@ -89,6 +102,40 @@ def _cohort(options: argparse.Namespace) -> Path:
     return folder
 
 
+def _warped(options: argparse.Namespace) -> Path:
+    """The folder of the warped bodies, with those that were not there yet."""
+    from breastrig.evaluation.virtual.warped import make_warped
+
+    if options.virtual:
+        raise BadInput("Give --warped or --virtual, not both.")
+    if options.warped < 1:
+        raise BadInput("--warped must be 1 or more.")
+    folder = Path(options.output) / "warped"
+    if folder.is_dir() and any(not each.name.startswith("warped_") for each in folder.iterdir()):
+        raise BadInput(f"{folder} holds other things than warped bodies; choose another folder with -o.")
+    private_folder(folder)
+    with tqdm(unit="scan", disable=not sys.stderr.isatty(), leave=False, desc="warped bodies") as bar:
+
+        def progress(what: str) -> None:
+            bar.set_postfix_str(what)
+            bar.update()
+            raise_if_asked()
+
+        make_warped(folder, progress, options.cohort, options.warped, half=options.half or "both")
+    return folder
+
+
+def _cases(options: argparse.Namespace) -> tuple[Case, ...]:
+    """Of the cohort; of the warped bodies only those asked for, for more may be there."""
+    cases = read_cohort(_cohort(options))
+    if options.warped is None:
+        return cases
+    from breastrig.evaluation.virtual.warped.make import names_of
+
+    names = names_of(options.warped, options.half or "both")
+    return tuple(case for case in cases if case.patient in names)
+
+
 def _plan(options: argparse.Namespace) -> Plan:
     if options.jobs < 1:
         raise BadInput("--jobs must be 1 or more.")
@@ -101,7 +148,7 @@ def _plan(options: argparse.Namespace) -> Plan:
     if len({recipe.name for recipe in recipes}) < len(recipes):
         raise BadInput("Two presets have the same name; give each a name of its own.")
     model = Path(options.model or default_rig_path())
-    return Plan(read_cohort(_cohort(options)), recipes, model, rotations, options.quick)
+    return Plan(_cases(options), recipes, model, rotations, options.quick)
 
 
 def _output(options: argparse.Namespace, plan: Plan | None) -> Output:
@@ -131,7 +178,7 @@ def run(options: argparse.Namespace) -> int:
             raise_if_asked()
 
         results = measured(plan, options.output, options.jobs, options.again, progress)
-        about = Circumstances(_command(options), "virtual cohort" if options.virtual else "cohort folder", options.jobs)
+        about = Circumstances(_command(options), _kind(options), options.jobs)
         with all_or_nothing(output) as out:
             published(results, about, out, lambda what: bar.set_postfix_str(what))
     print(console(results.records, plan.recipes[0].name))
@@ -144,9 +191,19 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _kind(options: argparse.Namespace) -> str:
+    if options.warped is not None:
+        return "warped bodies"
+    return "virtual cohort" if options.virtual else "cohort folder"
+
+
 def _command(options: argparse.Namespace) -> str:
     """The command to do it again, with the folders' own names only: a page that is handed on tells no paths."""
-    words = ["breastrig", "evaluate", "--virtual" if options.virtual else options.cohort.name]
+    words = ["breastrig", "evaluate"]
+    words += ["--virtual"] if options.virtual else []
+    words += ["--warped", str(options.warped)] if options.warped is not None else []
+    words += ["--half", options.half] if options.half is not None else []
+    words += [options.cohort.name] if options.cohort is not None else []
     for preset in options.preset or ():
         words += ["--preset", Path(preset).name]
     if options.model:

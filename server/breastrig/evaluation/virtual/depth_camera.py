@@ -122,7 +122,8 @@ def _take(
         at = origins + distance[:, None] * directions
         for x, y, z, radius in blind_spots:
             ragged = radius * random.uniform(0.85, 1.1, len(at))
-            seen &= np.linalg.norm(at - [x, y, z], axis=1) > ragged
+            near = np.flatnonzero(np.abs(at[:, 0] - x) <= 1.1 * radius)  # the others are farther, without roots
+            seen[near] &= np.linalg.norm(at[near] - [x, y, z], axis=1) > ragged[near]
     far = (depth / REFERENCE) ** 2
     depth = depth + camera.noise * far / np.maximum(slant, 0.3) * _grain(shape, random).ravel()
     depth = depth + _wave(camera, random).ravel()

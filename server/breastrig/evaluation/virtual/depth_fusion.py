@@ -20,11 +20,13 @@ TRUNCATION = 3.0  # voxels; distances are cut off here
 ENOUGH = 1.3  # views that must have seen a voxel, obliquely seen ones count less
 
 
-def fuse(images: Sequence[DepthImage], low: Array, high: Array, voxel: float) -> tuple[Array, Integers]:
+def fuse(
+    images: Sequence[DepthImage], low: Array, high: Array, voxel: float, enough: float = ENOUGH
+) -> tuple[Array, Integers]:
     """((V, 3) m, (F, 3)) the surface inside the box from `low` to `high` (m), on a grid of `voxel` (m)."""
     size = np.ceil((high - low) / voxel).astype(np.int64) + 1
     total, weight = _distances(images, low, size, voxel)
-    vertices, faces = _surface_nets(total, weight >= ENOUGH)
+    vertices, faces = _surface_nets(total, weight >= enough)
     return low + voxel * vertices, faces
 
 
