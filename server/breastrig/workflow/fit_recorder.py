@@ -57,10 +57,15 @@ class FitRecorder:
         `solve_s` is what the iterations took, `clock` began with the fit.
         """
         ready, last = self.ready, self._recorded[-1].iterate
-        rig, target = ready.task.rig, ready.task.target
+        task = ready.task
+        rig, target = task.rig, task.target
+        let_go = (*ready.exchanged, *last.not_followed)
+        posterior = Posterior(without(task, let_go), last.parameters)
+        doubtful = (*let_go, *unusual(posterior))
         signals = fit_signals(rig, target, last.parameters, ready.clearness)
         placed = len(ready.task.landmarks) >= MIN_LANDMARKS
-        found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed)
+        asked_about = [name for doubt in doubtful for name in doubt.names]
+        found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed, asked_about)
         if not found_verdict.is_torso:
             raise FitFailed(found_verdict.refusal)
         timing = ready.timing_s | {"solve": solve_s}
@@ -69,10 +74,6 @@ class FitRecorder:
             clock.lap()
             vertices = refined(target, vertices, rig.faces).vertices
             timing["refine"] = clock.lap()
-        task = ready.task
-        let_go = (*ready.exchanged, *last.not_followed)
-        posterior = Posterior(without(task, let_go), last.parameters)
-        doubtful = (*let_go, *unusual(posterior))
         known = radii(posterior)
         distances = surface_distances(target, vertices, rig.faces)
         drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None

@@ -6,6 +6,7 @@ say together is certain, what one says makes the fit unusable at most.
 """
 
 import tomllib
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib import resources
@@ -71,12 +72,20 @@ def verdict_limits(model: str) -> VerdictLimits | None:
     return VerdictLimits.model_validate(tomllib.loads(file.read_text("utf-8")))
 
 
-def verdict(signals: FitSignals, status: Status, limits: VerdictLimits | None, placed: bool = False) -> Verdict:
-    """`status` is why the fit stopped, `placed` whether a person's landmarks placed it.
+def verdict(
+    signals: FitSignals,
+    status: Status,
+    limits: VerdictLimits | None,
+    placed: bool = False,
+    asked_about: Sequence[str] = (),
+) -> Verdict:
+    """`status` is why the fit stopped, `placed` whether a person's landmarks placed it; some of them are `asked_about`.
 
     Who names landmarks has seen a torso: such a fit is unusable at most.
     """
     stopped = () if status is Status.CONVERGED else (NOT_CONVERGED,)
+    if asked_about:
+        stopped = (*stopped, f"{', '.join(asked_about)}: look at what is asked about {_these(asked_about)}.")
     if limits is None:
         return Verdict("check", (*stopped, UNKNOWN_MODEL))
     found = {
@@ -94,6 +103,10 @@ def verdict(signals: FitSignals, status: Status, limits: VerdictLimits | None, p
     if refused or impossible >= limits.unusable_at:
         return Verdict("unusable", (*reasons, *stopped), is_torso=not refused)
     return Verdict("check" if reasons or stopped else "good", (*reasons, *stopped))
+
+
+def _these(landmarks: Sequence[str]) -> str:
+    return "this landmark" if len(landmarks) == 1 else "these landmarks"
 
 
 def _strength(value: float, limit: SignalLimits) -> float:
