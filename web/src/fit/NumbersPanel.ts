@@ -54,7 +54,8 @@ function ofResult(result: Result, state: Shown): HTMLElement[] {
   const points = result.landmark_distance_mm;
   const labels = new Map(state.meta?.landmarks.map((entry) => [entry.name, entry.label]));
   const radii = result.landmark_uncertainty_mm ?? {};
-  const named = [...new Set([...Object.keys(points.each), ...Object.keys(radii)])];
+  const known = new Set([...Object.keys(points.each), ...Object.keys(radii)]);
+  const named = [...new Set([...labels.keys(), ...known])].filter((name) => known.has(name)); // as they are listed
   const each = named.map((name) => {
     const side = landmarkText.sideShort[sideOf(name)];
     const chip = side === "" ? null : el("span", { class: `mini side-${sideOf(name)}`, title: landmarkText.sides[sideOf(name)] }, side);
