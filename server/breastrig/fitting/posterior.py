@@ -55,3 +55,8 @@ class Posterior:
             rows = self.state.posed.rows(chosen, np.tile(axis, (count, 1)))
             total += (self.whitened(rows) ** 2).sum(axis=1)
         return total
+
+    def sample(self, rng: np.random.Generator) -> Array:
+        """(P,) a step drawn from the posterior."""
+        draw = rng.standard_normal(len(self._factor))
+        return np.asarray(sla.solve_triangular(self._factor, draw, lower=True, trans="T"))

@@ -1,0 +1,44 @@
+"""The radii at the points of a line: from the fitted model under it, or from both fits between which it was carried."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.line_error import carried_errors, radii_at, with_errors
+from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.skin_map_settings import skin_map_settings
+from breastrig.geometry.polyline import Polyline
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+
+
+@pytest.fixture(scope="module")
+def torso() -> Rig:
+    return read_rig(default_rig_path())
+
+
+def test_a_point_over_a_vertex_has_its_radius(torso: Rig) -> None:
+    radii = np.random.default_rng(1).uniform(0.002, 0.02, len(torso.template))
+    chosen = np.arange(0, len(radii), 50)
+    np.testing.assert_allclose(radii_at(torso, torso.template, radii, torso.template[chosen]), radii[chosen], atol=1e-9)
+
+
+def test_lines_without_known_radii_stay_as_they_are(torso: Rig) -> None:
+    line = Polyline("a", False, "#101010", torso.template[:4], np.zeros(4, dtype=bool))
+    assert with_errors(torso, torso.template, None, [line]) == (line,)
+    (known,) = with_errors(torso, torso.template, np.full(len(torso.template), 0.004), [line])
+    assert known.error == pytest.approx(np.full(4, 0.004))
+
+
+def test_a_carried_point_adds_what_both_fits_and_the_skin_are_off(torso: Rig) -> None:
+    settings = skin_map_settings("torso")
+    target = ScanTarget(torso.template, torso.faces)
+    a = FittedScan(target, torso.template, {}, "standing", np.full(len(torso.template), 0.01))
+    b = replace(a, radii=np.full(len(torso.template), 0.02))
+    points = torso.template[::100]
+    errors = carried_errors(torso, a, b, points, points)
+    expected = np.sqrt(settings.error_skin**2 + settings.error_share**2 * (0.01**2 + 0.02**2))
+    assert errors == pytest.approx(np.full(len(points), expected))
+    assert np.isnan(carried_errors(torso, replace(a, radii=None), b, points, points)).all()

@@ -1,0 +1,65 @@
+"""What is known of bodies: of this rig only, symmetric, and a true covariance."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from breastrig.evaluation.body_statistics import mirrored, statistics
+from breastrig.fitting.body.statistics import body_statistics
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters, rest_parameters
+
+
+@pytest.fixture(scope="module")
+def torso() -> Rig:
+    return read_rig(default_rig_path())
+
+
+def test_the_torsos_statistics_prefer_no_side(torso: Rig) -> None:
+    known = body_statistics(torso)
+    assert known is not None
+    other = mirrored(torso)
+    assert sorted(other.tolist()) == list(range(len(other)))
+    np.testing.assert_allclose(known.mean_scales, known.mean_scales[other[: len(known.mean_scales)]], atol=1e-3)
+    size = np.abs(known.covariance).max()
+    np.testing.assert_allclose(known.covariance, known.covariance[other][:, other], atol=2e-3 * size)
+    assert np.linalg.eigvalsh(known.covariance).min() > -1e-9 * size
+
+
+def test_bodies_are_as_deep_as_they_are_wide(torso: Rig) -> None:
+    """What the prior is there for: an unseen back follows from the seen width."""
+    known = body_statistics(torso)
+    assert known is not None
+    chest = 3 * torso.bone_names.index("lower_thorax")
+    width, depth = chest, chest + 2
+    deviation = np.sqrt(np.diag(known.covariance))
+    assert known.covariance[width, depth] / (deviation[width] * deviation[depth]) > 0.2
+
+
+def test_another_rig_has_none(torso: Rig) -> None:
+    bones = (replace(torso.bones[0], name="other"), *torso.bones[1:])
+    assert body_statistics(replace(torso, bones=bones)) is None
+    assert body_statistics(replace(torso, name="somebody")) is None
+
+
+def test_the_covariance_is_that_of_the_bodies_within_their_stance(torso: Rig) -> None:
+    rng = np.random.default_rng(2)
+    rest = rest_parameters(torso)
+
+    def body(stance: str) -> tuple[str, RigParameters]:
+        size = 1.1 + 0.1 * rng.standard_normal()
+        lying = 0.5 if stance == "supine" else 0.0
+        return stance, replace(rest, scales=np.full_like(rest.scales, size), weights=np.full_like(rest.weights, lying))
+
+    bodies = [body(stance) for stance in ("standing", "supine") for _ in range(40)]
+    document = statistics(torso, bodies)
+    factors = np.array(document["factors"])
+    covariance = factors.T @ factors
+    scales = 3 * len(torso.bones)
+    sizes = np.array([x.scales[0, 0] for _, x in bodies])
+    assert document["mean_scales"] == pytest.approx(np.full(scales, sizes.mean()), abs=1e-4)
+    within = 0.5 * (sizes[:40].var() + sizes[40:].var())
+    np.testing.assert_allclose(covariance[:scales, :scales], within, rtol=0.01)
+    np.testing.assert_allclose(covariance[scales:, scales:], 0.0, atol=1e-9)
