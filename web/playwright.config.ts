@@ -22,7 +22,7 @@ export default defineConfig({
   testDir: "e2e",
   globalSetup: "./e2e/setup.ts",
   outputDir: "test-results",
-  workers: 1,
+  workers: 2, // files side by side at one service: half of a test is waiting for the browser's next frame or the service
   retries: 0,
   forbidOnly: true,
   timeout: 180_000,
@@ -30,8 +30,9 @@ export default defineConfig({
   reporter: "list",
   use: {
     browserName: "chromium",
-    actionTimeout: 30_000,
+    actionTimeout: 60_000, // as long as what is expected may take
     viewport: { width: 1280, height: 720 },
+    contextOptions: { reducedMotion: "reduce" }, // what moves is looked at where a file asks for it: workflow, day, basics
     screenshot: "only-on-failure",
     launchOptions: {
       executablePath: findChromium(),
