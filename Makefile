@@ -35,18 +35,19 @@ check: web-packages $(VENV)/.stamp-test
 vitest: web-packages
 	$(IN_VENV) npm --prefix web test
 
-# One process more than cores, for a third of the tests' time is waiting for servers; at most four.
+# One process more than cores, for a third of the tests' time is waiting for servers; at most four.  Python keeps what it
+# has compiled, whatever the surroundings say: else each of the hundreds of programs that are started compiles all of ours.
 pytest: page $(VENV)/.stamp-test
 	cores="$$(getconf _NPROCESSORS_ONLN)"; [ "$$cores" -lt 4 ] || cores=3; \
 	BREASTRIG_POSTGRES="$$(sh .ci/postgres.sh)" && export BREASTRIG_POSTGRES && \
 	    BREASTRIG_NGINX="$$(sh .ci/nginx.sh)" && export BREASTRIG_NGINX && \
-	    OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n "$$((cores + 1))" --dist loadfile \
+	    PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n "$$((cores + 1))" --dist loadfile \
 	    --ignore=tests/faults/test_broken_surroundings.py --ignore=tests/faults/test_data_folder.py \
 	    --ignore=tests/scale/test_served_with_options.py # they are in `make faults` and `make scale`
 
 browser: page web-packages $(VENV)/.stamp-test
 	BREASTRIG_CHROMIUM="$$(sh .ci/chromium.sh)" && export BREASTRIG_CHROMIUM && \
-	    $(IN_VENV) npm --prefix web run e2e
+	    PYTHONDONTWRITEBYTECODE= $(IN_VENV) npm --prefix web run e2e
 
 # The same tests as in `make test`, with many more cases, other ones each time.
 fuzz: $(VENV)/.stamp-test

@@ -22,16 +22,18 @@ export default defineConfig({
   testDir: "e2e",
   globalSetup: "./e2e/setup.ts",
   outputDir: "test-results",
-  workers: 1,
+  workers: 2, // files side by side at one service: half of a test is waiting for the browser's next frame or the service
   retries: 0,
   forbidOnly: true,
-  timeout: 180_000,
+  timeout: 300_000, // two tests share the machine
   expect: { timeout: 60_000 },
   reporter: "list",
   use: {
     browserName: "chromium",
-    actionTimeout: 30_000,
+    actionTimeout: 60_000, // as long as what is expected may take
     viewport: { width: 1280, height: 720 },
+    deviceScaleFactor: 0.5, // the same layout with a quarter of the pixels: a frame drawn without a graphics card takes 0.2 s, not 0.3
+    contextOptions: { reducedMotion: "reduce" }, // what moves is looked at where a file asks for it: workflow, day, basics
     screenshot: "only-on-failure",
     launchOptions: {
       executablePath: findChromium(),

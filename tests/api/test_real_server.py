@@ -1,7 +1,6 @@
 """The real thing over a socket: `breastrig serve` as a process, asked by httpx; only the numerics are stood in for."""
 
 import json
-import os
 import signal
 import socket
 import subprocess
@@ -17,6 +16,7 @@ from helpers.waiting import until
 
 from breastrig.api.access.security import HEADERS
 from breastrig.api.config import STREAMS
+from breastrig.cli.main import main
 
 
 def test_a_scan_goes_in_and_the_fit_comes_out(tmp_path: Path, model: Path, torso: bytes) -> None:
@@ -136,40 +136,46 @@ def test_broken_http_is_answered_with_problem_details(tmp_path: Path, model: Pat
             assert b"\r\nserver:" not in answer.lower()
 
 
+def refused(data: Path, model: Path, *arguments: str) -> list[str]:
+    """The words of a command that starts no server."""
+    return ["serve", "--data", str(data), "--model", str(model), *arguments]
+
+
 @pytest.mark.parametrize(
-    ("arguments", "environment", "sentence"),
+    ("arguments", "token", "sentence"),
     [
-        (["--host", "0.0.0.0"], {}, "set BREASTRIG_TOKEN"),
-        (["--host", "0.0.0.0"], {"BREASTRIG_TOKEN": "short"}, "too short"),
-        (["--host", "nowhere.invalid"], {"BREASTRIG_TOKEN": "long enough to be a secret"}, "is not an address"),
-        (["--model", "nothing.glb"], {}, "nothing.glb cannot be read"),
+        (["--host", "0.0.0.0"], None, "set BREASTRIG_TOKEN"),
+        (["--host", "0.0.0.0"], "short", "too short"),
+        (["--host", "nowhere.invalid"], "long enough to be a secret", "is not an address"),
+        (["--model", "nothing.glb"], None, "nothing.glb cannot be read"),
     ],
 )
 def test_a_server_that_cannot_start_says_why_in_one_line(
-    tmp_path: Path, model: Path, arguments: list[str], environment: dict[str, str], sentence: str
+    tmp_path: Path,
+    model: Path,
+    arguments: list[str],
+    token: str | None,
+    sentence: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    answer = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "breastrig.cli.main",
-            "serve",
-            "--data",
-            str(tmp_path),
-            "--model",
-            str(model),
-            *arguments,
-        ],
-        capture_output=True,
-        text=True,
-        env={key: value for key, value in os.environ.items() if key != "BREASTRIG_TOKEN"} | environment,
-        check=False,
-        timeout=60,
-    )
-    assert answer.returncode == 2
-    assert sentence in answer.stderr
+    monkeypatch.delenv("BREASTRIG_TOKEN", raising=False)
+    if token is not None:
+        monkeypatch.setenv("BREASTRIG_TOKEN", token)
+    assert main(refused(tmp_path, model, *arguments)) == 2
+    said = capsys.readouterr()
+    assert sentence in said.err
+    assert len(said.err.splitlines()) == 1
+    assert said.out == ""
+
+
+def test_the_process_of_a_server_that_cannot_start_ends_with_that_line(tmp_path: Path, model: Path) -> None:
+    """As the last one above: what it had started by then says nothing and is gone."""
+    command = [sys.executable, "-m", "breastrig.cli.main", *refused(tmp_path, model, "--model", "nothing.glb")]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert (answer.returncode, answer.stdout) == (2, "")
+    assert "nothing.glb cannot be read" in answer.stderr
     assert len(answer.stderr.splitlines()) == 1
-    assert answer.stdout == ""
 
 
 def test_the_token_may_come_from_a_file_and_the_log_is_json_without_names(

@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pypdf
 import pytest
 from flask.testing import FlaskClient
+from helpers.blank_pictures import blank_pictures
 from helpers.waiting import ended
 
 from breastrig.api.app import create_app
@@ -95,13 +96,16 @@ def test_two_stances_in_one_report_which_is_not_kept(real: Real) -> None:
     assert not (service.storage.folders.fit(fits["supine"]) / "report.pdf").exists()
 
 
-def test_the_measures_are_those_of_the_command_and_kept_with_the_fit(real: Real) -> None:
+def test_the_measures_are_those_of_the_command_and_kept_with_the_fit(
+    real: Real, monkeypatch: pytest.MonkeyPatch
+) -> None:
     service, client, _, fits = real
     place = client.get(f"/api/fits/{fits['standing']}").json["links"]["measures"]
     folder = service.storage.folders.fit(fits["standing"])
     answer = client.get(place)
     assert (answer.status_code, answer.mimetype) == (200, "application/json")
     assert answer.headers["Cache-Control"] == "private, no-cache"
+    blank_pictures(monkeypatch)
     assert answer.data == report_files(ReportJob(folder))["report.json"] == (folder / "measures.json").read_bytes()
     assert client.get(place, headers={"If-None-Match": answer.headers["ETag"]}).status_code == 304
     document = MeasuresFile.model_validate(answer.json)

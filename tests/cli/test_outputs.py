@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from helpers.blank_pictures import blank_pictures
 from helpers.cohort import write_patient
 
 from breastrig.cli import fit_command, landmarks_command, report_command
@@ -179,8 +180,9 @@ def test_a_transfer_replaces_neither_fit_nor_a_drawing_that_is_not_its_own(
 
 
 def test_reports_exports_and_comparisons_replace_their_own_files_only(
-    fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    blank_pictures(monkeypatch)
     fit, drawing = str(fits / "standing"), str(fits / "standing" / "drawing.json")
     commands = {
         "measures.csv": ["report", fit],

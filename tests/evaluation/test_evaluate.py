@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.cohort import write_patient
+from helpers.cohort import FEW, write_patient
 from PIL import Image
 
 from breastrig.cli import evaluate_command
@@ -178,7 +178,7 @@ def test_a_pick_along_the_skin_is_on_the_skin_and_as_far_as_asked(cohort: Path, 
 def whole(tmp_path_factory: pytest.TempPathFactory, rig: Rig) -> Path:
     """A run with all studies on one scan, and its folder."""
     folder = tmp_path_factory.mktemp("whole")
-    write_patient(folder / "cohort" / "patient_y", rig, 2, "somebody else's", stances=("standing",))
+    write_patient(folder / "cohort" / "patient_y", rig, 2, "somebody else's", stances=("standing",), names=FEW)
     assert main(["evaluate", str(folder / "cohort"), *WHOLE, "-o", str(folder / "out")]) == 0
     return folder / "out"
 

@@ -3,6 +3,8 @@ import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
 import { hook, SCAN_FILE, test, untilFitted } from "./page";
 
+test.use({ contextOptions: { reducedMotion: "no-preference" } }); // with its motion, as most people see it
+
 test("a file that is no scan is refused with the service's own sentence, and a good one still goes in", async ({ page, base }, info) => {
   const bad = info.outputPath("bad.ply");
   writeFileSync(bad, "this is no mesh\n");

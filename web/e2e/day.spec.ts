@@ -17,6 +17,7 @@ const gaze = ({ eye, target }: { eye: Vector; target: Vector }): Vector => unit(
 const degrees = (a: Vector, b: Vector): number => (Math.acos(Math.min(1, a[0] * b[0] + a[1] * b[1] + a[2] * b[2])) * 180) / Math.PI;
 
 let service: Running;
+test.use({ contextOptions: { reducedMotion: "no-preference" } }); // with its motion, as most people see it
 test.use({ base: async ({}, use) => use(service.base) });
 test.beforeAll(async () => {
   service = await startService();

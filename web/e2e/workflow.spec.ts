@@ -8,6 +8,8 @@ import { distance, hook, SCAN_FILE, test, trueLandmarks, untilFitted } from "./p
 const CLICKED = ["suprasternal_notch", "mid_sternum", "nipple_L", "nipple_R", "umbilicus"];
 const CLOSE_MM = 3;
 
+test.use({ contextOptions: { reducedMotion: "no-preference" } }); // with its motion, as most people see it
+
 test("a scan is uploaded, landmarks are clicked, the model settles and the numbers are the service's", async ({ page, base, troubles }, info) => {
   const truth = trueLandmarks();
 

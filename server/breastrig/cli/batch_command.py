@@ -28,7 +28,7 @@ from breastrig.core.scratch import sweep_scratch
 from breastrig.execution.dask_pool import DaskPool
 from breastrig.execution.dask_task import RESOURCE
 from breastrig.execution.executor import Executor
-from breastrig.execution.fork_server import start_fork_server
+from breastrig.execution.fork_server import preload, start_fork_server
 from breastrig.execution.limits import FitLimits
 from breastrig.execution.processes import Processes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -104,6 +104,7 @@ def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow]) -> None
 def _executor(options: argparse.Namespace) -> Executor:
     limits = FitLimits()
     if options.scheduler is None:
+        preload(["breastrig.scan.formats.ply_obj_stl"])  # else each worker loads it with its first scan
         processes = Processes(options.jobs or limits.workers, memory_bytes=limits.memory_bytes)
         start_fork_server()
         return processes

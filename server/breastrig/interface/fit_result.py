@@ -9,10 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import trimesh
 from pydantic import BaseModel, ConfigDict, FiniteFloat, ValidationError
 
 from breastrig.core.arrays import Array, Integers, frozen
@@ -29,6 +28,9 @@ from breastrig.rig.model import Rig
 from breastrig.workflow.fit_files import FIT_FILES, RESULT, UNCERTAINTY, fit_file, fit_set, json_bytes, write_files
 from breastrig.workflow.fit_folder import FitFolder, fit_of_files, read_fit_files
 from breastrig.workflow.fit_outcome import FitOutcome
+
+if TYPE_CHECKING:
+    import trimesh
 
 THIS_FIT = "this fit"  # as an error calls one that no folder holds
 
@@ -106,8 +108,10 @@ class Fit:
             raise BadDrawing("drawing.json of this fit is damaged; fit the scan again.") from error
         return drawing_of(document, self.inputs)
 
-    def to_trimesh(self) -> trimesh.Trimesh:
+    def to_trimesh(self) -> "trimesh.Trimesh":
         """A copy of the fitted model as a trimesh.Trimesh, in the scan's unit and frame, vertices in their order."""
+        import trimesh  # 0.4 s, which most programs need not wait for
+
         return trimesh.Trimesh(self.vertices, self.faces, process=False)
 
     def save(self, folder: str | Path, *, force: bool = False) -> None:

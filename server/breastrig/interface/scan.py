@@ -3,9 +3,9 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 import breastrig.scan.read as scan_files
@@ -13,6 +13,9 @@ from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.private_files import is_ordinary, shown
 from breastrig.scan.scan import Scan as ScanInMetres
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,8 +33,10 @@ class Scan:
     in_metres: ScanInMetres = field(repr=False)  # what a fit works on
     file: Path | None = field(repr=False)  # where it was read; no result replaces it
 
-    def to_trimesh(self) -> trimesh.Trimesh:
+    def to_trimesh(self) -> "trimesh.Trimesh":
         """A copy as a trimesh.Trimesh, in the scan's unit and frame."""
+        import trimesh  # 0.4 s, which most programs need not wait for
+
         return trimesh.Trimesh(self.vertices, self.faces, vertex_colors=self.colours, process=False)
 
     def __repr__(self) -> str:

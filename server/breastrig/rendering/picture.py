@@ -330,13 +330,17 @@ def _draw(colour: Array, depth: Array, line: Line, view: Camera, size: tuple[int
     shown &= seen[:, 2] > surface - LINE_TOLERANCE
     if not shown.any():
         return
-    scale = LINE_OVERSAMPLING
-    mask = Image.new("L", (width * scale, height * scale))
+    scale, margin = LINE_OVERSAMPLING, int(np.ceil(0.5 * line.width)) + 2
+    # Only the part of the picture that the line crosses is drawn and mixed: a line covers little of it.
+    left, top = max(int(column[shown].min()) - margin, 0), max(int(row[shown].min()) - margin, 0)
+    right, bottom = min(int(column[shown].max()) + 1 + margin, width), min(int(row[shown].max()) + 1 + margin, height)
+    mask = Image.new("L", ((right - left) * scale, (bottom - top) * scale))
     pen = ImageDraw.Draw(mask)
     radius = 0.5 * line.width * scale
-    for px, py in seen[shown, :2] * scale:
+    for px, py in scale * seen[shown, :2] - (scale * left, scale * top):
         pen.ellipse((px - radius, py - radius, px + radius, py + radius), fill=255)
-    reduced = mask.resize((width, height), Image.Resampling.BOX)
-    cover = (np.asarray(reduced, dtype=np.float64) / 255.0).reshape(-1, 1)
-    colour *= 1.0 - cover
-    colour += cover * np.array([*line.colour, 1.0])
+    reduced = mask.resize((right - left, bottom - top), Image.Resampling.BOX)
+    cover = (np.asarray(reduced, dtype=np.float64) / 255.0)[..., None]
+    crossed = colour.reshape(height, width, -1)[top:bottom, left:right]
+    crossed *= 1.0 - cover
+    crossed += cover * np.array([*line.colour, 1.0])

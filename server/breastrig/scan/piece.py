@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers
 
+SEVERAL = "The scan has several textures and is shown without them."
+
 
 @dataclass(frozen=True, eq=False)
 class Piece:

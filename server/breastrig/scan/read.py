@@ -21,10 +21,9 @@ from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import file_type_of
 from breastrig.scan.formats.archive import COMPANIONS, unpacked
 from breastrig.scan.formats.glb import glb_pieces
-from breastrig.scan.formats.ply_obj_stl import SEVERAL, mesh_pieces
 from breastrig.scan.formats.texture import written_anew
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
-from breastrig.scan.piece import Piece, Pieces
+from breastrig.scan.piece import SEVERAL, Piece, Pieces
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
@@ -62,9 +61,12 @@ def read_scan(source: Path | bytes, file_type: str | None = None, units: str = "
             raise BadScan("This zip holds another zip; pack the mesh itself.")
     elif found in ("obj", "ply") and isinstance(source, Path) and texture:
         siblings = _Siblings(source.parent)
-    pieces = (
-        glb_pieces(mesh, texture) if found == "glb" else mesh_pieces(mesh, found, siblings if texture else {}, texture)
-    )
+    if found == "glb":
+        pieces = glb_pieces(mesh, texture)
+    else:
+        from breastrig.scan.formats.ply_obj_stl import mesh_pieces  # its parsers take 0.4 s to load
+
+        pieces = mesh_pieces(mesh, found, siblings if texture else {}, texture)
     whole, notes = _joined(pieces)
     _check(whole, pieces.has_points)
     unit, reason = decide_unit(_extent(whole.vertices, whole.faces), units)

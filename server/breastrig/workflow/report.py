@@ -15,7 +15,6 @@ from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.document import Reported, report_document, stance_names
 from breastrig.report.measures import measures
-from breastrig.report.pdf import report_pdf
 from breastrig.report.stance import Stance
 from breastrig.report.table import csv_bytes
 from breastrig.rig.model import Rig
@@ -139,6 +138,12 @@ def _check_shown(folder: Path, result: dict[str, Any]) -> None:
         raise BadInput(f"{shown} is damaged or of another version ({where}); fit the scan again.") from error
 
 
+def _pdf(stances: list[Reported]) -> bytes:
+    from breastrig.report.pdf import report_pdf  # fonts and all take 0.4 s to load; the server makes no PDF itself
+
+    return report_pdf(stances)
+
+
 def report_files(job: ReportJob) -> dict[str, bytes]:
     """report.json, measures.csv and report.pdf."""
     stances = reported(job)
@@ -147,7 +152,7 @@ def report_files(job: ReportJob) -> dict[str, bytes]:
     return {
         "report.json": json_bytes(document),
         "measures.csv": csv_bytes(rows),
-        "report.pdf": report_pdf(stances),
+        "report.pdf": _pdf(stances),
     }
 
 
@@ -168,7 +173,7 @@ def write_all(files: dict[str, bytes], folder: Path) -> None:
 
 def report_pdf_of(job: ReportJob) -> bytes:
     """The PDF alone: what the service's worker makes."""
-    return _within_memory(lambda: report_pdf(reported(job)))
+    return _within_memory(lambda: _pdf(reported(job)))
 
 
 def measures_json_of(job: ReportJob) -> bytes:

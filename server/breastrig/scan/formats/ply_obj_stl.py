@@ -24,10 +24,9 @@ from breastrig.scan.formats.obj import check_end, check_work, polygons, uniform_
 from breastrig.scan.formats.ply import as_binary, ply_header, text_rows
 from breastrig.scan.formats.texture import LEFT_OUT, plain_picture
 from breastrig.scan.limits import MATERIAL_FILE_BYTES, MATERIALS, STL_SOLIDS, TRIANGLES, VERTICES
-from breastrig.scan.piece import Piece, Pieces
+from breastrig.scan.piece import SEVERAL, Piece, Pieces
 
 MISSING = "A picture or material file that the scan names is not beside it, and the scan is shown without it."
-SEVERAL = "The scan has several textures and is shown without them."
 
 
 def mesh_pieces(data: bytes, kind: str, files: Mapping[str, bytes], texture: bool) -> Pieces:
