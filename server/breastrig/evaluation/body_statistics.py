@@ -16,8 +16,8 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.evaluation.cohort import read_cohort
-from breastrig.evaluation.reference_fit import reference_fit
 from breastrig.evaluation.studies.case import read_scene
+from breastrig.evaluation.studies.reference_fit import reference_fit
 from breastrig.fitting.body.statistics import SCHEMA
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig

@@ -7,6 +7,7 @@ from pathlib import Path
 from breastrig.evaluation.studies.plan import Plan, shape_effects
 from breastrig.evaluation.studies.result_cache import Record, records
 from breastrig.evaluation.tables import accuracy as tables
+from breastrig.evaluation.tables import certainty as certainty_tables
 from breastrig.evaluation.tables import studies as study_tables
 from breastrig.evaluation.tables import transfer as transfer_tables
 from breastrig.evaluation.tables import unseen as unseen_tables
@@ -61,6 +62,8 @@ def all_tables(results: Results) -> list[Table]:
         transfer_tables.transfer_lines_table(found),
         transfer_tables.other_patient_table(found),
         unseen_tables.unseen_table(found),
+        certainty_tables.certainty_table(found),
+        certainty_tables.believed_table(found),
         tables.failures_table(found),
     ]
     return [table for table in made if table.rows]

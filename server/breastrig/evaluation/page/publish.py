@@ -18,7 +18,18 @@ from breastrig.gltf.read_rig import read_rig
 NO_PLOTS = "The figures need matplotlib: pip install breastrig[plots]; tables and page are written without them."
 TABLES = (
     *("table1", "refined", "presets", "landmarks", "turns", "clicks", "wrong_picks", "blendshapes", "blendshape_order"),
-    *("compliances", "peers", "two_stances", "transfer", "transfer_lines", "other_patient", "unseen", "failures"),
+    *(
+        "compliances",
+        "peers",
+        "two_stances",
+        "transfer",
+        "transfer_lines",
+        "other_patient",
+        "unseen",
+        "certainty",
+        "believed",
+        "failures",
+    ),
 )
 PAGE, RECORD, SCHEMA = "index.html", "evaluation.json", "breastrig/evaluation@1"
 

@@ -42,7 +42,7 @@ class Plan:
         if self.rotations:
             units += self._each("random_turns", rotations=self.rotations)
         if not self.quick:
-            units += self._each("unseen")
+            units += self._each("unseen") + self._each("certainty")
             for method in ("rigid", "nricp_amberg"):
                 units += self._each("peer", method=method)
             for recipe in self.recipes:

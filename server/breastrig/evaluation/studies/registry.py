@@ -5,7 +5,7 @@ from functools import wraps
 from typing import Any
 
 from breastrig.evaluation.cohort import Case
-from breastrig.evaluation.studies import accuracy, peers, sensitivity, unseen
+from breastrig.evaluation.studies import accuracy, certainty, peers, sensitivity, unseen
 from breastrig.evaluation.studies import landmarks as landmark_study
 from breastrig.evaluation.studies import orientation as orientation_study
 from breastrig.evaluation.studies.case import read_scene
@@ -43,6 +43,7 @@ ANSWERS: dict[str, Answer] = {
     "compliance": _of_one_case(sensitivity.compliance),
     "shape_count": _of_one_case(sensitivity.shape_count),
     "unseen": _of_one_case(unseen.unseen),
+    "certainty": _of_one_case(certainty.certainty),
     "peer": _of_one_case(peers.peer),
     "two_stances": two_stances,
     "transfer": transfer_study,

@@ -72,8 +72,8 @@ def _write_body(
     body = draw_body(source, random)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "patient.json").unlink(missing_ok=True)
-    drawn = {"source": source.name, "half": source.half, "family": source.family, "capture": capture}
-    drawn |= {"numbers": body.numbers.written()}
+    drawn: dict[str, Any] = {"source": source.name, "half": source.half, "family": source.family, "capture": capture}
+    drawn["numbers"] = body.numbers.written()
     for stance, virtual in enumerate((body.standing, body.supine)):
         own = np.random.default_rng((seed, number, stance))
         scan = scan_captured(virtual, source.faces, source.scanned, capture, own)

@@ -33,7 +33,7 @@ def breast_region(vertices: Array, faces: Integers, nipple: Array, fold: Array, 
     i, j = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     ways = coo_array((np.linalg.norm(vertices[i] - vertices[j], axis=1), (i, j)), shape=2 * (len(vertices),)).tocsr()
     start = int(np.linalg.norm(vertices - nipple, axis=1).argmin())
-    inside &= dijkstra(ways, directed=False, indices=start, limit=ALONG) < np.inf
+    inside &= dijkstra(ways, directed=False, indices=[start], limit=ALONG)[0] < np.inf
     kept = inside[i] & inside[j]
     links = coo_array((np.ones(int(kept.sum())), (i[kept], j[kept])), shape=2 * (len(vertices),))
     _, piece = connected_components(links, directed=False)

@@ -65,7 +65,7 @@ def draw_numbers(random: np.random.Generator) -> Numbers:
     def within(limit: float) -> float:
         return float(random.uniform(-limit, limit))
 
-    segments = [within(SEGMENT) for _ in range(3)]
+    upper, middle, lower = (within(SEGMENT) for _ in range(3))
     navel, shoulders, apart, base, hips = (within(each) for each in (NAVEL, SHOULDER, SPACING, BASE, HIPS))
     fold, between = within(FOLD), within(FOLD_APART)
     size = within(SIZE)
@@ -86,7 +86,9 @@ def draw_numbers(random: np.random.Generator) -> Numbers:
         for _ in range(count)
     )
     return Numbers(
-        *segments,
+        upper,
+        middle,
+        lower,
         navel,
         (float(folds[0]), float(folds[1])),
         shoulders,
