@@ -5,11 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
+from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.uncertainty.calibration import Calibration, Misfit, calibration
 from breastrig.geometry.normals import vertex_normals
 
 HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three axes share it, 1.52 two, 1.64 one
+FEW = 4  # fewer picks show no scatter
+OUTLYING = 6.0  # standard deviations; more is a wrong pick and says nothing of the others
 SEEN_DISTANCE, SEEN_COSINE = 0.015, 0.5  # m, cosine of 60 degrees: a vertex with scan this near, facing alike, is shown
 
 
@@ -30,12 +33,25 @@ def radii(posterior: Posterior) -> Radii | None:
     names = tuple(rig.landmark_names)
     spread = known.stretch**2 * posterior.landmark_variances(names)
     beyond = np.array([_of(known.landmark(name), name in task.landmarks) for name in names])
-    at_landmarks = HOLDS_90 * np.sqrt(spread + beyond**2)
+    radius = HOLDS_90 * _scatter(posterior, known)
+    at_landmarks = radius * np.sqrt(spread + beyond**2)
     seen = seen_vertices(posterior)
-    at_vertices = HOLDS_90 * np.sqrt(
+    at_vertices = radius * np.sqrt(
         known.stretch**2 * posterior.vertex_variances() + vertex_misfit(posterior, known, seen) ** 2
     )
     return Radii(dict(zip(names, at_landmarks.tolist(), strict=True)), at_vertices)
+
+
+def _scatter(posterior: Posterior, known: Calibration) -> float:
+    """By how much the picks' own scatter enlarges the radii: clicks are more careful here than there, and it shows.
+
+    The square of the picks' root mean square deviation (leave_one_out.py), in units of what is usual.
+    """
+    if posterior.picks is None or len(posterior.task.landmarks) < FEW:
+        return 1.0
+    deviations = np.array(list(LeaveOneOut(posterior).deviations().values()))
+    scatter = np.sqrt(np.mean(np.minimum(deviations, OUTLYING) ** 2) / 3.0)
+    return float(np.clip((scatter / known.usual_scatter) ** 2, known.least_scatter, known.most_scatter))
 
 
 def seen_vertices(posterior: Posterior) -> Booleans:
