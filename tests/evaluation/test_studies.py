@@ -1,6 +1,8 @@
 """What the questions rest on: turned bodies, scaled compliances, rigs with fewer shapes, the table taken away."""
 
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,9 +10,12 @@ import trimesh
 
 from breastrig.evaluation.cohort import read_cohort
 from breastrig.evaluation.studies.case import read_scene
+from breastrig.evaluation.studies.certainty import certainty
 from breastrig.evaluation.studies.orientation import turned, without_table, wrong_way
+from breastrig.evaluation.studies.reference_fit import reference_fit
 from breastrig.evaluation.studies.sensitivity import TERMS, scaled_compliance, with_shapes
 from breastrig.evaluation.studies.unseen import CUTS, cut_fit, unseen, whole_fit
+from breastrig.evaluation.tables.certainty import held
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
@@ -122,3 +127,34 @@ def test_a_rig_with_fewer_shapes_keeps_what_is_named(rig: Rig) -> None:
     assert [shape.mirror for shape in both.shapes] == [left.mirror, left.name]
     assert not with_shapes(rig, ()).blendshapes.any()
     assert np.array_equal(with_shapes(rig, rig.shape_names).blendshapes, rig.blendshapes)
+
+
+def test_the_reference_lies_on_the_whole_true_skin(cohort: Path, rig: Rig) -> None:
+    scene = read_scene(read_cohort(cohort)[0])
+    found = reference_fit(scene, rig, load_recipe("default"))
+    assert found is not None
+    assert scene.truth is not None
+    assert np.median(scene.truth.query(found.vertices).distances) < 0.0005
+    assert reference_fit(replace(scene, truth=None), rig, load_recipe("default")) is None
+
+
+def test_certainty_counts_every_landmark_and_every_vertex_of_the_regions(cohort: Path, rig: Rig) -> None:
+    scene = read_scene(read_cohort(cohort)[0])
+    answer = certainty(scene, rig, load_recipe("default"))
+    assert set(answer) == {"exact", "clicked", "half"}
+    marks = sum(total for _, total in answer["exact"]["landmarks"].values())
+    assert marks == len(scene.landmarks)
+    skin = sum(total for _, total in answer["exact"]["skin"].values())
+    assert skin == sum(map(len, rig.regions.values()))
+    for trial in answer.values():
+        assert trial["dropped"] == 0, "right picks are believed"
+        for part in ("landmarks", "skin"):
+            assert all(0 <= good <= total for good, total in trial[part].values())
+
+
+def test_held_adds_up_over_cases_and_places() -> None:
+    record = SimpleNamespace(failed=None, answer={"exact": {"landmarks": {"a": [3, 4], "b": [1, 1]}}})
+    broken = SimpleNamespace(failed="no torso", answer={})
+    assert held([record, broken, record], "exact", "landmarks") == (8, 10)
+    assert held([record], "exact", "landmarks", "a") == (3, 4)
+    assert held([record], "half", "skin") == (0, 0)
