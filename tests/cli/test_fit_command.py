@@ -212,7 +212,10 @@ def test_picks_that_were_not_followed_are_named_on_stderr(tmp_path: Path, capsys
     arguments = ["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(tmp_path / "picks.json"), "-o", str(tmp_path)]
     assert main(arguments) == 0
     told = capsys.readouterr().err.splitlines()
-    assert told == ["breastrig: nipple_L and nipple_R look exchanged; they were not followed."]
+    assert told == [
+        "breastrig: check this fit: nipple_L, nipple_R: look at what is asked about these landmarks.",
+        "breastrig: nipple_L and nipple_R look exchanged; they were not followed.",
+    ]
 
 
 def test_a_certain_pick_is_followed_and_not_asked_about(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

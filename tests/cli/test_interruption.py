@@ -22,7 +22,7 @@ class Interrupting(importlib.abc.MetaPathFinder):
 sys.meta_path.insert(0, Interrupting())
 """
 SIGNAL_AT_EVENT = """
-import breastrig.workflow.run_fit, gc, os, signal, sys
+import breastrig.fitting.stance, breastrig.workflow.run_fit, gc, os, signal, sys
 original = breastrig.workflow.run_fit.checked_iterates
 
 def swallowing():
@@ -39,7 +39,7 @@ def interrupted(*given, **named):
             {act}
         yield iterate
 
-breastrig.workflow.run_fit.checked_iterates = interrupted
+breastrig.workflow.run_fit.checked_iterates = breastrig.fitting.stance.checked_iterates = interrupted
 """
 
 

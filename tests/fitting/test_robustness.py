@@ -46,7 +46,7 @@ def test_a_scan_of_the_very_front_only(patient: Patient) -> None:
     corners = patient.vertices[patient.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     facing = normals[:, 2] > 0.35 * np.linalg.norm(normals, axis=1)
-    assert patient.moved_mm(patient.vertices, patient.faces[facing]) < 2.0
+    assert patient.moved_mm(patient.vertices, patient.faces[facing]) < 3.0
 
 
 def test_two_thousand_triangles_are_enough(patient: Patient) -> None:

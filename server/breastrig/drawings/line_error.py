@@ -25,13 +25,13 @@ def radii_at(rig: Rig, vertices: Array, radii: Array, points: Array) -> Array:
     return np.asarray(np.einsum("mc,mc->m", nearest.barycentric, radii[rig.faces[nearest.faces]]))
 
 
-def carried_errors(rig: Rig, a: FittedScan, b: FittedScan, on_a: Array, on_b: Array) -> Array:
-    """(M,) m: of (M, 3) m points of A's skin that were carried to (M, 3) m on B; nan where a fit knows no radii."""
+def carried_errors(rig: Rig, a: FittedScan, b: FittedScan, on_a: Array, on_b: Array) -> Array | None:
+    """(M,) m: of (M, 3) m points of A's skin that were carried to (M, 3) m on B; None when a fit knows no radii."""
     settings = skin_map_settings(rig.name)
     total = np.full(len(on_a), settings.error_skin**2)
     for scan, points in ((a, on_a), (b, on_b)):
         if scan.radii is None:
-            return np.full(len(on_a), np.nan)
+            return None
         total += (settings.error_share * radii_at(rig, scan.vertices, scan.radii, points)) ** 2
     return np.asarray(np.sqrt(total))
 

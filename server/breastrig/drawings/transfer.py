@@ -70,7 +70,9 @@ def transferred(
     errors = carried_errors(rig, a, b, points, there)
     return tuple(
         TransferredLine(
-            replace(line, points=there[part], bridged=bridged[part], error=errors[part]), gaps[0][part], gaps[1][part]
+            replace(line, points=there[part], bridged=bridged[part], error=None if errors is None else errors[part]),
+            gaps[0][part],
+            gaps[1][part],
         )
         for line, part in zip(lines, rows, strict=True)
     )
