@@ -26,6 +26,7 @@ export function fitLinks(id: string) {
     fitted_ply: at("fitted.ply"),
     drawing: at("drawing.json"),
     distances: at("distances.bin"),
+    uncertainty: at("uncertainty.bin"),
     measures: at("measures.json"),
     cancel: at("cancel"),
     shares: at("shares"),
