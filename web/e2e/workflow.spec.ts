@@ -118,7 +118,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     await expect(block("Run").locator("dd").first()).toHaveText(`${formatSeconds(result.timing_s.solve)} s`);
     await numbers.getByText("Each landmark").click();
     for (const [name, value] of Object.entries(result.landmark_distance_mm.each)) {
-      const radius = formatMm(result.landmark_uncertainty_mm![name]!);
+      const radius = formatMm(result.landmark_uncertainty_mm![name]);
       await expect(numbers.locator(`[data-landmark=${name}] dd`)).toHaveText(new RegExp(`^${formatMm(value)}\\s*±\\s${radius} mm$`));
     }
   });
