@@ -51,8 +51,17 @@ def task(rig: Rig, stance: str, table: Plane | None) -> FitTask:
     return FitTask(rig, seen, rest_parameters(rig), load_recipe("default"), landmarks, stance)
 
 
+def test_a_plane_far_from_the_back_is_no_table_under_it(torso: Rig) -> None:
+    """A wall behind, or a pillow under her: such a plane must not pull the back to it."""
+    depth = float(torso.template[torso.regions["back"], 2].mean())
+    normal = np.array([0.0, 0.0, 1.0])
+    assert table_contact(task(torso, "supine", Plane(normal, depth - 0.05))) is not None
+    assert table_contact(task(torso, "supine", Plane(normal, depth - 0.20))) is None
+    assert table_contact(task(torso, "supine", Plane(normal, depth + 0.10))) is None
+
+
 def test_only_a_lying_patient_on_a_table_that_is_seen_rests_on_it(torso: Rig) -> None:
-    plane = Plane(np.array([0.0, 0.0, 1.0]), -0.2)
+    plane = Plane(np.array([0.0, 0.0, 1.0]), float(torso.template[torso.regions["back"], 2].mean()) - 0.05)
     assert table_contact(task(torso, "standing", plane)) is None
     assert table_contact(task(torso, "supine", None)) is None
     lying = task(torso, "supine", plane)

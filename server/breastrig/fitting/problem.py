@@ -33,6 +33,7 @@ from breastrig.least_squares.quadratic_program import Bounds
 from breastrig.least_squares.robust import KERNELS
 from breastrig.rig.joints import Joints
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
+from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
 
 Terms = list[ResidualTerm[BodyState]]
@@ -227,7 +228,7 @@ def body_terms(task: FitTask) -> Terms:
 
 
 def table_contact(task: FitTask) -> TableContact | None:
-    """The term of a lying back; None where no table is seen or nothing is known of the rig's back."""
+    """The term of a lying back; None where no table is seen under it or nothing is known of the rig's back."""
     rig, settings, table = task.rig, task.recipe.lying, task.target.table
     back = rig.regions.get("back")
     if table is None or task.stance != "supine" or back is None:
@@ -236,6 +237,10 @@ def table_contact(task: FitTask) -> TableContact | None:
     groups = {name: back[leading == rig.bone_names.index(name)] for name in settings.heights if name in rig.bone_names}
     known = {name: group for name, group in groups.items() if len(group)}
     heights = np.array([settings.heights[name] for name in known])
+    start = pose(rig, task.start) @ table.normal - table.height
+    away = np.mean([start[group].mean() for group in known.values()] - heights) if known else np.inf
+    if abs(away) > settings.reach:
+        return None
     return TableContact(
         rig, table, tuple(known.values()), heights, settings.sigma, settings.profile_sigma, settings.floor_sigma
     )
