@@ -99,15 +99,15 @@ def test_a_compliance_is_the_square_of_its_sigmas_and_of_no_others(preset: str, 
             for each_a, each_b in zip(a, b, strict=True):
                 compare(path, each_a, each_b)
         elif a != b:
-            assert np.allclose(b, 10.0 * np.asarray(a))
+            assert np.allclose(b, (100.0 if path == "body.share" else 10.0) * np.asarray(a))  # a share of variances
             changed.add(path)
 
     compare("", before, after)
     allowed = {
         "data": {"stages.data_sigma", "stages.along_sigma"},
         "landmarks": {"stages.landmark_sigma"},
-        "scales": {"scales.sigma", "scales.neighbour_sigma"},
-        "shapes": {"shapes.sigma", "shapes.factor"},
+        "scales": {"scales.sigma", "scales.neighbour_sigma", "body.share", "body.scale_sigma"},
+        "shapes": {"shapes.sigma", "shapes.factor", "body.share"},
         "joints": {
             *("joints.rotation_sigma", "joints.translation_sigma"),
             *("joints.rotation_factor", "joints.translation_factor"),

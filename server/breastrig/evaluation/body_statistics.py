@@ -1,6 +1,7 @@
 """Writes what is known of bodies (fitting/body): mean and covariance of scales and shapes over a folder of cases.
 
-    python -m breastrig.evaluation.body_statistics CASES
+    breastrig evaluate --warped 73 --half choose COHORT -o DIR --quick
+    python -m breastrig.evaluation.body_statistics DIR/warped
 
 Each body is seen twice, as she is and mirrored, so that no side is preferred.  Standing and lying bodies each lose
 their own mean: the prior's centre knows the stance already.  The covariance is kept as its strongest directions.

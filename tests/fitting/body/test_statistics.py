@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from breastrig.evaluation.body_statistics import mirrored, statistics
+from breastrig.evaluation.studies.sensitivity import with_shapes
 from breastrig.fitting.body.statistics import body_statistics
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
@@ -42,6 +43,19 @@ def test_another_rig_has_none(torso: Rig) -> None:
     bones = (replace(torso.bones[0], name="other"), *torso.bones[1:])
     assert body_statistics(replace(torso, bones=bones)) is None
     assert body_statistics(replace(torso, name="somebody")) is None
+    shapes = (replace(torso.shapes[0], name="other"), *torso.shapes[1:])
+    assert body_statistics(replace(torso, shapes=shapes)) is None
+
+
+def test_a_rig_with_some_of_the_shapes_has_their_part(torso: Rig) -> None:
+    whole = body_statistics(torso)
+    names = torso.shape_names[3:9]
+    part = body_statistics(with_shapes(torso, names))
+    assert whole is not None
+    assert part is not None
+    scales = 3 * len(torso.bones)
+    kept = [*range(scales), *range(scales + 3, scales + 9)]
+    np.testing.assert_allclose(part.covariance, whole.covariance[np.ix_(kept, kept)], rtol=1e-12, atol=1e-15)
 
 
 def test_the_covariance_is_that_of_the_bodies_within_their_stance(torso: Rig) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.evaluation.studies.case import Scene
-from breastrig.fitting.recipe import Joints, Recipe, Scales, Shapes, Stage
+from breastrig.fitting.recipe import Body, Joints, Recipe, Scales, Shapes, Stage
 from breastrig.rig.model import Rig
 
 TERMS = ("data", "landmarks", "scales", "shapes", "joints")
@@ -36,6 +36,13 @@ def _shapes(shapes: Shapes, root: float) -> Shapes:
     return shapes.model_copy(update={"sigma": sigma, "factor": root * shapes.factor})
 
 
+def _body(body: Body | None, root: float, scale_root: float) -> Body | None:
+    """What bodies have in common is one Gaussian of both, so it changes with either; `factor` is part of the shapes."""
+    if body is None:
+        return None
+    return body.model_copy(update={"share": root**2 * body.share, "scale_sigma": scale_root * body.scale_sigma})
+
+
 def _joints(joints: Joints, root: float) -> Joints:
     rotation = None if joints.rotation_sigma is None else root * joints.rotation_sigma
     translation = None if joints.translation_sigma is None else root * joints.translation_sigma
@@ -57,9 +64,12 @@ def scaled_compliance(recipe: Recipe, term: str, factor: float) -> Recipe:
     if term == "landmarks":
         return recipe.model_copy(update={"stages": tuple(_landmarks(stage, root) for stage in recipe.stages)})
     if term == "scales":
-        return recipe.model_copy(update={"scales": _scales(recipe.scales, root)})
+        return recipe.model_copy(
+            update={"scales": _scales(recipe.scales, root), "body": _body(recipe.body, root, root)}
+        )
     if term == "shapes":
-        return recipe.model_copy(update={"shapes": _shapes(recipe.shapes, root)})
+        body = _body(recipe.body, root, 1.0)
+        return recipe.model_copy(update={"shapes": _shapes(recipe.shapes, root), "body": body})
     assert term == "joints"
     return recipe.model_copy(update={"joints": _joints(recipe.joints, root)})
 

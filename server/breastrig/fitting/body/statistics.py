@@ -28,12 +28,15 @@ class BodyStatistics:
 
 @lru_cache(maxsize=8)
 def body_statistics(rig: Rig) -> BodyStatistics | None:
-    """For this rig; None where there are none, or where its bones or shapes have other names."""
+    """For this rig; None where there are none for its bones and shapes.  A rig may lack some of the shapes."""
     file = resources.files("breastrig.fitting") / "body" / f"{rig.name}.json"
     if not file.is_file():
         return None
     stored = json.loads(file.read_text("utf-8"))
-    if stored["schema"] != SCHEMA or [*stored["bones"], *stored["shapes"]] != [*rig.bone_names, *rig.shape_names]:
+    places = {name: place for place, name in enumerate(stored["shapes"])}
+    if stored["schema"] != SCHEMA or stored["bones"] != [*rig.bone_names] or not places.keys() >= {*rig.shape_names}:
         return None
-    factors = np.array(stored["factors"])  # (K, N); the covariance is FᵀF
+    scales = 3 * len(rig.bones)
+    kept = np.concatenate([np.arange(scales), [scales + places[name] for name in rig.shape_names]]).astype(np.int64)
+    factors = np.array(stored["factors"])[:, kept]  # (K, N); the covariance is FᵀF
     return BodyStatistics(np.array(stored["mean_scales"]), factors.T @ factors, stored["bodies"])
