@@ -101,3 +101,10 @@ def test_of_another_model_nothing_is_known() -> None:
     assert verdict_limits("toy") is None
     found = verdict(RIGHT, Status.CONVERGED, None)
     assert (found.level, found.reasons, found.is_torso) == ("check", (UNKNOWN_MODEL,), True)
+
+
+def test_landmarks_in_doubt_make_a_right_fit_worth_a_look() -> None:
+    one, two = (verdict(RIGHT, Status.CONVERGED, LIMITS, placed=True, in_doubt=count) for count in (1, 2))
+    assert one.level == two.level == "check"
+    assert one.reasons == ("One landmark is in doubt; look at what is asked about it.",)
+    assert two.reasons == ("2 landmarks are in doubt; look at what is asked about them.",)

@@ -64,8 +64,8 @@ class FitRecorder:
         doubtful = (*let_go, *unusual(posterior))
         signals = fit_signals(rig, target, last.parameters, ready.clearness)
         placed = len(ready.task.landmarks) >= MIN_LANDMARKS
-        asked_about = [name for doubt in doubtful for name in doubt.names]
-        found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed, asked_about)
+        in_doubt = sum(len(doubt.names) for doubt in doubtful)
+        found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed, in_doubt)
         if not found_verdict.is_torso:
             raise FitFailed(found_verdict.refusal)
         timing = ready.timing_s | {"solve": solve_s}

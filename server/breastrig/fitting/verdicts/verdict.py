@@ -6,7 +6,6 @@ say together is certain, what one says makes the fit unusable at most.
 """
 
 import tomllib
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib import resources
@@ -21,6 +20,8 @@ from breastrig.least_squares.newton import Status
 Level = Literal["good", "check", "unusable"]
 UNKNOWN_MODEL = "Nothing is known of what right fits of this model look like; judge it by eye."
 NOT_CONVERGED = "The fit did not come to rest; look at it closely, or place more landmarks."
+IN_DOUBT = "One landmark is in doubt; look at what is asked about it."
+SEVERAL_IN_DOUBT = " are in doubt; look at what is asked about them."
 PER_UNIT = {"percent": 100.0, "mm": 1e3, "degrees": 180.0 / np.pi}
 SHOWN = 2  # reasons in the sentence of a refusal: the strongest
 
@@ -77,15 +78,15 @@ def verdict(
     status: Status,
     limits: VerdictLimits | None,
     placed: bool = False,
-    asked_about: Sequence[str] = (),
+    in_doubt: int = 0,
 ) -> Verdict:
-    """`status` is why the fit stopped, `placed` whether a person's landmarks placed it; some of them are `asked_about`.
+    """`status` is why the fit stopped, `placed` whether a person's landmarks placed it, `in_doubt` how many of them are.
 
     Who names landmarks has seen a torso: such a fit is unusable at most.
     """
     stopped = () if status is Status.CONVERGED else (NOT_CONVERGED,)
-    if asked_about:
-        stopped = (*stopped, f"{', '.join(asked_about)}: look at what is asked about {_these(asked_about)}.")
+    if in_doubt:
+        stopped = (*stopped, IN_DOUBT if in_doubt == 1 else f"{in_doubt} landmarks{SEVERAL_IN_DOUBT}")
     if limits is None:
         return Verdict("check", (*stopped, UNKNOWN_MODEL))
     found = {
@@ -103,10 +104,6 @@ def verdict(
     if refused or impossible >= limits.unusable_at:
         return Verdict("unusable", (*reasons, *stopped), is_torso=not refused)
     return Verdict("check" if reasons or stopped else "good", (*reasons, *stopped))
-
-
-def _these(landmarks: Sequence[str]) -> str:
-    return "this landmark" if len(landmarks) == 1 else "these landmarks"
 
 
 def _strength(value: float, limit: SignalLimits) -> float:
