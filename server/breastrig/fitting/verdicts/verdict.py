@@ -80,7 +80,7 @@ def verdict(
     placed: bool = False,
     in_doubt: int = 0,
 ) -> Verdict:
-    """`status` is why the fit stopped, `placed` whether a person's landmarks placed it, `in_doubt` how many of them are.
+    """`status` is why the fit stopped, `placed` whether a person's landmarks placed it, `in_doubt` counts doubted ones.
 
     Who names landmarks has seen a torso: such a fit is unusable at most.
     """
