@@ -38,3 +38,26 @@ def test_a_scan_turned_at_random_is_put_upright(seed: int, all_sides: bool) -> N
     nearer = [int(np.linalg.norm(true - place, axis=1).argmin()) for place in found]
     sided = [k for k, name in enumerate(names) if name.startswith(("nipple", "acromion"))]
     assert [nearer[k] for k in sided] == sided
+
+
+@pytest.mark.parametrize("part", ["left half", "above the nipples", "below the nipples"])
+def test_a_part_of_a_body_is_put_where_it_belongs(part: str) -> None:
+    """Half the body's width or height, as a camera saw it from the front."""
+    rig = read_rig(default_rig_path())
+    rng = np.random.default_rng(11)
+    vertices = pose(rig, random_parameters(rig, rng, turn=0.05, move=0.0, scale=0.03, shape=0.4))
+    centres = vertices[rig.faces].mean(axis=1)
+    true = rig.landmark_points().positions(vertices, rig.faces)
+    nipples = true[rig.landmark_names.index("nipple_L"), 1]
+    kept = {
+        "left half": centres[:, 0] > 0.0,
+        "above the nipples": centres[:, 1] > nipples,
+        "below the nipples": centres[:, 1] < nipples,
+    }[part]
+    fine, triangles = subdivided(vertices, rig.faces[kept & (centres[:, 2] > -0.02)])
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    turn *= np.sign(np.linalg.det(turn))
+    scan = prepared(Surface(fine @ turn.T, triangles, ()), AUTO)
+    start = start_from_scan(rig, scan.target, scan.frame.fronts)
+    found = rig.landmark_points().positions(pose(rig, start.parameters), rig.faces)
+    assert np.linalg.norm(found - true @ turn.T, axis=1).mean() < 0.03

@@ -1,6 +1,6 @@
 """Similarities: the best one between two sets of points, or many at once, and the rest pose carried by one.
 
-The tries of orientation.py go through their few steps together: one by one the calls would cost more than the work.
+The tries of rigid_search.py go through their few steps together: one by one the calls would cost more than the work.
 
 Umeyama, Least-squares estimation of transformation parameters between two point patterns, 1991.
 """
@@ -88,17 +88,18 @@ def umeyama(source: Array, target: Array, weights: Array | None = None) -> Simil
 
 
 def nearest_similarities(
-    source: Array, targets: Array, used: Booleans, scales: tuple[float, float] = (0.0, np.inf)
+    source: Array, targets: Array, weights: Array | Booleans, scales: tuple[float, float] = (0.0, np.inf)
 ) -> Similarities:
-    """The similarities that carry (M, 3) source points to (T, M, 3) target points best, over the pairs `used` (T, M).
+    """The similarities that carry (M, 3) or (T, M, 3) source points to (T, M, 3) target points best.
 
-    `umeyama`, T times, with the scale kept within bounds.  A try with fewer than three pairs,
-    or with pairs on one line, gives some similarity that means nothing.
+    `umeyama`, T times, with (T, M) weights >= 0 and the scale kept within bounds.  A try with fewer than three pairs
+    of any weight, or with pairs on one line, gives some similarity that means nothing.
     """
-    share = used / np.maximum(used.sum(axis=1, keepdims=True), 1)
-    mean_s, mean_t = share @ source, np.einsum("tm,tmi->ti", share, targets)
-    crossed = (targets * share[:, :, None]).transpose(0, 2, 1) @ source - mean_t[:, :, None] * mean_s[:, None, :]
-    spread = share @ (source**2).sum(axis=1) - (mean_s**2).sum(axis=1)
+    each = np.broadcast_to(source, targets.shape)
+    share = weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-12)
+    mean_s, mean_t = (share[:, None] @ each)[:, 0], (share[:, None] @ targets)[:, 0]
+    crossed = (targets * share[:, :, None]).transpose(0, 2, 1) @ each - mean_t[:, :, None] * mean_s[:, None, :]
+    spread = np.einsum("tm,tmi,tmi->t", share, each, each) - (mean_s**2).sum(axis=1)
     u, d, vt = np.linalg.svd(crossed)
     signs = np.ones_like(d)
     signs[:, 2] = np.sign(np.linalg.det(u @ vt))
