@@ -32,7 +32,7 @@ BENDING = 0.7  # 1/m, expected root of the summed squared curvature change: fold
 SLOPE = 0.007  # m, expected root of the summed squared slope where nothing is matched; half of it is as good
 DYING = 0.004  # m·m, expected root of the summed squared displacement on the scan's skin
 FADE = (
-    0.012  # m from the matched skin, where the layer begins to die out; it has halved at three times, is gone at seven
+    0.012  # m from the matched skin, where the layer begins to die out; at three times half is left, at seven nothing
 )
 ALONE = 4  # power of the share of matched neighbours that a match counts with: jumps at edges 3.6 instead of 4.5 mm
 HELD = 0.25  # of the weight of a match, with which a turned triangle is held at the model; HOLDING_TRIES times
