@@ -39,7 +39,7 @@ def test_a_fit_is_accepted_executed_and_described(client: FlaskClient, service: 
         "stance": "supine",
         "preset": "default",
         "drawing": "lumpectomy",
-        "refine": False,
+        "refine": True,
         "start_from": None,
         "partner": None,
         "last_event": 6,
@@ -86,9 +86,9 @@ def test_certain_picks_come_from_the_scan_unless_the_request_brings_its_own(
         assert client.get(answer.json["links"]["result"]).json["certain"] == expected
 
 
-def test_refining_is_asked_for_and_executed(client: FlaskClient, service: Service, scan_id: str) -> None:
-    for refine in (True, False):
-        links = client.post("/api/fits", json={"scan": scan_id, "drawing": None, "refine": refine}).json["links"]
+def test_a_fit_follows_the_skin_unless_it_is_asked_not_to(client: FlaskClient, service: Service, scan_id: str) -> None:
+    for asked, refine in (({}, True), ({"refine": True}, True), ({"refine": False}, False)):
+        links = client.post("/api/fits", json={"scan": scan_id, "drawing": None, **asked}).json["links"]
         ended(service, links["self"].rsplit("/", 1)[1])
         assert client.get(links["self"]).json["refine"] is refine
         assert client.get(links["result"]).json["refined"] is refine

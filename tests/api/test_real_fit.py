@@ -97,11 +97,15 @@ def test_the_packaged_example_is_fitted(real: tuple[Service, FlaskClient], name:
     assert np.mean(list(off.values())) < 20.0
     result = fitted(service, client, scan, picked)
     assert result["stance"] == name
-    assert result["surface_distance_mm"]["mean"] < 2.4
+    assert result["refined"]
+    assert result["surface_distance_mm"]["mean"] < 0.5
+    assert result["model_alone"]["surface_distance_mm"]["mean"] < 2.4
     assert result["landmark_distance_mm"]["mean"] < 6.0
-    refined = fitted(service, client, scan, picked, refine=True)
-    assert refined["refined"]
-    assert refined["surface_distance_mm"]["mean"] < 0.5
+    plain = fitted(service, client, scan, picked, refine=False)
+    assert not plain["refined"]
+    distances = ("surface_distance_mm", "scan_to_model_mm", "landmark_distance_mm")
+    for found in (plain, plain["model_alone"]):
+        assert {name: found[name] for name in distances} == result["model_alone"]
     client.delete(scan["links"]["self"])
 
 

@@ -40,7 +40,7 @@ def test_every_column_is_read_and_paths_are_relative_to_the_manifest(folder: Pat
         folder,
         rig,
         "scan,landmarks,name,units,stance,preset,drawing,tumour,refine",
-        'a.ply,picks.json,Ada,mm,supine,paper,anatomy,"L:10,45,12 R:3,30,8",yes',
+        'a.ply,picks.json,Ada,mm,supine,paper,anatomy,"L:10,45,12 R:3,30,8",no',
         "b.ply,,,,,,none,,",
     )
     assert first == BatchRow(
@@ -51,14 +51,14 @@ def test_every_column_is_read_and_paths_are_relative_to_the_manifest(folder: Pat
         stance="supine",
         preset="paper",
         drawing="anatomy+tumour:L,10,45,12+tumour:R,3,30,8",
-        refine=True,
+        refine=False,
     )
-    assert second == BatchRow("0002-b", folder / "b.ply", None, "auto", "auto", "default", None, False)
+    assert second == BatchRow("0002-b", folder / "b.ply", None, "auto", "auto", "default", None, True)
 
 
 def test_what_a_row_does_not_say_is_as_in_fit(folder: Path, rig: Rig) -> None:
     (row,) = rows(folder, rig, "scan", "a.ply")
-    assert row == BatchRow("0001-a", folder / "a.ply", None, "auto", "auto", "default", "lumpectomy", False)
+    assert row == BatchRow("0001-a", folder / "a.ply", None, "auto", "auto", "default", "lumpectomy", True)
 
 
 @pytest.mark.parametrize("split", [";", "\t"])

@@ -24,7 +24,7 @@ def fits(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     for stance in STANCES:
         example = asset_folder("example") / stance
         scan, landmarks = str(example / "scan.ply"), str(example / "landmarks.json")
-        assert main(["fit", scan, "--landmarks", landmarks, "--refine", "-o", str(folder / stance)]) == 0
+        assert main(["fit", scan, "--landmarks", landmarks, "-o", str(folder / stance)]) == 0
     return {stance: folder / stance for stance in STANCES}
 
 

@@ -5,7 +5,7 @@ import pytest
 from helpers.surfaces import sphere
 
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.refine import FADE, refined, stiffness_and_area
+from breastrig.fitting.refine import refined, stiffness_and_area
 from breastrig.geometry.normals import face_normals, vertex_normals
 from breastrig.scan.clean import compact
 
@@ -35,13 +35,55 @@ def test_nothing_moves_along_the_skin() -> None:
     assert np.abs(np.cross(moved, vertex_normals(vertices, faces))).max() < 1e-12
 
 
-def test_what_the_scan_does_not_show_stays() -> None:
+def larger_front(height: float) -> ScanTarget:
+    """The front half of a ball that is larger than one of 0.1 m by `height`."""
+    fine, triangles = sphere(0.1 + height, 5)
+    return ScanTarget(*compact(fine, triangles[(fine[triangles][:, :, 2] > 0.0).all(axis=1)]))
+
+
+def beyond_the_edge(vertices: np.ndarray) -> np.ndarray:
+    """(V,) m along the skin of a ball of 0.1 m from the border of its front."""
+    return -0.1 * np.arcsin(np.clip(vertices[:, 2] / 0.1, -1.0, 1.0))
+
+
+@pytest.mark.parametrize("height", [0.004, -0.004])
+def test_where_the_scan_ends_the_layer_fades_without_a_step(height: float) -> None:
     vertices, faces = sphere(0.1, 4)
-    fine, triangles = sphere(0.104, 5)
+    layer = refined(larger_front(height), vertices, faces).displacement / height
+    beyond = beyond_the_edge(vertices)
+    assert np.abs(layer[beyond < -0.02] - 1.0).max() < 0.08
+    assert np.abs(layer[beyond > 0.09]).max() < 0.05
+    corners = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    steps = np.abs(np.diff(layer[corners], axis=1))[:, 0]
+    lengths = np.linalg.norm(np.diff(vertices[corners], axis=1)[:, 0], axis=1)
+    assert (steps / lengths).max() < 1.0 / 0.04  # no steeper than from all to nothing within 4 cm
+
+
+def test_the_layer_never_overshoots_where_the_scan_shows_nothing() -> None:
+    """A hill that ends at the border with a slope is not carried on, and leaves no ditch behind."""
+    vertices, faces = sphere(0.1, 4)
+    fine, triangles = sphere(0.1, 5)
+    moved = fine * (1.0 + 0.006 * np.clip(1.0 - fine[:, 2:] / 0.05, 0.0, None) / 0.1)
     front = triangles[(fine[triangles][:, :, 2] > 0.0).all(axis=1)]
-    result = refined(ScanTarget(*compact(fine, front)), vertices, faces)
-    assert np.abs(result.displacement[vertices[:, 2] > 0.02] - 0.004).max() < 0.3e-3
-    assert np.abs(result.displacement[vertices[:, 2] < -10 * FADE]).max() < 0.2e-3
+    layer = refined(ScanTarget(*compact(moved, front)), vertices, faces).displacement
+    unseen = beyond_the_edge(vertices) > 0.0
+    assert layer[~unseen].max() > 0.0045
+    assert layer[unseen].max() < 0.006
+    assert layer[unseen].min() > -0.1e-3
+
+
+def test_one_vertex_that_alone_meets_a_scrap_of_scan_raises_no_spike() -> None:
+    vertices, faces = sphere(0.1, 4)
+    directions = vertices / 0.1
+    scrap = np.linalg.norm(directions - directions[np.argmin(vertices[:, 2])], axis=1) < 0.12  # a vertex and its ring
+    fine, triangles = sphere(0.1, 6)
+    front = (fine[triangles][:, :, 2] > 0.0).all(axis=1)
+    near = np.linalg.norm(fine[triangles].mean(axis=1) / 0.1 - directions[np.argmin(vertices[:, 2])], axis=1) < 0.04
+    place = fine.copy()
+    place[np.unique(triangles[near])] *= 1.1  # 10 mm off the skin
+    layer = refined(ScanTarget(*compact(place, triangles[front | near])), vertices, faces).displacement
+    assert scrap.sum() < 10
+    assert layer[scrap].max() < 0.004
 
 
 def test_noise_turns_no_triangle_over(rng: np.random.Generator) -> None:

@@ -17,6 +17,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import fitted_glb
 from breastrig.gltf.write_rig import rig_glb
 from breastrig.rig.model import Rig
+from breastrig.rig.skinning import pose
 
 WEB = Path(__file__).resolve().parents[2] / "web"
 
@@ -43,6 +44,8 @@ def all_files(rig: Rig, folder: Path) -> list[Path]:
         contents[lines] = drawing_buffer(rig, drawing)
         contents[f"iteration_{drawing.name}.gltf"] = iterate_gltf(rig, poses[1], drawing, "model.bin", lines)
         contents[f"fitted_{drawing.name}.glb"] = fitted_glb(rig, poses, [0.0, 0.1, 0.1, 0.3], drawing, {"a": 1})
+        skin = pose(rig, poses[-1]) + 0.004 * rng.normal(size=rig.template.shape)
+        contents[f"layer_{drawing.name}.glb"] = fitted_glb(rig, poses, [0.0, 0.1, 0.1, 0.3], drawing, {}, skin)
     colours = rng.integers(0, 256, (len(rig.template), 3)).astype(np.uint8)
     far = np.array([10_000.5, -300.25, 7_000.125])
     away = [pose.moved(np.eye(3), far) for pose in poses]

@@ -33,14 +33,14 @@ OFFSET = np.array([1000.0, -2000.0, 500.0])  # mm
 @pytest.fixture(scope="module")
 def by_command(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("command") / "out"
-    wish = ["--tumour", TUMOUR, "--refine"]
+    wish = ["--tumour", TUMOUR]
     assert main(["fit", str(STANDING), "--landmarks", str(PICKS), *wish, "-o", str(out)]) == 0
     return out
 
 
 @pytest.fixture(scope="module")
 def fit() -> breastrig.Fit:
-    return breastrig.fit(STANDING, PICKS, tumours=[TUMOUR], refine=True)
+    return breastrig.fit(STANDING, PICKS, tumours=[TUMOUR])
 
 
 def test_what_a_program_saves_is_what_the_command_writes(fit: breastrig.Fit, by_command: Path, tmp_path: Path) -> None:
@@ -63,7 +63,7 @@ def test_landmarks_by_name_in_the_scans_unit_and_a_scan_that_was_read_give_the_s
     places, unit = read_landmarks(PICKS)
     to_scan = {"mm": 1e-3, "m": 1.0}[unit or scan.unit] / scan.metres_per_unit
     named = {name: to_scan * place for name, place in places.items()}
-    again = breastrig.fit(scan, named, tumours=[TUMOUR], refine=True, model=breastrig.load_model())
+    again = breastrig.fit(scan, named, tumours=[TUMOUR], model=breastrig.load_model())
     np.testing.assert_allclose(again.vertices, fit.vertices, atol=1e-6 / scan.metres_per_unit)
     assert again.result["scan"] == fit.result["scan"]
 
@@ -231,7 +231,7 @@ def test_what_was_read_is_never_replaced_and_what_is_anothers_only_by_force(tmp_
 
 
 def test_iterates_show_the_model_on_its_way_and_end_with_the_fit(fit: breastrig.Fit) -> None:
-    run = breastrig.iterates(STANDING, PICKS, drawing=None)
+    run = breastrig.iterates(STANDING, PICKS, drawing=None, refine=False)
     steps = list(run)
     last = run.result()
     assert [each.iteration for each in steps] == list(range(last.iterations + 1))

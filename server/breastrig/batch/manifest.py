@@ -23,7 +23,7 @@ from breastrig.scan.landmark_files import certain_landmarks, landmark_confidence
 from breastrig.workflow.scan_fit import STANCES, checked_landmarks
 
 COLUMNS = ("scan", "landmarks", "name", "units", "stance", "preset", "drawing", "tumour", "refine")
-YES_NO = {"": False, "no": False, "false": False, "0": False, "yes": True, "true": True, "1": True}
+YES_NO = {"": True, "no": False, "false": False, "0": False, "yes": True, "true": True, "1": True}
 MANIFEST_BYTES = 100_000_000  # half a million long rows
 NAME_BYTES = 200  # file systems take 255, and a folder that is being written has a longer name
 INPUTS = "inputs.json"  # in each result: what it was made from

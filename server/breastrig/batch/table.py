@@ -23,7 +23,10 @@ NUMBERS = {  # column -> its place in result.json
     "solve_s": ("timing_s", "solve"),
     "total_s": ("timing_s", "total"),
     "verdict": ("verdict", "level"),
+    "model_alone_mean_mm": ("model_alone", "surface_distance_mm", "mean"),
 }
+BEFORE = {"verdict": {"level": None}, "model_alone": {"surface_distance_mm": {"mean": None}}}  # earlier results
+
 TIMES = ("solve_s", "total_s")  # all other columns are the same wherever and however often a fit runs
 FIRST = ("name", "state", "reason")
 COLUMNS = (*FIRST, *NUMBERS)
@@ -57,7 +60,7 @@ def numbers_of(result: Mapping[str, Any]) -> dict[str, Any]:
     """The columns' values from a result.json.  Raises KeyError or TypeError when it is none."""
     numbers = {}
     for column, place in NUMBERS.items():
-        value: Any = {"verdict": {"level": None}} | dict(result)  # earlier results have no verdict
+        value: Any = BEFORE | dict(result)
         for key in place:
             value = value[key]
         numbers[column] = value

@@ -57,7 +57,12 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         "observer who faces her), 45 mm from the nipple along the skin, radius 12 mm; or at:X,Y,Z,RADIUS, all in mm, "
         "around a place picked in the scan's frame",
     )
-    parser.add_argument("--refine", action="store_true", help="add a smooth free-form layer where the scan shows skin")
+    parser.add_argument(
+        "--refine",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="a smooth free-form layer follows the skin that the scan shows; --no-refine: the model alone",
+    )
     parser.add_argument("--no-progress", action="store_true", help="no progress bar")
     add_output_options(parser, "OUT", "folder for the results")
     parser.set_defaults(run=run)
@@ -139,5 +144,7 @@ def run(options: argparse.Namespace) -> int:
         surface, landmarks = result["surface_distance_mm"], result["landmark_distance_mm"]
         if sys.stdout.isatty():
             to_landmarks = "" if landmarks["mean"] is None else f", {landmarks['mean']:.2f} mm to the landmarks"
-            print(f"{scan}{surface['mean']:.2f} mm to the scan{to_landmarks}; results in {options.output}")
+            alone = f" (the model alone {result['model_alone']['surface_distance_mm']['mean']:.2f} mm)"
+            to_scan = f"{surface['mean']:.2f} mm to the scan{alone if result['refined'] else ''}"
+            print(f"{scan}{to_scan}{to_landmarks}; results in {options.output}")
     return 0

@@ -20,6 +20,7 @@ from breastrig.core.single_precision import far_place
 from breastrig.gltf.container import BufferWriter, Node, append, moved_to, new_document, to_glb
 from breastrig.gltf.drawing_node import add_drawing, positions_exact_in
 from breastrig.gltf.pose_nodes import node_poses
+from breastrig.gltf.skin_layer import add_skin_layer
 from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, set_pose
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
@@ -34,10 +35,12 @@ def fitted_glb(
     times_s: Sequence[float],
     drawing: ModelDrawing | None,
     extras: dict[str, Any],
+    surface: Array | None = None,
 ) -> bytes:
     """The rig posed by the last of the iterates (scan frame, m), with the animation "registration".
 
-    `times_s` are the iterates' times since the start; `extras` join the notice in asset.extras.
+    `times_s` are the iterates' times since the start; `extras` join the notice in asset.extras; `surface` (V, 3) m is
+    the skin where a free-form layer has moved it off the last of the iterates.
     """
     document = new_document(extras)
     buffer = BufferWriter(document)
@@ -45,11 +48,17 @@ def fitted_glb(
     place = far_place(iterates[-1].translations)
     if place.any():
         iterates = [iterate.moved(np.eye(3), -place) for iterate in iterates]
+        surface = None if surface is None else surface - place
         _hang_bones(document, skinned, place)
     if drawing is not None:
         add_drawing(document, buffer, skinned, rig, drawing, positions_exact_in(rig, drawing, iterates[-1]))
     set_pose(document, skinned, rig, iterates[-1])
-    document.animations = [_animation(document, buffer, skinned, rig, iterates, np.asarray(times_s, np.float64))]
+    poses = [node_poses(rig, x) for x in iterates]
+    if surface is not None:
+        add_skin_layer(document, buffer, skinned, rig, drawing, iterates[-1], surface)
+        for key, pose in enumerate(poses):
+            pose[-1]["weights"] = [*pose[-1]["weights"], 1.0 if key == len(poses) - 1 else 0.0]
+    document.animations = [_animation(document, buffer, skinned, poses, np.asarray(times_s, np.float64))]
     return to_glb(document, buffer)
 
 
@@ -65,15 +74,13 @@ def _animation(
     document: GLTF2,
     buffer: BufferWriter,
     skinned: SkinnedNodes,
-    rig: Rig,
-    iterates: Sequence[RigParameters],
+    poses: Sequence[list[dict[str, Any]]],
     times: Array,
 ) -> pygltflib.Animation:
     animation = pygltflib.Animation(
         name="registration", extras={"elapsed_s": [round(float(time), 4) for time in times]}
     )
     keys = buffer.add(_spaced(times).astype(np.float32), bounds=True)
-    poses = [node_poses(rig, x) for x in iterates]
 
     def animate(nodes: list[int], path: str, values: NDArray[np.float32]) -> None:
         output = buffer.add(values)

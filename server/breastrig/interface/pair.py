@@ -80,7 +80,7 @@ def pair_iterates(
     preset: str = "default",
     drawing: str | None = "lumpectomy",
     tumours: Sequence[str] = (),
-    refine: bool = False,
+    refine: bool = True,
     alike: bool = False,
     model: Model = None,
 ) -> FitRun[tuple[Iterate, Iterate], FitPair]:
@@ -125,7 +125,7 @@ def fit_pair(
     preset: str = "default",
     drawing: str | None = "lumpectomy",
     tumours: Sequence[str] = (),
-    refine: bool = False,
+    refine: bool = True,
     alike: bool = False,
     model: Model = None,
 ) -> FitPair:

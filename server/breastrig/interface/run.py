@@ -106,7 +106,7 @@ def iterates(
     preset: str = "default",
     drawing: str | None = "lumpectomy",
     tumours: Sequence[str] = (),
-    refine: bool = False,
+    refine: bool = True,
     model: Model = None,
 ) -> FitRun[Iterate, Fit]:
     """A fit as an iterator of `Iterate`s, each with its vertices (V, 3) in the scan's unit and frame.
@@ -147,7 +147,7 @@ def fit(
     preset: str = "default",
     drawing: str | None = "lumpectomy",
     tumours: Sequence[str] = (),
-    refine: bool = False,
+    refine: bool = True,
     model: Model = None,
 ) -> Fit:
     """Fits the model to one scan, and returns a `Fit` with everything in the scan's unit and frame; writes nothing.
@@ -163,7 +163,8 @@ def fit(
                 several joined by +, or None
     tumours     circles on the skin, in mm: "L:10,45,12" (side: hour, distance from the nipple, radius), or
                 "at:X,Y,Z,RADIUS" around a place in the scan's frame
-    refine      adds a smooth free-form layer where the scan shows skin
+    refine      a smooth free-form layer follows the skin that the scan shows; the model's own distances stand in
+                `fit.result["model_alone"]`
     model       from `load_model`, or the path of a .glb; None: the torso of the package
 
     Raises BadScan, BadLandmarks, BadDrawing, BadModel or BadSettings (all BadInput) for what can be mended, FitFailed

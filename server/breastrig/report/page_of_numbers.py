@@ -160,6 +160,7 @@ def _said(result: dict[str, Any]) -> dict[str, str]:
     return {
         "Model to scan": _distances(result["surface_distance_mm"]),
         "Scan to model": _distances(result["scan_to_model_mm"]),
+        "The model alone, to scan": _alone(result),
         "Model to picked landmarks": (
             "no landmarks were picked"
             if landmarks["mean"] is None
@@ -167,7 +168,7 @@ def _said(result: dict[str, Any]) -> dict[str, str]:
         ),
         "Verdict": _verdict(result.get("verdict")),
         "End of the fit": f"{result['stop_reason'].rstrip('.')}; {result['iterations']} steps",
-        "Preset, stance": f"{result['preset']}{', refined' if result.get('refined') else ''}; {result['stance']}",
+        "Preset, stance": f"{result['preset']}{', on the skin' if result.get('refined') else ''}; {result['stance']}",
         "Scan": f"{scan['vertices']:,} points, {scan['triangles']:,} triangles, {scan['unit']}; {scan['sha256'][:12]}",
         "Model": f"{model['name']}, {model['bones']} bones, {model['blendshapes']} shapes; {model['sha256'][:12]}",
         "Versions": versions,
@@ -177,6 +178,13 @@ def _said(result: dict[str, Any]) -> dict[str, str]:
 def _verdict(verdict: dict[str, Any] | None) -> str:
     """The level in words; results of earlier versions have none."""
     return "not known" if verdict is None else VERDICTS[verdict["level"]]
+
+
+def _alone(result: dict[str, Any]) -> str:
+    """Without the free-form layer; results of earlier versions do not have it."""
+    if not result.get("refined"):
+        return "the same: nothing was added to it"
+    return _distances(result["model_alone"]["surface_distance_mm"]) if "model_alone" in result else "not known"
 
 
 def _distances(found: dict[str, float | None]) -> str:

@@ -48,8 +48,10 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
     """The document breastrig/result@1."""
     rig, x, scan = outcome.rig, outcome.parameters, outcome.scan
     per_unit = scan.metres_per_unit
-    model_points = rig.landmark_points().positions(outcome.vertices, rig.faces)
-    model_landmarks = dict(zip(rig.landmark_names, model_points, strict=True))
+    model_landmarks, alone_landmarks = (
+        dict(zip(rig.landmark_names, rig.landmark_points().positions(vertices, rig.faces), strict=True))
+        for vertices in (outcome.vertices, outcome.model_alone.vertices)
+    )
     quaternions = quaternion_from_rotation(x.rotations)
     return {
         "schema": RESULT_SCHEMA,
@@ -81,6 +83,11 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         "surface_distance_mm": surface_summary_mm(outcome.distances.model),
         "scan_to_model_mm": summary_mm(outcome.distances.scan),
         "landmark_distance_mm": landmark_summary_mm(model_landmarks, outcome.landmarks),
+        "model_alone": {
+            "surface_distance_mm": surface_summary_mm(outcome.model_alone.distances.model),
+            "scan_to_model_mm": summary_mm(outcome.model_alone.distances.scan),
+            "landmark_distance_mm": landmark_summary_mm(alone_landmarks, outcome.landmarks),
+        },
         "landmarks_not_followed": [_doubted(doubt) for doubt in outcome.doubts if not doubt.followed],
         "landmarks_unusual": [_doubted(doubt) for doubt in outcome.doubts if doubt.followed],
         "landmark_uncertainty_mm": {} if outcome.radii is None else _in_mm(outcome.radii.landmarks),
@@ -173,7 +180,9 @@ def _fitted_ply(outcome: FitOutcome) -> bytes:
 
 
 def _fitted_glb(outcome: FitOutcome) -> bytes:
-    return fitted_glb(outcome.rig, outcome.history, outcome.times_s, outcome.drawing, {"preset": outcome.preset})
+    surface = outcome.vertices if outcome.refined else None
+    extras = {"preset": outcome.preset}
+    return fitted_glb(outcome.rig, outcome.history, outcome.times_s, outcome.drawing, extras, surface)
 
 
 def _log(outcome: FitOutcome) -> bytes:

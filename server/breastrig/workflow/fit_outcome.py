@@ -17,6 +17,14 @@ from breastrig.workflow.events import Iterated
 
 
 @dataclass(frozen=True, eq=False)
+class ModelAlone:
+    """The rig as its bones and shapes have it, without the free-form layer."""
+
+    vertices: Array  # (V, 3) m, in the scan's frame
+    distances: SurfaceDistances
+
+
+@dataclass(frozen=True, eq=False)
 class FitOutcome:
     """All that is known at the end of a fit; parameters are in the scan's frame, metres."""
 
@@ -29,6 +37,7 @@ class FitOutcome:
     parameters: RigParameters
     vertices: Array  # (V, 3) m, the fitted surface in the scan's frame, refined or not
     refined: bool
+    model_alone: ModelAlone
     history: tuple[RigParameters, ...]
     times_s: tuple[float, ...]
     log: tuple[Iterated, ...]

@@ -25,7 +25,7 @@ from breastrig.report.distances import surface_distances
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 from breastrig.workflow.events import Iterated, NodePose
-from breastrig.workflow.fit_outcome import FitOutcome
+from breastrig.workflow.fit_outcome import FitOutcome, ModelAlone
 from breastrig.workflow.scan_fit import Clock, ReadyScan
 
 
@@ -70,12 +70,14 @@ class FitRecorder:
             raise FitFailed(found_verdict.refusal)
         timing = ready.timing_s | {"solve": solve_s}
         vertices = pose(rig, last.parameters)
+        distances = surface_distances(target, vertices, rig.faces)
+        alone = ModelAlone(vertices, distances)
         if ready.settings.refine:
             clock.lap()
             vertices = refined(target, vertices, rig.faces).vertices
             timing["refine"] = clock.lap()
+            distances = surface_distances(target, vertices, rig.faces)
         known = radii(posterior)
-        distances = surface_distances(target, vertices, rig.faces)
         drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()
         lines = with_errors(rig, vertices, None if known is None else known.vertices, lines)
@@ -90,6 +92,7 @@ class FitRecorder:
             parameters=last.parameters,
             vertices=vertices,
             refined=ready.settings.refine,
+            model_alone=alone,
             history=tuple(each.iterate.parameters for each in self._recorded),
             times_s=tuple(each.iterate.elapsed_s for each in self._recorded),
             log=tuple(each.event for each in self._recorded),

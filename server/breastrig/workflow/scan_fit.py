@@ -48,7 +48,7 @@ class FitSettings:
     drawing: str | None = "lumpectomy"  # see drawings/patterns.py: names, patterns with parameters, joined by +
     landmark_confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of proposed ones; absent: 1
     certain: tuple[str, ...] = ()  # picks that are followed whatever all else says
-    refine: bool = False  # a free-form layer on top, for fitted.ply, the drawing and the numbers
+    refine: bool = True  # a free-form layer on top, which follows the skin that the scan shows
     earlier: EarlierFit | None = None  # None: the start is found from landmarks and scan
     orientation: dict[str, Any] | None = None  # of the scan, found at its upload; see fitting/scan_orientation.py
 

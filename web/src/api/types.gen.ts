@@ -213,7 +213,7 @@ export type FitRequest = {
   landmarks?: Record<string, [number, number, number]> | null;
   /** names of landmarks that are followed whatever all else says; by default those stored with the scan, or none where the request brings landmarks of its own */
   certain?: string[] | null;
-  /** after the fit a smooth free-form layer where the scan shows skin */
+  /** after the fit a smooth free-form layer follows the skin that the scan shows */
   refine?: boolean;
   /** id of a fit of the same scan that is done: this one goes on from there, with its landmarks where they are now, in fewer iterations */
   start_from?: string | null;
@@ -359,6 +359,7 @@ export type MeasuredStance = {
   surface_distance_mm: SurfaceDistances;
   scan_to_model_mm: Distances;
   landmark_distance_mm: LandmarkDistances;
+  model_alone?: ModelAlone | null;
   notes: string[];
 };
 
@@ -386,6 +387,13 @@ export type Meta = {
   /** that need no parameters; patterns with all defaults among them */
   drawings: DrawingInfo[];
   patterns: PatternInfo[];
+};
+
+/** The distances without the free-form layer: those of the rig as its bones and shapes have it. */
+export type ModelAlone = {
+  surface_distance_mm: SurfaceDistances;
+  scan_to_model_mm: Distances;
+  landmark_distance_mm: LandmarkDistances;
 };
 
 export type ModelDrawing = {
@@ -528,6 +536,8 @@ export type ResultFile = {
   surface_distance_mm: SurfaceDistances;
   scan_to_model_mm: Distances;
   landmark_distance_mm: LandmarkDistances;
+  /** the distances without the free-form layer; null in results of versions before */
+  model_alone?: ModelAlone | null;
   /** picks that cannot be right, by name */
   landmarks_not_followed?: DoubtedPick[];
   /** picks that were followed and should be looked at */

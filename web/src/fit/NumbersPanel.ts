@@ -79,6 +79,7 @@ function ofResult(result: Result, state: Shown): HTMLElement[] {
     ]),
     ...ofSigned,
     block(words.scanToModel, words.scanToModelHint, [[words.mean, formatMm(back.mean), "mm"], ...spread(back)]),
+    ...ofModelAlone(result),
     points.mean !== null
       ? block(words.landmarks, words.landmarksHint, [[words.mean, formatMm(points.mean), "mm"], [words.max, formatMm(points.max), "mm"]])
       : el("section", { class: "block" }, el("h3", {}, words.landmarks), el("p", { class: "muted" }, words.noLandmarks)),
@@ -93,6 +94,14 @@ function ofResult(result: Result, state: Shown): HTMLElement[] {
   ];
 }
 
+/** What the rig reaches without the layer that follows the skin; nothing where there is no layer. */
+function ofModelAlone({ refined, model_alone: alone }: Result): HTMLElement[] {
+  if (!refined || !alone) return [];
+  const { surface_distance_mm: surface, landmark_distance_mm: points } = alone;
+  const landmarks: Numbers = points.mean === null ? [] : [[words.landmarkDistance, formatMm(points.mean), "mm"]];
+  return [block(words.aloneBlock, words.aloneHint, [[words.mean, formatMm(surface.mean), "mm"], ...spread(surface), ...landmarks])];
+}
+
 const verdictLines = ({ level, reasons }: NonNullable<Result["verdict"]>): HTMLElement[] => [
   el("p", { class: "label" }, words.verdicts[level]),
   ...reasons.map((reason) => el("p", {}, reason)),
@@ -102,12 +111,14 @@ type Shown = Pick<PageSlice & FitSlice, "meta" | "fit">;
 
 export function createNumbersPanel(): Panel<Shown> {
   const mean = el("span", { class: "hero-number" });
-  const hero = el("p", { class: "hero" }, mean, el("span", { class: "unit" }, " mm "), el("span", { class: "muted" }, words.meanDistance));
+  const of = el("span", { class: "muted" });
+  const alone = el("p", { class: "muted alone", title: words.aloneHint, hidden: true });
+  const hero = el("p", { class: "hero" }, mean, el("span", { class: "unit" }, " mm "), of);
   const verdict = el("div", { class: "look-here verdict", role: "status", hidden: true });
   const curve = createDistanceCurve();
   const body = el("div", { class: "numbers-body" });
   const before = el("p", { class: "muted" }, words.before);
-  const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, hero, verdict, curve.element, body);
+  const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, hero, alone, verdict, curve.element, body);
   return {
     element,
     select: only("meta", "fit"),
@@ -119,6 +130,10 @@ export function createNumbersPanel(): Panel<Shown> {
       show(hero, Boolean(shown ?? result));
       const distance = result ? result.surface_distance_mm.mean : shown?.mean_distance_mm;
       setText(mean, distance === undefined ? "" : formatMm(distance));
+      const ofModel = result?.refined ? result.model_alone?.surface_distance_mm.mean : undefined;
+      setText(of, result?.refined ? words.ofSkin : words.meanDistance);
+      show(alone, ofModel !== undefined);
+      setText(alone, ofModel === undefined ? "" : words.alone(formatMm(ofModel)));
       const judged = result?.verdict;
       show(verdict, judged != null && judged.level !== "good");
       fill(verdict, [fit?.id, judged?.level, judged?.reasons.join()], () => (judged ? verdictLines(judged) : []));

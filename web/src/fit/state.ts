@@ -42,7 +42,7 @@ export const initialFit: FitSlice = {
   stance: "auto",
   preset: "default",
   drawing: "lumpectomy",
-  refine: false,
+  refine: true,
   fit: null,
   handPose: null,
   isStarting: false,

@@ -115,7 +115,7 @@ class FitRequest(Wire):
     )
     certain: list[Name] | None = Field(None, max_length=200, description=CERTAIN)
     refine: bool = Field(
-        False, strict=True, description="after the fit a smooth free-form layer where the scan shows skin"
+        True, strict=True, description="after the fit a smooth free-form layer follows the skin that the scan shows"
     )
     start_from: Name | None = Field(
         None,

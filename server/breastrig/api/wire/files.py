@@ -57,6 +57,14 @@ class Verdict(Document):
     reasons: list[str] = Field(description="one sentence each, the strongest first; none when it is good")
 
 
+class ModelAlone(Document):
+    """The distances without the free-form layer: those of the rig as its bones and shapes have it."""
+
+    surface_distance_mm: SurfaceDistances
+    scan_to_model_mm: Distances
+    landmark_distance_mm: LandmarkDistances
+
+
 class ResultFile(Document):
     """result.json; also the `result` of a done event."""
 
@@ -75,6 +83,9 @@ class ResultFile(Document):
     surface_distance_mm: SurfaceDistances
     scan_to_model_mm: Distances
     landmark_distance_mm: LandmarkDistances
+    model_alone: ModelAlone | None = Field(
+        None, description="the distances without the free-form layer; null in results of versions before"
+    )
     landmarks_not_followed: list[DoubtedPick] = Field([], description="picks that cannot be right, by name")
     landmarks_unusual: list[DoubtedPick] = Field([], description="picks that were followed and should be looked at")
     landmark_uncertainty_mm: dict[str, float] = Field(
@@ -98,6 +109,7 @@ class MeasuredStance(Document):
     surface_distance_mm: SurfaceDistances
     scan_to_model_mm: Distances
     landmark_distance_mm: LandmarkDistances
+    model_alone: ModelAlone | None = None
     notes: list[str]
 
 
