@@ -24,6 +24,14 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 REPOSITORY = Path(__file__).resolve().parents[1]
 
 
+@pytest.fixture(scope="session", autouse=True)
+def remembered_uploads(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Tells this process and those that it starts where helpers.remembered_uploads has its files."""
+    folder = tmp_path_factory.getbasetemp()
+    shared = folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
+    os.environ["BREASTRIG_REMEMBERED_UPLOADS"] = str(shared / "remembered_uploads")
+
+
 @pytest.fixture
 def rng() -> np.random.Generator:
     """Random numbers that are the same in every run."""

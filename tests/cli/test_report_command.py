@@ -2,18 +2,24 @@
 
 import csv
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pypdf
 import pytest
 import trimesh
+from helpers.blank_pictures import blank_pictures, coarse_pictures
 
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.core.glb import split_glb
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.geometry.self_intersections import crossing_faces
+from breastrig.report.measures import measures
+from breastrig.report.stance import Stance
+from breastrig.report.table import Row
+from breastrig.workflow import report as report_module
 
 STANCES = ("standing", "supine")
 
@@ -26,6 +32,31 @@ def fits(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         scan, landmarks = str(example / "scan.ply"), str(example / "landmarks.json")
         assert main(["fit", scan, "--landmarks", landmarks, "-o", str(folder / stance)]) == 0
     return {stance: folder / stance for stance in STANCES}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick_pictures() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        coarse_pictures(patch)
+        yield
+
+
+_MEASURED: dict[bytes, tuple[Row, ...]] = {}
+
+
+def measured_once(stance: Stance) -> tuple[Row, ...]:
+    """The measures of a fit, which are the same in every report."""
+    key = stance.vertices.tobytes()
+    if key not in _MEASURED:
+        _MEASURED[key] = measures(stance)
+    return _MEASURED[key]
+
+
+@pytest.fixture
+def quick_reports(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No picture is drawn, and no fit is measured again."""
+    blank_pictures(monkeypatch)
+    monkeypatch.setattr(report_module, "measures", measured_once)
 
 
 @pytest.fixture(scope="module")
@@ -99,12 +130,14 @@ def test_the_same_fits_give_the_same_bytes(report: Path, fits: dict[str, Path], 
         assert (tmp_path / name).read_bytes() == (report / name).read_bytes()
 
 
+@pytest.mark.usefixtures("quick_reports")
 def test_one_stance_alone_also_has_two_pages(fits: dict[str, Path], tmp_path: Path) -> None:
     assert main(["report", str(fits["supine"]), "-o", str(tmp_path)]) == 0
     assert len(pypdf.PdfReader(tmp_path / "report.pdf").pages) == 2
     assert {row["stance"] for row in document(tmp_path, "report.json")["measures"]} == {"supine"}
 
 
+@pytest.mark.usefixtures("quick_reports")
 def test_the_same_stance_twice_gets_letters(fits: dict[str, Path], tmp_path: Path) -> None:
     assert main(["report", str(fits["supine"]), "--with", str(fits["supine"]), "-o", str(tmp_path)]) == 0
     rows = document(tmp_path, "report.json")["measures"]
@@ -113,6 +146,7 @@ def test_the_same_stance_twice_gets_letters(fits: dict[str, Path], tmp_path: Pat
     assert all(row[cell] in (None, 0.0) for row in change for cell in ("left", "right", "value"))
 
 
+@pytest.mark.usefixtures("quick_reports")
 def test_the_folder_of_two_stances_fitted_together_is_enough(
     report: Path, fits: dict[str, Path], tmp_path: Path
 ) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.blank_pictures import coarse_pictures
 from PIL import Image
 
 from breastrig.cli.main import main
@@ -113,7 +114,8 @@ def test_a_folder_that_is_no_fit_is_one_line(fits: Path, tmp_path: Path, capsys:
     assert "There is no fit in" in capsys.readouterr().err
 
 
-def test_two_drawings_are_superimposed(fits: Path, tmp_path: Path) -> None:
+def test_two_drawings_are_superimposed(fits: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    coarse_pictures(monkeypatch)
     there = transfer(fits, "standing", "supine", tmp_path / "there.json")
     own = fits / "supine" / "drawing.json"
     on = ["--on", str(fits / "supine")]

@@ -1,4 +1,4 @@
-"""Pictures that need no rays, for tests of files that hold pictures: what is shown is a question of other tests."""
+"""Pictures that cost little, for tests of files that hold pictures: what is shown is a question of other tests."""
 
 from typing import Any
 
@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from breastrig.rendering.picture import Picture, Scene
+
+COARSER = 4
 
 
 def blank_pictures(patch: pytest.MonkeyPatch) -> None:
@@ -15,3 +17,15 @@ def blank_pictures(patch: pytest.MonkeyPatch) -> None:
         return np.full((size[1], size[0], 3), 255, dtype=np.uint8)
 
     patch.setattr(Scene, "render", white)
+
+
+def coarse_pictures(patch: pytest.MonkeyPatch) -> None:
+    """From now on every picture that this process makes is drawn with a sixteenth of the rays, and as large as ever."""
+    render = Scene.render
+
+    def coarse(scene: Scene, view: Any, size: tuple[int, int] = (640, 640), *more: Any, **named: Any) -> Picture:
+        width, height = size
+        drawn = render(scene, view, (-(-width // COARSER), -(-height // COARSER)), *more, **named)
+        return drawn.repeat(COARSER, axis=0).repeat(COARSER, axis=1)[:height, :width]
+
+    patch.setattr(Scene, "render", coarse)

@@ -8,6 +8,7 @@ from datetime import timedelta
 from breastrig.cli import serve_command
 from breastrig.core import wall_clock
 from helpers import fake_fit
+from helpers.remembered_uploads import remember_uploads
 
 
 def set_clock_ahead(days: float) -> None:
@@ -18,6 +19,7 @@ def set_clock_ahead(days: float) -> None:
 
 if __name__ == "__main__":
     set_clock_ahead(float(os.environ.get("FAKE_DAYS_AHEAD", "0")))
+    remember_uploads()
     parser = argparse.ArgumentParser()
     serve_command.add_parser(parser.add_subparsers())
     runner = getattr(fake_fit, os.environ.get("FAKE_FIT", "mostly_patient"))

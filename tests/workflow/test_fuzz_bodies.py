@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.bodies import BODIES, any_body, body
-from helpers.damage import bounded
+from helpers.damage import TIMES, bounded
 from helpers.fuzz_table import count
 from helpers.refusals import is_sentence
 from helpers.scan_files import ply_text
@@ -39,7 +39,11 @@ def refused(error: BreastRigError) -> str:
     return "refused"
 
 
-@bounded(10)
+# Open, closed, thin, in parts, crossing itself, without any order, too coarse: `make fuzz` takes all kinds of BODIES.
+KINDS = sorted(BODIES) if TIMES > 1 else ["box", "crumpled", "half", "many", "plate", "soup", "stick"]
+
+
+@bounded(4)
 @given(any_body())
 def test_every_body_gets_a_frame_or_a_sentence(what: tuple[str, int, int]) -> None:
     try:
@@ -64,12 +68,12 @@ def numbers(document: Any) -> list[float]:
     return [document] if isinstance(document, int | float) else []
 
 
-@pytest.mark.parametrize("kind", sorted(BODIES))
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_body_is_fitted_or_refused(kind: str, tmp_path: Path) -> None:
     @bounded(1)
     @given(st.integers(0, 2**32 - 1), st.sampled_from(["auto", "standing", "supine"]), st.booleans())
     def run(seed: int, stance: str, refine: bool) -> None:
-        (tmp_path / "scan.ply").write_bytes(file_of(kind, seed, 2))
+        (tmp_path / "scan.ply").write_bytes(file_of(kind, seed, 1))
         job = FitJob(tmp_path / "scan.ply", tmp_path / "out", {}, units="m", stance=stance, refine=refine)
         try:
             *_, last = run_fit(job)

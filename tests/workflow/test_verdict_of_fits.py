@@ -18,7 +18,7 @@ from breastrig.workflow.events import Done
 from breastrig.workflow.run_fit import FitJob, run_fit
 
 EXAMPLE = asset_folder("example")
-SOLID = ("plate", "ball", "half", "box", "hull")  # test_fuzz_bodies.py has more kinds
+SOLID = ("plate", "half", "box", "hull")  # a ball is below, on the command line; test_fuzz_bodies.py has more kinds
 
 
 def picks_mm(stance: str) -> dict[str, list[float]]:

@@ -1,0 +1,63 @@
+"""Uploads that this run has read before are not read again: the same bytes for the same model have the same facts.
+
+Most tests of the service upload one of a few scans first, and reading one takes more work than all that they ask about.
+What is remembered was read by the service's own reader in its own process; files lie in FOLDER, where processes of all
+tests find them.  A service remembers once `remember_uploads` was called in its process.
+"""
+
+import hashlib
+import json
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from breastrig.execution.fork_server import preload
+from breastrig.gltf.read_rig import default_rig_path
+from breastrig.service import service
+from breastrig.workflow.read_upload import UploadJob, read_upload
+
+FOLDER = "BREASTRIG_REMEMBERED_UPLOADS"  # environment; without it nothing is remembered
+
+
+def remember_uploads() -> None:
+    """For all services of this process from now on."""
+    service.read_upload = read_upload_once
+    preload([__name__])
+
+
+def read_upload_once(job: UploadJob) -> dict[str, Any]:
+    """As `read_upload`, whose answer and files are copied when it has read the same before."""
+    if FOLDER not in os.environ:
+        return read_upload(job)
+    known = Path(os.environ[FOLDER], _key(job))
+    if not known.is_dir():
+        facts = read_upload(job)
+        _keep(job, facts, known)
+    shutil.copyfile(known / "kept", job.kept)
+    shutil.copyfile(known / "mesh", job.mesh)
+    found: dict[str, Any] = json.loads((known / "facts").read_text("utf-8"))
+    return found
+
+
+def _key(job: UploadJob) -> str:
+    """Of everything that the answer depends on."""
+    total = hashlib.sha256(f"{job.scan.suffix} {job.units} {job.triangles} ".encode())
+    model = job.model or default_rig_path()
+    for file in (model, model.with_suffix(".json"), job.scan):
+        total.update(hashlib.sha256(file.read_bytes()).digest())
+    return total.hexdigest()
+
+
+def _keep(job: UploadJob, facts: dict[str, Any], known: Path) -> None:
+    """Whole or not at all; others may be doing the same."""
+    known.parent.mkdir(parents=True, exist_ok=True)
+    place = Path(tempfile.mkdtemp(dir=known.parent))
+    shutil.copyfile(job.kept, place / "kept")
+    shutil.copyfile(job.mesh, place / "mesh")
+    (place / "facts").write_text(json.dumps(facts), "utf-8")
+    try:
+        place.rename(known)
+    except OSError:
+        shutil.rmtree(place)
