@@ -293,9 +293,9 @@ class DistanceFields:
             high = np.minimum(total - np.pi - begins % total, angle)
             if not mesh.closed[vertex].all():  # at a border the shadow has two sides
                 open_fan = ~mesh.closed[vertex][row]
-                other = begins < -np.pi
-                low = np.where(open_fan, np.where(other, 0.0, np.maximum(np.pi - begins, 0.0)), low)
-                high = np.where(open_fan, np.where(other, np.minimum(-np.pi - begins, angle), angle), high)
+                turned = begins < -np.pi
+                low = np.where(open_fan, np.where(turned, 0.0, np.maximum(np.pi - begins, 0.0)), low)
+                high = np.where(open_fan, np.where(turned, np.minimum(-np.pi - begins, angle), angle), high)
             if mesh.several[vertex].any():
                 whole = mesh.several[vertex][row]
                 low, high = np.where(whole, 0.0, low), np.where(whole, angle, high)
