@@ -5,8 +5,7 @@ has classes for all of glTF; importing them takes a fifth of a second, writing a
 """
 
 import json
-from dataclasses import dataclass, field, fields
-from functools import cache
+from dataclasses import dataclass, field
 from typing import Any
 
 UNSIGNED_BYTE, UNSIGNED_SHORT, UNSIGNED_INT, FLOAT = 5121, 5123, 5125, 5126
@@ -195,11 +194,6 @@ class Document(Property):
         return json.dumps(_plain(self), separators=(",", ":"), allow_nan=False).encode()
 
 
-@cache
-def _names(kind: Any) -> tuple[str, ...]:
-    return tuple(one.name for one in fields(kind))
-
-
 def _plain(value: Any) -> Any:
     """Dictionaries and lists without what is None or empty; an extension may be empty."""
     if isinstance(value, list):
@@ -207,7 +201,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, dict):
         entries = value
     elif hasattr(value, "__dataclass_fields__"):
-        entries = {name: getattr(value, name) for name in _names(type(value))}
+        entries = {name: getattr(value, name) for name in value.__dataclass_fields__}
     else:
         return value
     return {
