@@ -21,8 +21,8 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import SIDES, FittedSkin, circle_around, on_clock
 from breastrig.geometry.curves import resampled
-from breastrig.geometry.geodesic import length
-from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.geometry.geodesic import MARGIN, length
+from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.rig.model import DrawnShape
 
 CUT, FOLD = "#2c5282", "#b83280"
@@ -32,6 +32,7 @@ ARC_ROUNDS = 3  # of adjusting its radius; each leaves about a tenth of the diff
 LIMBS = (50.0, 47.5, 45.0, 42.5, 40.0, 37.5, 35.0, 32.5, 30.0, 27.5, 25.0)  # mm, tried when no length is asked for
 FOLD_GAP = 0.005  # m that must stay between a limb and the fold, so that the horizontal limbs have a wedge to close
 FOLD_STEP = 0.001  # m between the points that are compared
+FOLD_REACH = 0.06  # m, how far is measured from the ends of the fold at once: as far as horizontal limbs often run
 
 
 class Reduction(BaseModel):
@@ -62,55 +63,46 @@ class Reduction(BaseModel):
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """Four lines for each side; BadDrawing when the pattern does not fit on the breast."""
         sides = ("L", "R") if self.side == "both" else (self.side,)
-        return tuple(shape for side in sides for shape in self._one_side(skin, side))
+        folds = {side: fold_line(skin, side) for side in sides}
+        # both sides in step, so that what is measured from several places is measured at once
+        rim = 0.5e-3 * self.areola_mm
+        nipples = {side: skin.landmark(f"nipple_{side}") for side in sides}
+        skin.geodesics.look_from(joined([*nipples.values(), *(ends(fold) for fold in folds.values())]), FOLD_REACH)
+        new = {side: self._new_nipple(skin, side, nipples[side]) for side in sides}
+        skin.geodesics.look_from(joined(list(new.values())), 2.0 * rim)
+        arcs = {side: self._keyhole(skin, new[side]) for side in sides}
+        skin.geodesics.look_from(joined([ends(arc) for arc in arcs.values()]), MARGIN * (1e-3 * self._limbs[0]))
+        shapes: list[DrawnShape] = []
+        for side in sides:
+            shapes.append(self._cut(skin, side, arcs[side], folds[side]))
+            word, kept = SIDES[side], circle_around(skin, nipples[side], rim)
+            mark = circle_around(skin, new[side], MARK)
+            shapes += [
+                DrawnShape(f"wise_fold_{side}", f"{word} fold", False, FOLD, folds[side]),
+                DrawnShape(f"areola_{side}", f"{word} areola to keep", True, CUT, kept),
+                DrawnShape(f"new_nipple_{side}", f"new place of the {word} nipple", True, FOLD, mark),
+            ]
+        return tuple(shapes)
 
-    def _one_side(self, skin: FittedSkin, side: str) -> tuple[DrawnShape, ...]:
-        nipple = skin.landmark(f"nipple_{side}")
-        fold = fold_line(skin, side)
-        new = self._new_nipple(skin, side, nipple)
-        arc = self._keyhole(skin, new)
+    @property
+    def _limbs(self) -> tuple[float, ...]:
+        """mm, the lengths that are tried."""
+        return LIMBS if self.limb_mm is None else (self.limb_mm,)
+
+    def _cut(self, skin: FittedSkin, side: str, arc: SurfacePoints, fold: SurfacePoints) -> DrawnShape:
+        """Along the fold's end, a limb, the keyhole, the other limb, the fold's other end."""
         first, last = (SurfacePoints(arc.faces[[k]], arc.barycentric[[k]]) for k in (0, -1))
-        ends = self._limb_ends(skin, side, (first, last), skin.at(fold))
+        lower = self._limb_ends(skin, side, (first, last), skin.at(fold))
         # the observer sees the patient's left on his right: the arc begins on his left
-        start, finish = skin.at(fold)[[0, -1]]
-        if (start - finish) @ skin.axes[:, 0] > 0.0:
+        start, finish = (SurfacePoints(fold.faces[[k]], fold.barycentric[[k]]) for k in (0, -1))
+        if (skin.at(start) - skin.at(finish))[0] @ skin.axes[:, 0] > 0.0:
             start, finish = finish, start
         way = skin.geodesics.path
-        parts = [
-            way(skin.nearest(start[None]), ends[0]),
-            way(ends[0], first),
-            skin.at(arc),
-            way(last, ends[1]),
-            way(ends[1], skin.nearest(finish[None])),
-        ]
+        parts = [way(start, lower[0]), way(lower[0], first), skin.at(arc), way(last, lower[1]), way(lower[1], finish)]
         corners = np.cumsum([len(part) - 1 for part in parts])[:-1]
         cut = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
-        word = SIDES[side]
-        return (
-            DrawnShape(
-                f"wise_{side}",
-                f"{word} keyhole and limbs of {1e3 * length(parts[1]):.1f} mm",
-                False,
-                CUT,
-                skin.nearest(cut),
-                tuple(corners.tolist()),
-            ),
-            DrawnShape(f"wise_fold_{side}", f"{word} fold", False, FOLD, fold),
-            DrawnShape(
-                f"areola_{side}",
-                f"{word} areola to keep",
-                True,
-                CUT,
-                circle_around(skin, nipple, 0.5e-3 * self.areola_mm),
-            ),
-            DrawnShape(
-                f"new_nipple_{side}",
-                f"new place of the {word} nipple",
-                True,
-                FOLD,
-                circle_around(skin, new, MARK),
-            ),
-        )
+        label = f"{SIDES[side]} keyhole and limbs of {1e3 * length(parts[1]):.1f} mm"
+        return DrawnShape(f"wise_{side}", label, False, CUT, skin.nearest(cut), tuple(corners.tolist()))
 
     def _keyhole(self, skin: FittedSkin, new: SurfacePoints) -> SurfacePoints:
         """Clockwise for the observer, as long as the new areola's rim, which will be sewn to it."""
@@ -131,15 +123,16 @@ class Reduction(BaseModel):
         tree = cKDTree(resampled(fold, FOLD_STEP, False))
 
         def ends_clear(limb: float) -> list[SurfacePoints] | None:
-            ends = [
+            lower = [
                 on_clock(skin, start, 1e-3 * limb, np.array([np.pi + turn]))
                 for start, turn in zip(starts, (spread, -spread), strict=True)
             ]
-            limbs = [resampled(skin.geodesics.path(*both), FOLD_STEP, False) for both in zip(starts, ends, strict=True)]
-            return ends if np.min(tree.query(np.concatenate(limbs))[0]) > FOLD_GAP else None
+            limbs = [
+                resampled(skin.geodesics.path(*both), FOLD_STEP, False) for both in zip(starts, lower, strict=True)
+            ]
+            return lower if np.min(tree.query(np.concatenate(limbs))[0]) > FOLD_GAP else None
 
-        spread = np.radians(self.limb_angle_deg) / 2.0
-        lengths = LIMBS if self.limb_mm is None else (self.limb_mm,)
+        spread, lengths = np.radians(self.limb_angle_deg) / 2.0, self._limbs
         found = ends_clear(lengths[0])
         if found is not None:
             return found
@@ -147,8 +140,8 @@ class Reduction(BaseModel):
             too_long, clear = 0, len(lengths) - 1  # halve between the two
             while clear - too_long > 1:
                 middle = (too_long + clear) // 2
-                ends = ends_clear(lengths[middle])
-                too_long, clear, found = (middle, clear, found) if ends is None else (too_long, middle, ends)
+                lower = ends_clear(lengths[middle])
+                too_long, clear, found = (middle, clear, found) if lower is None else (too_long, middle, lower)
             return found
         raise BadDrawing(
             f"The limbs of {lengths[-1]:g} mm reach the fold of the {SIDES[side]} breast; choose shorter limbs "
@@ -171,6 +164,11 @@ class Reduction(BaseModel):
         k = int(above[-1])  # the last crossing on the way down
         share = (heights[k] - wanted) / max(heights[k] - heights[k + 1], 1e-12)
         return skin.nearest(((1.0 - share) * meridian[k] + share * meridian[k + 1])[None])
+
+
+def ends(line: SurfacePoints) -> SurfacePoints:
+    """Its first point and its last."""
+    return SurfacePoints(line.faces[[0, -1]], line.barycentric[[0, -1]])
 
 
 def fold_line(skin: FittedSkin, side: str) -> SurfacePoints:

@@ -54,13 +54,15 @@ def longest_loop(faces: Integers, values: Array, level: float) -> Isoline | None
     Vertices at the level exactly count as above it.  Infinite values are above every level.
     """
     above = values >= level
-    mixed = np.flatnonzero(above[faces].any(axis=1) & ~above[faces].all(axis=1))
+    a, b, c = above[faces.T]
+    mixed = np.flatnonzero((a != b) | (b != c))
     if len(mixed) == 0:
         return None
     ends = np.stack([faces[mixed], np.roll(faces[mixed], -1, axis=1)], axis=2)  # (M, 3, 2)
     crossing = above[ends[..., 0]] != above[ends[..., 1]]  # two of three
     pairs = np.sort(ends[crossing].reshape(-1, 2), axis=1)
-    edges, which = np.unique(pairs, axis=0, return_inverse=True)
+    keys, which = np.unique(pairs[:, 0] * len(values) + pairs[:, 1], return_inverse=True)  # rows would sort slowly
+    edges = np.stack(np.divmod(keys, len(values)), axis=1)
     segments = which.reshape(-1, 2)
     around: list[list[tuple[int, int]]] = [[] for _ in edges]
     for face, (one, other) in zip(mixed.tolist(), segments.tolist(), strict=True):

@@ -4,6 +4,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 
+PIECES = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])  # corners 0 to 2, the middles of the edges after them 3 to 5
 SNAP = 1e-4  # barycentric share under which a point counts as on the edge or corner: 1 µm on an edge of 10 mm
 
 
@@ -37,10 +38,16 @@ def with_vertex(
 
 def split_flat(vertices: Array, faces: Integers) -> tuple[Array, Integers, Integers]:
     """Each triangle into four of half its size: vertices, faces, the index of each face's triangle before."""
-    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-    pairs, which = np.unique(ends, axis=0, return_inverse=True)
+    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    pairs, which = np.unique(np.minimum(a, b) * len(vertices) + np.maximum(a, b), return_inverse=True)
     middle = len(vertices) + which.reshape(-1, 3)
-    (a, b, c), (ab, bc, ca) = faces.T, middle.T
-    pieces = [np.stack(corners, axis=1) for corners in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
-    owners = np.tile(np.arange(len(faces)), 4)
-    return np.concatenate([vertices, vertices[pairs].mean(axis=1)]), np.concatenate(pieces), owners
+    both = np.concatenate([faces, middle], axis=1)
+    pieces = np.concatenate([both[:, corners] for corners in PIECES])
+    ends = np.stack(np.divmod(pairs, len(vertices)))
+    return np.concatenate([vertices, vertices[ends].mean(axis=0)]), pieces, np.tile(np.arange(len(faces)), 4)
+
+
+def split_places(places: Array) -> Array:
+    """(4 F, 3, D) at the corners of the triangles that split_flat makes, for (F, 3, D) at those before."""
+    both = np.concatenate([places, 0.5 * (places + np.roll(places, -1, axis=1))], axis=1)
+    return np.concatenate([both[:, corners] for corners in PIECES])

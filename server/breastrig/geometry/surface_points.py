@@ -1,5 +1,6 @@
 """A point on a triangle mesh as (face, barycentric): it follows the mesh wherever the mesh goes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,3 +31,10 @@ class SurfacePoints:
     def directions(self, normals: Array, triangles: Integers) -> Array:
         """(M, 3) unit: out of a mesh with these (V, 3) normals at its vertices and (F, 3) triangles."""
         return unit_vectors(self.positions(normals, triangles))
+
+
+def joined(parts: Sequence[SurfacePoints]) -> SurfacePoints:
+    """All of them, one after the other."""
+    return SurfacePoints(
+        np.concatenate([part.faces for part in parts]), np.concatenate([part.barycentric for part in parts])
+    )

@@ -1,45 +1,47 @@
 """Buffers, views and accessors: numpy arrays in, glTF bytes out.
 
-pygltflib holds the document (its classes know the field names and leave out what is empty); the bytes are
-laid out here.  One view per accessor, each aligned to four bytes, no interleaving, no sparse accessors (some
-viewers flicker with them).  The same input gives the same bytes: no dates, keys in pygltflib's order.
+document.py holds the document; the bytes are laid out here.  One view per accessor, each aligned to four bytes, no
+interleaving, no sparse accessors (some viewers flicker with them).  The same input gives the same bytes: no dates,
+keys in one order.
 """
 
 import hashlib
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pygltflib
-from pygltflib import GLTF2
 
 from breastrig import __version__
 from breastrig.core.arrays import Array
 from breastrig.core.glb import pack_glb
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.gltf.document import (
+    FLOAT,
+    UNSIGNED_BYTE,
+    UNSIGNED_INT,
+    UNSIGNED_SHORT,
+    Accessor,
+    Asset,
+    Buffer,
+    BufferView,
+    Document,
+    Scene,
+)
 
 GENERATOR = f"BreastRig {__version__}"
 COMPONENT_TYPES = {
-    np.dtype(np.uint8): pygltflib.UNSIGNED_BYTE,
-    np.dtype(np.uint16): pygltflib.UNSIGNED_SHORT,
-    np.dtype(np.uint32): pygltflib.UNSIGNED_INT,
-    np.dtype(np.float32): pygltflib.FLOAT,
+    np.dtype(np.uint8): UNSIGNED_BYTE,
+    np.dtype(np.uint16): UNSIGNED_SHORT,
+    np.dtype(np.uint32): UNSIGNED_INT,
+    np.dtype(np.float32): FLOAT,
 }
 ELEMENT_TYPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
 
 
-@dataclass
-class Node(pygltflib.Node):  # type: ignore[misc]
-    """A node that can carry blendshape weights, which pygltflib's own lacks."""
-
-    weights: list[float] | None = None
-
-
-def new_document(extras: dict[str, Any] | None = None) -> GLTF2:
+def new_document(extras: dict[str, Any] | None = None) -> Document:
     """An empty glTF 2.0 document that says who wrote it and for what it may be used."""
-    document = GLTF2(asset=pygltflib.Asset(generator=GENERATOR, extras={"notice": LIMITS_OF_USE, **(extras or {})}))
+    document = Document(asset=Asset(generator=GENERATOR, extras={"notice": LIMITS_OF_USE, **(extras or {})}))
     document.scene = 0
-    document.scenes = [pygltflib.Scene(nodes=[])]
+    document.scenes = [Scene(nodes=[])]
     return document
 
 
@@ -57,16 +59,16 @@ def append(items: list[Any], item: Any) -> int:
 class BufferWriter:
     """Grows one buffer of a document, accessor by accessor."""
 
-    def __init__(self, document: GLTF2, uri: str | None = None) -> None:
+    def __init__(self, document: Document, uri: str | None = None) -> None:
         self._document = document
         self._chunks: list[bytes] = []
         self._length = 0
         self._known: dict[tuple[Any, ...], int] = {}
-        self._buffer = append(document.buffers, pygltflib.Buffer(byteLength=0, uri=uri))
+        self._buffer = append(document.buffers, Buffer(byteLength=0, uri=uri))
 
     def add_bytes(self, data: bytes, target: int | None = None) -> int:
         """Appends raw bytes (padded to four) and returns the index of their buffer view."""
-        view = pygltflib.BufferView(buffer=self._buffer, byteOffset=self._length, byteLength=len(data), target=target)
+        view = BufferView(buffer=self._buffer, byteOffset=self._length, byteLength=len(data), target=target)
         padded = data + b"\0" * (-len(data) % 4)
         self._chunks.append(padded)
         self._length += len(padded)
@@ -88,12 +90,11 @@ class BufferWriter:
         key = (hashlib.sha256(content).digest(), data.dtype, data.shape, target, bounds, normalized)
         if key in self._known:
             return self._known[key]
-        accessor = pygltflib.Accessor(
+        accessor = Accessor(
             bufferView=self.add_bytes(content, target),
             componentType=COMPONENT_TYPES[data.dtype],
             count=len(data),
             type=ELEMENT_TYPES[element],
-            byteOffset=None,  # defaults are left out: an iteration's file has hundreds of accessors
             normalized=normalized or None,
         )
         if bounds:
@@ -112,11 +113,11 @@ def _shortest(values: np.ndarray[Any, Any]) -> list[Any]:
     return [float(str(value)) if values.dtype == np.float32 else int(value) for value in values]
 
 
-def to_gltf(document: GLTF2) -> bytes:
+def to_gltf(document: Document) -> bytes:
     """The document as JSON text, its buffers elsewhere."""
-    return str(document.gltf_to_json(separators=(",", ":"), indent=None)).encode()
+    return document.json()
 
 
-def to_glb(document: GLTF2, buffer: BufferWriter) -> bytes:
+def to_glb(document: Document, buffer: BufferWriter) -> bytes:
     """The document and its only buffer in one .glb."""
     return pack_glb(to_gltf(document), buffer.content())

@@ -5,11 +5,20 @@ extras name the shape and keep its surface points' colour; the material is unlit
 """
 
 import numpy as np
-import pygltflib
-from pygltflib import GLTF2, Attributes
 
 from breastrig.core.arrays import Array
-from breastrig.gltf.container import BufferWriter, Node, append
+from breastrig.gltf.container import BufferWriter, append
+from breastrig.gltf.document import (
+    ARRAY_BUFFER,
+    ELEMENT_ARRAY_BUFFER,
+    Attributes,
+    Document,
+    Material,
+    Mesh,
+    Node,
+    PbrMetallicRoughness,
+    Primitive,
+)
 from breastrig.gltf.ribbon import Ribbon, exact_in, ribbons
 from breastrig.gltf.skinned import SkinnedNodes, as_float32
 from breastrig.rig.model import ModelDrawing, Rig
@@ -25,7 +34,7 @@ def drawing_node(name: str) -> str:
 
 
 def add_drawing(
-    document: GLTF2,
+    document: Document,
     buffer: BufferWriter,
     skinned: SkinnedNodes,
     rig: Rig,
@@ -42,7 +51,7 @@ def add_drawing(
     if not lines:
         return
     places = [add_positions(positions_buffer or buffer, points) for points in positions]
-    mesh = pygltflib.Mesh(
+    mesh = Mesh(
         name=drawing_node(drawing.name),
         primitives=[_primitive(document, buffer, line, place) for line, place in zip(lines, places, strict=True)],
         extras={"targetNames": list(rig.shape_names)},
@@ -61,22 +70,22 @@ def positions_exact_in(rig: Rig, drawing: ModelDrawing, x: RigParameters) -> lis
 
 def add_positions(buffer: BufferWriter, positions: Array) -> int:
     """The accessor of one ribbon's positions."""
-    return buffer.add(as_float32(positions), target=pygltflib.ARRAY_BUFFER, bounds=True)
+    return buffer.add(as_float32(positions), target=ARRAY_BUFFER, bounds=True)
 
 
-def _primitive(document: GLTF2, buffer: BufferWriter, line: Ribbon, place: int) -> pygltflib.Primitive:
-    on_vertices = pygltflib.ARRAY_BUFFER
+def _primitive(document: Document, buffer: BufferWriter, line: Ribbon, place: int) -> Primitive:
+    on_vertices = ARRAY_BUFFER
     attributes = Attributes(
         POSITION=place,
         JOINTS_0=buffer.add(line.joints, target=on_vertices),
         WEIGHTS_0=buffer.add(line.weights, target=on_vertices),
     )
-    indices = buffer.add(line.faces.ravel().astype(np.uint32), target=pygltflib.ELEMENT_ARRAY_BUFFER)
+    indices = buffer.add(line.faces.ravel().astype(np.uint32), target=ELEMENT_ARRAY_BUFFER)
     targets = [
         Attributes(POSITION=buffer.add(as_float32(moves), target=on_vertices, bounds=True))
         for moves in line.blendshapes
     ]
-    return pygltflib.Primitive(
+    return Primitive(
         attributes=attributes,
         indices=indices,
         material=_ink(document, line.shape.color),
@@ -85,7 +94,7 @@ def _primitive(document: GLTF2, buffer: BufferWriter, line: Ribbon, place: int) 
     )
 
 
-def _ink(document: GLTF2, color: str) -> int:
+def _ink(document: Document, color: str) -> int:
     """The material of that colour, made once."""
     name = f"ink_{color.lstrip('#').lower()}"
     for index, material in enumerate(document.materials):
@@ -93,10 +102,10 @@ def _ink(document: GLTF2, color: str) -> int:
             return index
     srgb = np.array([int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)])
     linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-    ink = pygltflib.Material(
+    ink = Material(
         name=name,
         doubleSided=True,
-        pbrMetallicRoughness=pygltflib.PbrMetallicRoughness(
+        pbrMetallicRoughness=PbrMetallicRoughness(
             baseColorFactor=[*(round(float(value), 4) for value in linear), 1.0],
             metallicFactor=0.0,
             roughnessFactor=1.0,

@@ -11,9 +11,8 @@ import copy
 from dataclasses import replace
 from functools import lru_cache
 
-from pygltflib import GLTF2
-
 from breastrig.gltf.container import BufferWriter, new_document, to_gltf
+from breastrig.gltf.document import Document
 from breastrig.gltf.drawing_node import add_drawing, add_positions, drawing_node, positions_exact_in
 from breastrig.gltf.ribbon import ribbons
 from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, set_pose
@@ -52,22 +51,25 @@ def iterate_gltf(
     return to_gltf(document)
 
 
-def _make_exact(document: GLTF2, skinned: SkinnedNodes, rig: Rig, drawing: ModelDrawing, x: RigParameters) -> None:
+def _make_exact(document: Document, skinned: SkinnedNodes, rig: Rig, drawing: ModelDrawing, x: RigParameters) -> None:
     """Fills the document's last buffer, that of the ribbons' positions, for this pose."""
-    fresh = GLTF2()
+    fresh = Document()
     writer = BufferWriter(fresh)
     places = [add_positions(writer, positions) for positions in positions_exact_in(rig, drawing, x)]
-    mesh = document.meshes[document.nodes[skinned.nodes[drawing_node(drawing.name)]].mesh]
+    number = document.nodes[skinned.nodes[drawing_node(drawing.name)]].mesh
+    assert number is not None  # it was added with one
+    mesh = document.meshes[number]
     document.accessors = list(document.accessors)
     for primitive, place in zip(mesh.primitives, places, strict=True):
         found, bounds = primitive.attributes.POSITION, fresh.accessors[place]
+        assert found is not None
         document.accessors[found] = replace(document.accessors[found], min=bounds.min, max=bounds.max)
     content = base64.b64encode(writer.content()).decode()
     document.buffers[-1].uri = f"data:application/octet-stream;base64,{content}"
 
 
 @lru_cache(maxsize=8)
-def _built(rig: Rig, drawing: ModelDrawing | None) -> tuple[GLTF2, SkinnedNodes, BufferWriter, BufferWriter | None]:
+def _built(rig: Rig, drawing: ModelDrawing | None) -> tuple[Document, SkinnedNodes, BufferWriter, BufferWriter | None]:
     """The document without a pose, its nodes, the model's buffer, the drawing's buffer when it has a line."""
     document = new_document()
     model = BufferWriter(document)

@@ -7,15 +7,25 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pygltflib
-from pygltflib import GLTF2, Attributes
 
 from breastrig.core.arrays import Array
 from breastrig.core.single_precision import far_place
-from breastrig.gltf.container import BufferWriter, Node, append, moved_to, new_document, to_glb
+from breastrig.gltf.container import BufferWriter, append, moved_to, new_document, to_glb
+from breastrig.gltf.document import (
+    ARRAY_BUFFER,
+    LINE_LOOP,
+    LINE_STRIP,
+    POINTS,
+    Attributes,
+    Document,
+    Material,
+    Mesh,
+    Node,
+    PbrMetallicRoughness,
+    Primitive,
+)
 from breastrig.gltf.skinned import as_float32
 
-LINE_STRIP, POINTS, LINE_LOOP = 3, 0, 2  # glTF's modes
 UNLIT = "KHR_materials_unlit"
 
 
@@ -30,25 +40,25 @@ def lines_glb(
     place = far_place(np.concatenate([np.zeros((0, 3)), *(points for _, points, _, _ in lines)]))
     for name, points, is_closed, colour in lines:
         mode = POINTS if len(points) == 1 else LINE_LOOP if is_closed else LINE_STRIP
-        primitive = pygltflib.Primitive(
+        primitive = Primitive(
             attributes=Attributes(
-                POSITION=buffer.add(as_float32(points - place), target=pygltflib.ARRAY_BUFFER, bounds=True),
+                POSITION=buffer.add(as_float32(points - place), target=ARRAY_BUFFER, bounds=True),
             ),
             mode=mode,
             material=_pen(document, colour),
         )
-        mesh = append(document.meshes, pygltflib.Mesh(name=name, primitives=[primitive]))
+        mesh = append(document.meshes, Mesh(name=name, primitives=[primitive]))
         document.scenes[0].nodes.append(append(document.nodes, Node(name=name, mesh=mesh, translation=moved_to(place))))
     return to_glb(document, buffer)
 
 
-def _pen(document: GLTF2, colour: tuple[int, int, int]) -> int:
+def _pen(document: Document, colour: tuple[int, int, int]) -> int:
     light = [
         level / 12.92 if level <= 0.04045 else ((level + 0.055) / 1.055) ** 2.4 for level in (c / 255 for c in colour)
     ]
-    material = pygltflib.Material(
+    material = Material(
         name="pen",
-        pbrMetallicRoughness=pygltflib.PbrMetallicRoughness(
+        pbrMetallicRoughness=PbrMetallicRoughness(
             baseColorFactor=[*(round(level, 5) for level in light), 1.0], metallicFactor=0.0, roughnessFactor=1.0
         ),
         extensions={UNLIT: {}},

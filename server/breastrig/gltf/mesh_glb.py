@@ -8,14 +8,29 @@ and are turned over for glTF.  A mesh far from the origin lies around its own mi
 from typing import Any
 
 import numpy as np
-import pygltflib
 from numpy.typing import NDArray
-from pygltflib import GLTF2, Attributes
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.single_precision import far_place
 from breastrig.geometry.normals import vertex_normals
-from breastrig.gltf.container import BufferWriter, Node, append, moved_to, new_document, to_glb
+from breastrig.gltf.container import BufferWriter, append, moved_to, new_document, to_glb
+from breastrig.gltf.document import (
+    ARRAY_BUFFER,
+    ELEMENT_ARRAY_BUFFER,
+    LINEAR,
+    LINEAR_MIPMAP_LINEAR,
+    Attributes,
+    Document,
+    Image,
+    Material,
+    Mesh,
+    Node,
+    PbrMetallicRoughness,
+    Primitive,
+    Sampler,
+    Texture,
+    TextureInfo,
+)
 from breastrig.gltf.skinned import as_float32
 
 GREY = [0.55, 0.57, 0.60, 1.0]  # linear RGB of a cool matte grey
@@ -40,7 +55,7 @@ def mesh_glb(
     """
     document = new_document(extras)
     buffer = BufferWriter(document)
-    on_vertices = pygltflib.ARRAY_BUFFER
+    on_vertices = ARRAY_BUFFER
     place = far_place(vertices)
     unit = vertex_normals(vertices, faces) if normals is None else normals
     attributes = Attributes(
@@ -55,12 +70,12 @@ def mesh_glb(
         attributes.COLOR_0 = buffer.add(_linear(colours), target=on_vertices, normalized=True)
         material = _matte(WHITE)
     index_type = np.uint16 if len(vertices) < np.iinfo(np.uint16).max else np.uint32
-    primitive = pygltflib.Primitive(
+    primitive = Primitive(
         attributes=attributes,
-        indices=buffer.add(faces.ravel().astype(index_type), target=pygltflib.ELEMENT_ARRAY_BUFFER),
+        indices=buffer.add(faces.ravel().astype(index_type), target=ELEMENT_ARRAY_BUFFER),
         material=append(document.materials, material),
     )
-    mesh = append(document.meshes, pygltflib.Mesh(name="mesh", primitives=[primitive]))
+    mesh = append(document.meshes, Mesh(name="mesh", primitives=[primitive]))
     document.scenes[0].nodes = [append(document.nodes, Node(name="mesh", mesh=mesh, translation=moved_to(place)))]
     return to_glb(document, buffer)
 
@@ -75,22 +90,20 @@ def _linear(colours: NDArray[np.uint8]) -> NDArray[np.uint16]:
     return result
 
 
-def _texture(document: GLTF2, buffer: BufferWriter, image: bytes) -> pygltflib.TextureInfo:
-    source = append(
-        document.images, pygltflib.Image(mimeType=IMAGE_TYPES[image[:3]], bufferView=buffer.add_bytes(image))
-    )
+def _texture(document: Document, buffer: BufferWriter, image: bytes) -> TextureInfo:
+    source = append(document.images, Image(mimeType=IMAGE_TYPES[image[:3]], bufferView=buffer.add_bytes(image)))
     sampler = append(
         document.samplers,
-        pygltflib.Sampler(magFilter=pygltflib.LINEAR, minFilter=pygltflib.LINEAR_MIPMAP_LINEAR),
+        Sampler(magFilter=LINEAR, minFilter=LINEAR_MIPMAP_LINEAR),
     )
-    return pygltflib.TextureInfo(index=append(document.textures, pygltflib.Texture(sampler=sampler, source=source)))
+    return TextureInfo(index=append(document.textures, Texture(sampler=sampler, source=source)))
 
 
-def _matte(color: list[float], texture: pygltflib.TextureInfo | None = None) -> pygltflib.Material:
-    return pygltflib.Material(
+def _matte(color: list[float], texture: TextureInfo | None = None) -> Material:
+    return Material(
         name="scan",
         doubleSided=True,  # a scan is an open sheet
-        pbrMetallicRoughness=pygltflib.PbrMetallicRoughness(
+        pbrMetallicRoughness=PbrMetallicRoughness(
             baseColorFactor=color, metallicFactor=0.0, roughnessFactor=ROUGHNESS, baseColorTexture=texture
         ),
     )

@@ -26,20 +26,21 @@ def scale_node(bone: str) -> str:
 
 def node_poses(rig: Rig, x: RigParameters) -> list[dict[str, Any]]:
     """One dictionary per node: name and those of translation (m), rotation (x y z w), scale, weights it has."""
+    rotations, translations = x.rotations, x.translations
+    children = [index for index, bone in enumerate(rig.bones) if bone.parent is not None]
+    if children:
+        parents = [bone.parent for bone in rig.bones if bone.parent is not None]
+        back = x.rotations[parents].transpose(0, 2, 1)
+        rotations, translations = rotations.copy(), translations.copy()
+        rotations[children] = back @ x.rotations[children]
+        moved = x.translations[children] - x.translations[parents]
+        translations[children] = np.einsum("bij,bj->bi", back, moved)
+    turned = _rounded(quaternion_from_rotation(rotations))
     poses: list[dict[str, Any]] = []
-    for index, bone in enumerate(rig.bones):
-        rotation, translation = x.rotations[index], x.translations[index]
-        if bone.parent is not None:
-            base = x.rotations[bone.parent].T
-            rotation, translation = base @ rotation, base @ (translation - x.translations[bone.parent])
-        poses.append(
-            {
-                "name": bone.name,
-                "translation": _rounded(translation),
-                "rotation": _rounded(quaternion_from_rotation(rotation)),
-            }
-        )
-        poses.append({"name": scale_node(bone.name), "scale": _rounded(x.scales[index])})
+    parts = zip(rig.bones, _rounded(translations), turned, _rounded(x.scales), strict=True)
+    for bone, translation, rotation, scale in parts:
+        poses.append({"name": bone.name, "translation": translation, "rotation": rotation})
+        poses.append({"name": scale_node(bone.name), "scale": scale})
     poses.append({"name": rig.name, "weights": _rounded(x.weights)})
     return poses
 
@@ -66,6 +67,7 @@ def posed_by_nodes(rig: Rig, poses: Iterable[Mapping[str, Any]]) -> RigParameter
     )
 
 
-def _rounded(values: Array) -> list[float]:
+def _rounded(values: Array) -> list[Any]:
     """Plain floats with seven decimals; no negative zero, which would make equal poses differ in bytes."""
-    return [float(value) for value in np.round(values, DECIMALS) + 0.0]
+    rounded: list[Any] = (np.round(values, DECIMALS) + 0.0).tolist()
+    return rounded

@@ -11,13 +11,19 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pygltflib
 from numpy.typing import NDArray
-from pygltflib import GLTF2
 
 from breastrig.core.arrays import Array
 from breastrig.core.single_precision import far_place
-from breastrig.gltf.container import BufferWriter, Node, append, moved_to, new_document, to_glb
+from breastrig.gltf.container import BufferWriter, append, moved_to, new_document, to_glb
+from breastrig.gltf.document import (
+    Animation,
+    AnimationChannel,
+    AnimationChannelTarget,
+    AnimationSampler,
+    Document,
+    Node,
+)
 from breastrig.gltf.drawing_node import add_drawing, positions_exact_in
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.skin_layer import add_skin_layer
@@ -62,7 +68,7 @@ def fitted_glb(
     return to_glb(document, buffer)
 
 
-def _hang_bones(document: GLTF2, skinned: SkinnedNodes, place: Array) -> None:
+def _hang_bones(document: Document, skinned: SkinnedNodes, place: Array) -> None:
     """Puts a node at the (3,) m place between the scene and the root bone."""
     mesh, bone = document.scenes[0].nodes
     frame = append(document.nodes, Node(name=FAR_FRAME, children=[bone], translation=moved_to(place)))
@@ -71,23 +77,21 @@ def _hang_bones(document: GLTF2, skinned: SkinnedNodes, place: Array) -> None:
 
 
 def _animation(
-    document: GLTF2,
+    document: Document,
     buffer: BufferWriter,
     skinned: SkinnedNodes,
     poses: Sequence[list[dict[str, Any]]],
     times: Array,
-) -> pygltflib.Animation:
-    animation = pygltflib.Animation(
-        name="registration", extras={"elapsed_s": [round(float(time), 4) for time in times]}
-    )
+) -> Animation:
+    animation = Animation(name="registration", extras={"elapsed_s": [round(float(time), 4) for time in times]})
     keys = buffer.add(_spaced(times).astype(np.float32), bounds=True)
 
     def animate(nodes: list[int], path: str, values: NDArray[np.float32]) -> None:
         output = buffer.add(values)
-        sampler = append(animation.samplers, pygltflib.AnimationSampler(input=keys, output=output))
+        sampler = append(animation.samplers, AnimationSampler(input=keys, output=output))
         for node in nodes:
-            target = pygltflib.AnimationChannelTarget(node=node, path=path)
-            animation.channels.append(pygltflib.AnimationChannel(sampler=sampler, target=target))
+            target = AnimationChannelTarget(node=node, path=path)
+            animation.channels.append(AnimationChannel(sampler=sampler, target=target))
 
     for index, pose in enumerate(poses[0]):
         for path in ("translation", "rotation", "scale"):

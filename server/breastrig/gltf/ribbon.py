@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.normals import VertexNormals, vertex_normals
+from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.geometry.unit_vectors import unit_vectors
-from breastrig.gltf.skinned import joints_and_weights
+from breastrig.gltf.skinned import joints_and_weights, normals_of_shapes
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import bone_matrices
@@ -58,12 +58,8 @@ class _Skin:
 
 @lru_cache(maxsize=4)
 def _skin(rig: Rig) -> _Skin:
-    normals_of = VertexNormals(rig.faces, len(rig.template))
-    normals = normals_of(rig.template)
-    turns = np.zeros_like(rig.blendshapes)
-    for index, moves in enumerate(rig.blendshapes):
-        turns[index] = normals_of(rig.template + moves) - normals
-    return _Skin(ClosestPointSearch(rig.template, rig.faces), normals, turns)
+    normals = normals_of_shapes(rig)
+    return _Skin(ClosestPointSearch(rig.template, rig.faces), normals[0], normals[1:] - normals[0])
 
 
 @lru_cache(maxsize=16)

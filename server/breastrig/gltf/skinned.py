@@ -7,16 +7,27 @@ rounded ones: writing what was read gives the same mesh again.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
-import pygltflib
 from numpy.typing import NDArray
-from pygltflib import GLTF2, Attributes
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadModel
-from breastrig.geometry.normals import vertex_normals
-from breastrig.gltf.container import BufferWriter, Node, append
+from breastrig.geometry.normals import VertexNormals
+from breastrig.gltf.container import BufferWriter, append
+from breastrig.gltf.document import (
+    ARRAY_BUFFER,
+    ELEMENT_ARRAY_BUFFER,
+    Attributes,
+    Document,
+    Material,
+    Mesh,
+    Node,
+    PbrMetallicRoughness,
+    Primitive,
+    Skin,
+)
 from breastrig.gltf.pose_nodes import node_poses, scale_node
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
@@ -34,7 +45,7 @@ class SkinnedNodes:
     nodes: dict[str, int]  # node name -> index
 
 
-def add_skinned_rig(document: GLTF2, buffer: BufferWriter, rig: Rig) -> SkinnedNodes:
+def add_skinned_rig(document: Document, buffer: BufferWriter, rig: Rig) -> SkinnedNodes:
     """Adds the rig to an empty document: mesh, material, bones, skin; poses are set by `set_pose`."""
     if sum(bone.parent is None for bone in rig.bones) != 1:
         raise BadModel("A model needs exactly one bone without a parent.")
@@ -55,7 +66,7 @@ def add_skinned_rig(document: GLTF2, buffer: BufferWriter, rig: Rig) -> SkinnedN
         else:
             document.nodes[nodes[rig.bones[bone.parent].name]].children.append(nodes[bone.name])
     document.scenes[0].nodes = roots
-    skin = pygltflib.Skin(
+    skin = Skin(
         name=f"{rig.name}_skin",
         inverseBindMatrices=buffer.add(_inverse_bind_matrices(rig)),
         joints=[nodes[scale_node(bone.name)] for bone in rig.bones],
@@ -64,7 +75,7 @@ def add_skinned_rig(document: GLTF2, buffer: BufferWriter, rig: Rig) -> SkinnedN
     return SkinnedNodes(append(document.skins, skin), nodes)
 
 
-def set_pose(document: GLTF2, skinned: SkinnedNodes, rig: Rig, x: RigParameters) -> None:
+def set_pose(document: Document, skinned: SkinnedNodes, rig: Rig, x: RigParameters) -> None:
     """Poses the nodes of the document; every other node that shares the mesh's shapes takes its weights too."""
     for pose in node_poses(rig, x):
         node = document.nodes[skinned.nodes[pose["name"]]]
@@ -96,15 +107,28 @@ def as_float32(values: Array) -> NDArray[np.float32]:
     return values.astype(np.float32) + np.float32(0.0)
 
 
-def _mesh(document: GLTF2, buffer: BufferWriter, rig: Rig) -> pygltflib.Mesh:
+@lru_cache(maxsize=4)
+def normals_of_shapes(rig: Rig) -> Array:
+    """(1 + S, V, 3) unit: the template's normals, then those with each shape at weight 1; of the rounded numbers."""
+    vertices, normals_of = as_float32(rig.template).astype(np.float64), VertexNormals(rig.faces, len(rig.template))
+    result = np.zeros((1 + len(rig.blendshapes), *vertices.shape))
+    result[0] = normals_of(vertices)
+    for normals, moves in zip(result[1:], rig.blendshapes, strict=True):
+        normals[:] = normals_of(vertices + as_float32(moves))
+    result.flags.writeable = False
+    return result
+
+
+def _mesh(document: Document, buffer: BufferWriter, rig: Rig) -> Mesh:
     if (np.count_nonzero(rig.skin_weights, axis=1) > INFLUENCES).any():
         raise BadModel("A vertex of the model hangs on more than four bones; prune its skin weights to four.")
     if len(rig.bones) > np.iinfo(np.uint8).max:
         raise BadModel(f"A model can have at most 255 bones, this one has {len(rig.bones)}.")
     vertices = as_float32(rig.template)
-    normals = as_float32(vertex_normals(vertices.astype(np.float64), rig.faces))
+    unmoved, *moved = normals_of_shapes(rig)
+    normals = as_float32(unmoved)
     joints, weights = joints_and_weights(rig.skin_weights)
-    on_vertices = pygltflib.ARRAY_BUFFER
+    on_vertices = ARRAY_BUFFER
     index_type = np.uint16 if len(vertices) < np.iinfo(np.uint16).max else np.uint32
     attributes = Attributes(
         POSITION=buffer.add(vertices, target=on_vertices, bounds=True),
@@ -113,12 +137,11 @@ def _mesh(document: GLTF2, buffer: BufferWriter, rig: Rig) -> pygltflib.Mesh:
         JOINTS_0=buffer.add(joints, target=on_vertices),
         WEIGHTS_0=buffer.add(weights, target=on_vertices),
     )
-    indices = buffer.add(rig.faces.ravel().astype(index_type), target=pygltflib.ELEMENT_ARRAY_BUFFER)
+    indices = buffer.add(rig.faces.ravel().astype(index_type), target=ELEMENT_ARRAY_BUFFER)
     targets = []
-    for shape in rig.blendshapes:
+    for shape, turned in zip(rig.blendshapes, moved, strict=True):
         moves = as_float32(shape)
-        moved = vertex_normals(vertices.astype(np.float64) + moves, rig.faces)
-        turns = as_float32(moved - normals)
+        turns = as_float32(turned - normals)
         turns[~moves.any(axis=1) & (np.abs(turns) < 1e-6).all(axis=1)] = 0.0  # rounding of untouched normals
         targets.append(
             Attributes(
@@ -126,19 +149,17 @@ def _mesh(document: GLTF2, buffer: BufferWriter, rig: Rig) -> pygltflib.Mesh:
                 NORMAL=buffer.add(turns, target=on_vertices),
             )
         )
-    primitive = pygltflib.Primitive(
+    primitive = Primitive(
         attributes=attributes, indices=indices, material=append(document.materials, _clay()), targets=targets
     )
-    return pygltflib.Mesh(name=rig.name, primitives=[primitive], extras={"targetNames": list(rig.shape_names)})
+    return Mesh(name=rig.name, primitives=[primitive], extras={"targetNames": list(rig.shape_names)})
 
 
-def _clay() -> pygltflib.Material:
-    return pygltflib.Material(
+def _clay() -> Material:
+    return Material(
         name="clay",
         doubleSided=False,
-        pbrMetallicRoughness=pygltflib.PbrMetallicRoughness(
-            baseColorFactor=CLAY, metallicFactor=0.0, roughnessFactor=0.7
-        ),
+        pbrMetallicRoughness=PbrMetallicRoughness(baseColorFactor=CLAY, metallicFactor=0.0, roughnessFactor=0.7),
     )
 
 

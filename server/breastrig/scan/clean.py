@@ -15,6 +15,7 @@ from breastrig.geometry.normals import face_areas
 from breastrig.scan.scan import Scan
 from breastrig.scan.winding import outwards
 
+KEY_LIMIT = 2**21  # µm, 2.1 m: three such numbers fit into one
 MIN_TRIANGLES = 200  # fewer cannot show a torso
 INWARD_SHARE = 0.01  # fewer are scraps whose side nobody can tell: left as they are
 FRAGMENT_SHARE = 0.02  # pieces smaller than this share of the largest are dust
@@ -32,6 +33,9 @@ class Surface:
 def welded(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
     """Vertices at the same place (to 1 µm) become one: STL and split OBJ files repeat them."""
     keys = np.round(vertices * 1e6).astype(np.int64)
+    keys -= keys.min(axis=0) if len(keys) else 0
+    if (keys < KEY_LIMIT).all():  # as one number each: rows would sort slowly
+        keys = (keys[:, 0] * KEY_LIMIT + keys[:, 1]) * KEY_LIMIT + keys[:, 2]
     _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     if len(first) == len(vertices):
         return vertices, faces

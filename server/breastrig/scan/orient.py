@@ -16,6 +16,7 @@ SAMPLE = 8000  # triangles looked at: enough for a mean and a plane
 PLANE_BIN = 0.01  # m, thickness of a table with the scanner's noise
 TABLE_SHARE = 0.06  # of the scanned area in one plane 2 cm thick; what tells a table from a chest is what lies behind
 ONE_SIDED = 0.25  # length of the mean normal; closed torsos have up to 0.13, scans of a front from 0.47
+FACING = 0.94  # cosine, 20 degrees: triangles that may belong to a plane with that normal
 BEHIND_SHARE = 0.06  # of the area may lie behind a table (noise, its edge)
 
 
@@ -62,21 +63,23 @@ def table_plane(centres: Array, normals: Array, areas: Array) -> tuple[Array, fl
     """
     total = areas.sum()
     best: tuple[float, Array, float] | None = None
-    for normal in _directions(300):
-        facing = normals @ normal > 0.94  # 20 degrees
-        if areas[facing].sum() < TABLE_SHARE * total:
-            continue
+    guesses = _directions(300)
+    facing_guess = normals @ guesses.T > FACING
+    for guess in np.flatnonzero(areas @ facing_guess >= TABLE_SHARE * total):
+        normal, facing = guesses[guess], np.flatnonzero(facing_guess[:, guess])
         for _ in range(3):  # the body's front tilts the first guess; the plane itself corrects it
-            level, share = _peak(centres[facing] @ normal, areas[facing])
-            near = facing & (np.abs(centres @ normal - level) < 2 * PLANE_BIN)
-            weights = areas[near, None]
-            offsets = centres[near] - (centres[near] * weights).sum(axis=0) / weights.sum()
-            flat = np.linalg.eigh((offsets * weights).T @ offsets)[1][:, 0]
+            heights, weights = centres[facing] @ normal, areas[facing]
+            level, share = _peak(heights, weights)
+            near = np.abs(heights - level) < 2 * PLANE_BIN
+            weights = weights[near]
+            offsets = centres[facing[near]]
+            offsets = offsets - weights @ offsets / weights.sum()
+            flat = np.linalg.eigh((offsets * weights[:, None]).T @ offsets)[1][:, 0]
             normal = flat if flat @ normal > 0.0 else -flat
-            facing = normals @ normal > 0.94
-            if not facing.any():  # no plane after all: curved parts turned the guess away from themselves
+            facing = np.flatnonzero(normals @ normal > FACING)
+            if not len(facing):  # no plane after all: curved parts turned the guess away from themselves
                 break
-        if not facing.any():
+        if not len(facing):
             continue
         level, share = _peak(centres[facing] @ normal, areas[facing])
         behind = areas[centres @ normal < level - 2 * PLANE_BIN].sum()

@@ -1,0 +1,89 @@
+"""The JSON of a glTF document: another library's classes write the same, and no slow ones are needed for it."""
+
+import dataclasses
+import json
+
+import pygltflib
+import pytest
+
+from breastrig.gltf import document as ours
+
+
+def theirs(value: object) -> object:
+    """The same with pygltflib's classes."""
+    if isinstance(value, list):
+        return [theirs(each) for each in value]
+    if not dataclasses.is_dataclass(value):
+        return value
+    kind = pygltflib.GLTF2 if isinstance(value, ours.Document) else getattr(pygltflib, type(value).__name__)
+    parts = {one.name: theirs(getattr(value, one.name)) for one in dataclasses.fields(value)}
+    weights = parts.pop("weights", None)
+    made = kind(**parts)
+    if isinstance(made, pygltflib.Accessor):
+        made.byteOffset = None  # its default is written out there
+    assert weights is None
+    return made
+
+
+def whole() -> ours.Document:
+    """Something of every kind."""
+    ink = ours.Material(
+        name="ink",
+        doubleSided=True,
+        pbrMetallicRoughness=ours.PbrMetallicRoughness(
+            baseColorFactor=[0.5, 0.25, 1e-7, 1.0], metallicFactor=0.0, baseColorTexture=ours.TextureInfo(index=0)
+        ),
+        extensions={"KHR_materials_unlit": {}},
+    )
+    primitive = ours.Primitive(
+        attributes=ours.Attributes(POSITION=0, COLOR_0=1),
+        indices=2,
+        mode=ours.LINE_STRIP,
+        material=0,
+        targets=[ours.Attributes(POSITION=0), ours.Attributes(NORMAL=0)],
+        extras={
+            "label": "",
+            "closed": False,
+            "nothing": [],
+            "deep": {"empty": {}, "full": [1, [], {"a": None, "b": 2}]},
+        },
+    )
+    channel = ours.AnimationChannel(sampler=0, target=ours.AnimationChannelTarget(node=0, path="weights"))
+    document = ours.Document(
+        asset=ours.Asset(generator="ä", extras={"notice": "no"}),
+        scene=0,
+        scenes=[ours.Scene(nodes=[0])],
+        nodes=[ours.Node(name="a", mesh=0, children=[1], translation=[0.0, -0.5, 1e-9]), ours.Node(name="b", skin=0)],
+        meshes=[ours.Mesh(name="m", primitives=[primitive], extras={"targetNames": ["x"]})],
+        materials=[ink, ours.Material(name="plain")],
+        accessors=[ours.Accessor(bufferView=0, componentType=ours.FLOAT, count=3, type="VEC3", min=[0.1], max=[2.5])],
+        bufferViews=[ours.BufferView(buffer=0, byteLength=36, target=ours.ARRAY_BUFFER)],
+        buffers=[ours.Buffer(byteLength=36, uri="x.bin")],
+        images=[ours.Image(mimeType="image/png", bufferView=0)],
+        samplers=[ours.Sampler(magFilter=ours.LINEAR, minFilter=ours.LINEAR_MIPMAP_LINEAR)],
+        textures=[ours.Texture(sampler=0, source=0)],
+        skins=[ours.Skin(name="s", joints=[1], skeleton=1, inverseBindMatrices=0)],
+        animations=[ours.Animation(name="r", channels=[channel], samplers=[ours.AnimationSampler(input=0, output=0)])],
+        extensionsUsed=["KHR_materials_unlit"],
+    )
+    return document
+
+
+def test_the_json_is_that_of_another_library() -> None:
+    document = whole()
+    expected = theirs(document).gltf_to_json(separators=(",", ":"), indent=None)
+    assert document.json().decode() == expected
+
+
+def test_an_empty_document_too() -> None:
+    assert ours.Document().json() == b'{"asset":{"version":"2.0"}}'
+
+
+def test_a_nodes_weights_are_written() -> None:
+    document = ours.Document(nodes=[ours.Node(name="a", weights=[0.0, 0.5])])
+    assert json.loads(document.json())["nodes"] == [{"name": "a", "weights": [0.0, 0.5]}]
+
+
+def test_numbers_that_are_not_finite_are_refused() -> None:
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        ours.Document(nodes=[ours.Node(scale=[float("nan"), 1.0, 1.0])]).json()
