@@ -7,9 +7,9 @@ skin there is.  Pairs that end at the scan's border or at the model's own rim sa
 pull nobody; without this rule a half scan draws the model off its half.  Tries are judged by capped distances the same
 two ways, and only the best go on, with more points.
 
-A scan that leaves much of the model without skin shows a part of a body: then the front may be read up to fifty degrees
-wrong and the middle of the scan is not the body's, so tries are made to both sides too.  A scan that shows all sides has
-no known front; then all six directions of its axes are tried.
+A scan that leaves much of the model without skin shows a part of a body: then the front may be read up to fifty
+degrees wrong and the middle of the scan is not the body's, so tries are made to both sides too.  A scan that shows all
+sides has no known front; then all six directions of its axes are tried.
 
 Of 38 partial scans of warped bodies (evaluation/virtual/warped) the right place comes first in 36, turned at random.
 """
