@@ -84,6 +84,13 @@ def unhurried(job: FitJob) -> Iterator[Event]:
         yield event
 
 
+def unhurried_or_slow(job: FitJob) -> Iterator[Event]:
+    """With the preset "paper" it takes some seconds, so that it is surely under way when it is looked at."""
+    for event in quick(job):
+        time.sleep(0.6 if job.preset == "paper" else 0.12)
+        yield event
+
+
 def hanging(job: FitJob) -> Iterator[Event]:
     """Never comes back by itself."""
     yield started(job)

@@ -259,9 +259,10 @@ def test_when_a_worker_of_the_cluster_is_killed_every_fit_is_executed_once(
     # The last test: it leaves the cluster with one worker.
     location = large.location(tmp_path)
     killed, kept = large.cluster.workers
-    with serving(large, location, model, fake_fit.unhurried) as running:
+    with serving(large, location, model, fake_fit.unhurried_or_slow) as running:
         scan = uploaded(running, torso)
-        fits = [asked(running, scan) for _ in range(6)]
+        fits = [asked(running, scan, preset="paper") for _ in range(2)]
+        fits += [asked(running, scan) for _ in range(4)]
         storage = running.service.storage
         until(
             lambda: all(get_fit(storage, fit["id"]).iterations > 0 for fit in fits[:2]), "a running fit on each worker"
