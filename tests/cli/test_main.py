@@ -7,18 +7,28 @@ import pytest
 
 from breastrig.cli.main import COMMANDS, main
 
-HEAVY = {"numpy", "scipy", "flask", "sqlalchemy"}
+HEAVY = {"numpy", "scipy", "pydantic", "trimesh", "igl", "PIL", "tqdm", "flask", "sqlalchemy"}
+NUMERICS = ("fit", "transfer", "compare", "report", "export", "landmarks", "batch", "evaluate", "model")
 
 
 def imported_by(*words: str) -> set[str]:
     code = "import contextlib, sys\nfrom breastrig.cli.main import main\nwith contextlib.suppress(SystemExit):\n"
     code += f"    main({list(words)!r})\nprint(*sys.modules, file=sys.stderr)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    return set(run.stderr.split())
+    return set(run.stderr.splitlines()[-1].split())
 
 
 def test_the_version_is_said_without_anything_heavy() -> None:
     assert not HEAVY & imported_by("--version")
+
+
+@pytest.mark.parametrize("words", [("--help",), ("fits",), (), *((name, "--help") for name in NUMERICS)], ids=" ".join)
+def test_help_and_mistakes_are_said_without_anything_heavy(words: tuple[str, ...]) -> None:
+    assert not HEAVY & imported_by(*words)
+
+
+def test_a_missing_option_of_a_fit_is_said_without_anything_heavy() -> None:
+    assert not HEAVY & imported_by("fit", "scan.ply", "--stance", "sitting")
 
 
 def test_the_settings_are_shown_without_the_service_and_without_scipy() -> None:
