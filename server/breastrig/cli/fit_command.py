@@ -4,10 +4,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from tqdm import tqdm
-
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import files_of_model, output_folder
+from breastrig.cli.progress import progress_bar
 from breastrig.core.errors import BadSettings
 from breastrig.core.output_files import Output
 from breastrig.core.staged_output import all_or_nothing
@@ -71,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     if options.other is None and given:
         raise BadSettings("--with-landmarks, --with-units, --with-stance and --alike need --with SCAN_B.")
     quiet = options.no_progress or not sys.stderr.isatty()
-    with all_or_nothing(_output(options)) as out, tqdm(disable=quiet, unit="step", leave=False) as bar:
+    with all_or_nothing(_output(options)) as out, progress_bar(shown=not quiet) as bar:
         fitting = _run(options)
         bar.reset(fitting.iterations_limit)
         for step in fitting:
