@@ -36,9 +36,7 @@ def radii(posterior: Posterior) -> Radii | None:
     scatter, seen = _scatter(posterior, known), seen_vertices(posterior)
     at_landmarks = HOLDS_90 * scatter * np.sqrt(spread + beyond**2)
     at_vertices = HOLDS_90 * np.where(seen, scatter, max(scatter, known.least_scatter_hidden))
-    at_vertices *= np.sqrt(
-        known.stretch**2 * posterior.vertex_variances() + vertex_misfit(posterior, known, seen) ** 2
-    )
+    at_vertices *= np.sqrt(known.stretch**2 * posterior.vertex_variances() + vertex_misfit(posterior, known, seen) ** 2)
     return Radii(dict(zip(names, at_landmarks.tolist(), strict=True)), at_vertices)
 
 
