@@ -108,3 +108,11 @@ def test_landmarks_in_doubt_make_a_right_fit_worth_a_look() -> None:
     assert one.level == two.level == "check"
     assert one.reasons == ("One landmark is in doubt; look at what is asked about it.",)
     assert two.reasons == ("2 landmarks are in doubt; look at what is asked about them.",)
+
+
+def test_a_part_of_a_body_is_to_be_checked_unless_landmarks_say_where_it_belongs() -> None:
+    part = replace(RIGHT, seen=0.33)
+    alone = verdict(part, Status.CONVERGED, LIMITS)
+    assert alone.level == "check"
+    assert alone.reasons[0].startswith("The scan shows only 33 % of the body")
+    assert verdict(replace(part, clearness=np.nan), Status.CONVERGED, LIMITS, placed=True).level == "good"

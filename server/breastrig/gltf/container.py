@@ -1,8 +1,8 @@
 """Buffers, views and accessors: numpy arrays in, glTF bytes out.
 
-document.py holds the document; the bytes are laid out here.  One view per accessor, each aligned to four bytes, no
-interleaving, no sparse accessors (some viewers flicker with them).  The same input gives the same bytes: no dates,
-keys in one order.
+pygltflib holds the document (document.py); the bytes are laid out here.  One view per accessor, each aligned to four
+bytes, no interleaving, no sparse accessors (some viewers flicker with them).  The same input gives the same bytes: no
+dates, keys in one order.
 """
 
 import hashlib
@@ -25,6 +25,7 @@ from breastrig.gltf.document import (
     BufferView,
     Document,
     Scene,
+    json_of,
 )
 
 GENERATOR = f"BreastRig {__version__}"
@@ -91,6 +92,7 @@ class BufferWriter:
         if key in self._known:
             return self._known[key]
         accessor = Accessor(
+            byteOffset=None,  # defaults are left out: an iteration's file has hundreds of accessors
             bufferView=self.add_bytes(content, target),
             componentType=COMPONENT_TYPES[data.dtype],
             count=len(data),
@@ -115,7 +117,7 @@ def _shortest(values: np.ndarray[Any, Any]) -> list[Any]:
 
 def to_gltf(document: Document) -> bytes:
     """The document as JSON text, its buffers elsewhere."""
-    return document.json()
+    return json_of(document)
 
 
 def to_glb(document: Document, buffer: BufferWriter) -> bytes:

@@ -6,12 +6,11 @@ position: the inverse of what the last pose's skinning does to them.
 """
 
 import numpy as np
-import pygltflib
-from pygltflib import GLTF2, Attributes
 
 from breastrig.core.arrays import Array
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.container import BufferWriter
+from breastrig.gltf.document import ARRAY_BUFFER, Attributes, Document
 from breastrig.gltf.drawing_node import drawing_node
 from breastrig.gltf.ribbon import exact_in, ribbons
 from breastrig.gltf.skinned import SkinnedNodes, as_float32
@@ -23,7 +22,7 @@ SKIN_LAYER = "skin_layer"
 
 
 def add_skin_layer(
-    document: GLTF2,
+    document: Document,
     buffer: BufferWriter,
     skinned: SkinnedNodes,
     rig: Rig,
@@ -38,7 +37,7 @@ def add_skin_layer(
     posed = Posed(rig, x)
     moves = np.einsum("vij,vj->vi", np.linalg.pinv(posed.linear), surface - posed.vertices)
     turns = vertex_normals(posed.shaped + moves, rig.faces) - vertex_normals(posed.shaped, rig.faces)
-    on_vertices = pygltflib.ARRAY_BUFFER
+    on_vertices = ARRAY_BUFFER
     skin = document.meshes[document.nodes[skinned.nodes[rig.name]].mesh]
     layer = Attributes(
         POSITION=buffer.add(as_float32(moves), target=on_vertices, bounds=True),

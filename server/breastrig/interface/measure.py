@@ -58,6 +58,7 @@ def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
     as they were picked, the others as the fitted model has them.  `model` is that of a folder.  Raises BadInput.
     """
     found = (fit if isinstance(fit, Fit) else Fit.load(fit, model)).in_metres
+    uncertain = found.result.get("landmark_uncertainty_mm", {})
     with one_thread():
         rows = measures(
             Stance(
@@ -67,6 +68,8 @@ def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
                 scan_faces=found.surface.faces,
                 name=found.stance,
                 picked=found.landmarks,
+                landmark_radii={name: 1e-3 * radius for name, radius in uncertain.items()},
+                radii=found.radii,
             )
         )
 

@@ -1,4 +1,4 @@
-"""The measures of a breast: each straight, as callipers give it, and along the skin, as a tape does.
+"""The measures of a breast, with 90 % bands: straight, as callipers give them, and along the skin, as a tape does.
 
 Definitions: notch, midclavicle and fold to nipple, nipple to midline, nipple to nipple and base width as clinics take
 them (Henseler 2023, who gives them for 100 women); the symmetry ratios are in symmetry.py, the volume in volume.py.
@@ -9,7 +9,7 @@ Lengths along the skin run on the fitted model: a scan has holes under and besid
 A pick is first put on it.  The tape is exact on the mesh (geometry/geodesic.py) and laid without stretching the skin.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -18,6 +18,7 @@ from breastrig.core.arrays import Array
 from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import Geodesics, length
 from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.report.bands import banded, half_width
 from breastrig.report.body_frame import BodyFrame, body_frame
 from breastrig.report.stance import Place, Stance, places
 from breastrig.report.symmetry import symmetry
@@ -30,7 +31,7 @@ SIDES = ("L", "R")
 STRAIGHT, ALONG_SKIN = "straight", "along the skin"
 SPACING = 0.002  # m between points of a line to which a distance is taken
 OUTLINE = "breast base outline (model)"
-END = 0.003  # m; the sides of the outline run upright, so its very last point wanders up and down by centimetres
+LEVELS = 40  # heights at which a chord of the outline is measured: every 3 mm
 CHORD = "distance in space"
 TAPE = "shortest way on the fitted model's skin"
 
@@ -59,7 +60,7 @@ class _Table:
             ("nipple_fold", "Nipple to fold", "nipple", "inframammary_fold"),
         ):
             ends = {side: [self._place(part, side) for part in (first, second)] for side in SIDES}
-            yield from self._sided(name, label, ends, partial(self._between, ends))
+            yield from self._sided(name, label, ends, partial(self._between, ends), self._halves(ends))
         nipples = {side: [self._place("nipple", side)] for side in SIDES}
         midline = self.stance.shape("midline")
         if midline is not None:
@@ -68,25 +69,19 @@ class _Table:
                 "Nipple to midline",
                 nipples,
                 lambda side: self._to_midline(nipples[side][0], midline),
+                self._halves(nipples),
                 ("at right angles to the fitted model's median plane", f"{TAPE} to its midline"),
             )
         both = [self._place("nipple", side) for side in SIDES]
         if all(place is not None for place in both):
+            half = half_width([place.radius for place in both if place is not None])
             for kind, number, method in zip((STRAIGHT, ALONG_SKIN), self._apart(both), (CHORD, TAPE), strict=True):
-                yield Row(
-                    "nipple_nipple", "Nipple to nipple", kind, "mm", None, None, _mm(number), _named(both), method
-                )
-        outlines = {side: breast_outline(self.stance.rig, side) for side in SIDES}
-        if all(outline is not None for outline in outlines.values()):
-            said = "between the medial and lateral end of the model's breast base outline (middle of the last 3 mm)"
-            yield from self._sided(
-                "base_width",
-                "Base width",
-                {side: [] for side in SIDES},
-                lambda side: self._across(outlines[side]),
-                (f"{CHORD} {said}", f"{TAPE} {said}"),
-                (OUTLINE,),
-            )
+                value = _mm(number, half)
+                yield Row("nipple_nipple", "Nipple to nipple", kind, "mm", None, None, value, _named(both), method)
+        widths = [self._base_width(breast_outline(self.stance.rig, side)) for side in SIDES]
+        if all(width is not None for width in widths):
+            method = f"{CHORD} between the sides of the model's breast base outline, at the height where it is widest"
+            yield Row("base_width", "Base width", STRAIGHT, "mm", widths[0], widths[1], None, (OUTLINE,), method)
 
     def _place(self, part: str, side: str) -> Place | None:
         return self.places.get(part) or self.places.get(f"{part}_{side}")
@@ -97,16 +92,16 @@ class _Table:
         label: str,
         ends: dict[str, list[Place | None]],
         measured: Callable[[str], tuple[float, float]],
+        halves: Mapping[str, float | None],
         methods: tuple[str, str] = (CHORD, TAPE),
-        further: tuple[str, ...] = (),
     ) -> Iterator[Row]:
         """Two rows, straight and along the skin; none where a landmark is missing on the rig."""
         if any(place is None for side in SIDES for place in ends[side]):
             return
         numbers = {side: measured(side) for side in SIDES}
-        landmarks = _named([place for side in SIDES for place in ends[side]]) + further
+        landmarks = _named([place for side in SIDES for place in ends[side]])
         for index, kind in enumerate((STRAIGHT, ALONG_SKIN)):
-            left, right = (_mm(numbers[side][index]) for side in SIDES)
+            left, right = (_mm(numbers[side][index], halves[side]) for side in SIDES)
             yield Row(name, label, kind, "mm", left, right, None, landmarks, methods[index])
 
     def _between(self, ends: dict[str, list[Place | None]], side: str) -> tuple[float, float]:
@@ -128,24 +123,31 @@ class _Table:
         goal = SurfacePoints(on.faces[[nearest]], on.barycentric[[nearest]])
         return abs(float(self.frame.lateral(nipple.point))), self._tape(start, goal)
 
-    def _across(self, outline: DrawnShape | None) -> tuple[float, float]:
-        assert outline is not None
+    def _halves(self, ends: Mapping[str, Sequence[Place | None]]) -> dict[str, float | None]:
+        """m, of each side's band."""
+        return {side: half_width([place.radius for place in ends[side] if place is not None]) for side in SIDES}
+
+    def _base_width(self, outline: DrawnShape | None) -> Value | None:
+        """The widest of the outline's chords at one height: callipers are held across, not askew."""
+        if outline is None:
+            return None
         line = resampled(outline.points.positions(self.stance.vertices, self.stance.rig.faces), SPACING, closed=True)
-        lateral = self.frame.lateral(line)
-        a, b = (_middle_of_end(line, sign * lateral) for sign in (1.0, -1.0))
-        return float(np.linalg.norm(a - b)), self._tape(self._on_skin(a), self._on_skin(b))
+        lateral, height = self.frame.lateral(line), self.frame.height(line)
+        low, high = np.percentile(height, [0, 100])
+        best, ends = 0.0, line[:2]
+        for level in np.linspace(low, high, LEVELS + 2)[1:-1]:
+            crossing = np.flatnonzero((height > level) != (np.roll(height, -1) > level))
+            pair = line[crossing[[lateral[crossing].argmin(), lateral[crossing].argmax()]]]
+            width = float(np.linalg.norm(pair[0] - pair[1]))
+            if width > best:
+                best, ends = width, pair
+        return _mm(best, half_width([self.stance.radius_at(end[None]) for end in ends]))
 
     def _on_skin(self, point: Array) -> SurfacePoints:
         return self.stance.on_model(point[None])
 
     def _tape(self, a: SurfacePoints, b: SurfacePoints) -> float:
         return length(self._skin.path(a, b))
-
-
-def _middle_of_end(line: Array, reach: Array) -> Array:
-    """(3,) m: the point in the middle of where the (N, 3) line reaches as far as it goes, give or take END."""
-    farthest = line[reach > reach.max() - END]
-    return np.asarray(farthest[np.linalg.norm(farthest - farthest.mean(axis=0), axis=1).argmin()])
 
 
 def _volumes(stance: Stance) -> Iterator[Row]:
@@ -158,8 +160,8 @@ def _volumes(stance: Stance) -> Iterator[Row]:
     yield Row("volume", "Volume", "volume", "ml", numbers[0], numbers[1], None, (OUTLINE,), method)
 
 
-def _mm(metres: float) -> Value:
-    return Value(1e3 * metres)
+def _mm(metres: float, half: float | None) -> Value:
+    return banded(1e3 * metres, None if half is None else 1e3 * half)
 
 
 def _named(found: Sequence[Place | None]) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from breastrig.report.document import Reported
 from breastrig.report.measures import OUTLINE
 from breastrig.report.page import FOOT, MARGIN, QUIET, WIDTH, Align, Sheet
 from breastrig.report.page_landmarks import landmark_table
-from breastrig.report.table import Row, Value, changes, number, with_band
+from breastrig.report.table import Row, Value, changes, number, with_band, with_margin
 
 ROW = 4.7  # mm
 GAP = 3.6  # mm between two tables
@@ -49,7 +49,7 @@ def _groups(stances: Sequence[Reported]) -> list[tuple[str, Sequence[Row]]]:
 
 
 def _lengths(sheet: Sheet, stances: Sequence[Reported], kind: str, y: float) -> float:
-    y = sheet.heading(MARGIN, y, f"Lengths, {kind} (mm)")
+    y = sheet.heading(MARGIN, y, f"Lengths, {kind} (mm, ± holds the true one nine times of ten)")
     groups = _groups(stances)
     width = (WIDTH - NAME) / len(groups)
     column = width / 3
@@ -78,14 +78,14 @@ def _lengths(sheet: Sheet, stances: Sequence[Reported], kind: str, y: float) -> 
 def _length_cells(row: Row | None, x: float, column: float, signed: bool) -> list[Cell]:
     if row is None:
         return []
+
+    def text(value: Value | None) -> str:
+        return number(value, "mm", signed=True) if signed else with_margin(value, "mm")
+
     if row.value is not None:
-        return [(x, 2 * column - 1.0 - 0.5 * column, number(row.value, "mm", signed=signed), "R")]
+        return [(x, 2 * column - 1.0 - 0.5 * column, text(row.value), "R")]
     difference = None if row.difference is None else Value(row.difference)
-    texts = (
-        number(row.left, "mm", signed=signed),
-        number(row.right, "mm", signed=signed),
-        number(difference, "mm", signed=True),
-    )
+    texts = (text(row.left), text(row.right), number(difference, "mm", signed=True))
     return [(x + k * column, column - 1.0, text, "R") for k, text in enumerate(texts)]
 
 

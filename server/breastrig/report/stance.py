@@ -3,6 +3,7 @@
 Everything is in one frame, the scan's, in metres; where it came from (a folder, a service, a test) does not matter.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -28,6 +29,8 @@ class Stance:
     name: str  # standing | supine
     picked: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that were picked and not doubted
     lines: tuple[Polyline, ...] = ()  # on the scan
+    landmark_radii: Mapping[str, float] = field(default_factory=dict)  # m; 90 % of true places are within
+    radii: Array | None = None  # (V,) m, likewise of the vertices; None: not known
 
     @cached_property
     def search(self) -> ClosestPointSearch:
@@ -38,6 +41,13 @@ class Stance:
     def distances(self) -> Array:
         """(V,) m, above zero where the model lies outside the scan's skin; nan where the scan shows nothing."""
         return signed_distances(ScanTarget(self.scan_vertices, self.scan_faces), self.vertices, self.rig.faces)
+
+    def radius_at(self, points: Array) -> float | None:
+        """m, the largest of the (M, 3) m points' radii; None where they are not known."""
+        if self.radii is None:
+            return None
+        at = self.on_model(points)
+        return float(np.max(at.positions(self.radii[:, None], self.rig.faces)))
 
     def on_model(self, points: Array) -> SurfacePoints:
         """The points of the fitted surface closest to (M, 3) m points."""
@@ -57,6 +67,7 @@ class Place:
     name: str
     point: Array  # (3,) m
     source: str  # picked | model
+    radius: float | None = None  # m; holds the true place with 90 %; None: not known
 
     def __str__(self) -> str:
         return f"{self.name} ({self.source})"
@@ -67,8 +78,8 @@ def places(stance: Stance) -> dict[str, Place]:
     rig = stance.rig
     model = rig.landmark_points().positions(stance.vertices, rig.faces)
     return {
-        name: Place(name, np.asarray(stance.picked[name]), "picked")
+        name: Place(name, np.asarray(stance.picked[name]), "picked", stance.landmark_radii.get(name))
         if name in stance.picked
-        else Place(name, point, "model")
+        else Place(name, point, "model", stance.landmark_radii.get(name))
         for name, point in zip(rig.landmark_names, model, strict=True)
     }

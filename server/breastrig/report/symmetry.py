@@ -9,14 +9,15 @@ most lateral point of each breast (of the model inside its breast outline), S th
     M4: N to L, across                             M5: V to S, up      M6: L to midline, across
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.report.bands import banded, half_width, ratio_half_width
 from breastrig.report.body_frame import BodyFrame
 from breastrig.report.stance import Place, Stance
-from breastrig.report.table import Row, Value
+from breastrig.report.table import Row
 from breastrig.report.volume import vertices_within
 
 MODEL_PART = "model inside its breast base outline"
@@ -33,27 +34,45 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     names = tuple(map(str, nipples))
     how = "of left and right, the smaller over the larger: "
     level = max(0.0, 1.0 - abs(heights[0] - heights[1]) / max(apart, 1e-9))
-    yield _row("M1", "nipple heights", level, names, "1 less their difference in height over their distance across")
-    yield _row("M3", "nipple to midline", _ratio(across), names, how + "nipple to median plane, across")
+    at = [half_width([place.radius]) for place in nipples]
+    half = None if None in at else float(np.linalg.norm(np.array(at, dtype=np.float64))) / max(apart, 1e-9)
+    yield _row(
+        "M1", "nipple heights", level, half, names, "1 less their difference in height over their distance across"
+    )
+    yield _row("M3", "nipple to midline", *_ratio(across, at), names, how + "nipple to median plane, across")
     members = [vertices_within(stance.rig, side) for side in ("L", "R")]
     if any(part is None for part in members):
         return
-    lowest = np.array([frame.height(stance.vertices[part]).min() for part in members])
-    lateral = np.array([np.abs(frame.lateral(stance.vertices[part])).max() for part in members])
+    places = [stance.vertices[part] for part in members]
+    low = [skin[frame.height(skin).argmin()] for skin in places]
+    far = [skin[np.abs(frame.lateral(skin)).argmax()] for skin in places]
+    lowest, lateral = frame.height(np.array(low)), np.abs(frame.lateral(np.array(far)))
+    low_radii, far_radii = ([stance.radius_at(point[None]) for point in ends] for ends in (low, far))
+    from_nipple = [
+        [half_width([a.radius, b]) for a, b in zip(nipples, ends, strict=True)] for ends in (low_radii, far_radii)
+    ]
     outline = (MODEL_PART,)
-    yield _row("M2", "nipple to lowest point", _ratio(heights - lowest), names + outline, how + "in height")
-    yield _row("M4", "nipple to lateral end", _ratio(lateral - across), names + outline, how + "across")
+    yield _row(
+        "M2", "nipple to lowest point", *_ratio(heights - lowest, from_nipple[0]), names + outline, how + "in height"
+    )
+    yield _row(
+        "M4", "nipple to lateral end", *_ratio(lateral - across, from_nipple[1]), names + outline, how + "across"
+    )
     if "suprasternal_notch" in known:
         notch = known["suprasternal_notch"]
         drop = float(frame.height(notch.point)) - lowest
-        yield _row("M5", "lowest point to notch", _ratio(drop), (str(notch), *outline), how + "in height")
-    yield _row("M6", "lateral end to midline", _ratio(lateral), outline, how + "across")
+        halves = [half_width([notch.radius, radius]) for radius in low_radii]
+        yield _row("M5", "lowest point to notch", *_ratio(drop, halves), (str(notch), *outline), how + "in height")
+    halves = [half_width([radius]) for radius in far_radii]
+    yield _row("M6", "lateral end to midline", *_ratio(lateral, halves), outline, how + "across")
 
 
-def _ratio(pair: Array) -> float:
+def _ratio(pair: Array, halves: Sequence[float | None]) -> tuple[float, float | None]:
+    """The smaller over the larger, and half the width of its band."""
     low, high = np.sort(np.abs(pair))
-    return float(low / high) if high > 0.0 else 1.0
+    return float(low / high) if high > 0.0 else 1.0, ratio_half_width(pair.tolist(), halves)
 
 
-def _row(name: str, label: str, ratio: float, landmarks: tuple[str, ...], method: str) -> Row:
-    return Row(name, f"{name}  {label}", "ratio", "1", None, None, Value(ratio), landmarks, method)
+def _row(name: str, label: str, ratio: float, half: float | None, landmarks: tuple[str, ...], method: str) -> Row:
+    value = banded(ratio, half, 0.0, 1.0)
+    return Row(name, f"{name}  {label}", "ratio", "1", None, None, value, landmarks, method)

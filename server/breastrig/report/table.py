@@ -11,7 +11,8 @@ from dataclasses import dataclass
 Cell = str | float | None
 COLUMNS = (
     "stance", "measure", "kind", "unit",
-    "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "value",
+    "left", "left_low", "left_high", "right", "right_low", "right_high", "difference",
+    "value", "value_low", "value_high",
     "landmarks", "method",
 )  # fmt: skip
 FILE_DIGITS = {"mm": 2, "ml": 1, "1": 4}  # a hundredth of a millimetre is below any scanner: enough
@@ -87,12 +88,11 @@ def _flat(stance: str, row: Row) -> dict[str, Cell]:
         return None if number is None else round(float(number), digits) + 0.0  # no minus zero
 
     cells: dict[str, Cell] = {"stance": stance, "measure": row.measure, "kind": row.kind, "unit": row.unit}
-    for side, value in (("left", row.left), ("right", row.right)):
+    for side, value in (("left", row.left), ("right", row.right), ("value", row.value)):
         cells[side] = cut(value.value) if value else None
         cells[f"{side}_low"] = cut(value.low) if value else None
         cells[f"{side}_high"] = cut(value.high) if value else None
     cells["difference"] = cut(row.difference)
-    cells["value"] = cut(row.value.value) if row.value else None
     return cells | {"landmarks": "; ".join(row.landmarks), "method": row.method}
 
 
@@ -119,3 +119,11 @@ def with_band(value: Value | None, unit: str) -> str:
         return number(value, unit)
     digits = PRINTED_DIGITS[unit]
     return f"{number(value, unit)}  ({value.low:.{digits}f} to {value.high:.{digits}f})"
+
+
+def with_margin(value: Value | None, unit: str) -> str:
+    """201.3 ±4: the larger side of its band, in whole units."""
+    text = number(value, unit)
+    if value is None or value.low is None or value.high is None:
+        return text
+    return f"{text} ±{max(value.high - value.value, value.value - value.low):.0f}"

@@ -111,6 +111,8 @@ def stance_of(folder: Path, fit: FitFolder) -> Stance:
         name=fit.stance,
         picked=fit.landmarks,
         lines=drawn_lines(folder, fit.unit),
+        landmark_radii={n: 1e-3 * radius for n, radius in fit.result.get("landmark_uncertainty_mm", {}).items()},
+        radii=fit.radii,
     )
 
 

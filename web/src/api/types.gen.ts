@@ -344,6 +344,10 @@ export type Measure = {
   difference: number | null;
   /** of a measure without sides */
   value: number | null;
+  /** low end of its band, where one is known */
+  value_low: number | null;
+  /** high end of its band, where one is known */
+  value_high: number | null;
   /** what it was measured between, each with its source: picked, or the model's */
   landmarks: string;
   method: string;

@@ -42,7 +42,7 @@ export function measuresTable(file: Pick<MeasuresFile, "measures" | "stances">):
               left: { value: row.left, low: row.left_low, high: row.left_high },
               right: { value: row.right, low: row.right_low, high: row.right_high },
               difference: bare(row.difference),
-              whole: bare(row.value),
+              whole: { value: row.value, low: row.value_low, high: row.value_high },
             }
           : { left: NONE, right: NONE, difference: NONE, whole: NONE },
       ),
@@ -64,7 +64,7 @@ export function formatCell({ value }: Cell, unit: Measure["unit"], isSigned: boo
   return sign + digits;
 }
 
-const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "value", "landmarks", "method"] as const satisfies readonly (keyof Measure)[];
+const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_high", "right", "right_low", "right_high", "difference", "value", "value_low", "value_high", "landmarks", "method"] as const satisfies readonly (keyof Measure)[];
 
 const quoted = (cell: string): string => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
 

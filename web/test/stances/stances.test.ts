@@ -57,7 +57,7 @@ test("bodies that stand upright by their frames alone share one pose", () => {
 
 const row = (stance: string, part: Partial<Measure>): Measure => ({
   stance, measure: "notch to nipple", kind: "along the skin", unit: "mm", left: null, left_low: null, left_high: null, right: null, right_low: null,
-  right_high: null, difference: null, value: null, landmarks: "", method: "geodesic", ...part,
+  right_high: null, difference: null, value: null, value_low: null, value_high: null, landmarks: "", method: "geodesic", ...part,
 });
 
 const MEASURES = [
@@ -90,7 +90,7 @@ test("cells have the digits that a measure is worth, and a sign where a directio
 
 test("the file has the command line's columns and quotes what needs it", () => {
   const [head, first] = measuresCsv([row("standing", { left: 1.5, method: 'a "b", c' })]).split("\r\n");
-  expect(head).toBe("stance,measure,kind,unit,left,left_low,left_high,right,right_low,right_high,difference,value,landmarks,method");
+  expect(head).toBe("stance,measure,kind,unit,left,left_low,left_high,right,right_low,right_high,difference,value,value_low,value_high,landmarks,method");
   expect(first).toBe('standing,notch to nipple,along the skin,mm,1.5,,,,,,,,,"a ""b"", c"');
 });
 

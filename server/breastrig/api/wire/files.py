@@ -128,6 +128,8 @@ class Measure(Document):
     right_high: float | None
     difference: float | None = Field(description="left less right")
     value: float | None = Field(description="of a measure without sides")
+    value_low: float | None = Field(description="low end of its band, where one is known")
+    value_high: float | None = Field(description="high end of its band, where one is known")
     landmarks: str = Field(description="what it was measured between, each with its source: picked, or the model's")
     method: str
 

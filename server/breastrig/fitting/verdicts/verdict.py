@@ -38,6 +38,7 @@ class SignalLimits(_Part):
     no_torso: float
     unit: Literal["percent", "mm", "degrees"]  # of the sentence; the value is a share, m or rad
     reason: str  # a sentence; {value} is the signal
+    scan_alone: bool = False  # says nothing where landmarks placed the fit
 
 
 class VerdictLimits(_Part):
@@ -92,7 +93,7 @@ def verdict(
     found = {
         name: _strength(asdict(signals)[name], limit)
         for name, limit in limits.signals.items()
-        if np.isfinite(asdict(signals)[name])
+        if np.isfinite(asdict(signals)[name]) and not (placed and limit.scan_alone)
     }
     order = sorted((name for name, strength in found.items() if strength > 0.0), key=found.__getitem__, reverse=True)
     reasons = tuple(_reason(asdict(signals)[name], limits.signals[name]) for name in order)
