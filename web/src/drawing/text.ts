@@ -2,6 +2,13 @@
 import { sideOf } from "../landmarks/picks";
 import { plural } from "../ui/plural";
 
+export const bands = {
+  error: (mm: string) => `±\u00a0${mm} mm`,
+  of: "the line's true place, 90 %",
+  label: "How sure each place is",
+  legend: "The line's true place lies within the band in 90 of 100 cases; point at it for the millimetres.",
+};
+
 export const drawing = {
   before: "Draw on the skin, show the reference drawing, mark a tumour.",
   summary: (count: number) => (count === 0 ? "" : plural(count, "line", "lines")),
