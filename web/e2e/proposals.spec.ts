@@ -42,7 +42,7 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
 
   await test.step("the likely ones at once; the service keeps them; the rough ones stay open", async () => {
     await likely.click();
-    const wanted = Object.values(landmarks).filter((each) => each.on_scan && each.confidence >= 0.5).length;
+    const wanted = Object.values(landmarks).filter((each) => each.on_scan && each.error_mm != null && each.error_mm <= 25).length;
     expect(await hook.pickCount(page)).toBe(wanted);
     await expect(page.locator("[data-proposed]")).toHaveCount(Object.keys(landmarks).length - wanted);
     await expect(page.locator("#step-landmarks .saved")).toHaveText("Saved");

@@ -18,7 +18,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument("scan", type=Path, metavar="SCAN")
     parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
     parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
-    add_output_options(parser, "FILE", ".json (with confidences), .csv, .pp, .mrk.json")
+    add_output_options(parser, "FILE", ".json (with a confidence and a 90 % radius each), .csv, .pp, .mrk.json")
     parser.set_defaults(run=run)
 
 
@@ -39,6 +39,10 @@ def _proposed(options: argparse.Namespace) -> bytes:
     content = landmark_file(places, kind, scan.unit)
     if kind == "json":
         confidence = {name: proposal.confidence for name, proposal in proposals.items()}
-        document = json.loads(content) | {"proposed": True, "confidence": confidence}
+        per_unit = 1e3 * scan.metres_per_unit
+        errors = {
+            name: None if each.error is None else round(per_unit * each.error, 1) for name, each in proposals.items()
+        }
+        document = json.loads(content) | {"proposed": True, "confidence": confidence, "error_mm": errors}
         content = (json.dumps(document, indent=1) + "\n").encode()
     return content
