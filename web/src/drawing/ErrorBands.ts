@@ -26,7 +26,7 @@ export class ErrorBands implements Part<State> {
   private readonly layers = { reference: new BandOnSkin("reference"), carried: new BandOnSkin("carried") };
   private readonly value = el("strong", {});
   private readonly note = el("span", {});
-  private readonly element = el("div", { class: "hover-value", hidden: true, "data-hover": "band" }, this.value, this.note);
+  private readonly element = el("div", { class: "band-value", hidden: true }, this.value, this.note);
   private pointer: PointerEvent | null = null;
   private isAsked = false;
 

@@ -62,7 +62,7 @@ export const drawing = {
   arrowSigns: { ArrowLeft: "←", ArrowUp: "↑", ArrowDown: "↓", ArrowRight: "→" },
   reference: (label: string) => `Reference: ${label}`,
   carried: (from: string) => `Carried from ${from}`,
-  dashed: "Dashed where the scan has a hole.",
+  dashed: "Dashed and paler where the scan shows no skin: a guess of the model.",
   elsewhere: (name: string) => `“${name}” lies more than 50 mm off this scan: it was drawn on another one, or in another unit.`,
   pattern: {
     title: "Reference drawing of the model",
