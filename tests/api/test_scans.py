@@ -194,7 +194,9 @@ def test_landmarks_are_proposed_and_not_stored_as_picked(client: FlaskClient, sc
     assert [answer.status_code for answer in answers] == [200, 200]
     assert answers[0].json == {
         "unit": "mm",
-        "landmarks": {"nipple_L": {"point": [70.0, 350.0, 120.0], "confidence": 0.5, "on_scan": True}},
+        "landmarks": {
+            "nipple_L": {"point": [70.0, 350.0, 120.0], "confidence": 0.5, "on_scan": True, "error_mm": 16.0}
+        },
     }
     assert answers[1].json == answers[0].json
     assert client.get(place).json["landmarks"] == {}

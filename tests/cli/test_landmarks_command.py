@@ -25,7 +25,11 @@ def test_all_landmarks_are_proposed_near_their_places_and_sides_are_right(stance
     assert max(gap[name] for name in ("nipple_L", "nipple_R", "mid_sternum", "xiphoid")) < 25.0
     confidence = json.loads((tmp_path / "guess.json").read_text())["confidence"]
     assert all(0.0 <= value <= 1.0 for value in confidence.values())
-    assert confidence["mid_sternum"] > confidence["acromion_L"]
+    assert confidence["nipple_L"] > confidence["umbilicus"]
+    error = json.loads((tmp_path / "guess.json").read_text())["error_mm"]
+    assert set(error) == set(true)
+    assert sum(gap[name] <= error[name] for name in true) >= 11  # of twelve, at 90 %
+    assert max(gap[name] / error[name] for name in true) < 2.0  # none is far beyond its label
 
 
 def test_a_wrong_ending_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

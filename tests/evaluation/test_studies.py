@@ -9,13 +9,17 @@ import pytest
 import trimesh
 
 from breastrig.evaluation.cohort import read_cohort
+from breastrig.evaluation.page.charts import has_numbers
+from breastrig.evaluation.page.figures import reliability_figure
 from breastrig.evaluation.studies.case import read_scene
-from breastrig.evaluation.studies.certainty import certainty
+from breastrig.evaluation.studies.certainty import GIVEN, NOT_GIVEN, certainty
 from breastrig.evaluation.studies.orientation import turned, without_table, wrong_way
 from breastrig.evaluation.studies.reference_fit import reference_fit
+from breastrig.evaluation.studies.reliability import LEVELS, held_at_levels
 from breastrig.evaluation.studies.sensitivity import TERMS, scaled_compliance, with_shapes
+from breastrig.evaluation.studies.transfer import ALL
 from breastrig.evaluation.studies.unseen import CUTS, cut_fit, unseen, whole_fit
-from breastrig.evaluation.tables.certainty import held
+from breastrig.evaluation.tables.certainty import CARRIED, held, levels_held, reliability_table
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
@@ -147,9 +151,42 @@ def test_certainty_counts_every_landmark_and_every_vertex_of_the_regions(cohort:
     skin = sum(total for _, total in answer["exact"]["skin"].values())
     assert skin == sum(map(len, rig.regions.values()))
     for trial in answer.values():
+        for *held_by_level, total in trial["levels"].values():
+            assert held_by_level == sorted(held_by_level)
+            assert held_by_level[-1] <= total
+        of_90 = sum(counts[2] for group, counts in trial["levels"].items() if group.startswith("landmarks"))
+        assert of_90 == sum(good for good, _ in trial["landmarks"].values())
         assert trial["dropped"] == 0, "right picks are believed"
         for part in ("landmarks", "skin"):
             assert all(0 <= good <= total for good, total in trial[part].values())
+
+
+def test_radii_of_a_scatter_in_two_directions_hold_what_they_say(rng: np.random.Generator) -> None:
+    errors = np.linalg.norm(rng.normal(size=(200_000, 2)), axis=1)
+    *counts, total = held_at_levels(errors, np.full(len(errors), np.sqrt(2.0 * np.log(10.0))))
+    np.testing.assert_allclose(np.array(counts) / total, LEVELS, atol=0.005)
+
+
+def test_the_reliability_of_places_and_carried_lines_adds_up_over_cases() -> None:
+    def record(question: str, answer: dict[str, object]) -> SimpleNamespace:
+        unit = SimpleNamespace(question=question, recipe=SimpleNamespace(name="default"))
+        return SimpleNamespace(unit=unit, failed=None, answer=answer)
+
+    fit = record("certainty", {"exact": {"levels": {GIVEN: [5, 8, 9, 10, 10]}}})
+    row = {"picks": "true", "line": ALL, "region": ALL, "levels": [1, 2, 3, 4, 4]}
+    carried = record("transfer", {"rows": [row, row | {"region": "chest"}, row | {"picks": "5 mm off"}]})
+    found = [fit, fit, carried]
+    assert levels_held(found, GIVEN, "exact") == [10, 16, 18, 20, 20]
+    assert levels_held(found, CARRIED, "exact") == [1, 2, 3, 4, 4]
+    assert levels_held(found, NOT_GIVEN, "exact") == [0, 0, 0, 0, 0]
+    table = reliability_table(found)
+    said = [(row.cells[0], row.cells[1], *row.cells[2:]) for row in table.rows]
+    assert said == [
+        (GIVEN, "exact picks", 20, 50.0, 80.0, 90.0, 100.0),
+        (CARRIED, "exact picks", 4, 25.0, 50.0, 75.0, 100.0),
+        (CARRIED, "picks 5 mm off", 4, 25.0, 50.0, 75.0, 100.0),
+    ]
+    assert has_numbers(reliability_figure(table))
 
 
 def test_held_adds_up_over_cases_and_places() -> None:

@@ -42,7 +42,7 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
 
   await test.step("the likely ones at once; the service keeps them; the rough ones stay open", async () => {
     await likely.click();
-    const wanted = Object.values(landmarks).filter((each) => each.on_scan && each.confidence >= 0.5).length;
+    const wanted = Object.values(landmarks).filter((each) => each.on_scan && each.error_mm != null && each.error_mm <= 25).length;
     expect(await hook.pickCount(page)).toBe(wanted);
     await expect(page.locator("[data-proposed]")).toHaveCount(Object.keys(landmarks).length - wanted);
     await expect(page.locator("#step-landmarks .saved")).toHaveText("Saved");
@@ -58,14 +58,16 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
     expect(await hook.pick(page, "nipple_L")).not.toEqual(landmarks.nipple_L!.point);
   });
 
-  await test.step("with the surface following the skin the fit is closer and says so", async () => {
+  await test.step("the surface follows the skin, unless the model alone is wanted", async () => {
     await page.keyboard.press("3");
-    await page.getByLabel("Follow the skin exactly").check();
+    await expect(page.getByLabel("Follow the skin")).toBeChecked();
+    await page.getByLabel("Follow the skin").uncheck();
     await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
     await untilFitted(page);
     const fit = (await hook.fit(page))!;
     const result = (await (await page.request.get(`${base}/api/fits/${fit.id}/result.json`)).json()) as Result;
-    expect(result.refined).toBe(true);
+    expect(result.refined).toBe(false);
+    expect(result.model_alone!.surface_distance_mm).toEqual(result.surface_distance_mm);
   });
   expect(troubles).toEqual([]);
 });

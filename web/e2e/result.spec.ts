@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { expect, type Page } from "@playwright/test";
 import type { Fit, Result } from "../src/api/types";
 import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/fit/distances";
-import { formatPercent, formatSignedMm } from "../src/ui/units";
+import { formatMm, formatPercent, formatSignedMm } from "../src/ui/units";
 import { distance, hook, test, untilFitted, untilStill } from "./page";
 
 /** Shares of strongly blue and strongly orange pixels in a part of the stage (0 to 1 across). */
@@ -48,6 +48,13 @@ test("distances are coloured, read under the pointer, and are the service's", as
   await test.step("the file's absolute values are those of result.json", async () => {
     const known = [...distances].filter((value) => !Number.isNaN(value)).map(Math.abs);
     expect(known.reduce((sum, value) => sum + value, 0) / known.length).toBeCloseTo(result.surface_distance_mm.mean!, 3);
+  });
+
+  await test.step("beside the distance to the skin stands that of the model alone", async () => {
+    const alone = result.model_alone!.surface_distance_mm.mean!;
+    expect(result.surface_distance_mm.mean!).toBeLessThan(0.5 * alone);
+    await expect(page.locator(".numbers .hero")).toHaveText(`${formatMm(result.surface_distance_mm.mean)} mm to the skin`);
+    await expect(page.locator(".numbers .alone")).toHaveText(`the model alone ${formatMm(alone)} mm`);
   });
 
   await test.step("the numbers panel summarises it", async () => {

@@ -28,6 +28,10 @@ def _proposed(options: argparse.Namespace) -> bytes:
     content = landmark_file(places, kind, scan.unit)
     if kind == "json":
         confidence = {name: proposal.confidence for name, proposal in proposals.items()}
-        document = json.loads(content) | {"proposed": True, "confidence": confidence}
+        per_unit = 1e3 * scan.metres_per_unit
+        errors = {
+            name: None if each.error is None else round(per_unit * each.error, 1) for name, each in proposals.items()
+        }
+        document = json.loads(content) | {"proposed": True, "confidence": confidence, "error_mm": errors}
         content = (json.dumps(document, indent=1) + "\n").encode()
     return content

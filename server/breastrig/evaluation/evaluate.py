@@ -63,6 +63,7 @@ def all_tables(results: Results) -> list[Table]:
         transfer_tables.other_patient_table(found),
         unseen_tables.unseen_table(found),
         certainty_tables.certainty_table(found),
+        certainty_tables.reliability_table(found),
         certainty_tables.believed_table(found),
         tables.failures_table(found),
     ]

@@ -1,9 +1,9 @@
-"""Landmarks proposed from the scan alone: a fit without any, its landmarks laid on the skin, a confidence each.
+"""Landmarks proposed from the scan alone: a fit without any, its landmarks laid on the skin, an error each.
 
-The confidence is 1 / (1 + (e / 10 mm)²) with the error e that proposals of that landmark are expected to have:
-landmarks with a form of their own (breastbone, nipples, folds) are found, those on a smooth slope (shoulder tip,
-navel of a slim belly) slide.  It is halved where the scan shows no skin, and it falls when the body's
-orientation was not clear.
+The error is the radius that holds the true place with 90 %, from the posterior of that very fit (uncertainty/radii.py):
+it knows which part of the body the scan shows, that a navel on a slim belly slides, and that a body whose orientation
+was not clear may lie the other way round.  The confidence is 1 / (1 + (e / 10 mm)²) with the root mean square error e
+that belongs to that radius.
 """
 
 from dataclasses import dataclass
@@ -13,16 +13,18 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.fitting.fit import FitIterate, fit_iterates
+from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_task, scan_orientation
+from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.geometry.normals import vertex_normals
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 
 USEFUL = 0.01  # m; a proposal this far off still saves the user a search: confidence one half
 LEAST = 0.01  # confidence; 0.1 m off, which no longer pulls at anything
-CLEAR_MARGIN = 0.1  # of start_from_scan; the dev scans have 0.08 to 0.19
+UNKNOWN = 0.02  # m, error with models of which nobody knows how far bodies are from them
 ON_SKIN = MatchRules(method="tree", max_distance=0.015, max_angle=np.pi / 3)
 
 
@@ -38,6 +40,12 @@ class Proposal:
     point: Array  # (3,) m, in the scan's frame
     confidence: float  # 0 to 1
     on_scan: bool  # on skin that the scan shows
+    error: float | None = None  # m, radius that holds the true place with 90 %; None: nobody knows it for this model
+
+
+def confidence_of(error: float) -> float:
+    """0 to 1, the inverse of `expected_error`: of a landmark that is expected to be `error` m off."""
+    return 1.0 / (1.0 + (error / USEFUL) ** 2)
 
 
 def propose_landmarks(
@@ -57,10 +65,10 @@ def propose_landmarks(
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True
     places[found.vertices] = found.points
-    clear = float(np.clip(orientation.margin / CLEAR_MARGIN, 0.0, 1.0))
+    known = radii(Posterior(task, last.parameters), orientation.margin)
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
-        error = recipe.landmark_errors(name).proposal
-        trust = clear / (1.0 + (error / USEFUL) ** 2) * (1.0 if seen[k] else 0.5)
-        proposals[name] = Proposal(places[k], round(trust, 2), bool(seen[k]))
+        radius = None if known is None else known.landmarks[name]
+        confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)
+        proposals[name] = Proposal(places[k], round(confidence, 2), bool(seen[k]), radius)
     return proposals

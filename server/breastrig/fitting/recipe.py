@@ -118,7 +118,6 @@ class Lying(_Part):
 class LandmarkErrors(_Part):
     """Of one landmark, or of all that are not named."""
 
-    proposal: Positive  # m, expected error where the scan alone proposes it
     misfit: Positive  # m on each axis, what the model cannot show of real bodies there
     unusual: Positive | None = None  # see Outliers; absent: that of all
 

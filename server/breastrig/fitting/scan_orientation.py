@@ -18,7 +18,7 @@ from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
 from breastrig.scan.orient import Frame
 
-SURE_MARGIN = 0.2  # of start_from_scan; the dev scans have 0.08 to 0.19
+SURE_MARGIN = 0.3  # of start_from_scan; whole scans have 0.28 to 1.1
 
 
 @dataclass(frozen=True, eq=False)

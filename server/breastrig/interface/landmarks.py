@@ -24,6 +24,7 @@ class Proposal:
     point: Array  # (3,) in the scan's unit and frame
     confidence: float  # 0 to 1; a person's own pick is 1
     on_scan: bool  # on skin that the scan shows
+    error: float | None = None  # in the scan's unit: the radius that holds the true place with 90 %; None: not known
 
 
 Landmarks = Mapping[str, ArrayLike | Proposal] | str | Path | None
@@ -32,8 +33,8 @@ Landmarks = Mapping[str, ArrayLike | Proposal] | str | Path | None
 def propose_landmarks(scan: Scan | str | Path, *, units: str = "auto", model: Model = None) -> dict[str, Proposal]:
     """A first guess of every landmark of the model, to be checked by a person: name -> Proposal.
 
-    Each `point` (3,) is in the scan's unit and frame.  `units` belongs to a path, as in `read_scan`.  `fit` takes the
-    answer, whole or in part, as its landmarks; they then pull as hard as their confidence says.
+    Each `point` (3,) and its `error` are in the scan's unit and frame.  `units` belongs to a path, as in `read_scan`.
+    `fit` takes the answer, whole or in part, as its landmarks; they then pull as hard as their confidence says.
 
     Raises BadScan or another BadInput with one sentence.
     """
@@ -41,7 +42,12 @@ def propose_landmarks(scan: Scan | str | Path, *, units: str = "auto", model: Mo
     with one_thread():
         proposals = propose_on_scan(loaded(model), found)
     return {
-        name: Proposal(frozen(each.point / found.metres_per_unit), each.confidence, each.on_scan)
+        name: Proposal(
+            frozen(each.point / found.metres_per_unit),
+            each.confidence,
+            each.on_scan,
+            None if each.error is None else each.error / found.metres_per_unit,
+        )
         for name, each in proposals.items()
     }
 

@@ -40,7 +40,7 @@ class Proposals:
         self._running: dict[str, Any] = {}  # scan id -> future; a failed one stays until it has been raised
 
     def get(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
-        """{name: {point (mm), confidence, on_scan}}; None when that takes longer than `wait_s` and still goes on.
+        """{name: {point (mm), confidence, on_scan, error_mm}}; None when it takes more than `wait_s` and goes on.
 
         Raises a BreastRigError when it cannot be done, NotFound when the scan was deleted meanwhile.
         """

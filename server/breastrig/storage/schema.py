@@ -47,7 +47,7 @@ proposals = Table(
     metadata,
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
     Column("model_sha256", String(64), nullable=False),  # of the model that proposed
-    Column("json", Text, nullable=False),  # {name: {point, confidence, on_scan}}, mm, scan frame
+    Column("json", Text, nullable=False),  # {name: {point, confidence, on_scan, error_mm}}, mm, scan frame
 )
 
 drawings = Table(  # the surgeon's own, drawn on the scan

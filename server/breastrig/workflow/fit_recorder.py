@@ -77,7 +77,7 @@ class FitRecorder:
             vertices = refined(target, vertices, rig.faces).vertices
             timing["refine"] = clock.lap()
             distances = surface_distances(target, vertices, rig.faces)
-        known = radii(posterior)
+        known = radii(posterior, ready.clearness)
         drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()
         lines = with_errors(rig, vertices, None if known is None else known.vertices, lines)

@@ -37,7 +37,7 @@ def propose_on_scan(rig: Rig, scan: Scan, orientation: ScanOrientation | None = 
 
 
 def propose_on_file(job: ProposeJob) -> dict[str, Any]:
-    """{name: {point (mm), confidence, on_scan}}, ready for JSON.  Raises a BreastRigError with a sentence."""
+    """{name: {point (mm), confidence, on_scan, error_mm}}, ready for JSON.  Raises a BreastRigError with a sentence."""
     try:
         rig = read_rig(job.model or default_rig_path())
         scan = read_scan(job.scan, job.file_type, job.units, texture=False)
@@ -49,6 +49,7 @@ def propose_on_file(job: ProposeJob) -> dict[str, Any]:
             "point": [round(1e3 * float(value), 3) for value in proposal.point],
             "confidence": proposal.confidence,
             "on_scan": proposal.on_scan,
+            "error_mm": None if proposal.error is None else round(1e3 * proposal.error, 1),
         }
         for name, proposal in proposals.items()
     }

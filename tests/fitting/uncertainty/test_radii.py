@@ -79,5 +79,28 @@ def test_every_landmark_and_region_of_the_torso_is_calibrated(torso: Rig) -> Non
     assert {name.removesuffix("_L").removesuffix("_R") for name in torso.regions} < set(known.regions)
 
 
+def test_without_landmarks_everything_is_less_sure_and_least_where_the_body_may_lie_another_way(torso: Rig) -> None:
+    given = posterior_of(torso)
+    task = FitTask(torso, given.task.target, given.state.x, load_recipe("default"), {})
+    alone = Posterior(task, given.state.x)
+    with_picks, clear, unclear = radii(given), radii(alone, 0.2), radii(alone, 0.0)
+    assert with_picks is not None
+    assert clear is not None
+    assert unclear is not None
+    known = calibration("torso")
+    assert known is not None
+    for name in torso.landmark_names:
+        assert with_picks.landmarks[name] < clear.landmarks[name] < 0.1, name
+        assert unclear.landmarks[name] > known.without_picks.astray, name
+    assert (unclear.vertices > known.without_picks.astray).all()
+
+
+def test_every_landmark_without_picks_is_calibrated(torso: Rig) -> None:
+    known = calibration("torso")
+    assert known is not None
+    names = {name.removesuffix("_L").removesuffix("_R") for name in torso.landmark_names}
+    assert names | {"other"} == set(known.without_picks.landmarks)
+
+
 def test_of_another_model_nothing_is_said() -> None:
     assert calibration("somebody") is None

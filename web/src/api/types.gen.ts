@@ -503,6 +503,8 @@ export type ProposedLandmark = {
   confidence: number;
   /** false where the scan shows no skin and only the model knows */
   on_scan: boolean;
+  /** radius that holds the true place with 90 %; null where it is not known */
+  error_mm?: number | null;
 };
 
 export type ProposedLandmarks = {

@@ -1,5 +1,6 @@
 // Makes the 3D view and keeps it up to date; without WebGL the page says so and the rest of it goes on working.
 import { CornerPins } from "../drawing/CornerPins";
+import { ErrorBands } from "../drawing/ErrorBands";
 import { OwnLines } from "../drawing/OwnLines";
 import { listenToPenKeys } from "../drawing/penKeys";
 import { listenToPen } from "../drawing/PenTool";
@@ -74,6 +75,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     torso,
     fitted,
     new ReferenceLines(viewer, scan, torso, fitted),
+    new ErrorBands(viewer, scan, fitted, stage.canvas),
     own,
     corners,
     { update: (state) => pins.update(state, isFree(state)) },

@@ -8,7 +8,7 @@ import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { DrawingActions } from "./actions";
 import { lengthOf, type OwnLine } from "./lines";
-import { type DrawingSlice, type Layer, layerKey } from "./state";
+import { ALL_BANDS, BANDS, type DrawingSlice, type Layer, layerKey } from "./state";
 import * as text from "./text";
 
 const words = text.drawing;
@@ -22,8 +22,15 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
   const none = el("p", { class: "muted small" }, words.none);
   const reference = group("reference");
   const carried = group("carried");
+  const bands = el("input", { type: "checkbox", "aria-describedby": "bands-legend", onchange: () => drawing.show("band", ALL_BANDS, bands.checked) });
+  const ofBands = el(
+    "div",
+    { class: "toggle", hidden: true },
+    el("label", { class: "check" }, bands, el("span", { class: "stroke stroke-band", "aria-hidden": "true" }), el("span", {}, text.bands.label)),
+    el("p", { id: "bands-legend" }, text.bands.legend),
+  );
   const dashed = el("p", { class: "muted small", hidden: true }, words.dashed);
-  const element = el("div", { class: "panel" }, el("p", { class: "label" }, words.lines), own, none, carried.element, reference.element, dashed);
+  const element = el("div", { class: "panel" }, el("p", { class: "label" }, words.lines), own, none, carried.element, reference.element, ofBands, dashed);
 
   function group(layer: Layer) {
     const title = el("p", { class: "label" });
@@ -96,6 +103,8 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       reference.set(fit && label !== "" ? words.reference(label) : "", named, hidden, "");
       const from = state.drawn.carried;
       carried.set(from ? words.carried(from.from) : "", from?.drawing.shapes.map(({ name }) => ({ name, label: name })) ?? [], hidden, "");
+      show(ofBands, [...(fit?.drawing?.shapes ?? []), ...(from?.drawing.shapes ?? [])].some((shape) => shape.error_mm?.some((mm) => mm !== null)));
+      bands.checked = !hidden.has(BANDS);
       const hasBridge = [...(fit?.drawing?.shapes ?? []), ...(from?.drawing.shapes ?? [])].some((shape) => shape.bridged?.includes(true));
       show(dashed, hasBridge);
     },

@@ -29,8 +29,11 @@ export interface DrawnState {
   readonly carried: Carried | null;
 }
 
-export type Layer = "reference" | "own" | "carried";
+export type Layer = "reference" | "own" | "carried" | "band";
 export const layerKey = (layer: Layer, name: string): string => `${layer}/${name}`;
+/** The bands of all lines are switched as one. */
+export const ALL_BANDS = "all";
+export const BANDS = layerKey("band", ALL_BANDS);
 
 export interface DrawingSlice {
   readonly drawn: DrawnState;

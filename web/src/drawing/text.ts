@@ -2,6 +2,13 @@
 import { sideOf } from "../landmarks/picks";
 import { plural } from "../ui/plural";
 
+export const bands = {
+  error: (mm: string) => `±\u00a0${mm} mm`,
+  of: "the line's true place, 90 %",
+  label: "How sure each place is",
+  legend: "The line's true place lies within the band in 90 of 100 cases; point at it for the millimetres.",
+};
+
 export const drawing = {
   before: "Draw on the skin, show the reference drawing, mark a tumour.",
   summary: (count: number) => (count === 0 ? "" : plural(count, "line", "lines")),
@@ -55,7 +62,7 @@ export const drawing = {
   arrowSigns: { ArrowLeft: "←", ArrowUp: "↑", ArrowDown: "↓", ArrowRight: "→" },
   reference: (label: string) => `Reference: ${label}`,
   carried: (from: string) => `Carried from ${from}`,
-  dashed: "Dashed where the scan has a hole.",
+  dashed: "Dashed and paler where the scan shows no skin: a guess of the model.",
   elsewhere: (name: string) => `“${name}” lies more than 50 mm off this scan: it was drawn on another one, or in another unit.`,
   pattern: {
     title: "Reference drawing of the model",

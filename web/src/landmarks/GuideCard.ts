@@ -4,10 +4,9 @@ import { only } from "../store/store";
 import { button } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
-import { formatMmWhole } from "../ui/units";
 import type { LandmarkActions } from "./actions";
 import { plainLabel, sideOf } from "./picks";
-import { expectedErrorMm, openProposals } from "./proposals";
+import { errorOf, openProposals } from "./proposals";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 
@@ -54,7 +53,7 @@ export function createGuideCard(actions: LandmarkActions): GuideCard {
       light.className = `lit-point side-${where}`;
       const proposal = openProposals(state.proposals, state.picks.present).find((each) => each.name === wanted.name);
       show(take, proposal !== undefined);
-      if (proposal) take.title = text.proposals.errorHint(formatMmWhole(expectedErrorMm(proposal.confidence)));
+      if (proposal) take.title = text.proposals.errorHint(errorOf(proposal) ?? text.proposals.unknown);
       setText(latin, wanted.latin);
       setText(definition, wanted.definition);
     },

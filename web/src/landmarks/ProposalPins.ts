@@ -4,12 +4,12 @@ import { Vector3 } from "three";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { el } from "../ui/dom";
-import { formatMmWhole, metresFromMm } from "../ui/units";
+import { metresFromMm } from "../ui/units";
 import { isHidden, type Surface } from "../viewer/picking";
 import type { ViewSlice } from "../viewer/state";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { sideOf } from "./picks";
-import { expectedErrorMm, isLikely, type OpenProposal, openProposals, type Proposals } from "./proposals";
+import { errorOf, isLikely, type OpenProposal, openProposals, type Proposals } from "./proposals";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 
@@ -65,7 +65,7 @@ export class ProposalPins implements Part<Shown> {
 
   private make(proposal: OpenProposal, number: number): Pin {
     const mark = el("span", { class: `mark side-${sideOf(proposal.name)}` }, el("span", {}, String(number)));
-    const words = proposal.on_scan ? text.proposals.error(formatMmWhole(expectedErrorMm(proposal.confidence))) : text.proposals.offScan;
+    const words = proposal.on_scan ? text.proposals.error(errorOf(proposal) ?? text.proposals.unknown) : text.proposals.offScan;
     const element = el("div", { class: `pin is-proposed note-${sideOf(proposal.name)}${isLikely(proposal) ? "" : " is-rough"}`, "data-proposed": proposal.name }, mark, el("span", { class: "proposal-note" }, words));
     this.viewer.overlay.append(element);
     return { name: proposal.name, element, point: new Vector3(...proposal.point.map(metresFromMm)), at: null };

@@ -1,5 +1,6 @@
 // Landmarks that the service proposes on a scan.  They are open until a person confirms them, one by one or all at once.
 import type { ProposedLandmark } from "../api/types";
+import { formatMmWhole } from "../ui/units";
 import type { Picks } from "./picks";
 
 export type Proposed = Readonly<Record<string, ProposedLandmark>>;
@@ -10,13 +11,10 @@ export type Proposals =
   | { readonly state: "found"; readonly landmarks: Proposed }
   | { readonly state: "none"; readonly reason: string };
 
-const HALF_SURE_MM = 10; // the error at which the service calls itself half sure
-const LIKELY = 0.5;
+const LIKELY_MM = 25; // of the body's fixed points nearly all; shoulder tips and navel want a look each
 
-/** How far off the service expects a proposal to be, from its confidence 1 / (1 + (error / 10 mm)²). */
-export function expectedErrorMm(confidence: number): number {
-  return HALF_SURE_MM * Math.sqrt(1 / Math.max(confidence, 0.01) - 1);
-}
+/** ± 16 mm: the radius that holds the true place in 90 of 100 cases, in words; nothing where the service does not know. */
+export const errorOf = ({ error_mm: mm }: Pick<ProposedLandmark, "error_mm">): string | null => (mm == null ? null : formatMmWhole(mm));
 
 /** Proposals for landmarks that nobody has placed yet. */
 export function openProposals(proposals: Proposals | null, picks: Picks): OpenProposal[] {
@@ -25,4 +23,4 @@ export function openProposals(proposals: Proposals | null, picks: Picks): OpenPr
 }
 
 /** Good enough to be confirmed together with others; the rest wants a look of its own. */
-export const isLikely = (proposal: ProposedLandmark): boolean => proposal.on_scan && proposal.confidence >= LIKELY;
+export const isLikely = (proposal: ProposedLandmark): boolean => proposal.on_scan && proposal.error_mm != null && proposal.error_mm <= LIKELY_MM;

@@ -70,7 +70,7 @@ export const questions = {
 
 export const proposals = {
   looking: "Looking for the landmarks on this scan …",
-  found: (count: number) => `${plural(count, "proposal", "proposals")}, shown dashed; ± is the error to expect, in mm. None is used before you confirm it.`,
+  found: (count: number) => `${plural(count, "proposal", "proposals")}, shown dashed; ± holds the true place in 90 of 100 cases, in mm. None is used before you confirm it.`,
   doubtful: (count: number) =>
     count === 1 ? "One is a rough guess: check it by itself." : `${count} are rough guesses: check each.`,
   none: (reason: string) => `No proposals: ${reason}`,
@@ -80,12 +80,13 @@ export const proposals = {
   confirm: (label: string) => `Confirm the proposed ${label}`,
   confirmLikely: (count: number) => (count === 1 ? "Confirm the likely point" : `Confirm the ${count} likely points`),
   error: (mm: string) => `±\u00a0${mm}\u00a0mm`,
-  errorHint: (mm: string) => `The proposal is expected to be about ${mm} mm off.`,
+  errorHint: (mm: string) => `The true place lies within ${mm} mm of the proposal in 90 of 100 cases.`,
   offScan: "no skin there",
   offScanHint: "The scan shows no skin here: the model alone says where it would be.",
+  unknown: "?",
   take: "Take the proposal",
   errorShort: (mm: string) => `±\u00a0${mm}`,
-  rowState: (mm: string) => `proposed, about ${mm} millimetres off`,
+  rowState: (mm: string) => `proposed, within ${mm} millimetres`,
   announceFound: (count: number) => `${plural(count, "landmark is", "landmarks are")} proposed.`,
   announceConfirmed: (labels: readonly string[]) =>
     labels.length === 1 ? `Confirmed: ${labels[0]}.` : `${labels.length} proposed landmarks confirmed.`,

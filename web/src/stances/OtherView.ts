@@ -1,5 +1,6 @@
 // The pane of the stance that waits: a view of its own, made when it is first wanted, whose camera goes with the other's.
 import type { Matrix4 } from "three";
+import { ErrorBands } from "../drawing/ErrorBands";
 import { OwnLines } from "../drawing/OwnLines";
 import { ReferenceLines } from "../drawing/ReferenceLines";
 import type { DrawingSlice } from "../drawing/state";
@@ -65,6 +66,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
       torso,
       fitted,
       new ReferenceLines(made, scan, torso, fitted),
+      new ErrorBands(made, scan, fitted, stage.canvas),
       new OwnLines(made, scan),
       { update: (state) => pins.update(state, state.drawn.tool === "none") },
       new SideLetters(made),

@@ -15,6 +15,7 @@ export interface Polyline {
 
 const WIDTH = 3; // pixels
 const OUTLINE = 1.2; // pixels on each side
+const GUESSED = 0.7; // opacity where the scan shows no skin: dashed and paler, as a guess is
 const TOWARDS_EYE = 0.012; // metres: over the noise of scan and fit, not through a limb
 
 /** Start and end points of the segments that are bridged, or of those that are not. */
@@ -34,6 +35,7 @@ export function segments(lines: readonly Polyline[], wantBridged: boolean): Floa
 function material(width: number, dashed: boolean): LineMaterial {
   const made = new LineMaterial({ linewidth: width, dashed, dashSize: 0.006, gapSize: 0.005, worldUnits: false });
   made.transparent = true; // drawn after the translucent model, so that its clay does not tint the line
+  if (dashed) made.opacity = GUESSED;
   made.depthWrite = false;
   made.polygonOffset = true;
   return made;

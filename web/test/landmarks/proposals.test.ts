@@ -3,7 +3,7 @@ import { page } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { ProposedLandmark, Vector } from "../../src/api/types";
 import { nextStep } from "../../src/app/nextStep";
-import { expectedErrorMm, openProposals } from "../../src/landmarks/proposals";
+import { errorOf, isLikely, openProposals } from "../../src/landmarks/proposals";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {
@@ -11,8 +11,8 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-const at = (point: Vector, confidence = 0.8, on_scan = true): ProposedLandmark => ({ point, confidence, on_scan });
-const landmarks = { nipple_L: at([90, 0, 0]), nipple_R: at([-90, 0, 0]), umbilicus: at([0, -200, 0], 0.2), suprasternal_notch: at([0, 200, 0], 0.9, false) };
+const at = (point: Vector, error_mm: number | null = 16, on_scan = true): ProposedLandmark => ({ point, confidence: 0.5, on_scan, error_mm });
+const landmarks = { nipple_L: at([90, 0, 0]), nipple_R: at([-90, 0, 0]), umbilicus: at([0, -200, 0], 58), suprasternal_notch: at([0, 200, 0], 12, false) };
 
 async function found(...rest: Parameters<typeof page>) {
   const made = page({ proposed: async () => ({ landmarks }), ...rest[0] });
@@ -22,10 +22,11 @@ async function found(...rest: Parameters<typeof page>) {
   return made;
 }
 
-test("a confidence of one half means 10 mm, certainty means none", () => {
-  expect(expectedErrorMm(0.5)).toBeCloseTo(10, 9);
-  expect(expectedErrorMm(1)).toBe(0);
-  expect(expectedErrorMm(0.2)).toBeCloseTo(20, 9);
+test("a proposal is labelled by the service's own radius, and nothing is made up where there is none", () => {
+  expect(errorOf(at([0, 0, 0], 15.6))).toBe("16");
+  expect(errorOf(at([0, 0, 0], null))).toBeNull();
+  expect(isLikely({ ...at([0, 0, 0], null) })).toBe(false);
+  expect(isLikely(at([0, 0, 0], 380))).toBe(false);
 });
 
 test("proposals come when landmarks are the matter, stay open, and go into no fit", async () => {

@@ -98,6 +98,9 @@ class ProposedLandmark(Wire):
     point: Three = Field(description="millimetres, the scan's own frame")
     confidence: float = Field(ge=0, le=1, description="1 is sure; one half is about 10 mm off")
     on_scan: bool = Field(description="false where the scan shows no skin and only the model knows")
+    error_mm: float | None = Field(
+        None, description="radius that holds the true place with 90 %; null where it is not known"
+    )
 
 
 class ProposedLandmarks(Wire):

@@ -6,11 +6,13 @@ from typing import Any
 from breastrig.evaluation.evaluate import Results
 from breastrig.evaluation.page.charts import Chart, Curve, CurveChart, CurvePanel, Panel, RowChart, Series, has_numbers
 from breastrig.evaluation.studies.plan import FACTORS, ORDERS
+from breastrig.evaluation.studies.reliability import LEVELS
 from breastrig.evaluation.studies.result_cache import Record
 from breastrig.evaluation.studies.sensitivity import TERMS
 from breastrig.evaluation.tables.accuracy import FAMILIES, groups, of, value
+from breastrig.evaluation.tables.certainty import KINDS
 from breastrig.evaluation.tables.studies import PICKS
-from breastrig.evaluation.tables.table import Row, Table
+from breastrig.evaluation.tables.table import Cell, Row, Table
 
 HEADINGS = {"independent": "independent bodies", "makehuman": "MakeHuman bodies"}
 ORDER_WORDS = {"usefulness": "most useful first", "rig": "the rig's order"}
@@ -261,6 +263,24 @@ def two_stances_figure(table: Table) -> Chart:
     return RowChart(labels, panels)
 
 
+def reliability_figure(table: Table) -> Chart:
+    """What is said against what is held, for each group of places; see tables/certainty.py."""
+    said = [100.0 * level for level in LEVELS]
+    panels = []
+    for group in dict.fromkeys(str(row.cells[0]) for row in table.rows):
+        curves = [Curve("as said", said, said, len(KINDS), 2)]
+        for index, words in enumerate(KINDS.values()):
+            for row in table.rows:
+                if row.cells[:2] == (group, words):
+                    curves.append(Curve(words, said, [_number(cell) for cell in row.cells[3:]], index, index))
+        panels.append(CurvePanel(group, "held, %", "said, %", curves))
+    return CurveChart((panels,), sizes=(1.8, 2.3))
+
+
+def _number(cell: Cell) -> float | None:
+    return float(cell) if isinstance(cell, int | float) else None
+
+
 def all_figures(results: Results, tables: dict[str, Table]) -> dict[str, Chart]:
     """Every figure whose numbers are there, by the name of its file."""
     charts: dict[str, Chart] = {"table1": table_1_figure(results), "landmarks": landmarks_figure(results)}
@@ -274,6 +294,8 @@ def all_figures(results: Results, tables: dict[str, Table]) -> dict[str, Chart]:
     if "compliances" in tables:
         for recipe in results.plan.recipes:
             charts[f"compliances_{recipe.name}"] = compliances_figure(tables["compliances"], recipe.name)
+    if "reliability" in tables:
+        charts["reliability"] = reliability_figure(tables["reliability"])
     if "peers" in tables:
         charts["peers"] = peers_figure(tables["peers"])
     if "two_stances" in tables and any(not row.note for row in tables["two_stances"].rows):

@@ -27,6 +27,7 @@ TABLES = (
         "other_patient",
         "unseen",
         "certainty",
+        "reliability",
         "believed",
         "failures",
     ),

@@ -13,6 +13,7 @@ from breastrig.core.arrays import Array
 from breastrig.evaluation.studies.case import Scene
 from breastrig.evaluation.studies.landmarks import CLICK_ERROR, FIRST_HALF
 from breastrig.evaluation.studies.reference_fit import ReferenceFit, reference_fit
+from breastrig.evaluation.studies.reliability import add_up, held_at_levels
 from breastrig.fitting.picks.checked_fit import checked_iterates, without
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
@@ -24,11 +25,12 @@ from breastrig.rig.skinning import pose
 
 SHOWN = 0.01  # m; a landmark farther from the scan cannot be picked
 SEED = 17
+GIVEN, NOT_GIVEN, SEEN, NOT_SEEN = "landmarks given", "landmarks not given", "skin seen", "skin not seen"
 Counts = dict[str, list[int]]  # kind of place -> [held, all]
 
 
 def certainty(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
-    """{"exact" | "clicked" | "half": {"landmarks", "skin": counts, "radius_mm", "picks", "dropped", "unusual"}}."""
+    """{"exact" | "clicked" | "half": {"landmarks", "skin", "levels": counts, "picks", "dropped", "unusual"}}."""
     rng = np.random.default_rng(SEED)
     names, places = list(scene.landmarks), np.array(list(scene.landmarks.values()))
     gaps = np.atleast_1d(scene.target.vertex_tree.query(places)[0])
@@ -57,15 +59,23 @@ def _judged(
         "unusual": sum(len(doubt.names) for doubt in unusual(posterior)),
         "landmarks": {},
         "skin": {},
+        "levels": {},
     }
     if known is None:
         return counts
     errors = scene.landmark_errors(rig, vertices)
     for name, error in zip(scene.landmarks, errors.tolist(), strict=True):
         kind = f"{name.removesuffix('_L').removesuffix('_R')}, {'given' if name in picks else 'not given'}"
-        _count(counts["landmarks"], kind, np.array([error]), np.array([known.landmarks[name]]))
+        held_by = np.array([known.landmarks[name]])
+        _count(counts["landmarks"], kind, np.array([error]), held_by)
+        group = GIVEN if name in picks else NOT_GIVEN
+        add_up(counts["levels"], group, held_at_levels(np.array([error]), held_by))
     if true is not None:
-        _skin(counts["skin"], rig, posterior, known, np.linalg.norm(vertices - true.vertices, axis=1))
+        gaps = np.linalg.norm(vertices - true.vertices, axis=1)
+        _skin(counts["skin"], rig, posterior, known, gaps)
+        seen = seen_vertices(posterior)
+        for group, part in ((SEEN, seen), (NOT_SEEN, ~seen)):
+            add_up(counts["levels"], group, held_at_levels(gaps[part], known.vertices[part]))
     return counts
 
 
@@ -85,9 +95,10 @@ def _count(counts: Counts, kind: str, errors: Array, held_by: Array) -> None:
 
 def _added(trials: list[dict[str, Any]]) -> dict[str, Any]:
     result: dict[str, Any] = {key: sum(trial[key] for trial in trials) for key in ("picks", "dropped", "unusual")}
-    for part in ("landmarks", "skin"):
+    for part in ("landmarks", "skin", "levels"):
         kinds = dict.fromkeys(kind for trial in trials for kind in trial[part])
         result[part] = {
-            kind: np.sum([trial[part].get(kind, [0, 0]) for trial in trials], axis=0).tolist() for kind in kinds
+            kind: np.sum([trial[part][kind] for trial in trials if kind in trial[part]], axis=0).tolist()
+            for kind in kinds
         }
     return result

@@ -32,7 +32,7 @@ from breastrig.rig.model import Rig
 FILES = ("scan.ply", "landmarks.json", "case.json", "truth.ply")
 ANSWERING = (  # the code that an answer depends on, besides the module of the question
     *("core", "geometry", "least_squares", "rig", "scan", "correspondence", "energies", "gltf", "fitting", "report"),
-    *("evaluation/studies/case.py", "evaluation/cohort.py", "__init__.py"),
+    *("evaluation/studies/case.py", "evaluation/studies/reliability.py", "evaluation/cohort.py", "__init__.py"),
 )
 WITH_DRAWINGS = ("two_stances", "transfer", "other_patient")
 

@@ -23,13 +23,19 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from breastrig.core.arrays import Array, Booleans
+from breastrig.drawings.line_error import carried_errors
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_map import FittedScan
 from breastrig.drawings.transfer import points_carried
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.studies.case import Scene, read_scene
+from breastrig.evaluation.studies.reliability import held_at_levels
 from breastrig.evaluation.studies.two_stances import on_the_chest, seen
+from breastrig.fitting.picks.checked_fit import without
+from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.task import FitTask
+from breastrig.fitting.uncertainty.radii import radii
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import ModelDrawing, Rig
@@ -77,8 +83,10 @@ def _rows(rig: Rig, recipe: Recipe, scenes: tuple[Scene, Scene]) -> Iterator[dic
         fits = [_fitted(rig, recipe, scene, given) for scene, given in zip(scenes, picks, strict=True)]
         asked = asked or [places(rig, scenes, fits[0]), places(rig, scenes[::-1], fits[1])]
         for question, (a, b) in zip(asked, ((0, 1), (1, 0)), strict=True):
+            carried = points_carried(rig, fits[a], fits[b], question.points)[0]
+            said = carried_errors(rig, fits[a], fits[b], question.points, carried)
             errors = {
-                "skin": points_carried(rig, fits[a], fits[b], question.points)[0],
+                "skin": carried,
                 "model": points_carried(rig, fits[a], fits[b], question.points, other_patient=True)[0],
             } | by_landmarks((scenes[a], scenes[b]), (picks[a], picks[b]), question.points)
             gaps = {way: 1e3 * np.linalg.norm(found - question.true, axis=1) for way, found in errors.items()}
@@ -87,7 +95,9 @@ def _rows(rig: Rig, recipe: Recipe, scenes: tuple[Scene, Scene]) -> Iterator[dic
                 part = np.array([line in (ALL, each) for each in question.lines])
                 part &= (region == ALL) | (question.on_breast == (region == "breasts"))
                 if part.any():
-                    what = {"line": line, "region": region, "points": int(part.sum())}
+                    what: dict[str, Any] = {"line": line, "region": region, "points": int(part.sum())}
+                    if said is not None:
+                        what["levels"] = held_at_levels(1e-3 * gaps["skin"][part], said[part])
                     yield about | what | {way: _summary(gap[part]) for way, gap in gaps.items()}
 
 
@@ -100,7 +110,10 @@ def _fitted(rig: Rig, recipe: Recipe, scene: Scene, picks: Picks) -> FittedScan:
     fit = scene.fitted(rig, recipe, picks)
     doubted = {name for doubt in fit.doubts for name in doubt.names}
     trusted = {name: place for name, place in picks.items() if name not in doubted}
-    return FittedScan(scene.target, fit.vertices, trusted, scene.case.stance)
+    task = FitTask(rig, scene.target, fit.parameters, recipe, picks, scene.case.stance)
+    let_go = tuple(doubt for doubt in fit.doubts if not doubt.followed)
+    known = radii(Posterior(without(task, let_go), fit.parameters))
+    return FittedScan(scene.target, fit.vertices, trusted, scene.case.stance, None if known is None else known.vertices)
 
 
 def places(rig: Rig, scenes: tuple[Scene, Scene], fit: FittedScan) -> Places:

@@ -2,11 +2,17 @@
 
 from collections.abc import Sequence
 
+from breastrig.evaluation.studies.certainty import GIVEN, NOT_GIVEN, NOT_SEEN, SEEN
+from breastrig.evaluation.studies.reliability import LEVELS
 from breastrig.evaluation.studies.result_cache import Record
+from breastrig.evaluation.studies.transfer import ALL
 from breastrig.evaluation.tables.accuracy import FAMILIES, of
 from breastrig.evaluation.tables.table import Cell, Column, Row, Table
 
 KINDS = {"exact": "exact picks", "clicked": "picks 5 mm off", "half": "half of them given"}
+CARRIED = "carried lines"
+GROUPS = (GIVEN, NOT_GIVEN, SEEN, NOT_SEEN, CARRIED)
+TRANSFER_PICKS = {"exact": "true", "clicked": "5 mm off"}  # kind -> as the transfers call it
 PARTS = {"landmarks": "landmark", "skin": "skin"}
 
 
@@ -43,6 +49,43 @@ def certainty_table(records: Sequence[Record]) -> Table:
             if total:
                 cells: list[Cell] = [100.0 * good / n if n else None for good, n in counts]
                 table.rows.append(Row((words, place or "all", total, *cells)))
+    return table
+
+
+def levels_held(records: Sequence[Record], group: str, kind: str) -> list[int]:
+    """How many true places of the group the radius of each of LEVELS held, and of how many, over all cases.
+
+    `kind` is one of KINDS; carried lines are looked for in the transfers, where they were made with such picks.
+    """
+    if group == CARRIED:
+        counts = [
+            row["levels"]
+            for record in of(records, "transfer")
+            if not record.failed
+            for row in record.answer["rows"]
+            if (row["picks"], row["line"], row["region"]) == (TRANSFER_PICKS.get(kind), ALL, ALL) and "levels" in row
+        ]
+    else:
+        counts = [
+            record.answer[kind]["levels"][group]
+            for record in of(records, "certainty")
+            if not record.failed and group in record.answer.get(kind, {}).get("levels", {})
+        ]
+    return [sum(column) for column in zip(*counts, strict=True)] if counts else [0] * (len(LEVELS) + 1)
+
+
+def reliability_table(records: Sequence[Record]) -> Table:
+    """One row a group of places and kind of picks: percent held by the radius of each level."""
+    caption = "Share of true places within the radius of each level; a sure program holds what it says."
+    who = (Column("group", "of", key=True), Column("kind", "picks", key=True), Column("n", "n", 0))
+    columns = tuple(Column(f"held_{100 * level:.0f}", f"{100 * level:.0f} %", 0) for level in LEVELS)
+    table = Table("reliability", caption, (*who, *columns))
+    for group in GROUPS:
+        for kind, words in KINDS.items():
+            *good, total = levels_held(records, group, kind)
+            if total:
+                cells: list[Cell] = [100.0 * each / total for each in good]
+                table.rows.append(Row((group, words, total, *cells)))
     return table
 
 

@@ -26,6 +26,24 @@ class Misfit(_Part):
     hidden: NotNegative  # by neither
 
 
+class WithoutPicks(_Part):
+    """Of a fit without landmarks, which the scan alone has placed; see Start.margin for how clear that was."""
+
+    stretch: NotNegative  # of the posterior's standard deviations, in the place of that with picks
+    clear: Positive  # margin from which the body lies as it was found
+    unclear: NotNegative  # and up to which it lies another way, as nearly all did
+    astray: Positive  # m, root mean square distance of every place, where it does
+    landmarks: dict[str, NotNegative]  # m, root mean square distance, by name without its side; "other" for the rest
+
+    def landmark(self, name: str) -> float:
+        """m, of the landmark of this name."""
+        return self.landmarks.get(name.removesuffix("_L").removesuffix("_R"), self.landmarks["other"])
+
+    def lost(self, margin: float) -> float:
+        """m, root mean square distance for the chance that the body lies another way."""
+        return self.astray * min(max((self.clear - margin) / (self.clear - self.unclear), 0.0), 1.0)
+
+
 class Calibration(_Part):
     """Of one model."""
 
@@ -36,6 +54,7 @@ class Calibration(_Part):
     most_scatter: Positive  # and by how much the worst enlarge them
     landmarks: dict[str, Misfit]  # by name without its side; "other" for those that are not named
     regions: dict[str, Misfit]  # of the rig; "other" for vertices outside of all
+    without_picks: WithoutPicks
 
     def landmark(self, name: str) -> Misfit:
         """Of the landmark of this name."""

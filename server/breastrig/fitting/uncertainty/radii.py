@@ -24,19 +24,28 @@ class Radii:
     vertices: Array  # (V,)
 
 
-def radii(posterior: Posterior) -> Radii | None:
-    """Of a fit; None for a model of which nobody knows how far real bodies are from it."""
+def radii(posterior: Posterior, margin: float | None = None) -> Radii | None:
+    """Of a fit; None for a model of which nobody knows how far real bodies are from it.
+
+    `margin` is how clear its start was, where the scan alone has placed it (Start.margin).
+    """
     rig, task = posterior.task.rig, posterior.task
     known = calibration(rig.name)
     if known is None:
         return None
     names = tuple(rig.landmark_names)
-    spread = known.stretch**2 * posterior.landmark_variances(names)
-    beyond = np.array([_of(known.landmark(name), name in task.landmarks) for name in names])
+    lost = 0.0 if margin is None else known.without_picks.lost(margin)
+    if task.landmarks:
+        stretch, misfits = known.stretch, [_of(known.landmark(name), name in task.landmarks) for name in names]
+    else:
+        stretch, misfits = known.without_picks.stretch, [known.without_picks.landmark(name) for name in names]
+    spread = stretch**2 * posterior.landmark_variances(names) + lost**2
     scatter, seen = _scatter(posterior, known), seen_vertices(posterior)
-    at_landmarks = HOLDS_90 * scatter * np.sqrt(spread + beyond**2)
+    at_landmarks = HOLDS_90 * scatter * np.sqrt(spread + np.array(misfits) ** 2)
     at_vertices = HOLDS_90 * np.where(seen, scatter, max(scatter, known.least_scatter_hidden))
-    at_vertices *= np.sqrt(known.stretch**2 * posterior.vertex_variances() + vertex_misfit(posterior, known, seen) ** 2)
+    at_vertices *= np.sqrt(
+        stretch**2 * posterior.vertex_variances() + lost**2 + vertex_misfit(posterior, known, seen) ** 2
+    )
     return Radii(dict(zip(names, at_landmarks.tolist(), strict=True)), at_vertices)
 
 

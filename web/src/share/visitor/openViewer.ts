@@ -1,4 +1,5 @@
 // The shared body: the same parts as the page's own view, without any that change something.
+import { ErrorBands } from "../../drawing/ErrorBands";
 import { ReferenceLines } from "../../drawing/ReferenceLines";
 import { FittedSurface } from "../../fit/FittedSurface";
 import { HoverValue } from "../../fit/HoverValue";
@@ -27,6 +28,7 @@ export function openSharedViewer(store: Store<VisitorState>, stage: Stage, lookF
     { update: (state) => scan.update(state, hasModelShown(state)) },
     fitted,
     new ReferenceLines(viewer, scan, torso, fitted),
+    new ErrorBands(viewer, scan, fitted, stage.canvas),
     new SideLetters(viewer),
     new HoverValue(viewer, fitted, stage.canvas),
     new OrientationCube(viewer, lookFrom),

@@ -1,0 +1,23 @@
+"""How often radii of several levels hold the true place: the counts behind a reliability plot.
+
+The program says one radius, that of 90 %.  What it says of the other levels follows from it: places scatter over the
+skin, in two directions alike, so a radius of level p is the share sqrt(ln(1 - p) / ln(0.1)) of it.
+"""
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+
+LEVELS = (0.5, 0.8, 0.9, 0.95)
+SHARES = tuple(float(np.sqrt(np.log(1.0 - level) / np.log(0.1))) for level in LEVELS)  # of the radius of 90 %
+
+
+def held_at_levels(errors: Array, radii: Array) -> list[int]:
+    """How many of the (M,) m errors each level's radius holds ((M,) m radii of 90 %), and M."""
+    return [*(int((errors <= share * radii).sum()) for share in SHARES), len(errors)]
+
+
+def add_up(sums: dict[str, list[int]], group: str, counts: list[int]) -> None:
+    """Adds counts to those of the group."""
+    before = sums.get(group, [0] * len(counts))
+    sums[group] = [old + new for old, new in zip(before, counts, strict=True)]
