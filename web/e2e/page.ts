@@ -1,11 +1,11 @@
 // What the browser tests share: the page with its record of errors, and the example patient's files.
 import { readFileSync } from "node:fs";
-import { join, resolve } from "node:path";
+import { join } from "node:path";
 import { expect, type Page, test as plain } from "@playwright/test";
 import type { LandmarkFile, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
 
-const EXAMPLE = process.env.BREASTRIG_E2E_CASE ?? resolve(import.meta.dirname, "../../model_assets/example/standing");
+const EXAMPLE = join(process.env.BREASTRIG_E2E_EXAMPLES!, "standing"); // setup.ts made it
 export const SCAN_FILE = join(EXAMPLE, "scan.ply");
 
 /** The example's landmarks in millimetres, scan's frame. */
