@@ -2,23 +2,42 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
+from helpers.example_fit import EXAMPLE
 
 from breastrig.cli.main import COMMANDS, main
 
-HEAVY = {"numpy", "scipy", "flask", "sqlalchemy"}
+HEAVY = {"numpy", "scipy", "pydantic", "trimesh", "igl", "PIL", "tqdm", "flask", "sqlalchemy"}
+NUMERICS = ("fit", "transfer", "compare", "report", "export", "landmarks", "batch", "evaluate", "model")
 
 
 def imported_by(*words: str) -> set[str]:
     code = "import contextlib, sys\nfrom breastrig.cli.main import main\nwith contextlib.suppress(SystemExit):\n"
     code += f"    main({list(words)!r})\nprint(*sys.modules, file=sys.stderr)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    return set(run.stderr.split())
+    return set(run.stderr.splitlines()[-1].split())
 
 
 def test_the_version_is_said_without_anything_heavy() -> None:
     assert not HEAVY & imported_by("--version")
+
+
+@pytest.mark.parametrize("words", [("--help",), ("fits",), (), *((name, "--help") for name in NUMERICS)], ids=" ".join)
+def test_help_and_mistakes_are_said_without_anything_heavy(words: tuple[str, ...]) -> None:
+    assert not HEAVY & imported_by(*words)
+
+
+def test_a_missing_option_of_a_fit_is_said_without_anything_heavy() -> None:
+    assert not HEAVY & imported_by("fit", "scan.ply", "--stance", "sitting")
+
+
+def test_a_fit_loads_none_of_the_libraries_that_it_can_do_without(tmp_path: Path) -> None:
+    """A binary PLY is read, and all results are written, by a few lines of NumPy."""
+    loaded = imported_by("fit", str(EXAMPLE / "scan.ply"), "-o", str(tmp_path / "out"))
+    assert (tmp_path / "out" / "result.json").is_file()
+    assert not {"trimesh", "networkx", "pygltflib", "tqdm", "scipy.optimize", "scipy.ndimage", "flask"} & loaded
 
 
 def test_the_settings_are_shown_without_the_service_and_without_scipy() -> None:

@@ -5,9 +5,10 @@ import pytest
 from helpers.random_pose import random_parameters
 from helpers.subdivide import subdivided
 
+from breastrig.core.stances import AUTO
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.orientation import start_from_scan
-from breastrig.fitting.prepare_scan import AUTO, prepared
+from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.gltf.read_rig import default_rig_path, read_rig

@@ -5,7 +5,7 @@ import os
 import sys
 from datetime import timedelta
 
-from breastrig.cli import serve_command
+from breastrig.cli import serve_command, serve_options
 from breastrig.core import wall_clock
 from helpers import fake_fit
 from helpers.remembered_uploads import remember_uploads
@@ -21,6 +21,6 @@ if __name__ == "__main__":
     set_clock_ahead(float(os.environ.get("FAKE_DAYS_AHEAD", "0")))
     remember_uploads()
     parser = argparse.ArgumentParser()
-    serve_command.add_parser(parser.add_subparsers())
+    serve_options.add_parser(parser.add_subparsers())
     runner = getattr(fake_fit, os.environ.get("FAKE_FIT", "mostly_patient"))
     sys.exit(serve_command.serve(parser.parse_args(["serve", *sys.argv[1:]]), runner))

@@ -5,9 +5,10 @@ import pytest
 from helpers.surfaces import plane, sphere
 
 from breastrig.core.assets import asset_folder
+from breastrig.core.stances import AUTO
 from breastrig.evaluation.virtual.bodies import read_bodies
 from breastrig.evaluation.virtual.scan import scan_body
-from breastrig.fitting.prepare_scan import AUTO, PreparedScan, prepared
+from breastrig.fitting.prepare_scan import PreparedScan, prepared
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_areas
 from breastrig.scan.clean import Surface, clean

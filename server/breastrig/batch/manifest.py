@@ -15,12 +15,13 @@ from pathlib import Path
 
 from breastrig.core.errors import BadInput, BadSettings, BreastRigError, unknown_name
 from breastrig.core.private_files import is_ordinary, read_ordinary, shown
+from breastrig.core.stances import STANCES
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import asked_drawing, tumour_text
 from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
 from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
-from breastrig.workflow.scan_fit import STANCES, checked_landmarks
+from breastrig.workflow.scan_fit import checked_landmarks
 
 COLUMNS = ("scan", "landmarks", "name", "units", "stance", "preset", "drawing", "tumour", "refine")
 YES_NO = {"": True, "no": False, "false": False, "0": False, "yes": True, "true": True, "1": True}

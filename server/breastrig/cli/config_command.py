@@ -1,16 +1,10 @@
-"""`breastrig config`: the settings that `breastrig serve` would have, and where each one comes from."""
+"""What `breastrig config` does; its words stand in config_options.py."""
 
 import argparse
 import os
 
 from breastrig.api.settings import token_source
-from breastrig.cli.service_options import add_service_options, service_settings
-
-
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("config", help="show the settings of the service", description=__doc__)
-    add_service_options(parser)
-    parser.set_defaults(run=run)
+from breastrig.cli.service_options import service_settings
 
 
 def run(options: argparse.Namespace) -> int:

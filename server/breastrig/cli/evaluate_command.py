@@ -1,17 +1,13 @@
-"""`breastrig evaluate COHORT -o DIR`: how good is the fit?  Tables, figures and a page from a folder of patients.
-
-Finished work is kept in DIR/work: an interrupted run goes on where it was, and a changed input is measured anew.
-"""
+"""What `breastrig evaluate` does; its words stand in evaluate_options.py."""
 
 import argparse
-import os
 import sys
 from pathlib import Path
 
 from tqdm import tqdm
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
+from breastrig.cli.output_options import files_of_model, output_folder
 from breastrig.core.errors import BadInput
 from breastrig.core.output_files import Output, check_output
 from breastrig.core.output_record import OutputSet
@@ -29,46 +25,12 @@ from breastrig.evaluation.page.publish import (
     possible_files,
     published,
 )
-from breastrig.evaluation.studies.plan import QUICK_ROTATIONS, ROTATIONS, Plan
+from breastrig.evaluation.studies.plan import Plan
 from breastrig.evaluation.studies.result_cache import FILES
+from breastrig.evaluation.studies.rotation_counts import QUICK_ROTATIONS, ROTATIONS
 from breastrig.evaluation.tables.accuracy import console, failures_table
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path
-
-
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("evaluate", help="measure the fit on a folder of patients", description=__doc__)
-    parser.add_argument(
-        "cohort", type=Path, nargs="?", metavar="COHORT", help="PATIENT/STANCE/{scan.ply, landmarks.json, ...}"
-    )
-    parser.add_argument("--virtual", action="store_true", help="make the virtual cohort into DIR/cohort and take it")
-    parser.add_argument(
-        "--warped",
-        type=int,
-        metavar="N",
-        help="make N warped bodies into DIR/warped and take them; a COHORT's patients are warped, too",
-    )
-    parser.add_argument(
-        "--half", choices=("choose", "report", "both"), help="of the warped bodies; the halves share no source (both)"
-    )
-    parser.add_argument(
-        "--preset",
-        action="append",
-        metavar="NAME",
-        help="default, paper, or a TOML file; may be given several times, the first one is studied (default, paper)",
-    )
-    parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
-    parser.add_argument("--quick", action="store_true", help="Table 1 and the study of the landmarks only")
-    parser.add_argument(
-        "--rotations",
-        type=int,
-        metavar="N",
-        help=f"random orientations of each scan ({ROTATIONS}, quick {QUICK_ROTATIONS}); 0 for none",
-    )
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="processes at a time")
-    parser.add_argument("--again", action="store_true", help="measure finished work again")
-    add_output_options(parser, "DIR", "folder for the results")
-    parser.set_defaults(run=run)
 
 
 def _cohort(options: argparse.Namespace) -> Path:

@@ -1,71 +1,21 @@
-"""`breastrig fit SCAN -o OUT`: one scan in, seven files out.
-
-With `--with SCAN_B` two stances of one patient are fitted together, with one body: OUT/first and OUT/second get the
-seven files each, OUT/pair.json says what they share.
-"""
+"""What `breastrig fit` does; its words stand in fit_options.py."""
 
 import argparse
 import sys
 from pathlib import Path
 
-from tqdm import tqdm
-
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
+from breastrig.cli.output_options import files_of_model, output_folder
+from breastrig.cli.progress import progress_bar
 from breastrig.core.errors import BadSettings
 from breastrig.core.output_files import Output
 from breastrig.core.staged_output import all_or_nothing
-from breastrig.core.units import METRES_PER_UNIT
-from breastrig.drawings.patterns import pattern_help
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.pair import PAIR_SETS, FitPair, pair_iterates
 from breastrig.interface.run import FitRun, Iterate, iterates
-from breastrig.workflow.fit_files import fit_set
-from breastrig.workflow.run_fit import STANCES
+from breastrig.workflow.fit_file_names import fit_set
 
 LEVELS = {"check": "check this fit", "unusable": "this fit is not usable"}
-
-
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("fit", help="fit the model to one scan", description=__doc__)
-    parser.add_argument("scan", type=Path, metavar="SCAN", help="PLY, OBJ, STL, GLB, or a zip of one with its images")
-    parser.add_argument("--landmarks", type=Path, metavar="FILE", help="picked points: JSON, CSV, .pp or .mrk.json")
-    parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
-    parser.add_argument("--stance", default="auto", choices=STANCES)
-    parser.add_argument("--with", dest="other", type=Path, metavar="SCAN_B", help="the same patient in another stance")
-    parser.add_argument("--with-landmarks", type=Path, metavar="FILE", help="picked points on SCAN_B")
-    parser.add_argument("--with-units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of SCAN_B")
-    parser.add_argument("--with-stance", default="auto", choices=STANCES, help="stance of SCAN_B")
-    parser.add_argument(
-        "--alike", action="store_true", help="with SCAN_B: bodies held alike instead of one body, as chests flatten"
-    )
-    parser.add_argument("--preset", default="default", metavar="NAME", help="default, paper, or a TOML file")
-    parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
-    parser.add_argument(
-        "--drawing",
-        default="lumpectomy",
-        metavar="NAME",
-        help="a drawing of the model (lumpectomy, anatomy, mastectomy), a pattern drawn to the patient's measures "
-        "(reduction:areola_mm=42,limb_mm=50), several joined by +, or none. " + pattern_help(),
-    )
-    parser.add_argument(
-        "--tumour",
-        action="append",
-        default=[],
-        metavar="SIDE:HOUR,DISTANCE,RADIUS",
-        help="adds a tumour's circle, may be given again: L:10,45,12 is the left breast at 10 o'clock (as read by an "
-        "observer who faces her), 45 mm from the nipple along the skin, radius 12 mm; or at:X,Y,Z,RADIUS, all in mm, "
-        "around a place picked in the scan's frame",
-    )
-    parser.add_argument(
-        "--refine",
-        action=argparse.BooleanOptionalAction,
-        default=True,
-        help="a smooth free-form layer follows the skin that the scan shows; --no-refine: the model alone",
-    )
-    parser.add_argument("--no-progress", action="store_true", help="no progress bar")
-    add_output_options(parser, "OUT", "folder for the results")
-    parser.set_defaults(run=run)
 
 
 def _output(options: argparse.Namespace) -> Output:
@@ -120,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     if options.other is None and given:
         raise BadSettings("--with-landmarks, --with-units, --with-stance and --alike need --with SCAN_B.")
     quiet = options.no_progress or not sys.stderr.isatty()
-    with all_or_nothing(_output(options)) as out, tqdm(disable=quiet, unit="step", leave=False) as bar:
+    with all_or_nothing(_output(options)) as out, progress_bar(shown=not quiet) as bar:
         fitting = _run(options)
         bar.reset(fitting.iterations_limit)
         for step in fitting:

@@ -1,25 +1,14 @@
-"""`breastrig landmarks SCAN -o FILE`: proposes all landmarks of the model on a scan, to be checked by a person."""
+"""What `breastrig landmarks` does; its words stand in landmarks_options.py."""
 
 import argparse
 import json
-from pathlib import Path
 
-from breastrig.cli.output_options import add_output_options, files_of_model, output_file
+from breastrig.cli.output_options import files_of_model, output_file
 from breastrig.core.private_files import write_private
 from breastrig.core.staged_output import all_or_nothing
-from breastrig.core.units import METRES_PER_UNIT
 from breastrig.interface.landmarks import propose_landmarks
 from breastrig.interface.scan import read_scan
 from breastrig.scan.landmark_files import landmark_file
-
-
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("landmarks", help="propose the landmarks on one scan", description=__doc__)
-    parser.add_argument("scan", type=Path, metavar="SCAN")
-    parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
-    parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
-    add_output_options(parser, "FILE", ".json (with confidences), .csv, .pp, .mrk.json")
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:

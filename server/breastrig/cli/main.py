@@ -1,6 +1,7 @@
 """`breastrig` and its commands.  Exit codes: 0 done, 1 the fit failed, 2 bad input or usage, 130 stopped by Ctrl-C.
 
-Only the module of the command that is called is imported: all of them together take seconds.
+Of the command that is called first its words are imported, then what it does: all commands together take seconds, and
+who asks for help or mistypes a word waits for neither.
 """
 
 import argparse
@@ -11,29 +12,14 @@ from collections.abc import Sequence
 
 from breastrig import __version__
 from breastrig.cli import interruption
+from breastrig.cli.commands import COMMANDS
 from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.notice import LIMITS_OF_USE, RESEARCH_USE_ONLY
 from breastrig.core.private_files import shown
 
-COMMANDS = (
-    "fit",
-    "transfer",
-    "compare",
-    "report",
-    "export",
-    "landmarks",
-    "batch",
-    "evaluate",
-    "model",
-    "serve",
-    "worker",
-    "config",
-    "purge",
-)
 
-
-def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
-    """Of these commands."""
+def parser(command: str | None = None) -> argparse.ArgumentParser:
+    """It knows all commands by name, and the words of the one that is called."""
     root = argparse.ArgumentParser(
         prog="breastrig",
         description="Fits a rigged torso model to a 3D scan and lays surgical drawings on it.",
@@ -41,16 +27,12 @@ def parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
     )
     root.add_argument("--version", action="version", version=f"BreastRig {__version__}. {RESEARCH_USE_ONLY}")
     parsers = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for command in commands:
-        importlib.import_module(f"breastrig.cli.{command}_command").add_parser(parsers)
+    if command is not None:
+        importlib.import_module(f"breastrig.cli.{command}_options").add_parser(parsers)
+    else:
+        for name, what in COMMANDS.items():
+            parsers.add_parser(name, help=what)
     return root
-
-
-def _needed(words: Sequence[str]) -> Sequence[str]:
-    """The commands that these words are about."""
-    if words and words[0] in COMMANDS:
-        return words[:1]
-    return () if list(words) == ["--version"] else COMMANDS
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -58,9 +40,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else arguments
     before = os.umask(0o077)  # results show patients: whatever a command writes is for its user alone
     try:
-        options = parser(_needed(words)).parse_args(words)
+        options = parser(words[0] if words and words[0] in COMMANDS else None).parse_args(words)
+        command = importlib.import_module(f"breastrig.cli.{options.command}_command")
         interruption.work_begins()
-        return int(options.run(options))
+        return int(command.run(options))
     except BreastRigError as error:
         print(f"breastrig: {error}", file=sys.stderr)
         return 2 if isinstance(error, BadInput) else 1

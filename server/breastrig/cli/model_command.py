@@ -1,26 +1,12 @@
-"""`breastrig model info|check|build`: describe a rig, prove it sound, build ours from its sources."""
+"""What `breastrig model` does; its words stand in model_options.py."""
 
 import argparse
 import subprocess
 import sys
-from pathlib import Path
 
 from breastrig.core.errors import BadInput
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.validation.rules import check_rig, describe_rig
-
-
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("model", help="describe, check or build the model", description=__doc__)
-    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
-    for name, what, run in (
-        ("info", "bones, shapes, landmarks and drawings of a rig", info),
-        ("check", "every rule that a rig must keep, one line each", check),
-    ):
-        action = actions.add_parser(name, help=what)
-        action.add_argument("--model", type=Path, metavar="GLB", help="another rig than the package's torso")
-        action.set_defaults(run=run)
-    actions.add_parser("build", help="build the torso from its sources (source checkout only)").set_defaults(run=build)
 
 
 def info(options: argparse.Namespace) -> int:
@@ -44,3 +30,8 @@ def build(_options: argparse.Namespace) -> int:
     if not script.is_file():
         raise BadInput("The model is built in a source checkout only; clone the repository and call this there.")
     return subprocess.run([sys.executable, str(script)], check=False).returncode
+
+
+def run(options: argparse.Namespace) -> int:
+    """The action that was asked for."""
+    return {"info": info, "check": check, "build": build}[options.action](options)

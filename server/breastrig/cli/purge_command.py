@@ -1,22 +1,13 @@
-"""`breastrig purge`: deletes scans with everything made of them, while no server runs."""
+"""What `breastrig purge` does; its words stand in purge_options.py."""
 
 import argparse
 import sys
 
-from breastrig.api.settings import read_days, without_password
-from breastrig.cli.place_options import add_place_options, chosen_location
+from breastrig.api.settings import without_password
+from breastrig.cli.place_options import chosen_location
 from breastrig.service.purge import purge
 from breastrig.storage.location import Location
 from breastrig.storage.storage import Storage
-
-
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("purge", help="delete stored scans and all that was made of them", description=__doc__)
-    which = parser.add_mutually_exclusive_group(required=True)
-    which.add_argument("--all", action="store_true", help="every scan")
-    which.add_argument("--older-than", type=days, metavar="DAYS", help="scans uploaded more than so many days ago")
-    add_place_options(parser)
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -44,11 +35,3 @@ def _count(number: int, what: str) -> str:
 
 def _place(location: Location) -> str:
     return str(location.root) if location.database is None else without_password(location.database)
-
-
-def days(text: str) -> float:
-    """A number of days from an option."""
-    try:
-        return read_days(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{text} {error}") from error

@@ -1,28 +1,15 @@
-"""Measures of one fit, or of two stances of one patient, as JSON, CSV and two pages of PDF."""
+"""What `breastrig report` does; its words stand in report_options.py."""
 
 import argparse
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder
+from breastrig.cli.output_options import files_of_fit, files_of_model, output_folder
 from breastrig.core.output_record import OutputSet
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.report.document import SCHEMA
 from breastrig.workflow.report import REPORT_FILES, REPORT_RECORD, ReportJob, write_report
-
-
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("report", help="measures and pictures of one or two fits", description=__doc__)
-    parser.add_argument(
-        "fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote, with or without --with"
-    )
-    parser.add_argument(
-        "--with", dest="other", type=Path, metavar="OUT_B", help="fit of the same patient in another stance"
-    )
-    parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fits were made with")
-    add_output_options(parser, "DIR", "folder for the three files")
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:

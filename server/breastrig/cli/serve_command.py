@@ -1,4 +1,4 @@
-"""`breastrig serve`: the service and its page, until Ctrl-C or SIGTERM."""
+"""What `breastrig serve` does; its words stand in serve_options.py."""
 
 import argparse
 import logging
@@ -14,7 +14,7 @@ from breastrig.api.config import TOKEN_VARIABLE, Config, checked_token
 from breastrig.api.settings import location_of, token_source
 from breastrig.api.web_server.wsgi_server import listen
 from breastrig.cli.interruption import NUMBERS, raise_if_asked
-from breastrig.cli.service_options import add_service_options, service_settings
+from breastrig.cli.service_options import service_settings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.core.notice import RESEARCH_USE_ONLY
 from breastrig.execution.executor import Executor
@@ -29,12 +29,6 @@ from breastrig.workflow.run_fit import run_fit
 SECRETS = (TOKEN_VARIABLE, "BREASTRIG_DATABASE")  # of the environment; the second may hold a password
 
 log = logging.getLogger(__name__)
-
-
-def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser("serve", help="serve the page and the HTTP API", description=__doc__)
-    add_service_options(parser)
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:

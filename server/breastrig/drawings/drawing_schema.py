@@ -41,7 +41,7 @@ def _is_not_said(values: list[object] | None) -> bool:
 class Part(BaseModel):
     """A part of a drawing file, which others may have written: what is not needed is passed over."""
 
-    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True, defer_build=True)
 
 
 class SurfacePoint(Part):

@@ -38,7 +38,7 @@ FOLD_REACH = 0.06  # m, how far is measured from the ends of the fold at once: a
 class Reduction(BaseModel):
     """The pattern's dimensions."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
     side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
     areola_mm: float = Field(
         42.0, title="New areola", ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual"

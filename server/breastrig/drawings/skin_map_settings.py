@@ -17,7 +17,7 @@ FALLBACK = "torso"  # for rigs without a file of their own
 class SkinMapSettings(BaseModel):
     """Of drawings/skin_map.py; lengths in m, angles in rad."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     centres: Count
     length: Positive

@@ -28,7 +28,7 @@ def _on_the_dial(hour: float) -> float:
 class Tumour(BaseModel):
     """Where the tumour is and how large."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
     side: Literal["L", "R"] = Field(title="Side", description="the patient's side")
     clock: Annotated[float, AfterValidator(_on_the_dial)] = Field(
         title="Hour",
@@ -60,7 +60,7 @@ class Tumour(BaseModel):
 class PickedTumour(BaseModel):
     """A tumour around a place that was picked on the scan."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
     x_mm: float = Field(
         title="x", allow_inf_nan=False, description="of the centre in the scan's frame, whatever its unit"
     )

@@ -14,8 +14,6 @@ from breastrig.scan.clean import MIN_TRIANGLES, Surface, compact, without_fragme
 from breastrig.scan.orient import Frame, propose_frame
 from breastrig.scan.table import found_table
 
-AUTO = "auto"  # the stance is to be found
-
 
 @dataclass(frozen=True, eq=False)
 class PreparedScan:

@@ -1,7 +1,8 @@
 """The parts of a glTF 2.0 document that are written here, by the names of its specification.
 
 Fields that are None or empty are left out of the JSON, in which keys stand in the order of the fields.  pygltflib
-has classes for all of glTF; importing them takes a fifth of a second, writing a fit by them a tenth of one.
+has classes for all of glTF; importing them takes a fifth of a second, writing a fit by them a tenth of one.  Methods
+that nobody calls are not generated here, which would take time at every start as well.
 """
 
 import json
@@ -14,19 +15,19 @@ LINEAR, LINEAR_MIPMAP_LINEAR, REPEAT = 9729, 9987, 10497
 POINTS, LINE_LOOP, LINE_STRIP, TRIANGLES = 0, 2, 3, 4
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Property:
     extensions: dict[str, Any] | None = None
     extras: dict[str, Any] | None = None
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Asset(Property):
     generator: str | None = None
     version: str = "2.0"
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Attributes:
     POSITION: int | None = None
     NORMAL: int | None = None
@@ -36,7 +37,7 @@ class Attributes:
     WEIGHTS_0: int | None = None
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Primitive(Property):
     attributes: Attributes = field(default_factory=Attributes)
     indices: int | None = None
@@ -45,13 +46,13 @@ class Primitive(Property):
     targets: list[Attributes] = field(default_factory=list)
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Mesh(Property):
     primitives: list[Primitive] = field(default_factory=list)
     name: str = ""
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Accessor(Property):
     bufferView: int | None = None
     componentType: int | None = None
@@ -62,7 +63,7 @@ class Accessor(Property):
     min: list[float] | None = None
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class BufferView(Property):
     buffer: int | None = None
     byteOffset: int = 0
@@ -70,19 +71,19 @@ class BufferView(Property):
     target: int | None = None
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Buffer(Property):
     uri: str | None = None
     byteLength: int = 0
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class TextureInfo(Property):
     index: int | None = None
     texCoord: int = 0
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class PbrMetallicRoughness(Property):
     baseColorFactor: list[float] | None = None
     metallicFactor: float = 1.0
@@ -90,7 +91,7 @@ class PbrMetallicRoughness(Property):
     baseColorTexture: TextureInfo | None = None
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Material(Property):
     pbrMetallicRoughness: PbrMetallicRoughness | None = None
     emissiveFactor: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
@@ -99,7 +100,7 @@ class Material(Property):
     name: str = ""
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Sampler(Property):
     magFilter: int | None = None
     minFilter: int | None = None
@@ -107,7 +108,7 @@ class Sampler(Property):
     wrapT: int = REPEAT
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Node(Property):
     mesh: int | None = None
     skin: int | None = None
@@ -119,7 +120,7 @@ class Node(Property):
     weights: list[float] | None = None
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Skin(Property):
     inverseBindMatrices: int | None = None
     skeleton: int | None = None
@@ -127,51 +128,51 @@ class Skin(Property):
     name: str = ""
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Scene(Property):
     name: str = ""
     nodes: list[int] = field(default_factory=list)
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Texture(Property):
     sampler: int | None = None
     source: int | None = None
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Image(Property):
     mimeType: str | None = None
     bufferView: int | None = None
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class AnimationChannelTarget(Property):
     node: int | None = None
     path: str | None = None
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class AnimationSampler(Property):
     input: int | None = None
     interpolation: str = "LINEAR"
     output: int | None = None
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class AnimationChannel(Property):
     sampler: int | None = None
     target: AnimationChannelTarget | None = None
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Animation(Property):
     name: str = ""
     channels: list[AnimationChannel] = field(default_factory=list)
     samplers: list[AnimationSampler] = field(default_factory=list)
 
 
-@dataclass
+@dataclass(eq=False, repr=False, match_args=False)
 class Document(Property):
     accessors: list[Accessor] = field(default_factory=list)
     animations: list[Animation] = field(default_factory=list)

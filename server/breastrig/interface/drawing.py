@@ -55,7 +55,7 @@ class Drawing:
 
 
 class _Shape(BaseModel):
-    model_config = ConfigDict(extra="ignore")
+    model_config = ConfigDict(extra="ignore", defer_build=True)
 
     name: str
     closed: bool = False
@@ -67,7 +67,7 @@ class _Shape(BaseModel):
 
 
 class _File(BaseModel):
-    model_config = ConfigDict(extra="ignore")
+    model_config = ConfigDict(extra="ignore", defer_build=True)
 
     name: str | None = None
     unit: Literal["m", "dm", "cm", "mm", "in"]

@@ -25,7 +25,8 @@ from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.parameters import Parameters, parameters_by_name
 from breastrig.rig.model import Rig
-from breastrig.workflow.fit_files import FIT_FILES, RESULT, UNCERTAINTY, fit_file, fit_set, json_bytes, write_files
+from breastrig.workflow.fit_file_names import FIT_FILES, RESULT, UNCERTAINTY, fit_set
+from breastrig.workflow.fit_files import fit_file, json_bytes, write_files
 from breastrig.workflow.fit_folder import FitFolder, fit_of_files, read_fit_files
 from breastrig.workflow.fit_outcome import FitOutcome
 
@@ -146,7 +147,7 @@ class Fit:
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True)
+    model_config = ConfigDict(extra="ignore", frozen=True, defer_build=True)
 
 
 class _Verdict(_Part):

@@ -1,7 +1,7 @@
 """A surface as PLY and STL, in the unit that is asked for: single precision where that is exact, else more digits.
 
-Both come from trimesh, whose PLY knows single precision only: far from the origin the vertices are written anew.
-It takes 0.4 s to load, so it is loaded when a surface is written: most commands, and the server, write none.
+A PLY is two tables behind a few lines.  STL comes from trimesh, which takes 0.4 s to load, so it is loaded when one is
+written: most commands, and the server, write none.
 """
 
 import numpy as np
@@ -9,18 +9,18 @@ import numpy as np
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.single_precision import far_place
 
+TRIANGLE = [("count", "u1"), ("corners", "<i4", 3)]
+
 
 def surface_ply(vertices: Array, faces: Integers, metres_per_unit: float) -> bytes:
     """A binary PLY of (V, 3) m vertices and (F, 3) triangles."""
-    import trimesh
-
-    placed = vertices / metres_per_unit
-    data = bytes(trimesh.Trimesh(placed, faces, process=False).export(file_type="ply", include_attributes=False))
-    if not far_place(vertices).any():
-        return data
-    header, body = data.split(b"end_header\n", 1)
-    triangles = body[len(placed) * 3 * np.dtype(np.float32).itemsize :]
-    return header.replace(b"float", b"double") + b"end_header\n" + placed.astype("<f8").tobytes() + triangles
+    kind, code = ("double", "<f8") if far_place(vertices).any() else ("float", "<f4")
+    lines = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]
+    lines += [f"property {kind} {axis}" for axis in "xyz"]
+    lines += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
+    rows = np.zeros(len(faces), TRIANGLE)
+    rows["count"], rows["corners"] = 3, faces
+    return "\n".join(lines).encode() + (vertices / metres_per_unit).astype(code).tobytes() + rows.tobytes()
 
 
 def surface_stl(vertices: Array, faces: Integers, metres_per_unit: float) -> bytes:

@@ -21,6 +21,7 @@ from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import file_type_of
 from breastrig.scan.formats.archive import COMPANIONS, unpacked
 from breastrig.scan.formats.glb import glb_pieces
+from breastrig.scan.formats.plain_ply import plain_ply
 from breastrig.scan.formats.texture import written_anew
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
 from breastrig.scan.piece import SEVERAL, Piece, Pieces
@@ -61,9 +62,8 @@ def read_scan(source: Path | bytes, file_type: str | None = None, units: str = "
             raise BadScan("This zip holds another zip; pack the mesh itself.")
     elif found in ("obj", "ply") and isinstance(source, Path) and texture:
         siblings = _Siblings(source.parent)
-    if found == "glb":
-        pieces = glb_pieces(mesh, texture)
-    else:
+    pieces = glb_pieces(mesh, texture) if found == "glb" else plain_ply(mesh) if found == "ply" else None
+    if pieces is None:
         from breastrig.scan.formats.ply_obj_stl import mesh_pieces  # its parsers take 0.4 s to load
 
         pieces = mesh_pieces(mesh, found, siblings if texture else {}, texture)

@@ -11,7 +11,6 @@ from breastrig import __version__
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.output_record import OutputSet
 from breastrig.core.private_files import private_folder, write_private
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.fitting.doubt import Doubt
@@ -25,11 +24,8 @@ from breastrig.report.distances import (
     surface_summary_mm,
 )
 from breastrig.report.surface_files import surface_ply
+from breastrig.workflow.fit_file_names import FIT_FILES, RESULT, RESULT_SCHEMA, UNCERTAINTY
 from breastrig.workflow.fit_outcome import FitOutcome
-
-RESULT = "result.json"
-UNCERTAINTY = "uncertainty.bin"
-RESULT_SCHEMA = "breastrig/result@1"
 
 
 def _rounded(values: Array, digits: int = 6) -> list[float]:
@@ -140,11 +136,6 @@ def json_bytes(document: object) -> bytes:
     return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
 
 
-def fit_set(folder: Path) -> OutputSet:
-    """The files of a fit, in a folder of an output's."""
-    return OutputSet(folder, FIT_FILES, RESULT, RESULT_SCHEMA)
-
-
 def fit_file(outcome: FitOutcome, name: str) -> bytes:
     """The content of one of FIT_FILES."""
     return MAKERS[name](outcome)
@@ -199,4 +190,4 @@ MAKERS: dict[str, Callable[[FitOutcome], bytes]] = {
     "fit.log.jsonl": _log,
     RESULT: lambda outcome: json_bytes(result_json(outcome)),
 }
-FIT_FILES = tuple(MAKERS)
+assert tuple(MAKERS) == FIT_FILES

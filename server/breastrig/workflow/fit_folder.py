@@ -25,7 +25,7 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.scan.clean import Surface
 from breastrig.scan.limits import FILE_BYTES
 from breastrig.scan.read import read_scan
-from breastrig.workflow.fit_files import FIT_FILES, RESULT, UNCERTAINTY
+from breastrig.workflow.fit_file_names import FIT_FILES, RESULT, UNCERTAINTY
 
 RESULT_BYTES = 4_000_000  # a result.json has some ten thousand
 
@@ -51,7 +51,7 @@ class FitFolder:
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True)
+    model_config = ConfigDict(extra="ignore", frozen=True, defer_build=True)
 
 
 class _Scan(_Part):

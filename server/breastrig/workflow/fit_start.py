@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from breastrig.core.errors import BadSettings
+from breastrig.core.stances import AUTO
 from breastrig.fitting.orientation import MIN_LANDMARKS, best_start, start_from_scan
-from breastrig.fitting.prepare_scan import AUTO, PreparedScan
+from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.scan_orientation import ScanOrientation
 from breastrig.fitting.stance import FoundStance, found_stance
 from breastrig.fitting.task import FitTask

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadScan
-from breastrig.fitting.prepare_scan import AUTO, prepared
+from breastrig.core.stances import AUTO
+from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.propose import Proposal, propose_landmarks
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.fitting.prepare_scan import AUTO, prepared
+from breastrig.core.stances import AUTO
+from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.gltf.mesh_glb import mesh_glb

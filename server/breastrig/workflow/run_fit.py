@@ -12,7 +12,6 @@ from breastrig.workflow.fit_files import write_fit_files
 from breastrig.workflow.fit_outcome import FitOutcome
 from breastrig.workflow.fit_recorder import FitRecorder, RecordedIterate
 from breastrig.workflow.scan_fit import (
-    STANCES,
     Clock,
     FitJob,
     ReadyScan,
@@ -22,7 +21,7 @@ from breastrig.workflow.scan_fit import (
     scan_of_job,
 )
 
-__all__ = ["STANCES", "FitJob", "fit_steps", "run_fit"]
+__all__ = ["FitJob", "fit_steps", "run_fit"]
 
 
 def fit_steps(ready: ReadyScan, clock: Clock) -> Iterator[RecordedIterate | FitOutcome]:

@@ -14,13 +14,14 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadLandmarks, BadSettings, unknown_name
+from breastrig.core.stances import AUTO, STANCES
 from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.picks.mistakes import sides_exchanged
-from breastrig.fitting.prepare_scan import AUTO, prepared
+from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import orientation_from
@@ -34,7 +35,6 @@ from breastrig.scan.scan import Scan
 from breastrig.workflow.events import DoubtedPick, Started
 from breastrig.workflow.fit_start import EarlierFit, with_earlier_start, with_stance, with_start
 
-STANCES = (AUTO, "standing", "supine")
 ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; none of them was followed."
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
 

@@ -13,9 +13,10 @@ from scipy.spatial.transform import Rotation
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BreastRigError
+from breastrig.core.stances import AUTO
 from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.studies.case import Scene, ready
-from breastrig.fitting.prepare_scan import AUTO, prepared
+from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.similarity import umeyama
 from breastrig.rig.model import Rig

@@ -16,7 +16,6 @@ from breastrig.rig.model import Rig
 
 FACTORS = (0.01, 0.1, 1.0, 10.0, 100.0)  # decades around the preset's own compliance
 COUNT_STEP = 5  # blendshapes added at a time
-ROTATIONS, QUICK_ROTATIONS = 24, 4  # per scan
 ORDERS = ("usefulness", "rig")
 
 

@@ -32,6 +32,7 @@ class Calibration(_Part):
     stretch: NotNegative  # of the posterior's standard deviations
     usual_scatter: Positive  # of picks as good as is said, see radii.py
     least_scatter: Positive  # share of the radii that the best of picks leave
+    least_scatter_hidden: Positive  # likewise where the scan shows no skin
     most_scatter: Positive  # and by how much the worst enlarge them
     landmarks: dict[str, Misfit]  # by name without its side; "other" for those that are not named
     regions: dict[str, Misfit]  # of the rig; "other" for vertices outside of all

@@ -33,12 +33,10 @@ def radii(posterior: Posterior) -> Radii | None:
     names = tuple(rig.landmark_names)
     spread = known.stretch**2 * posterior.landmark_variances(names)
     beyond = np.array([_of(known.landmark(name), name in task.landmarks) for name in names])
-    radius = HOLDS_90 * _scatter(posterior, known)
-    at_landmarks = radius * np.sqrt(spread + beyond**2)
-    seen = seen_vertices(posterior)
-    at_vertices = radius * np.sqrt(
-        known.stretch**2 * posterior.vertex_variances() + vertex_misfit(posterior, known, seen) ** 2
-    )
+    scatter, seen = _scatter(posterior, known), seen_vertices(posterior)
+    at_landmarks = HOLDS_90 * scatter * np.sqrt(spread + beyond**2)
+    at_vertices = HOLDS_90 * np.where(seen, scatter, max(scatter, known.least_scatter_hidden))
+    at_vertices *= np.sqrt(known.stretch**2 * posterior.vertex_variances() + vertex_misfit(posterior, known, seen) ** 2)
     return Radii(dict(zip(names, at_landmarks.tolist(), strict=True)), at_vertices)
 
 

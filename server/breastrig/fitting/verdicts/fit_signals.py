@@ -12,6 +12,7 @@ import numpy as np
 
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.body.statistics import body_statistics
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_normals, vertex_normals
@@ -37,7 +38,7 @@ class FitSignals:
     scan_p95: float  # m, from the scan to the model, where they face the same way
     explained: float  # share of those scan points within EXPLAINED
     facing: float  # share of the scan within the model's openings that faces as the model does
-    stretch: float  # root mean square of the logarithms of the bones' scales
+    stretch: float  # root mean square of the logarithms of the bones' scales, over those of the mean of bodies
     limits: float  # share of the shapes that ended at a limit
 
 
@@ -55,6 +56,8 @@ def fit_signals(rig: Rig, target: ScanTarget, x: RigParameters, clearness: float
     facing = np.einsum("mi,mi->m", out, target.normals[::stride]) > np.cos(ACCEPTED.max_angle)
     gaps = closest.distances[inside & facing]
     low, high = (np.array([getattr(shape, end) for shape in rig.shapes]) for end in ("min", "max"))
+    known = body_statistics(rig)
+    mean = 1.0 if known is None else known.mean_scales.reshape(x.scales.shape)
     at_limit = (x.weights <= low + 1e-6) | (x.weights >= high - 1e-6)
     some = len(found.vertices) > 0
     return FitSignals(
@@ -66,6 +69,6 @@ def fit_signals(rig: Rig, target: ScanTarget, x: RigParameters, clearness: float
         scan_p95=float(np.percentile(gaps, 95)) if len(gaps) else np.nan,
         explained=float((gaps <= EXPLAINED).mean()) if len(gaps) else np.nan,
         facing=float(facing[inside].mean()) if inside.any() else np.nan,
-        stretch=float(np.sqrt(np.mean(np.log(x.scales) ** 2))),
+        stretch=float(np.sqrt(np.mean(np.log(x.scales / mean) ** 2))),
         limits=float(at_limit.mean()) if len(at_limit) else 0.0,
     )

@@ -1,0 +1,18 @@
+"""`breastrig model info|check|build`: describe a rig, prove it sound, build ours from its sources."""
+
+import argparse
+from pathlib import Path
+
+from breastrig.cli.commands import COMMANDS
+
+
+def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser("model", help=COMMANDS["model"], description=__doc__)
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    for name, what in (
+        ("info", "bones, shapes, landmarks and drawings of a rig"),
+        ("check", "every rule that a rig must keep, one line each"),
+    ):
+        action = actions.add_parser(name, help=what)
+        action.add_argument("--model", type=Path, metavar="GLB", help="another rig than the package's torso")
+    actions.add_parser("build", help="build the torso from its sources (source checkout only)")
