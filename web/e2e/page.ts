@@ -1,11 +1,11 @@
 // What the browser tests share: the page with its record of errors, and the example patient's files.
 import { readFileSync } from "node:fs";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 import { expect, type Page, test as plain } from "@playwright/test";
 import type { LandmarkFile, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
 
-const EXAMPLE = join(process.env.BREASTRIG_E2E_EXAMPLES!, "standing"); // setup.ts made it
+const EXAMPLE = resolve(import.meta.dirname, "../../model_assets/example/standing"); // as fine as it is; the service's own is coarser
 export const SCAN_FILE = join(EXAMPLE, "scan.ply");
 
 /** The example's landmarks in millimetres, scan's frame. */

@@ -58,9 +58,9 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
     expect(await hook.pick(page, "nipple_L")).not.toEqual(landmarks.nipple_L!.point);
   });
 
-  await test.step("with the surface following the skin the fit is closer and says so", async () => {
+  await test.step("the surface follows the skin without being asked to, and the result says so", async () => {
     await page.keyboard.press("3");
-    await page.getByLabel("Follow the skin exactly").check();
+    await expect(page.getByLabel("Follow the skin")).toBeChecked();
     await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
     await untilFitted(page);
     const fit = (await hook.fit(page))!;
