@@ -41,7 +41,7 @@ pytest: page $(VENV)/.stamp-test
 	cores="$$(getconf _NPROCESSORS_ONLN)"; [ "$$cores" -lt 4 ] || cores=3; \
 	BREASTRIG_POSTGRES="$$(sh .ci/postgres.sh)" && export BREASTRIG_POSTGRES && \
 	    BREASTRIG_NGINX="$$(sh .ci/nginx.sh)" && export BREASTRIG_NGINX && \
-	    PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n "$$((cores + 1))" --dist loadfile \
+	    PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n "$$((cores + 1))" --dist loadfile --no-loadscope-reorder \
 	    --ignore=tests/faults/test_broken_surroundings.py --ignore=tests/faults/test_data_folder.py \
 	    --ignore=tests/scale/test_served_with_options.py # they are in `make faults` and `make scale`
 
