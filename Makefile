@@ -12,7 +12,7 @@ help:
 	@echo "make test    everything that must hold: check, unit tests of page and package, browser test"
 	@echo "make check   lint and types only"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
-	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: times as many as in make test)"
+	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: forty times as many as in make test)"
 	@echo "make scale   the service on PostgreSQL, S3 and a Dask cluster as well, a killed server and worker among it"
 	@echo "make faults  kill, fill, lock and leave: a table of what became of every fit   (KILLS=20)"
 	@echo "make load    clients that work, viewers, and readers of a large scan through a link: times, memory, errors   (LOAD=\"--seconds 60\")"
