@@ -12,7 +12,7 @@ help:
 	@echo "make test    everything that must hold: check, unit tests of page and package, browser test"
 	@echo "make check   lint and types only"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
-	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: times as many as in make test)"
+	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: forty times as many as in make test)"
 	@echo "make scale   the service on PostgreSQL, S3 and a Dask cluster as well, a killed server and worker among it"
 	@echo "make faults  kill, fill, lock and leave: a table of what became of every fit   (KILLS=20)"
 	@echo "make load    clients that work, viewers, and readers of a large scan through a link: times, memory, errors   (LOAD=\"--seconds 60\")"
@@ -41,7 +41,7 @@ pytest: page $(VENV)/.stamp-test
 	cores="$$(getconf _NPROCESSORS_ONLN)"; [ "$$cores" -lt 4 ] || cores=3; \
 	BREASTRIG_POSTGRES="$$(sh .ci/postgres.sh)" && export BREASTRIG_POSTGRES && \
 	    BREASTRIG_NGINX="$$(sh .ci/nginx.sh)" && export BREASTRIG_NGINX && \
-	    PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n "$$((cores + 1))" --dist loadfile \
+	    PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n "$$((cores + 1))" --dist loadfile --no-loadscope-reorder \
 	    --ignore=tests/faults/test_broken_surroundings.py --ignore=tests/faults/test_data_folder.py \
 	    --ignore=tests/scale/test_served_with_options.py # they are in `make faults` and `make scale`
 

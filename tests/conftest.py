@@ -23,6 +23,41 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 
+# What takes longest begins first, so that no worker is left with it at the end: by seconds of work, most of them first.
+LONGEST = (
+    "scale/test_both_installations.py",
+    "evaluation/test_evaluate.py",
+    "api/test_reports.py",
+    "interface/test_fit_interface.py",
+    "workflow/test_scan_orientation.py",
+    "api/test_real_server.py",
+    "cli/test_serve_command.py",
+    "faults/test_killed_server.py",
+    "workflow/test_verdict_of_fits.py",
+    "load/test_load.py",
+    "execution/test_dask_pool.py",
+    "contracts/test_readme.py",
+    "drawings/test_patterns.py",
+    "cli/test_report_command.py",
+    "examples/test_examples.py",
+    "evaluation/virtual/test_make_virtual_cohort.py",
+    "workflow/test_fuzz_bodies.py",
+    "cli/test_interruption.py",
+    "load/test_share_readers.py",
+    "scan/test_fuzz_inside.py",
+    "cli/test_outputs.py",
+    "fitting/test_robustness.py",
+    "api/test_shares.py",
+    "interface/test_pair_and_transfer.py",
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files of LONGEST first, the others as they were found."""
+    rank = {REPOSITORY / "tests" / name: place for place, name in enumerate(LONGEST)}
+    assert all(path.is_file() for path in rank), "LONGEST names a file that is not there any more"
+    items.sort(key=lambda item: rank.get(item.path, len(rank)))
+
 
 @pytest.fixture(scope="session", autouse=True)
 def remembered_uploads(tmp_path_factory: pytest.TempPathFactory) -> None:

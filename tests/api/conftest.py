@@ -11,7 +11,7 @@ import pytest
 from apiflask import APIFlask
 from flask.testing import FlaskClient
 from helpers import fake_fit, fake_proposals
-from helpers.remembered_uploads import remember_uploads
+from helpers.remembered_uploads import remembering_uploads
 from helpers.toy_rig import toy_rig
 from helpers.uploads import torso as torso_ply
 from werkzeug.test import TestResponse
@@ -34,9 +34,10 @@ class Client(FlaskClient):
         return super().open(*args, buffered=buffered, **kwargs)
 
 
-@pytest.fixture(scope="session", autouse=True)
-def no_upload_read_twice() -> None:
-    remember_uploads()
+@pytest.fixture(scope="module", autouse=True)
+def no_upload_read_twice() -> Iterator[None]:
+    with remembering_uploads():
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -2,7 +2,7 @@
 
 Most tests of the service upload one of a few scans first, and reading one takes more work than all that they ask about.
 What is remembered was read by the service's own reader in its own process; files lie in FOLDER, where processes of all
-tests find them.  A service remembers once `remember_uploads` was called in its process.
+tests find them.  A service remembers while `remember_uploads` or `remembering_uploads` has its process do so.
 """
 
 import hashlib
@@ -10,6 +10,8 @@ import json
 import os
 import shutil
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +27,17 @@ def remember_uploads() -> None:
     """For all services of this process from now on."""
     service.read_upload = read_upload_once
     preload([__name__])
+
+
+@contextmanager
+def remembering_uploads() -> Iterator[None]:
+    """The same inside the block."""
+    before = service.read_upload
+    remember_uploads()
+    try:
+        yield
+    finally:
+        service.read_upload = before
 
 
 def read_upload_once(job: UploadJob) -> dict[str, Any]:

@@ -9,16 +9,17 @@ import pytest
 from helpers.installations import Installation, Large, Small, make_bucket, s3_stand_in, two_workers
 from helpers.installed_service import Running, serving
 from helpers.postgres_server import PostgresServer, postgres_server
-from helpers.remembered_uploads import remember_uploads
+from helpers.remembered_uploads import remembering_uploads
 from helpers.toy_rig import toy_rig
 from helpers.uploads import torso as torso_ply
 
 from breastrig.gltf.write_rig import write_rig
 
 
-@pytest.fixture(scope="session", autouse=True)
-def no_upload_read_twice() -> None:
-    remember_uploads()
+@pytest.fixture(scope="module", autouse=True)
+def no_upload_read_twice() -> Iterator[None]:
+    with remembering_uploads():
+        yield
 
 
 @pytest.fixture(scope="session")

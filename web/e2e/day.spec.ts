@@ -129,10 +129,11 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   });
 
   await test.step("the measures are those of the API, as a table and as a file", async () => {
+    const asked = page.waitForResponse((answer) => answer.url().endsWith(`/api/fits/${standing}/measures.json?with=${supine}`));
     await page.locator("#measures").click();
     const dialog = page.getByRole("dialog", { name: "Measures" });
     await expect(dialog.locator("tbody tr").first()).toBeVisible();
-    const file = (await (await page.request.get(`${base}/api/fits/${standing}/measures.json?with=${supine}`)).json()) as MeasuresFile;
+    const file = (await (await asked).json()) as MeasuresFile;
     await expect(dialog.locator("thead .group[colspan]")).toHaveText(["Standing", "Supine", "Change: supine − standing"]);
     const names = [...new Set(file.measures.map(({ measure, kind }) => `${measure} ${kind}`))];
     expect(await dialog.locator("tbody tr[data-measure]").count()).toBe(names.length);

@@ -5,7 +5,7 @@ import { expect, type Page, test as plain } from "@playwright/test";
 import type { LandmarkFile, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
 
-const EXAMPLE = process.env.BREASTRIG_E2E_CASE ?? resolve(import.meta.dirname, "../../model_assets/example/standing");
+const EXAMPLE = resolve(import.meta.dirname, "../../model_assets/example/standing"); // as fine as it is; the service's own is coarser
 export const SCAN_FILE = join(EXAMPLE, "scan.ply");
 
 /** The example's landmarks in millimetres, scan's frame. */

@@ -8,12 +8,19 @@ import { delimiter, join, resolve } from "node:path";
 export const REPOSITORY = resolve(import.meta.dirname, "../..");
 const PATIENCE_MS = 60_000;
 
-/** The installed command: of the environment that runs us, else of the checkout's own. */
-export function findCommand(): string {
+/** The Python of the environment that has breastrig: of the one that runs us, else of the checkout's own. */
+export function findPython(): string {
   const folders = [...(process.env.PATH ?? "").split(delimiter), join(REPOSITORY, ".venv", "bin")];
-  const found = folders.map((folder) => join(folder, "breastrig")).find((path) => existsSync(path));
+  const found = folders.find((folder) => existsSync(join(folder, "breastrig")));
   if (!found) throw new Error("The browser test needs the breastrig command: run `make test`, which installs it.");
-  return found;
+  return join(found, "python");
+}
+
+/** A program of tests/helpers: its path, and the environment in which it finds the others. */
+export function helper(name: string): { path: string; env: NodeJS.ProcessEnv } {
+  const tests = join(REPOSITORY, "tests");
+  const places = [tests, process.env.PYTHONPATH].filter(Boolean).join(delimiter);
+  return { path: join(tests, "helpers", name), env: { ...process.env, PYTHONPATH: places } };
 }
 
 function freePort(): Promise<number> {
@@ -47,7 +54,8 @@ export async function startService(environment: Record<string, string> = {}): Pr
   const data = mkdtempSync(join(tmpdir(), "breastrig-e2e-"));
   const base = `http://127.0.0.1:${await freePort()}`;
   const options = ["serve", "--host", "127.0.0.1", "--port", new URL(base).port, "--data", data];
-  const service = spawn(findCommand(), options, { env: { ...process.env, ...environment } });
+  const { path, env } = helper("serve_browser_tests.py");
+  const service = spawn(findPython(), [path, ...options], { env: { ...env, ...environment } });
   let said = "";
   let hasEnded = false;
   for (const stream of [service.stdout, service.stderr]) stream.on("data", (chunk: Buffer) => (said += chunk.toString()));
