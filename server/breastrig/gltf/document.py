@@ -198,11 +198,11 @@ class Document(Property):
 def _plain(value: Any) -> Any:
     """Dictionaries and lists without what is None or empty; an extension may be empty."""
     if isinstance(value, list):
-        return [_plain(each) for each in value]
-    if isinstance(value, dict):
+        return value if value and isinstance(value[-1], int | float) else [_plain(each) for each in value]
+    if hasattr(value, "__dataclass_fields__"):
+        entries = value.__dict__  # in the order of the fields
+    elif isinstance(value, dict):
         entries = value
-    elif hasattr(value, "__dataclass_fields__"):
-        entries = {name: getattr(value, name) for name in value.__dataclass_fields__}
     else:
         return value
     return {
