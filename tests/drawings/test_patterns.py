@@ -10,6 +10,7 @@ from breastrig.cli.pattern_words import PATTERN_WORDS
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import FittedSkin, angle_of, on_clock
 from breastrig.drawings.patterns import asked_drawing, known_drawings, offered_patterns, pattern_help, tumour_text
+from breastrig.geometry import geodesic
 from breastrig.geometry.geodesic import length
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -166,6 +167,18 @@ def test_the_new_nipple_lies_on_the_meridian_at_the_folds_height(torso: Rig, sag
             assert middle @ up == pytest.approx(fold + 1e-3 * above, abs=5e-4)
             meridian = skin.geodesics.path(skin.landmark(f"midclavicle_{side}"), skin.landmark(f"nipple_{side}"))
             assert np.linalg.norm(meridian[:, None] - skin.at(mark.points), axis=2).min() < 0.0045
+
+
+@pytest.mark.parametrize("body", ["template", "sagging"])
+def test_a_reduction_measures_from_few_places_and_those_together(
+    torso: Rig, sagging: np.ndarray, body: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What it costs: each time that something is measured takes a hundredth of a second, from however many places."""
+    times, made = [], geodesic.DistanceFields
+    monkeypatch.setattr(geodesic, "DistanceFields", lambda *words: times.append(len(words[1])) or made(*words))
+    drawn(torso, torso.template if body == "template" else sagging, "reduction")
+    assert len(times) <= 8
+    assert sum(times) <= 26
 
 
 def test_without_ptosis_the_nipple_stays(torso: Rig) -> None:

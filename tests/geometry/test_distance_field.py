@@ -106,6 +106,20 @@ def test_measured_from_several_places_at_once_it_is_the_same(rng: np.random.Gene
         assert (together.to_vertices(k)[~near] > together.reach[k]).all()
 
 
+def test_paths_looked_for_together_are_those_looked_for_alone(rng: np.random.Generator) -> None:
+    vertices, faces = crumpled(rng)
+    a, b = somewhere(faces, 8, rng), somewhere(faces, 8, rng)
+    together, kept = Geodesics(vertices, faces), Geodesics(vertices, faces)
+    kept.look_from(one(a, 1), np.inf)
+    kept.look_from(one(b, 2), 1e-3)  # not far enough
+    kept.look_from(one(b, 3), np.inf)
+    for ways in (together.paths(a, b), kept.paths(a, b)):
+        for k, way in enumerate(ways):
+            alone = Geodesics(vertices, faces).path(one(a, k), one(b, k))
+            assert length(way) == pytest.approx(length(alone), abs=1e-12)
+            np.testing.assert_allclose(way[[0, -1]], alone[[0, -1]], atol=1e-15)
+
+
 def test_two_parts_that_touch_in_a_point_are_connected_by_it() -> None:
     vertices = np.array([[-1.0, -1, 0], [-1, 1, 0], [0, 0, 0], [1, 1, 0], [1, -1, 0]])
     faces = np.array([[0, 2, 1], [2, 4, 3]])

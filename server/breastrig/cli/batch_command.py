@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     _check_places(options, rows)
     batch = Batch(rows, options.output, rig.sha256, options.again, run_fit, force=options.force)
     with exclusive(options.output):
-        executor = _executor(options)
+        executor = _executor(options, rows)
         try:
             with _orderly_end() as stop:
                 outcomes = _run(batch, executor, options.no_progress, stop)
@@ -67,10 +67,11 @@ def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow]) -> None
     check_inputs_kept(results, read)
 
 
-def _executor(options: argparse.Namespace) -> Executor:
+def _executor(options: argparse.Namespace, rows: Sequence[BatchRow]) -> Executor:
     limits = FitLimits()
     if options.scheduler is None:
-        preload(["breastrig.scan.formats.ply_obj_stl"])  # else each worker loads it with its first scan
+        if any(row.scan.suffix.lower() != ".ply" for row in rows):
+            preload(["breastrig.scan.formats.ply_obj_stl"])  # else each worker loads it with its first scan
         processes = Processes(options.jobs or limits.workers, memory_bytes=limits.memory_bytes)
         start_fork_server()
         return processes

@@ -32,7 +32,7 @@ ARC_ROUNDS = 3  # of adjusting its radius; each leaves about a tenth of the diff
 LIMBS = (50.0, 47.5, 45.0, 42.5, 40.0, 37.5, 35.0, 32.5, 30.0, 27.5, 25.0)  # mm, tried when no length is asked for
 FOLD_GAP = 0.005  # m that must stay between a limb and the fold, so that the horizontal limbs have a wedge to close
 FOLD_STEP = 0.001  # m between the points that are compared
-FOLD_REACH = 0.06  # m, how far is measured from the ends of the fold at once: as far as horizontal limbs often run
+WIDEST = 2.0  # of the areola's radius: as far as a keyhole's rim is from its centre, on all but the roundest breast
 
 
 class Reduction(BaseModel):
@@ -63,22 +63,33 @@ class Reduction(BaseModel):
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """Four lines for each side; BadDrawing when the pattern does not fit on the breast."""
         sides = ("L", "R") if self.side == "both" else (self.side,)
-        folds = {side: fold_line(skin, side) for side in sides}
         # both sides in step, so that what is measured from several places is measured at once
         rim = 0.5e-3 * self.areola_mm
         nipples = {side: skin.landmark(f"nipple_{side}") for side in sides}
-        skin.geodesics.look_from(joined([*nipples.values(), *(ends(fold) for fold in folds.values())]), FOLD_REACH)
-        new = {side: self._new_nipple(skin, side, nipples[side]) for side in sides}
-        skin.geodesics.look_from(joined(list(new.values())), 2.0 * rim)
+        clavicles = [skin.landmark(f"midclavicle_{side}") for side in sides]
+        folds = {side: _on_observers_left(skin, fold_line(skin, side)) for side in sides}
+        meridians = skin.geodesics.paths(joined(clavicles), joined(list(nipples.values())))
+        new = {
+            side: self._new_nipple(skin, side, nipples[side], way) for side, way in zip(sides, meridians, strict=True)
+        }
+        skin.geodesics.look_from(joined([*nipples.values(), *new.values()]), WIDEST * rim)
         arcs = {side: self._keyhole(skin, new[side]) for side in sides}
         skin.geodesics.look_from(joined([ends(arc) for arc in arcs.values()]), MARGIN * (1e-3 * self._limbs[0]))
+        lower = {side: self._limb_ends(skin, side, arcs[side], skin.at(folds[side])) for side in sides}
+        outer = skin.geodesics.paths(joined([ends(folds[side]) for side in sides]), joined([*lower.values()]))
         shapes: list[DrawnShape] = []
-        for side in sides:
-            shapes.append(self._cut(skin, side, arcs[side], folds[side]))
-            word, kept = SIDES[side], circle_around(skin, nipples[side], rim)
-            mark = circle_around(skin, new[side], MARK)
+        for number, side in enumerate(sides):
+            word = SIDES[side]
+            to_arc, from_arc = skin.geodesics.paths(lower[side], ends(arcs[side]))
+            first, last = outer[2 * number : 2 * number + 2]
+            parts = [first, to_arc, skin.at(arcs[side]), from_arc[::-1], last[::-1]]
+            corners = np.cumsum([len(part) - 1 for part in parts])[:-1]
+            cut = skin.nearest(np.concatenate([parts[0], *(part[1:] for part in parts[1:])]))
+            label = f"{word} keyhole and limbs of {1e3 * length(to_arc):.1f} mm"
+            kept, mark = circle_around(skin, nipples[side], rim), circle_around(skin, new[side], MARK)
             shapes += [
-                DrawnShape(f"wise_fold_{side}", f"{word} fold", False, FOLD, folds[side]),
+                DrawnShape(f"wise_{side}", label, False, CUT, cut, tuple(corners.tolist())),
+                DrawnShape(f"wise_fold_{side}", f"{word} fold", False, FOLD, fold_line(skin, side)),
                 DrawnShape(f"areola_{side}", f"{word} areola to keep", True, CUT, kept),
                 DrawnShape(f"new_nipple_{side}", f"new place of the {word} nipple", True, FOLD, mark),
             ]
@@ -88,21 +99,6 @@ class Reduction(BaseModel):
     def _limbs(self) -> tuple[float, ...]:
         """mm, the lengths that are tried."""
         return LIMBS if self.limb_mm is None else (self.limb_mm,)
-
-    def _cut(self, skin: FittedSkin, side: str, arc: SurfacePoints, fold: SurfacePoints) -> DrawnShape:
-        """Along the fold's end, a limb, the keyhole, the other limb, the fold's other end."""
-        first, last = (SurfacePoints(arc.faces[[k]], arc.barycentric[[k]]) for k in (0, -1))
-        lower = self._limb_ends(skin, side, (first, last), skin.at(fold))
-        # the observer sees the patient's left on his right: the arc begins on his left
-        start, finish = (SurfacePoints(fold.faces[[k]], fold.barycentric[[k]]) for k in (0, -1))
-        if (skin.at(start) - skin.at(finish))[0] @ skin.axes[:, 0] > 0.0:
-            start, finish = finish, start
-        way = skin.geodesics.path
-        parts = [way(start, lower[0]), way(lower[0], first), skin.at(arc), way(last, lower[1]), way(lower[1], finish)]
-        corners = np.cumsum([len(part) - 1 for part in parts])[:-1]
-        cut = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
-        label = f"{SIDES[side]} keyhole and limbs of {1e3 * length(parts[1]):.1f} mm"
-        return DrawnShape(f"wise_{side}", label, False, CUT, skin.nearest(cut), tuple(corners.tolist()))
 
     def _keyhole(self, skin: FittedSkin, new: SurfacePoints) -> SurfacePoints:
         """Clockwise for the observer, as long as the new areola's rim, which will be sewn to it."""
@@ -116,20 +112,19 @@ class Reduction(BaseModel):
             arc = on_clock(skin, new, radius, angles)
         return arc
 
-    def _limb_ends(
-        self, skin: FittedSkin, side: str, starts: tuple[SurfacePoints, SurfacePoints], fold: Array
-    ) -> list[SurfacePoints]:
+    def _limb_ends(self, skin: FittedSkin, side: str, arc: SurfacePoints, fold: Array) -> SurfacePoints:
         """The lower ends of both limbs, which must be equally long to be sewn together."""
+        starts = [SurfacePoints(arc.faces[[k]], arc.barycentric[[k]]) for k in (0, -1)]
         tree = cKDTree(resampled(fold, FOLD_STEP, False))
 
-        def ends_clear(limb: float) -> list[SurfacePoints] | None:
-            lower = [
-                on_clock(skin, start, 1e-3 * limb, np.array([np.pi + turn]))
-                for start, turn in zip(starts, (spread, -spread), strict=True)
-            ]
-            limbs = [
-                resampled(skin.geodesics.path(*both), FOLD_STEP, False) for both in zip(starts, lower, strict=True)
-            ]
+        def ends_clear(limb: float) -> SurfacePoints | None:
+            lower = joined(
+                [
+                    on_clock(skin, start, 1e-3 * limb, np.array([np.pi + turn]))
+                    for start, turn in zip(starts, (spread, -spread), strict=True)
+                ]
+            )
+            limbs = [resampled(way, FOLD_STEP, False) for way in skin.geodesics.paths(joined(starts), lower)]
             return lower if np.min(tree.query(np.concatenate(limbs))[0]) > FOLD_GAP else None
 
         spread, lengths = np.radians(self.limb_angle_deg) / 2.0, self._limbs
@@ -148,8 +143,8 @@ class Reduction(BaseModel):
             "(limb_mm), a narrower angle (limb_angle_deg) or a smaller areola (areola_mm)."
         )
 
-    def _new_nipple(self, skin: FittedSkin, side: str, nipple: SurfacePoints) -> SurfacePoints:
-        meridian = skin.geodesics.path(skin.landmark(f"midclavicle_{side}"), nipple)
+    def _new_nipple(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
+        """Where the (M, 3) m meridian, from the collarbone to the nipple, comes down to the fold's height."""
         heights: Array = meridian @ skin.axes[:, 1]
         fold = skin.at(skin.landmark(f"inframammary_fold_{side}"))[0] @ skin.axes[:, 1]
         wanted = fold + 1e-3 * self.nipple_above_fold_mm
@@ -169,6 +164,14 @@ class Reduction(BaseModel):
 def ends(line: SurfacePoints) -> SurfacePoints:
     """Its first point and its last."""
     return SurfacePoints(line.faces[[0, -1]], line.barycentric[[0, -1]])
+
+
+def _on_observers_left(skin: FittedSkin, fold: SurfacePoints) -> SurfacePoints:
+    """The fold beginning there, as the keyhole does: the observer sees the patient's left on his right."""
+    start, finish = skin.at(ends(fold))
+    if (start - finish) @ skin.axes[:, 0] > 0.0:
+        return SurfacePoints(fold.faces[::-1], fold.barycentric[::-1])
+    return fold
 
 
 def fold_line(skin: FittedSkin, side: str) -> SurfacePoints:

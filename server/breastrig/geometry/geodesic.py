@@ -27,9 +27,10 @@ from breastrig.geometry.normals import face_crosses
 from breastrig.geometry.split import split_flat, split_places
 from breastrig.geometry.surface_points import SurfacePoints
 
-RING = 8  # triangles between a circle's centre and its rim: a chord of the rim is off by radius / (8 · RING²)
+RING = 4  # triangles between a circle's centre and its rim, whose chords are half as long or less: off by radius / 512
 MARGIN = 1.01 + 1.0 / RING  # of the radius: what is measured around a circle, both ends of each edge that it crosses
 DETOURS = (1.1, 1.4, 2.0, np.inf)  # of the straight line: how long a path may be; the first that is enough counts
+TOUCHING = 1e-9  # m, as far as is looked when both ends are at one place
 Key = tuple[int, bytes]
 
 
@@ -73,17 +74,27 @@ class Geodesics:
 
         BadDrawing when no way leads from a to b.
         """
-        for start, end, way in ((a, b, 1), (b, a, -1)):
-            fields, number = self._fields.get(_keys(start)[0], (None, 0))
-            if fields is not None and fields.reaches(number, end):
-                return fields.path(number, end)[::way]
-        goal = b.positions(self.vertices, self.faces)
-        straight = float(np.linalg.norm(goal - a.positions(self.vertices, self.faces)))
+        return self.paths(a, b)[0]
+
+    def paths(self, a: SurfacePoints, b: SurfacePoints) -> list[Array]:
+        """The same from each of K points to its partner; looked for together, which costs little more than for one."""
+        found: dict[int, Array] = {}
+        for k, (start, end) in enumerate(zip(_keys(a), _keys(b), strict=True)):
+            for key, goal, way in ((start, _one(b, k), 1), (end, _one(a, k), -1)):
+                fields, number = self._fields.get(key, (None, 0))
+                if k not in found and fields is not None and fields.reaches(number, goal):
+                    found[k] = fields.path(number, goal)[::way]
+        goals = b.positions(self.vertices, self.faces)
+        straight = np.linalg.norm(goals - a.positions(self.vertices, self.faces), axis=1)
         for detour in DETOURS:
-            fields = DistanceFields(self._mesh, a, np.array([detour * straight + 1e-9]), goal)
-            if fields.reaches(0, b):
-                return fields.path(0, b)
-        raise BadDrawing("The two points lie on parts of the surface that are not connected; choose others.")
+            left = [k for k in range(len(a)) if k not in found]
+            if left:
+                sources = SurfacePoints(a.faces[left], a.barycentric[left])
+                fields = DistanceFields(self._mesh, sources, detour * straight[left] + TOUCHING, goals[left])
+                found |= {k: fields.path(n, _one(b, k)) for n, k in enumerate(left) if fields.reaches(n, _one(b, k))}
+        if len(found) < len(a):
+            raise BadDrawing("The two points lie on parts of the surface that are not connected; choose others.")
+        return [found[k] for k in range(len(a))]
 
     def circle(self, face: int, barycentric: Array, radius: float) -> Array:
         """(M, 3) m: the closed line of points at `radius` (m) along the mesh, counter-clockwise from outside."""
@@ -132,6 +143,10 @@ def length(points: Array, closed: bool = False) -> float:
 
 def _keys(points: SurfacePoints) -> list[Key]:
     return [(int(face), place.tobytes()) for face, place in zip(points.faces, points.barycentric, strict=True)]
+
+
+def _one(points: SurfacePoints, k: int) -> SurfacePoints:
+    return SurfacePoints(points.faces[[k]], points.barycentric[[k]])
 
 
 def _compact(vertices: Array, faces: Integers) -> tuple[Array, Integers, Integers]:

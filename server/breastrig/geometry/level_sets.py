@@ -58,34 +58,35 @@ def longest_loop(faces: Integers, values: Array, level: float) -> Isoline | None
     mixed = np.flatnonzero((a != b) | (b != c))
     if len(mixed) == 0:
         return None
-    ends = np.stack([faces[mixed], np.roll(faces[mixed], -1, axis=1)], axis=2)  # (M, 3, 2)
-    crossing = above[ends[..., 0]] != above[ends[..., 1]]  # two of three
-    pairs = np.sort(ends[crossing].reshape(-1, 2), axis=1)
-    keys, which = np.unique(pairs[:, 0] * len(values) + pairs[:, 1], return_inverse=True)  # rows would sort slowly
-    edges = np.stack(np.divmod(keys, len(values)), axis=1)
-    segments = which.reshape(-1, 2)
-    around: list[list[tuple[int, int]]] = [[] for _ in edges]
-    for face, (one, other) in zip(mixed.tolist(), segments.tolist(), strict=True):
-        around[one].append((other, face))
-        around[other].append((one, face))
-    best, best_open = ([], []), 0  # type: tuple[list[int], list[int]], int
-    seen = np.zeros(len(edges), dtype=np.bool_)
-    for first in sorted(range(len(edges)), key=lambda edge: len(around[edge])):  # open ends first
-        if seen[first]:
-            continue
-        line, owners, here = [], [], first
+    corners = faces[mixed]
+    starts, stops = corners.ravel(), corners[:, [1, 2, 0]].ravel()
+    crossing = np.flatnonzero(above[starts] != above[stops])  # two edges of each triangle
+    starts, stops = starts[crossing], stops[crossing]
+    keys = np.minimum(starts, stops) * len(values) + np.maximum(starts, stops)  # rows would sort slowly
+    unique, which = np.unique(keys, return_inverse=True)
+    edges = np.stack(np.divmod(unique, len(values)), axis=1)
+    # of each edge its neighbours on the line, in the order of their triangles: one at an open end, else two
+    order = np.argsort(which, kind="stable")
+    others, owners = which[order ^ 1], mixed[order // 2]
+    firsts = np.searchsorted(which[order], np.arange(len(edges) + 1))
+    ways = np.diff(firsts)
+    one, other = others[firsts[:-1]].tolist(), others[firsts[1:] - 1].tolist()
+    seen = [False] * len(edges)
+    best: list[int] = []
+    best_open = 0
+    for first in np.argsort(ways, kind="stable").tolist():  # open ends first
+        line, here = [], first
         while not seen[here]:
             seen[here] = True
             line.append(here)
-            owners.append(around[here][0][1])
-            here = next((other for other, _ in around[here] if not seen[other]), here)
-        if len(around[first]) == 1:
+            here = other[here] if seen[one[here]] else one[here]
+        if ways[first] == 1:
             best_open = max(best_open, len(line))
-        elif len(line) > len(best[0]):
-            best = (line, owners)
-    if len(best[0]) < 3 or best_open > len(best[0]):
+        elif len(line) > len(best):
+            best = line
+    if len(best) < 3 or best_open > len(best):
         return None
-    return Isoline(edges[best[0]], np.array(best[1], dtype=np.int64))
+    return Isoline(edges[best], owners[firsts[best]])
 
 
 def _cut(vertices: Array, values: Array, level: float, edges: Integers) -> Array:

@@ -96,13 +96,11 @@ def json_of(document: Document) -> bytes:
 def _plain(value: Any) -> Any:
     """Dictionaries and lists without what is None or empty; an extension may be empty."""
     if isinstance(value, list):
-        return [_plain(each) for each in value]
-    if isinstance(value, Attributes):
-        entries = vars(value)  # it takes any name
+        return value if value and isinstance(value[-1], int | float) else [_plain(each) for each in value]
+    if dataclasses.is_dataclass(value):
+        entries = vars(value)  # in the order of the fields; Attributes take any name
     elif isinstance(value, dict):
         entries = value
-    elif dataclasses.is_dataclass(value):
-        entries = {name: getattr(value, name) for name in value.__dataclass_fields__}
     else:
         return value
     return {

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.correspondence.match import MatchRules, match
+from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.closest_point import ClosestPointSearch
@@ -27,6 +27,7 @@ class SurfaceDistances:
 
     model: Array  # (V,) m
     scan: Array  # (M,) m
+    signed: Array  # (V,) m, of the model's vertices: above zero where they lie outside the scan's skin
 
 
 def summary_mm(distances: Array) -> dict[str, float | None]:
@@ -54,12 +55,16 @@ def surface_distances(target: ScanTarget, vertices: Array, faces: Integers) -> S
     on_rim = boundary_vertices(faces, len(vertices))[faces[closest.faces]]
     inside = (closest.barycentric * on_rim).sum(axis=1) < 0.999  # beyond an opening of the model: out of reach
     agree = np.einsum("mi,mi->m", face_normals(vertices, faces)[closest.faces], normals) > np.cos(ACCEPTED.max_angle)
-    return SurfaceDistances(model, closest.distances[inside & agree & (closest.distances <= REACH)])
+    scan = closest.distances[inside & agree & (closest.distances <= REACH)]
+    return SurfaceDistances(model, scan, _signed(accepted, vertices))
 
 
 def signed_distances(target: ScanTarget, vertices: Array, faces: Integers) -> Array:
     """(V,) m, above zero where the model lies outside the scan's skin; nan where no pair was accepted."""
-    found = match(target, vertices, vertex_normals(vertices, faces), ACCEPTED)
+    return _signed(match(target, vertices, vertex_normals(vertices, faces), ACCEPTED), vertices)
+
+
+def _signed(found: Correspondences, vertices: Array) -> Array:
     result = np.full(len(vertices), np.nan)
     outside = np.einsum("mi,mi->m", vertices[found.vertices] - found.points, found.normals)
     result[found.vertices] = np.where(outside < 0.0, -found.distances, found.distances)

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.report.bands import banded, half_width, ratio_half_width
+from breastrig.report.bands import OF_RATIO, banded, half_width, ratio_half_width
 from breastrig.report.body_frame import BodyFrame
 from breastrig.report.stance import Place, Stance
 from breastrig.report.table import Row
@@ -34,7 +34,7 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     names = tuple(map(str, nipples))
     how = "of left and right, the smaller over the larger: "
     level = max(0.0, 1.0 - abs(heights[0] - heights[1]) / max(apart, 1e-9))
-    at = [half_width([place.radius]) for place in nipples]
+    at = [half_width([place.radius], OF_RATIO) for place in nipples]
     half = None if None in at else float(np.linalg.norm(np.array(at, dtype=np.float64))) / max(apart, 1e-9)
     yield _row(
         "M1", "nipple heights", level, half, names, "1 less their difference in height over their distance across"
@@ -61,9 +61,9 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     if "suprasternal_notch" in known:
         notch = known["suprasternal_notch"]
         drop = float(frame.height(notch.point)) - lowest
-        halves = [half_width([notch.radius, radius]) for radius in low_radii]
+        halves = [half_width([notch.radius, radius], OF_RATIO) for radius in low_radii]
         yield _row("M5", "lowest point to notch", *_ratio(drop, halves), (str(notch), *outline), how + "in height")
-    halves = [half_width([radius]) for radius in far_radii]
+    halves = [half_width([radius], OF_RATIO) for radius in far_radii]
     yield _row("M6", "lateral end to midline", *_ratio(lateral, halves), outline, how + "across")
 
 

@@ -18,7 +18,6 @@ chest the skin stands upright on that plane.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import RBFInterpolator
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -37,6 +36,7 @@ BORDER_DISTANCES = (
     0.010,
     0.020,
 )  # m outside the outline; farther out: another slope, and the other breast
+WIDENED = 1.4  # of the band: alone it held 85 % of warped bodies' volumes with picks 5 mm off, 73 % without picks
 SPACING = 0.003  # m between points of the outline: well below the mesh's edges
 SMOOTHING = 1e-5  # of the spline, in units of the chest's radius: keeps points on top of each other solvable
 METHOD = (
@@ -71,6 +71,8 @@ def volume_above(
 
     `inside` (V,) m is the distance to the outline, above zero within it.  (0, 0) when nothing is inside.
     """
+    from scipy.interpolate import RBFInterpolator  # 0.2 s to load, for reports alone
+
     patch, triangles = part_above(vertices, faces, inside, level)
     if not len(triangles):
         return 0.0, 0.0
@@ -133,8 +135,8 @@ def breast_volume(stance: Stance, side: str) -> Volume | None:
     hidden = area * float(np.abs(known).mean()) if len(known) else 0.0
     return Volume(
         value=value,
-        low=value - float(np.hypot(value - low[0], hidden)),
-        high=value + float(np.hypot(high[0] - value, hidden)),
+        low=value - WIDENED * float(np.hypot(value - low[0], hidden)),
+        high=value + WIDENED * float(np.hypot(high[0] - value, hidden)),
         area=area,
         seen=len(known) / max(len(gaps), 1),
     )

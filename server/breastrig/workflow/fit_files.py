@@ -10,6 +10,7 @@ import numpy as np
 from breastrig import __version__
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
+from breastrig.core.indented_json import indented
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import private_folder, write_private
 from breastrig.drawings.drawing_file import shape_document
@@ -19,7 +20,6 @@ from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
 from breastrig.report.distances import (
     landmark_summary_mm,
-    signed_distances,
     summary_mm,
     surface_summary_mm,
 )
@@ -122,8 +122,7 @@ def distances_bin(outcome: FitOutcome) -> bytes:
 
     Above zero the model lies outside the scan's skin.
     """
-    signed = signed_distances(outcome.target, outcome.vertices, outcome.rig.faces)
-    return (1e3 * signed).astype("<f4").tobytes()
+    return (1e3 * outcome.distances.signed).astype("<f4").tobytes()
 
 
 def uncertainty_bin(outcome: FitOutcome) -> bytes:
@@ -133,7 +132,8 @@ def uncertainty_bin(outcome: FitOutcome) -> bytes:
 
 
 def json_bytes(document: object) -> bytes:
-    return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
+    """Indented by one; ValueError for a number that is not finite."""
+    return (indented(document) + "\n").encode()
 
 
 def fit_file(outcome: FitOutcome, name: str) -> bytes:

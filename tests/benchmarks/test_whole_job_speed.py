@@ -1,0 +1,63 @@
+"""From the scan's file to all result files, in the program and from the shell, and what a pattern in mm adds."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.example_fit import indexed_scan
+
+from breastrig.drawings.patterns import asked_drawing
+from breastrig.workflow.run_fit import FitJob, run_fit
+
+ROUNDS = 7
+ITERATIONS = 10  # of the default preset on this scan, about
+
+
+def test_whole_job(
+    benchmark: Any, row: Callable[..., None], in_turn: Callable[..., Any], floor: Any, scan_50k: Path, tmp_path: Path
+) -> None:
+    def kernels() -> None:
+        indexed_scan(scan_50k)
+        for _ in range(ITERATIONS):
+            floor()
+
+    yardstick = in_turn(kernels)
+    benchmark.pedantic(
+        lambda: list(run_fit(FitJob(scan_50k, tmp_path / "out", {}))),
+        setup=yardstick,
+        rounds=ROUNDS,
+        warmup_rounds=1,
+    )
+    share = yardstick.ratio(benchmark)
+    row("whole job, file to files", benchmark, f"{share:.2f} of indexing and {ITERATIONS} floors; aim: 2")
+
+
+@pytest.mark.parametrize("text", ["reduction", "tumour:L,10,45,12"])
+def test_patterns(
+    benchmark: Any, row: Callable[..., None], in_turn: Callable[..., Any], floor: Any, task: Any, text: str
+) -> None:
+    asked, yardstick = asked_drawing(task.rig, text), in_turn(floor, ITERATIONS)
+    benchmark.pedantic(
+        lambda: asked.on_model(task.rig, task.rig.template), setup=yardstick, rounds=ROUNDS, warmup_rounds=1
+    )
+    row(f"drawing {text.partition(':')[0]}", benchmark, f"{yardstick.ratio(benchmark):.2f} of {ITERATIONS} floors")
+
+
+@pytest.mark.parametrize("words", ["fit --help", "fit SCAN -o OUT"])
+def test_from_the_shell(
+    benchmark: Any, row: Callable[..., None], in_turn: Callable[..., Any], scan_50k: Path, tmp_path: Path, words: str
+) -> None:
+    """A process counts by the clock on the wall only."""
+
+    def python(*arguments: str) -> None:
+        subprocess.run([sys.executable, *arguments], check=True, capture_output=True)
+
+    command = words.replace("SCAN", str(scan_50k)).replace("OUT", str(tmp_path / "out")).split()
+    empty = in_turn(lambda: python("-c", "import numpy"))
+    benchmark.pedantic(
+        lambda: python("-m", "breastrig.cli.entry", *command), setup=empty, rounds=ROUNDS, warmup_rounds=1
+    )
+    row(f"breastrig {words}", benchmark, f"{empty.ratio(benchmark):.2f} of python -c 'import numpy'")
