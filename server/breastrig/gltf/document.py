@@ -97,10 +97,12 @@ def _plain(value: Any) -> Any:
     """Dictionaries and lists without what is None or empty; an extension may be empty."""
     if isinstance(value, list):
         return value if value and isinstance(value[-1], int | float) else [_plain(each) for each in value]
-    if dataclasses.is_dataclass(value):
-        entries = vars(value)  # in the order of the fields; Attributes take any name
+    if isinstance(value, Attributes):
+        entries = vars(value)  # they take any name
     elif isinstance(value, dict):
         entries = value
+    elif dataclasses.is_dataclass(value):
+        entries = {name: getattr(value, name) for name in value.__dataclass_fields__}
     else:
         return value
     return {
