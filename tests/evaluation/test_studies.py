@@ -13,6 +13,7 @@ from breastrig.evaluation.page.charts import has_numbers
 from breastrig.evaluation.page.figures import reliability_figure
 from breastrig.evaluation.studies.case import read_scene
 from breastrig.evaluation.studies.certainty import GIVEN, NOT_GIVEN, certainty
+from breastrig.evaluation.studies.measures import measures_study
 from breastrig.evaluation.studies.orientation import turned, without_table, wrong_way
 from breastrig.evaluation.studies.reference_fit import reference_fit
 from breastrig.evaluation.studies.reliability import LEVELS, held_at_levels
@@ -20,6 +21,7 @@ from breastrig.evaluation.studies.sensitivity import TERMS, scaled_compliance, w
 from breastrig.evaluation.studies.transfer import ALL
 from breastrig.evaluation.studies.unseen import CUTS, cut_fit, unseen, whole_fit
 from breastrig.evaluation.tables.certainty import CARRIED, held, levels_held, reliability_table
+from breastrig.evaluation.tables.measures import measures_table
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
@@ -167,11 +169,12 @@ def test_radii_of_a_scatter_in_two_directions_hold_what_they_say(rng: np.random.
     np.testing.assert_allclose(np.array(counts) / total, LEVELS, atol=0.005)
 
 
-def test_the_reliability_of_places_and_carried_lines_adds_up_over_cases() -> None:
-    def record(question: str, answer: dict[str, object]) -> SimpleNamespace:
-        unit = SimpleNamespace(question=question, recipe=SimpleNamespace(name="default"))
-        return SimpleNamespace(unit=unit, failed=None, answer=answer)
+def record(question: str, answer: dict[str, object]) -> SimpleNamespace:
+    unit = SimpleNamespace(question=question, recipe=SimpleNamespace(name="default"))
+    return SimpleNamespace(unit=unit, failed=None, answer=answer)
 
+
+def test_the_reliability_of_places_and_carried_lines_adds_up_over_cases() -> None:
     fit = record("certainty", {"exact": {"levels": {GIVEN: [5, 8, 9, 10, 10]}}})
     row = {"picks": "true", "line": ALL, "region": ALL, "levels": [1, 2, 3, 4, 4]}
     carried = record("transfer", {"rows": [row, row | {"region": "chest"}, row | {"picks": "5 mm off"}]})
@@ -195,3 +198,20 @@ def test_held_adds_up_over_cases_and_places() -> None:
     assert held([record, broken, record], "exact", "landmarks") == (8, 10)
     assert held([record], "exact", "landmarks", "a") == (3, 4)
     assert held([record], "half", "skin") == (0, 0)
+
+
+def test_measures_are_compared_with_those_of_the_true_surface(cohort: Path, rig: Rig) -> None:
+    scene = read_scene(read_cohort(cohort)[0])
+    answer = measures_study(scene, rig, load_recipe("default"))
+    straight = {row[0]: row for row in answer["exact"] if row[1] == "straight"}
+    _, _, unit, true, found, low, high = straight["notch_nipple"]
+    assert unit == "mm"
+    assert found == pytest.approx(true, abs=1e-6)  # between true picks
+    assert low < true < high
+    assert len(answer["none"]) == len(answer["exact"])
+    table = measures_table([record("measures", answer)])
+    names = [column.name for column in table.columns]
+    for row in table.rows:
+        cells = dict(zip(names, row.cells, strict=True))
+        assert cells["none_error"] is not None
+        assert cells["exact_held"] in (0.0, 50.0, 100.0)

@@ -8,6 +8,7 @@ from breastrig.evaluation.studies.plan import Plan, shape_effects
 from breastrig.evaluation.studies.result_cache import Record, records
 from breastrig.evaluation.tables import accuracy as tables
 from breastrig.evaluation.tables import certainty as certainty_tables
+from breastrig.evaluation.tables import measures as measures_tables
 from breastrig.evaluation.tables import studies as study_tables
 from breastrig.evaluation.tables import transfer as transfer_tables
 from breastrig.evaluation.tables import unseen as unseen_tables
@@ -65,6 +66,7 @@ def all_tables(results: Results) -> list[Table]:
         certainty_tables.certainty_table(found),
         certainty_tables.reliability_table(found),
         certainty_tables.believed_table(found),
+        measures_tables.measures_table(found),
         tables.failures_table(found),
     ]
     return [table for table in made if table.rows]

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.evaluate import Results
 from breastrig.evaluation.page import certainty_section, sections, transfer_sections, unseen_sections
+from breastrig.evaluation.page.measures_section import measures_section
 from breastrig.evaluation.page.section import Section, capital, mm
 from breastrig.evaluation.tables.accuracy import FAMILIES
 from breastrig.evaluation.tables.studies import PICKS
@@ -165,6 +166,8 @@ def all_sections(results: Results, tables: dict[str, Table]) -> list[Section]:
         found.append(unseen_sections.unseen_section(results.records))
     if "certainty" in tables:
         found.append(certainty_section.certainty_section(results.records))
+    if "measures" in tables:
+        found.append(measures_section(tables["measures"]))
     if "blendshapes" in tables:
         found.append(blendshapes(tables["blendshapes"], tables["blendshape_order"], results.plan.cases))
     if "compliances" in tables:

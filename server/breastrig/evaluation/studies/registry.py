@@ -9,6 +9,7 @@ from breastrig.evaluation.studies import accuracy, certainty, peers, sensitivity
 from breastrig.evaluation.studies import landmarks as landmark_study
 from breastrig.evaluation.studies import orientation as orientation_study
 from breastrig.evaluation.studies.case import read_scene
+from breastrig.evaluation.studies.measures import measures_study
 from breastrig.evaluation.studies.other_patient import other_patient
 from breastrig.evaluation.studies.transfer import transfer_study
 from breastrig.evaluation.studies.two_stances import gain
@@ -44,6 +45,7 @@ ANSWERS: dict[str, Answer] = {
     "shape_count": _of_one_case(sensitivity.shape_count),
     "unseen": _of_one_case(unseen.unseen),
     "certainty": _of_one_case(certainty.certainty),
+    "measures": _of_one_case(measures_study),
     "peer": _of_one_case(peers.peer),
     "two_stances": two_stances,
     "transfer": transfer_study,
