@@ -102,6 +102,12 @@ function ofModelAlone({ refined, model_alone: alone }: Result): HTMLElement[] {
   return [block(words.aloneBlock, words.aloneHint, [[words.mean, formatMm(surface.mean), "mm"], ...spread(surface), ...landmarks])];
 }
 
+/** "3 to 8", or one number where all round to the same. */
+function formatRange(radii: readonly number[]): string {
+  const [least, most] = [Math.min(...radii), Math.max(...radii)].map((mm) => Math.round(mm));
+  return least === most ? `${most}` : `${least} to ${most}`;
+}
+
 const verdictLines = ({ level, reasons }: NonNullable<Result["verdict"]>): HTMLElement[] => [
   el("p", { class: "label" }, words.verdicts[level]),
   ...reasons.map((reason) => el("p", {}, reason)),
@@ -114,11 +120,12 @@ export function createNumbersPanel(): Panel<Shown> {
   const of = el("span", { class: "muted" });
   const alone = el("p", { class: "muted alone", title: words.aloneHint, hidden: true });
   const hero = el("p", { class: "hero" }, mean, el("span", { class: "unit" }, " mm "), of);
+  const sure = el("p", { class: "muted alone", title: words.eachHint, hidden: true });
   const verdict = el("div", { class: "look-here verdict", role: "status", hidden: true });
   const curve = createDistanceCurve();
   const body = el("div", { class: "numbers-body" });
   const before = el("p", { class: "muted" }, words.before);
-  const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, hero, alone, verdict, curve.element, body);
+  const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, hero, alone, sure, verdict, curve.element, body);
   return {
     element,
     select: only("meta", "fit"),
@@ -135,6 +142,9 @@ export function createNumbersPanel(): Panel<Shown> {
       show(alone, ofModel !== undefined);
       setText(alone, ofModel === undefined ? "" : words.alone(formatMm(ofModel)));
       const judged = result?.verdict;
+      const radii = Object.values(result?.landmark_uncertainty_mm ?? {});
+      show(sure, radii.length > 0);
+      setText(sure, radii.length === 0 ? "" : words.sure(judged ? words.levels[judged.level] : "", formatRange(radii)));
       show(verdict, judged != null && judged.level !== "good");
       fill(verdict, [fit?.id, judged?.level, judged?.reasons.join()], () => (judged ? verdictLines(judged) : []));
       curve.update(state);

@@ -39,6 +39,8 @@ export const distances = {
 export const numbers = {
   title: "Numbers",
   verdicts: { good: "", check: "Check this fit", unusable: "This fit is not usable" },
+  levels: { good: "good fit: ", check: "", unusable: "" },
+  sure: (level: string, range: string) => `${level}landmarks ± ${range} mm`,
   before: "They appear here while the model is being fitted.",
   live: "This iteration",
   surface: "Model to scan",
