@@ -91,7 +91,7 @@ test("cells have the digits that a measure is worth, and a sign where a directio
 test("the file has the command line's columns and quotes what needs it", () => {
   const [head, first] = measuresCsv([row("standing", { left: 1.5, method: 'a "b", c' })]).split("\r\n");
   expect(head).toBe("stance,measure,kind,unit,left,left_low,left_high,right,right_low,right_high,difference,value,value_low,value_high,landmarks,method");
-  expect(first).toBe('standing,notch to nipple,along the skin,mm,1.5,,,,,,,,,"a ""b"", c"');
+  expect(first).toBe('standing,notch to nipple,along the skin,mm,1.5,,,,,,,,,,,"a ""b"", c"');
 });
 
 const CARRIED: CarriedDrawing = {
