@@ -26,7 +26,8 @@ def of_the_asymmetric(asymmetric: Stance) -> dict[tuple[str, str], Row]:
 def test_every_length_is_given_straight_and_along_the_skin_and_says_how(
     of_the_asymmetric: dict[tuple[str, str], Row],
 ) -> None:
-    for name in LENGTHS:
+    assert ("base_width", "along the skin") not in of_the_asymmetric  # callipers measure it
+    for name in LENGTHS[:-1]:
         straight, tape = of_the_asymmetric[name, "straight"], of_the_asymmetric[name, "along the skin"]
         for row in (straight, tape):
             assert row.landmarks
@@ -114,3 +115,31 @@ def test_a_rig_without_outlines_has_the_lengths_that_its_landmarks_allow(toy_rig
         ("M1", "ratio"),
         ("M3", "ratio"),
     }
+
+
+def test_the_base_is_as_wide_as_its_outline_and_measured_straight_across(at_rest: Stance) -> None:
+    width = by_name(measures(at_rest))["base_width", "straight"].left
+    outline = at_rest.shape("breast_base_L")
+    assert width is not None
+    assert outline is not None
+    line = outline.points.positions(at_rest.vertices, at_rest.rig.faces)
+    level = 1e3 * max(np.linalg.norm(a - b) for a in line for b in line if abs(a[1] - b[1]) < 0.002)
+    assert width.value == pytest.approx(level, abs=1.0)
+
+
+def test_bands_are_as_wide_as_the_radii_of_the_ends_say(at_rest: Stance) -> None:
+    radii = dict.fromkeys(at_rest.rig.landmark_names, 0.003) | {"nipple_L": 0.004}
+    known = replace(at_rest, landmark_radii=radii, radii=np.full(len(at_rest.vertices), 0.006))
+    rows = by_name(measures(known))
+    notch = rows["notch_nipple", "straight"].left
+    assert notch is not None
+    assert notch.low is not None
+    assert notch.high is not None
+    assert notch.high - notch.value == pytest.approx(5.0)
+    assert notch.value - notch.low == pytest.approx(5.0)
+    for row in rows.values():
+        for value in (row.left, row.right, row.value):
+            assert value is None or (value.low is not None and value.low <= value.value <= (value.high or 0.0))
+    assert rows["M1", "ratio"].value.high == 1.0  # a ratio cannot be more
+    for row in measures(at_rest):
+        assert row.kind == "volume" or all(value is None or value.low is None for value in (row.left, row.value))

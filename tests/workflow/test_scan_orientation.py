@@ -95,7 +95,7 @@ def test_the_time_that_finding_the_stance_takes_is_time_of_solving(
     monkeypatch.setattr("breastrig.workflow.scan_fit.time.perf_counter", lambda: float(next(now)))
     done = events_of(EXAMPLE / "scan.ply", tmp_path, PICKS)[-1]
     timing = done.result["timing_s"]
-    assert set(timing) == {"read", "prepare", "align", "solve", "total"}
+    assert set(timing) == {"read", "prepare", "align", "solve", "refine", "total"}
     assert timing["align"] <= 2.0
     assert timing["solve"] > timing["read"] + timing["prepare"] + timing["align"]
     assert timing["read"] + timing["prepare"] + timing["align"] + timing["solve"] <= timing["total"]
