@@ -30,7 +30,7 @@ def picks() -> dict[str, list[float]]:
 
 
 def fitted(out: Path, landmarks: dict[str, list[float]]) -> Path:
-    *_, last = run_fit(FitJob(scan=EXAMPLE / "scan.ply", out=out, landmarks_mm=landmarks))
+    *_, last = run_fit(FitJob(scan=EXAMPLE / "scan.ply", out=out, landmarks_mm=landmarks, refine=False))
     assert isinstance(last, Done)
     return out
 
