@@ -120,7 +120,7 @@ export function createNumbersPanel(): Panel<Shown> {
   const of = el("span", { class: "muted" });
   const alone = el("p", { class: "muted alone", title: words.aloneHint, hidden: true });
   const hero = el("p", { class: "hero" }, mean, el("span", { class: "unit" }, " mm "), of);
-  const sure = el("p", { class: "muted alone", title: words.eachHint, hidden: true });
+  const sure = el("p", { class: "muted sure", title: words.eachHint, hidden: true });
   const verdict = el("div", { class: "look-here verdict", role: "status", hidden: true });
   const curve = createDistanceCurve();
   const body = el("div", { class: "numbers-body" });
