@@ -27,6 +27,7 @@ export function fitLinks(id: string) {
     drawing: at("drawing.json"),
     distances: at("distances.bin"),
     uncertainty: at("uncertainty.bin"),
+    plan: at("plan.json"),
     measures: at("measures.json"),
     cancel: at("cancel"),
     shares: at("shares"),

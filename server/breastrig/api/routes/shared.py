@@ -18,6 +18,7 @@ from breastrig.api.routes.share_credential import begin_visit, close_visit, cook
 from breastrig.api.routes.shares import SHARES_TAG
 from breastrig.api.wire import files as wire_files
 from breastrig.api.wire import shares as wire_shares
+from breastrig.api.wire.patients import PlanOnScan
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import NotFound
 from breastrig.drawings.drawing_schema import DrawingFile
@@ -129,6 +130,14 @@ def show_drawing(share_id: str) -> Response:
     return _fit_file(share_id, "drawing.json")
 
 
+@shared.get("/<share_id>/plan.json")
+@shared.output(PlanOnScan, description="The whole plan on the scan of the shared fit")
+@shared.doc(operation_id="getSharedPlan", responses={401: NOT_OPEN, 410: ENDED})
+def show_plan(share_id: str) -> Response:
+    """What is planned on the patient's skin, on the shared fit's scan"""
+    return bytes_answer(app_context().service.plans.on_fit(visited_share(share_id).fit), JSON, NO_STORE)
+
+
 @shared.get("/<share_id>/distances.bin")
 @shared.doc(
     operation_id="getSharedDistances",
@@ -220,6 +229,7 @@ def _result(share: ShareRow) -> wire_shares.SharedResult:
             fitted_ply=f"{place}/fitted.ply",
             drawing=f"{place}/drawing.json",
             distances=f"{place}/distances.bin",
+            plan=f"{place}/plan.json",
             report=None if share.scan == "none" else f"{place}/report.pdf",
             mesh=None if share.scan == "none" else f"{place}/mesh.glb",
             close=f"{place}/close",
