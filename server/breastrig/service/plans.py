@@ -11,9 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.errors import BreastRigError, Conflict, FitFailed
+from breastrig.core.errors import BreastRigError, Conflict, FitFailed, NotFound
 from breastrig.core.indented_json import indented
+from breastrig.drawings.drawing_file import lines_on_scan
 from breastrig.execution.fair_processes import FairProcesses
+from breastrig.gltf.with_lines import with_lines
+from breastrig.report.line_files import rgb
 from breastrig.service.remembered import Remembered
 from breastrig.service.single_flight import SingleFlight
 from breastrig.storage.files import fit_place
@@ -88,6 +91,22 @@ class Plans:
         document: dict[str, Any] = json.loads(self.on_fit(fit_id))
         return document, planned.plan.is_whole
 
+    def fitted_glb(self, fit_id: str) -> bytes | None:
+        """The fit's fitted.glb with the plan on it; None where the fit's own drawing is all that there is.
+
+        Raises as `on_fit`, and NotFound when the fit has no such file.
+        """
+        found = self.lines_on_fit(fit_id) if self.of_fit(fit_id).plan.is_whole else None
+        if found is None:
+            return None
+        file = self._storage.files.find(fit_place(fit_id), "fitted.glb")
+        if file is None:
+            raise NotFound("This fit has no fitted.glb.")
+        with file.open() as opened:
+            fitted = opened.read()
+        drawn = lines_on_scan(found[0], "mm")  # the document says its unit
+        return with_lines(fitted, [(line.name, line.points, line.closed, rgb(line.color)) for line in drawn])
+
     def forget(self) -> None:
         """Nothing is remembered any more: a scan is deleted."""
         self._remembered.forget()
@@ -96,6 +115,7 @@ class Plans:
         found = self._made(planned) if planned.plan.items else self._empty(planned)
         known = {
             "version": planned.plan.version,
+            "whole": planned.plan.is_whole,
             "fit": planned.fit.id,
             "carried_from": [{"scan": fit.scan, "fit": fit.id} for fit in planned.others],
         }

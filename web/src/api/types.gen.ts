@@ -157,6 +157,8 @@ export type Fit = {
   created_at: string;
   /** as asked for; once started, as decided */
   stance: "auto" | "standing" | "supine";
+  /** as asked for */
+  asked_stance: "auto" | "standing" | "supine";
   preset: string;
   drawing: string | null;
   refine: boolean;
@@ -600,6 +602,8 @@ export type PlanOnScan = {
   missing: MissingItem[];
   /** of the plan */
   version: number;
+  /** whether somebody has written the plan; false: the fit's own drawing still counts */
+  whole: boolean;
   fit: string;
   /** fits of the patient's other scans that were used */
   carried_from: CarriedFrom[];

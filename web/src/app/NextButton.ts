@@ -3,7 +3,6 @@ import { fit as fitText, result as resultText } from "../fit/text";
 import { pickCount } from "../landmarks/state";
 import { landmarks as landmarkText, proposals as proposalText, questions } from "../landmarks/text";
 import { scan as scanText } from "../scan/text";
-import { stances as stancesText } from "../stances/text";
 import { only } from "../store/store";
 import { button } from "../ui/controls";
 import { el, icon, setText, show } from "../ui/dom";
@@ -23,7 +22,6 @@ function wording(next: NextStep, state: NextShown): string {
   if (next.kind === "confirm") return proposalText.confirmLikely(next.names.length);
   if (next.kind === "fit" && next.again) return fitText.again(next.landmarks);
   if (next.kind === "fit") return next.landmarks > 0 ? fitText.with(next.landmarks) : fitText.without;
-  if (next.kind === "carry") return stancesText.carry.go(next.to);
   return next.kind === "save" ? resultText.save : "";
 }
 
@@ -37,7 +35,6 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
       actions.page.goTo("landmarks");
       document.querySelector<HTMLElement>("#step-landmarks .question:not([hidden])")?.focus(); // and into view; Enter answers nothing yet
     }
-    if (next.kind === "carry") void actions.stances.carry();
     if (next.kind === "fit") void actions.fit.start();
   };
   const words = el("span", {});

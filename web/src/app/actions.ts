@@ -6,6 +6,7 @@ import { handPoseActions } from "../fit/handPoseActions";
 import { createPlayer } from "../fit/playback";
 import { landmarkActions } from "../landmarks/actions";
 import { createProposalSearch } from "../landmarks/proposalSearch";
+import { planActions } from "../plan/actions";
 import { scanActions } from "../scan/actions";
 import { shareActions } from "../share/actions";
 import { stancesActions } from "../stances/actions";
@@ -22,8 +23,9 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const fit = fitActions(store, client, player);
   const proposals = createProposalSearch(store, client);
   const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refitAnew });
-  const scan = scanActions(store, client, scanContents(client, fit.stop), proposals.lookOnce);
-  const drawing = drawingActions(store, client);
+  const plan = planActions(store, client);
+  const scan = scanActions(store, client, scanContents(client, plan, fit.stop), proposals.lookOnce);
+  const drawing = drawingActions(store, plan);
   const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
   return {
     page: pageActions(store, proposals.lookOnce),
@@ -31,7 +33,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     scan,
     landmarks,
     drawing,
-    stances: stancesActions(store, client, { scan, fit, landmarks, drawing }, memory),
+    stances: stancesActions(store, client, { scan, fit, landmarks, drawing, plan }, memory),
     share: shareActions(store, client),
     proposals,
     /** What still waits is saved first; the page that follows asks for the token. */

@@ -5,7 +5,6 @@ import { certainNames } from "../landmarks/certain";
 import { isLikely, openProposals } from "../landmarks/proposals";
 import { askedNames, openQuestions } from "../landmarks/questions";
 import { needsConfirming, pickCount } from "../landmarks/state";
-import { canCarryTo } from "../stances/state";
 import type { Session } from "./session";
 
 /** What of the state decides. */
@@ -21,7 +20,6 @@ export type NextStep =
   | { kind: "confirm"; names: readonly string[] }
   | { kind: "fit"; again: boolean; landmarks: number }
   | { kind: "check"; count: number }
-  | { kind: "carry"; to: string }
   | { kind: "save" };
 
 /** The fit on the screen was given other picks, or was not told which of them are certain. */
@@ -44,8 +42,6 @@ export function nextStep(state: NextShown): NextStep {
   const mayAsk = state.fit?.state === "done" && state.step !== "scan" && state.step !== "drawing";
   const count = mayAsk ? askedNames(openQuestions(state)).size : 0;
   if (count > 0) return { kind: "check", count };
-  const carried = state.step === "drawing" ? canCarryTo(state) : null;
-  if (carried !== null) return { kind: "carry", to: carried };
   if (state.fit?.state === "done" && !picksChanged(state)) return { kind: "save" };
   if (state.fit) return { kind: "fit", again: true, landmarks };
   if (state.step === "fit" || landmarks >= ENOUGH) return { kind: "fit", again: false, landmarks };

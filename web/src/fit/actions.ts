@@ -253,6 +253,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
         const fit = await client.fit(id);
         const { picks, certain } = store.get();
         const given = { picks: pickCount(store.get()) > 0 ? picks.present : null, certain: certainNames(picks.present, certain), before: null };
+        store.set({ stance: fit.asked_stance, preset: fit.preset, refine: fit.refine }); // a fit again is asked for as this one was
         follow(freshFit(fit.id, fit.links, fit.drawing, given));
       } catch (error) {
         store.set((state) => withProblem(state, "fit", messageOf(error)));

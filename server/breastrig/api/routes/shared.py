@@ -111,8 +111,14 @@ def show_result(share_id: str) -> Response:
 @shared.get("/<share_id>/fitted.glb")
 @shared.doc(operation_id="getSharedGlb", responses={200: file_of(GLB, "The posed rig"), 410: ENDED})
 def show_fitted_glb(share_id: str) -> Response:
-    """The shared fit's posed rig"""
-    return _fit_file(share_id, "fitted.glb")
+    """The shared fit's posed rig, with the plan or the fit's own drawing"""
+    share = visited_share(share_id)
+    planned = app_context().service.plans.fitted_glb(share.fit)
+    if planned is None:
+        return _fit_file(share_id, "fitted.glb")
+    response = bytes_answer(planned, GLB, NO_STORE)
+    response.headers["Content-Disposition"] = "attachment; filename=fitted.glb"
+    return response
 
 
 @shared.get("/<share_id>/fitted.ply")

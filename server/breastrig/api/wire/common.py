@@ -205,6 +205,7 @@ class Fit(Wire):
     queue_position: int | None = Field(description="1 for the next to run; null when the fit does not wait")
     created_at: str = Field(description="ISO 8601, UTC")
     stance: StanceWish = Field(description="as asked for; once started, as decided")
+    asked_stance: StanceWish = Field(description="as asked for")
     preset: str
     drawing: str | None
     refine: bool
