@@ -341,3 +341,31 @@ test("one finger draws, two turn the body and draw nothing", async ({ browser, b
   expect(await lines(page)).toHaveLength(1);
   await context.close();
 });
+
+test("on a table the pen draws nothing, and a stroke that runs off the patient ends where her skin ends", async ({ page, base, troubles }) => {
+  await page.goto(base);
+  await page.locator("#scan-file").setInputFiles(SCAN_FILE.replace("standing", "supine"));
+  await hook.ready(page);
+  await untilStill(page);
+  await page.keyboard.press("4");
+  await page.getByRole("button", { name: "Pen", exact: true }).click();
+  const canvas = (await page.locator("main canvas.view").boundingBox())!;
+  const row = canvas.y + canvas.height / 2;
+  const middle = canvas.x + canvas.width / 2;
+  await page.mouse.move(middle, row);
+  await page.mouse.down();
+  for (let x = middle; x < canvas.x + canvas.width - 40; x += 12) await page.mouse.move(x, row);
+  await page.mouse.up();
+  const all = await lines(page);
+  expect(all.length).toBeGreaterThan(0);
+  const { front } = await page.evaluate(() => window.__breastrig!.state().scan!.frame);
+  const heights = all.flatMap(({ points }) => points.map((point) => dot(point, front)));
+  const table = await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!)!.point, [canvas.x + canvas.width - 60, row]);
+  for (const line of all) for (let i = 1; i < line.points.length; i += 1) expect(distance(line.points[i - 1]!, line.points[i]!)).toBeLessThan(6);
+  expect(Math.min(...heights)).toBeGreaterThan(dot(table, front) + 5);
+  const before = all.length;
+  await page.mouse.click(canvas.x + canvas.width - 60, row);
+  expect((await drawn(page)).start).toBeNull();
+  expect(await lines(page)).toHaveLength(before);
+  expect(troubles).toEqual([]);
+});
