@@ -3,6 +3,7 @@ import { vi } from "vitest";
 import type { Client } from "../src/api/client";
 import type { LandmarkDefinition, Scan, Vector } from "../src/api/types";
 import { createActions } from "../src/app/actions";
+import { withPlacingView } from "../src/app/placingView";
 import { initialSession, type Session } from "../src/app/session";
 import { createStore } from "../src/store/store";
 
@@ -57,7 +58,7 @@ export class FakeEventSource {
 export function page(answers: Partial<Client> = {}) {
   vi.stubGlobal("EventSource", FakeEventSource);
   const landmarks = NAMES.map((name) => ({ name, label: name }) as LandmarkDefinition);
-  const store = createStore<Session>({ ...initialSession, meta: { landmarks } as Session["meta"] });
+  const store = createStore<Session>({ ...initialSession, meta: { landmarks } as Session["meta"] }, withPlacingView);
   const client = {
     mesh: async () => new ArrayBuffer(8),
     landmarks: async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: {} }),
