@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
+from breastrig.rendering.picture import NOISE_MM
 from breastrig.report.document import Reported
 from breastrig.report.page import MARGIN, QUIET, WIDTH, Cell, Sheet
-from breastrig.rendering.picture import NOISE_MM
 from breastrig.report.pictures import LIMIT_MM, colour_bar, distance_pictures, jpeg, scan_pictures, views_of
 from breastrig.report.table import Row, Value, number
 
@@ -83,7 +83,10 @@ def _colour_bar(sheet: Sheet, y: float) -> float:
         middle = x + 0.5 * (1.0 + place / LIMIT_MM) * width
         text = f"{place:+g} mm" if place else "0"
         sheet.words(middle - 10.0, y + 4.0, text, 7.0, QUIET, "C", 20.0)
-    said = "pale: within the scanner's error.   grey: the scan shows no skin there.   dotted line: carried by the model over a hole of the scan."
+    said = (
+        "pale: within the scanner's error.   grey: the scan shows no skin there.   "
+        "dotted line: carried by the model over a hole of the scan."
+    )
     sheet.words(MARGIN, y + 8.6, said, 7.0, QUIET, "C", WIDTH)
     return y + 12.0
 
