@@ -3,6 +3,7 @@ import { vi } from "vitest";
 import { ApiError, type Client } from "../src/api/client";
 import type { LandmarkDefinition, Patient, PlanItem, PlanOnScan, Scan, StoredPlan, Vector } from "../src/api/types";
 import { createActions } from "../src/app/actions";
+import { withPlacingView } from "../src/app/placingView";
 import { initialSession, type Session } from "../src/app/session";
 import { createStore } from "../src/store/store";
 
@@ -75,7 +76,7 @@ export function fakePlans() {
 export function page(answers: Partial<Client> = {}) {
   vi.stubGlobal("EventSource", FakeEventSource);
   const landmarks = NAMES.map((name) => ({ name, label: name }) as LandmarkDefinition);
-  const store = createStore<Session>({ ...initialSession, meta: { landmarks } as Session["meta"] });
+  const store = createStore<Session>({ ...initialSession, meta: { landmarks } as Session["meta"] }, withPlacingView);
   const client = {
     mesh: async () => new ArrayBuffer(8),
     landmarks: async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: {} }),
@@ -85,7 +86,7 @@ export function page(answers: Partial<Client> = {}) {
     scan: async (id: string) => scanInfo(id),
     upload: async () => scanInfo("uploaded"),
     startFit: async () => ({ id: "f1", links: fitLinks("f1") }),
-    fit: async (id: string) => ({ id, links: fitLinks(id), drawing: "lumpectomy" }),
+    fit: async (id: string) => ({ id, links: fitLinks(id), stance: "standing", preset: "default", drawing: "lumpectomy", refine: true }),
     drawing: async () => ({ schema: "breastrig/drawing@1", unit: "mm", shapes: [] }),
     bytes: async () => new ArrayBuffer(8),
     cancel: vi.fn(async () => ({})),

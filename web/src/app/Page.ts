@@ -3,6 +3,7 @@ import { createDrawingPanel } from "../drawing/DrawingPanel";
 import { createColourBar } from "../fit/ColourBar";
 import { createFitPanel } from "../fit/FitPanel";
 import { createNumbersPanel } from "../fit/NumbersPanel";
+import { outdated } from "../fit/outdated";
 import { createResultPanel } from "../fit/ResultPanel";
 import { hasBoth, viewBarShown } from "../fit/state";
 import { createTimeline } from "../fit/TimelinePanel";
@@ -80,7 +81,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const next = createNextButton(actions);
   const bodies = { scan: scan.element, landmarks: landmarks.element, fit: fit.element, drawing: drawing.element, result: result.element };
   const steps = createSteps(actions, bodies, next.element);
-  const numbers = createNumbersPanel();
+  const numbers = createNumbersPanel({ outdated, again: () => void actions.fit.start() });
   const aside = el("aside", { class: "aside" }, guide.element, numbers.element);
   const timeline = createTimeline(actions.player);
   const help = createHelpDialog(actions);

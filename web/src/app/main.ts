@@ -9,13 +9,14 @@ import { followAddress } from "./followAddress";
 import { listenToKeys } from "./keyboard";
 import { openViewer } from "./openViewer";
 import { createPage } from "./Page";
+import { withPlacingView } from "./placingView";
 import { initialSession, type Session } from "./session";
 import { keepUnsaved, takeUnsaved } from "./unsavedWork";
 
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 const prefersStill = (): boolean => still.matches;
 
-const store = createStore<Session>(initialSession);
+const store = createStore<Session>(initialSession, withPlacingView);
 const actions = createActions(store, client, prefersStill);
 const dismiss = (place: Place): void => store.set((state) => withProblem(state, place, null));
 

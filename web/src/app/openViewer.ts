@@ -1,4 +1,5 @@
 // Makes the 3D view and keeps it up to date; without WebGL the page says so and the rest of it goes on working.
+import type { Vector } from "../api/types";
 import { CornerPins } from "../drawing/CornerPins";
 import { ErrorBands } from "../drawing/ErrorBands";
 import { OwnLines } from "../drawing/OwnLines";
@@ -117,7 +118,12 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     updateAll(store.get());
   });
 
-  actions.drawing.setSkin(skinFrom(() => scan.mesh?.geometry ?? null));
+  // A patient who lies faces as her table does; without a table the service calls no scan lying.
+  const tableNormal = (): Vector | null => {
+    const info = store.get().scan?.info;
+    return info?.stance.proposed === "supine" ? info.frame.front : null;
+  };
+  actions.drawing.setSkin(skinFrom(() => scan.mesh?.geometry ?? null, tableNormal));
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
   listenToDrags(stage.canvas, viewer, scan, pins, () => store.get().active === null && isFree(store.get()), actions.landmarks);

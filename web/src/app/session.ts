@@ -11,6 +11,7 @@ import { initialView, type ViewSlice } from "../viewer/state";
 export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, FitSlice, DrawingSlice, StancesSlice, ShareSlice {
   readonly isSignedIn: boolean; // with a token; a service on one's own machine needs none
   readonly isHelpOpen: boolean;
+  readonly overlayBefore: Session["overlay"] | null; // what was shown before something was placed
 }
 
 export const initialSession: Session = {
@@ -24,4 +25,5 @@ export const initialSession: Session = {
   ...initialShare,
   isSignedIn: false,
   isHelpOpen: false,
+  overlayBefore: null,
 };

@@ -44,6 +44,12 @@ export class OwnLines implements Part<Shown> {
     this.write();
   }
 
+  /** While the pen moves: what it has drawn so far. */
+  showStrokes(strokes: readonly (readonly Vector[])[]): void {
+    this.live.set(this.isShown ? strokes.map((points) => polyline({ points, closed: false, bridged: null })) : []);
+    this.viewer.invalidate();
+  }
+
   /** While the hand moves: a line that the state does not know yet, instead of the one that it changes. */
   show(points: readonly Vector[] | null, closed = false, instead: string | null = null): void {
     this.live.set(points && this.isShown ? [laid({ points, closed })] : []);

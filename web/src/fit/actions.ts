@@ -18,13 +18,14 @@ import { readDistances } from "./distances";
 import type { Player } from "./playback";
 import { type FitSlice, type FitState, withDistances } from "./state";
 import * as text from "./text";
+import { verdictWords } from "./verdict";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice;
 
 const PAUSE_MS = 150; // a run of key presses that nudge a landmark is one fit
 
 /** As the service's first word makes it: nothing has been computed yet. */
-const freshFit = (id: string, links: FitLinks, drawingName: string | null, given: Pick<FitState, "picks" | "certain" | "before">): FitState => ({
+const freshFit = (id: string, links: FitLinks, drawingName: string | null, given: Pick<FitState, "picks" | "certain" | "before" | "asked" | "isOpened">): FitState => ({
   id,
   links,
   state: "running",
@@ -128,9 +129,11 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
     done: ({ body }) => {
       const { scan, fit } = store.get();
       if (scan && fit) finished = { scan: scan.info.id, fit: fit.id };
-      const said = text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean));
+      const said = [text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean)), verdictWords(body.result)].join(" ").trim();
       const upright = straightened(store.get(), picksOf({ landmarks: body.result.landmarks, unit: body.result.scan.unit }));
-      change({ state: "done", result: body.result }, { ...upright, step: "result" });
+      // A fit that was opened by its address: the landmarks that it was given are those in its result, not those of today.
+      const given = fit?.isOpened && body.result.landmarks_picked ? { picks: picksOf({ landmarks: body.result.landmarks_picked, unit: body.result.scan.unit }) } : {};
+      change({ state: "done", result: body.result, ...given }, { ...upright, step: "result" });
       const list = store.get().meta?.landmarks ?? [];
       const asked = openQuestions(store.get()).map((question) => sentenceOf(question, list));
       store.set({ announcement: asked.length > 0 ? `${said} ${questions.announceAsked(asked)}` : said });
@@ -185,7 +188,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
         return;
       }
       const before = isUnseen ? (store.get().fit?.result ?? store.get().fit?.before ?? null) : null;
-      (isUnseen ? followUnseen : follow)(freshFit(id, links, drawing || null, { picks: picks.present, certain, before }));
+      (isUnseen ? followUnseen : follow)(freshFit(id, links, drawing || null, { picks: picks.present, certain, before, asked: { stance, preset, refine } }));
     } catch (error) {
       if (mine === run) store.set((state) => ({ ...standStill(state), ...withProblem(state, "fit", messageOf(error)) }));
     }
@@ -252,8 +255,10 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
       try {
         const fit = await client.fit(id);
         const { picks, certain } = store.get();
-        const given = { picks: pickCount(store.get()) > 0 ? picks.present : null, certain: certainNames(picks.present, certain), before: null };
-        store.set({ stance: fit.asked_stance, preset: fit.preset, refine: fit.refine }); // a fit again is asked for as this one was
+        // The settings come back with the fit, so that the next one is asked for as this one was; its drawing is the plan's.
+        const asked = { stance: fit.asked_stance, preset: fit.preset, refine: fit.refine };
+        const given = { picks: pickCount(store.get()) > 0 ? picks.present : null, certain: certainNames(picks.present, certain), before: null, asked, isOpened: true };
+        store.set(asked);
         follow(freshFit(fit.id, fit.links, fit.drawing, given));
       } catch (error) {
         store.set((state) => withProblem(state, "fit", messageOf(error)));

@@ -4,7 +4,7 @@
 import { type Box3, Group, Matrix4, MOUSE, type Object3D, PerspectiveCamera, Scene, Spherical, TOUCH, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Frame, Vector } from "../api/types";
-import { metresFromMm } from "../ui/units";
+import { metresFromMm, mmFromMetres } from "../ui/units";
 import { CameraMove } from "./CameraMove";
 import { leftOf } from "./frame";
 import { addLights } from "./lights";
@@ -138,6 +138,11 @@ export class Viewer {
     this.controls.target.copy(target);
     this.controls.update();
     this.invalidate();
+  }
+
+  /** Where the eye is, in the scan's axes, mm. */
+  get eye(): Vector {
+    return this.body.worldToLocal(this.camera.position.clone()).toArray().map(mmFromMetres) as Vector;
   }
 
   /** Unit vector from the body to the eye, in the view's axes. */
