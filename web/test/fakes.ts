@@ -73,6 +73,7 @@ export function page(answers: Partial<Client> = {}) {
     drawing: async () => ({ schema: "breastrig/drawing@1", unit: "mm", shapes: [] }),
     bytes: async () => new ArrayBuffer(8),
     cancel: vi.fn(async () => ({})),
+    deleteScan: vi.fn(async () => undefined),
     ...answers,
   } as unknown as Client;
   return { store, client, actions: createActions(store, client, () => true) };

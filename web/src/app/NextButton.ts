@@ -61,9 +61,9 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
     update(state: NextShown): void {
       next = nextStep(state);
       show(element, next.kind !== "none");
-      // The report stays at hand while something else comes first.
+      // The report of a fit that holds stays at hand while something else comes first.
       const isFirst = next.kind === "report";
-      const isSecond = next.kind === "draw" || next.kind === "add" || next.kind === "change over";
+      const isSecond = ["draw", "add", "change over", "carry", "check", "correct"].includes(next.kind) && state.fit?.state === "done";
       show(go, next.kind !== "none" && !isFirst);
       show(report, isFirst || isSecond);
       report.className = isFirst ? "button primary" : "button quiet wide";

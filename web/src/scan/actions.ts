@@ -116,10 +116,11 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     },
 
     /** Back to the empty page; the scan itself stays with the service. */
-    leave(): void {
+    leave(): Promise<boolean> {
       generation += 1;
       contents.stop();
       store.set({ ...contents.none(), scan: null, loading: null, step: "scan", problems: {} });
+      return Promise.resolve(true);
     },
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),

@@ -56,6 +56,7 @@ export const scan = {
   colours: "Show the scan's own colours",
   readAgain: "Wrong unit? Read the file as",
   other: "Load another scan",
+  remove: "Delete this scan …",
   ruler: "30 cm",
   summary: (triangles: string) => `${triangles} triangles`,
 };
