@@ -9,7 +9,7 @@ import { type LandmarksSlice, pickCount } from "../landmarks/state";
 import { questions } from "../landmarks/text";
 import { straightened } from "../landmarks/straighten";
 import type { ScanSlice } from "../scan/state";
-import type { PageSlice } from "../store/page";
+import type { PageSlice, Step } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { formatMm } from "../ui/units";
@@ -50,11 +50,13 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
   let unseen: FitLinks | null = null; // of a fit that runs, while the page still shows the one before
   let timer: ReturnType<typeof setTimeout> | undefined;
   let askedAt = -Infinity;
+  let stepAfter: Step | null = null; // of a fit that is opened: where the page goes with its result
   let wantsAnew = false; // the fit that is asked for next goes on from none
 
   /** Nobody follows what ran until now; a fit that was asked for in the meantime still comes. */
   function leave(): void {
     run += 1;
+    stepAfter = null;
     stopFollowing();
     unseen = null;
     player.pause();
@@ -133,7 +135,8 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
       const upright = straightened(store.get(), picksOf({ landmarks: body.result.landmarks, unit: body.result.scan.unit }));
       // A fit that was opened by its address: the landmarks that it was given are those in its result, not those of today.
       const given = fit?.isOpened && body.result.landmarks_picked ? { picks: picksOf({ landmarks: body.result.landmarks_picked, unit: body.result.scan.unit }) } : {};
-      change({ state: "done", result: body.result, ...given }, { ...upright, step: "result" });
+      change({ state: "done", result: body.result, ...given }, { ...upright, step: stepAfter ?? "result" });
+      stepAfter = null;
       const list = store.get().meta?.landmarks ?? [];
       const asked = openQuestions(store.get()).map((question) => sentenceOf(question, list));
       store.set({ announcement: asked.length > 0 ? `${said} ${questions.announceAsked(asked)}` : said });
@@ -250,8 +253,8 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
       refitSoon();
     },
 
-    /** The fit that the address names, from its first event. */
-    async open(id: string): Promise<void> {
+    /** The fit that the address names, from its first event; one that is done leaves the page at `step`. */
+    async open(id: string, step: Step | null = null): Promise<void> {
       try {
         const fit = await client.fit(id);
         const { scan, picks, certain } = store.get();
@@ -261,6 +264,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
         const given = { picks: pickCount(store.get()) > 0 ? picks.present : null, certain: certainNames(picks.present, certain), before: null, asked, isOpened: true };
         store.set(asked);
         follow(freshFit(fit.id, fit.links, fit.drawing, given));
+        stepAfter = fit.state === "done" ? step : null;
       } catch (error) {
         store.set((state) => withProblem(state, "fit", messageOf(error)));
       }
