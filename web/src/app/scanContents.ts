@@ -3,8 +3,9 @@
 import type { Client } from "../api/client";
 import { fromDrawing } from "../drawing/files";
 import { startDrawn } from "../drawing/state";
-import { frameFromPicks, picksOf } from "../landmarks/picks";
+import { picksOf } from "../landmarks/picks";
 import { startLandmarks } from "../landmarks/state";
+import { standing } from "../landmarks/straighten";
 import type { ScanContents } from "../scan/actions";
 import { initialStances } from "../stances/state";
 import { startHistory } from "../store/history";
@@ -17,7 +18,7 @@ export function scanContents(client: Client, stop: () => void): ScanContents {
       const picks = saved ? picksOf(saved) : {};
       const drawn = startDrawn(drawing ? fromDrawing(drawing) : []);
       const state: Partial<Session> = { ...startLandmarks(picks, saved?.certain), drawn, fit: null, isStarting: false, stance: "auto" };
-      return { state, frame: frameFromPicks(picks) };
+      return { state, stands: standing(info.frame, picks) };
     },
     none: (): Partial<Session> => ({
       picks: startHistory({}),

@@ -7,7 +7,7 @@ import { picksOf } from "../landmarks/picks";
 import { openQuestions, sentenceOf } from "../landmarks/questions";
 import { type LandmarksSlice, pickCount } from "../landmarks/state";
 import { questions } from "../landmarks/text";
-import { straightened } from "../landmarks/straighten";
+import { straightened, straightenedByFit } from "../landmarks/straighten";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice, Step } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
@@ -18,6 +18,7 @@ import { readDistances } from "./distances";
 import type { Player } from "./playback";
 import { type FitSlice, type FitState, withDistances } from "./state";
 import * as text from "./text";
+import { frameOfRig } from "./upright";
 import { verdictWords } from "./verdict";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice;
@@ -132,7 +133,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
       const { scan, fit } = store.get();
       if (scan && fit) finished = { scan: scan.info.id, fit: fit.id };
       const said = [text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean)), verdictWords(body.result)].join(" ").trim();
-      const upright = straightened(store.get(), picksOf({ landmarks: body.result.landmarks, unit: body.result.scan.unit }));
+      const upright = straightenedByFit(store.get(), frameOfRig(body.result));
       // A fit that was opened by its address: the landmarks that it was given are those in its result, not those of today.
       const given = fit?.isOpened && body.result.landmarks_picked ? { picks: picksOf({ landmarks: body.result.landmarks_picked, unit: body.result.scan.unit }) } : {};
       change({ state: "done", result: body.result, ...given }, { ...upright, step: stepAfter ?? "result" });
