@@ -32,6 +32,10 @@ class ReportJob:
     fit: Path  # folder of a fit
     other: Path | None = None  # of the same patient in another stance
     model: Path | None = None  # None: the torso of the package
+    plans: tuple["PlanLines | None", ...] = ()  # of each fit: its lines, and whether they are all that is wanted
+
+
+PlanLines = tuple[dict[str, Any], bool]  # a document breastrig/drawing@1 on the fit's scan
 
 
 class _Distances(BaseModel):
@@ -101,7 +105,19 @@ def drawn_lines(folder: Path, unit: str) -> tuple[Polyline, ...]:
         raise BadInput(f"{folder.resolve().name}/drawing.json is damaged; fit the scan again.") from error
 
 
-def stance_of(folder: Path, fit: FitFolder) -> Stance:
+def planned_lines(folder: Path, unit: str, plan: PlanLines | None) -> tuple[Polyline, ...]:
+    """What is drawn on a fit's scan: the plan there, and the fit's own drawing where the plan does not speak for it."""
+    if plan is None:
+        return drawn_lines(folder, unit)
+    document, is_whole = plan
+    planned = lines_on_scan(document, unit)
+    if is_whole:
+        return planned
+    named = {line.name for line in planned}
+    return (*(line for line in drawn_lines(folder, unit) if line.name not in named), *planned)
+
+
+def stance_of(folder: Path, fit: FitFolder, plan: PlanLines | None = None) -> Stance:
     """A fit's folder as measures, pictures and exports want it."""
     return Stance(
         rig=fit.rig,
@@ -110,7 +126,7 @@ def stance_of(folder: Path, fit: FitFolder) -> Stance:
         scan_faces=fit.surface.faces,
         name=fit.stance,
         picked=fit.landmarks,
-        lines=drawn_lines(folder, fit.unit),
+        lines=planned_lines(folder, fit.unit, plan),
         landmark_radii={n: 1e-3 * radius for n, radius in fit.result.get("landmark_uncertainty_mm", {}).items()},
         radii=fit.radii,
     )
@@ -123,7 +139,8 @@ def reported(job: ReportJob) -> list[Reported]:
     fits = [fit_folder_of(folder, rig) for folder in folders]
     for folder, fit in zip(folders, fits, strict=True):
         _check_shown(folder, fit.result)
-    stances = [stance_of(folder, fit) for folder, fit in zip(folders, fits, strict=True)]
+    plans = job.plans or (None,) * len(fits)
+    stances = [stance_of(folder, fit, plan) for folder, fit, plan in zip(folders, fits, plans, strict=True)]
     names = stance_names([stance.name for stance in stances])
     return [
         Reported(name, stance, fit.result, measures(stance))

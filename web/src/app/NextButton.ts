@@ -4,7 +4,6 @@ import { pickCount } from "../landmarks/state";
 import { landmarks as landmarkText, proposals as proposalText, questions } from "../landmarks/text";
 import { scan as scanText } from "../scan/text";
 import { measuredFits } from "../stances/state";
-import { stances as stancesText } from "../stances/text";
 import { only } from "../store/store";
 import { button } from "../ui/controls";
 import { el, icon, setText, show } from "../ui/dom";
@@ -24,7 +23,6 @@ function wording(next: NextStep, state: NextShown): string {
   if (next.kind === "confirm") return proposalText.confirmLikely(next.names.length);
   if (next.kind === "fit" && next.again) return fitText.again(next.landmarks);
   if (next.kind === "fit") return next.landmarks > 0 ? fitText.with(next.landmarks) : fitText.without;
-  if (next.kind === "carry") return stancesText.carry.go(next.to);
   if (next.kind === "correct") return text.next.correct;
   if (next.kind === "draw") return next.isArmed ? text.next.drawing : text.next.draw;
   if (next.kind === "add") return text.next.add(next.stance);
@@ -42,7 +40,6 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
       actions.page.goTo("landmarks");
       document.querySelector<HTMLElement>("#step-landmarks .question:not([hidden])")?.focus(); // and into view; Enter answers nothing yet
     }
-    if (next.kind === "carry") void actions.stances.carry();
     if (next.kind === "fit") void actions.fit.start();
     if (next.kind === "correct") actions.page.goTo("landmarks");
     if (next.kind === "draw") actions.drawing.take(next.isArmed ? "none" : "pen");
@@ -57,13 +54,13 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
   const element = el("div", { class: "next" }, go, report, other);
   return {
     element,
-    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "drawing", "refine", "drawn", "stances"),
+    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawn", "stances"),
     update(state: NextShown): void {
       next = nextStep(state);
       show(element, next.kind !== "none");
       // The report of a fit that holds stays at hand while something else comes first.
       const isFirst = next.kind === "report";
-      const isSecond = ["draw", "add", "change over", "carry", "check", "correct"].includes(next.kind) && state.fit?.state === "done";
+      const isSecond = ["draw", "add", "change over", "check", "correct"].includes(next.kind) && state.fit?.state === "done";
       show(go, next.kind !== "none" && !isFirst);
       show(report, isFirst || isSecond);
       report.className = isFirst ? "button primary" : "button quiet wide";

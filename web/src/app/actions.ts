@@ -7,6 +7,7 @@ import { handPoseActions } from "../fit/handPoseActions";
 import { createPlayer } from "../fit/playback";
 import { landmarkActions } from "../landmarks/actions";
 import { createProposalSearch } from "../landmarks/proposalSearch";
+import { planActions } from "../plan/actions";
 import { scanActions } from "../scan/actions";
 import { shareActions } from "../share/actions";
 import { stancesActions } from "../stances/actions";
@@ -25,12 +26,13 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const fit = fitActions(store, client, player);
   const proposals = createProposalSearch(store, client);
   const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refitAnew });
-  const scan = scanActions(store, client, scanContents(client, fit.stop), proposals.lookOnce);
-  const drawing = drawingActions(store, client);
+  const plan = planActions(store, client);
+  const scan = scanActions(store, client, scanContents(client, plan, fit.stop), proposals.lookOnce);
+  const drawing = drawingActions(store, plan);
   const leaving = leavingActions(store, { landmarks, lines: drawing });
   const guarded = leaving.guarded(scan);
   const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
-  const stances = stancesActions(store, client, { scan, fit, landmarks, drawing }, memory);
+  const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan }, memory);
   const deletion = deletionActions(store, client, { scan, stances });
   return {
     page: pageActions(store, proposals.lookOnce),

@@ -13,8 +13,6 @@ export interface PageAddress {
   /** The page works on the one that came second. */
   isSecond: boolean;
   isComparing: boolean;
-  /** Drawings of each stance are shown on the other one. */
-  isCarried: boolean;
 }
 
 const STEPS: readonly Step[] = ["scan", "landmarks", "fit", "drawing", "result"];
@@ -44,7 +42,6 @@ export function toHash(place: PageAddress): string {
     }
     if (place.isSecond) words.set("second", "1");
     if (place.isComparing) words.set("compare", "1");
-    if (place.isCarried) words.set("carried", "1");
   }
   const text = words.toString();
   return text === "" ? "" : `#${text}`;
@@ -66,6 +63,5 @@ export function fromHash(hash: string): PageAddress {
     other: other ? { scan: other, fit: words.get("otherfit"), frame: frame("other") } : null,
     isSecond: words.has("second"),
     isComparing: words.has("compare"),
-    isCarried: words.has("carried"),
   };
 }

@@ -8,7 +8,7 @@ import { fromHash, type PageAddress, toHash } from "./address";
 import type { Session } from "./session";
 
 function hashOf(state: Session): string {
-  const { other, isSecond, isComparing, wantsCarried } = state.stances;
+  const { other, isSecond, isComparing } = state.stances;
   const frameOf = ({ scan }: Pick<Session, "scan">): Frame | null => (scan?.frameFrom === "person" ? scan.frame : null);
   return toHash({
     scan: state.scan?.info.id ?? null,
@@ -18,7 +18,6 @@ function hashOf(state: Session): string {
     other: other?.scan ? { scan: other.scan.info.id, fit: other.fit?.id ?? null, frame: frameOf(other) } : null,
     isSecond,
     isComparing,
-    isCarried: wantsCarried,
   });
 }
 

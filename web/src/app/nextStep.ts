@@ -6,13 +6,13 @@ import { ENOUGH, nextMissing } from "../landmarks/picks";
 import { isLikely, openProposals } from "../landmarks/proposals";
 import { askedNames, openQuestions } from "../landmarks/questions";
 import { needsConfirming, pickCount } from "../landmarks/state";
-import { canCarryTo, stanceNames, stanceOf } from "../stances/state";
+import { stanceNames, stanceOf } from "../stances/state";
 import type { Session } from "./session";
 
 /** What of the state decides. */
 export type NextShown = Pick<
   Session,
-  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "drawing" | "refine" | "drawn" | "stances"
+  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "refine" | "drawn" | "stances"
 >;
 
 export type NextStep =
@@ -22,7 +22,6 @@ export type NextStep =
   | { kind: "confirm"; names: readonly string[] }
   | { kind: "fit"; again: boolean; landmarks: number }
   | { kind: "check"; count: number }
-  | { kind: "carry"; to: string }
   | { kind: "correct" } // a fit that is not usable: its landmarks are looked at again
   | { kind: "draw"; isArmed: boolean }
   | { kind: "add"; stance: "standing" | "supine" }
@@ -33,7 +32,7 @@ export type NextStep =
 function afterFit(state: NextShown): NextStep {
   const { drawn, stances } = state;
   if (levelOf(state.fit?.result) === "unusable") return { kind: "correct" };
-  if (drawn.lines.present.length === 0 && drawn.carried === null && (stances.other?.drawn.lines.present.length ?? 0) === 0) return { kind: "draw", isArmed: drawn.tool !== "none" };
+  if (drawn.lines.present.length === 0 && (stances.other?.drawn.lines.present.length ?? 0) === 0) return { kind: "draw", isArmed: drawn.tool !== "none" };
   if (stances.other === null) return { kind: "add", stance: stanceOf(state) === "standing" ? "supine" : "standing" };
   if (stances.other.fit?.state !== "done") return { kind: "change over", to: stanceNames(state)[1] };
   return { kind: "report" };
@@ -53,8 +52,6 @@ export function nextStep(state: NextShown): NextStep {
   const mayAsk = state.fit?.state === "done" && state.step !== "scan" && state.step !== "drawing";
   const count = mayAsk ? askedNames(openQuestions(state)).size : 0;
   if (count > 0) return { kind: "check", count };
-  const carried = state.step === "drawing" ? canCarryTo(state) : null;
-  if (carried !== null) return { kind: "carry", to: carried };
   if (state.fit?.state === "done" && outdated(state) === null) return afterFit(state);
   if (state.fit) return { kind: "fit", again: true, landmarks };
   if (state.step === "fit" || landmarks >= ENOUGH) return { kind: "fit", again: false, landmarks };

@@ -86,6 +86,8 @@ export const drawing = {
   announceClosed: (name: string) => `${name} is closed.`,
   announceRenamed: (name: string) => `Now called ${name}.`,
   announceErased: (name: string) => `${name} is erased.`,
+  merged: "The plan was changed in another tab or by somebody else: both are kept, look at the lines.",
+  nothingEarlier: "There is nothing earlier to go back to.",
   announceCleared: "All lines are erased.",
   announceMoved: "The point is moved.",
   announceCornerGone: "The point is deleted.",

@@ -192,7 +192,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
         return;
       }
       const before = isUnseen ? (store.get().fit?.result ?? store.get().fit?.before ?? null) : null;
-      (isUnseen ? followUnseen : follow)(freshFit(id, links, drawing || null, { picks: picks.present, certain, before, asked: { stance, preset, drawing, refine } }));
+      (isUnseen ? followUnseen : follow)(freshFit(id, links, drawing || null, { picks: picks.present, certain, before, asked: { stance, preset, refine } }));
     } catch (error) {
       if (mine === run) store.set((state) => ({ ...standStill(state), ...withProblem(state, "fit", messageOf(error)) }));
     }
@@ -258,12 +258,10 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
     async open(id: string, step: Step | null = null): Promise<void> {
       try {
         const fit = await client.fit(id);
-        const { scan, picks, certain } = store.get();
-        // The settings come back with the fit, so that the next one is asked for as this one was.
-        const stance = fit.stance === scan?.info.stance.proposed ? "auto" : fit.stance;
-        const asked = { stance, preset: fit.preset, drawing: fit.drawing ?? "", refine: fit.refine };
+        const { picks, certain } = store.get();
+        const asked = { stance: fit.asked_stance, preset: fit.preset, refine: fit.refine };
         const given = { picks: pickCount(store.get()) > 0 ? picks.present : null, certain: certainNames(picks.present, certain), before: null, asked, isOpened: true };
-        store.set(asked);
+        store.set(asked); // a fit again is asked for as this one was
         follow(freshFit(fit.id, fit.links, fit.drawing, given));
         stepAfter = fit.state === "done" ? step : null;
       } catch (error) {

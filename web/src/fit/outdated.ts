@@ -7,7 +7,7 @@ import type { FitSlice } from "./state";
 /** gone: all of its landmarks were taken away; the first that holds. */
 export type Outdated = "gone" | "landmarks" | "settings" | null;
 
-type Shown = Pick<FitSlice, "fit" | "stance" | "preset" | "drawing" | "refine"> & Pick<LandmarksSlice, "picks" | "certain">;
+type Shown = Pick<FitSlice, "fit" | "stance" | "preset" | "refine"> & Pick<LandmarksSlice, "picks" | "certain">;
 
 const SAME_MM = 0.01; // what writing a place to a file and reading it leaves; a nudge of one pixel is more
 
@@ -27,5 +27,5 @@ export function outdated({ fit, picks, certain, ...now }: Shown): Outdated {
   const asked = fit.asked;
   if (!asked) return null;
   const isOtherStance = now.stance !== asked.stance && now.stance !== fit.result?.stance;
-  return isOtherStance || now.preset !== asked.preset || now.drawing !== asked.drawing || now.refine !== asked.refine ? "settings" : null;
+  return isOtherStance || now.preset !== asked.preset || now.refine !== asked.refine ? "settings" : null;
 }

@@ -9,9 +9,9 @@ export const result = {
   noDrawing: "No drawing was asked for.",
   downloads: [
     { key: "report", name: "report.pdf", what: "pictures, measures" },
-    { key: "fitted_glb", name: "fitted.glb", what: "posed rig, drawing, replay" },
+    { key: "fitted_glb", name: "fitted.glb", what: "posed rig, the plan, replay" },
     { key: "fitted_ply", name: "fitted.ply", what: "posed model, scan's frame" },
-    { key: "drawing", name: "drawing.json", what: "lines on the scan" },
+    { key: "plan", name: "drawing.json", what: "the whole plan on this scan" },
     { key: "result", name: "result.json", what: "numbers and parameters" },
   ] as const,
 };

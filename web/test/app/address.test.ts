@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { fromHash, type PageAddress, toHash } from "../../src/app/address";
 
-const NOTHING: PageAddress = { scan: null, fit: null, step: null, frame: null, other: null, isSecond: false, isComparing: false, isCarried: false };
+const NOTHING: PageAddress = { scan: null, fit: null, step: null, frame: null, other: null, isSecond: false, isComparing: false };
 
 test("scan, fit and a turned body survive the address", () => {
   const place = { ...NOTHING, scan: "a1", fit: "b2", step: "drawing", frame: { up: [0, 0, 1], front: [0, -1, 0] } } satisfies PageAddress;
@@ -10,7 +10,7 @@ test("scan, fit and a turned body survive the address", () => {
 
 test("both stances survive it, and how they are looked at", () => {
   const other = { scan: "c3", fit: "d4", frame: { up: [1, 0, 0], front: [0, 0, 1] } } satisfies PageAddress["other"];
-  const place: PageAddress = { ...NOTHING, scan: "a1", fit: "b2", other, isSecond: true, isComparing: true, isCarried: true };
+  const place: PageAddress = { ...NOTHING, scan: "a1", fit: "b2", other, isSecond: true, isComparing: true };
   expect(fromHash(toHash(place))).toEqual(place);
   expect(fromHash(toHash({ ...place, scan: null }))).toEqual(NOTHING);
 });

@@ -62,12 +62,12 @@ test("a failed fit offers another try", () => {
   expect(nextStep({ ...withScan, step: "fit", fit: fitted(some, "failed"), picks: startHistory(some) })).toMatchObject({ kind: "fit", again: true });
 });
 
-const asked = { stance: "auto", preset: "default", drawing: "lumpectomy", refine: true } as const;
+const asked = { stance: "auto", preset: "default", refine: true } as const;
 const finished = (more: Partial<Session> = {}): Session => ({ ...withScan, ...asked, step: "result", picks: startHistory(some), fit: { ...fitted(some)!, asked, iterations: [], result: { stance: "standing" } } as unknown as Session["fit"], ...more });
 
 test("as soon as other settings are asked for than the fit was made with, the next step is to fit again", () => {
   expect(nextStep(finished()).kind).toBe("draw");
-  for (const other of [{ stance: "supine" }, { preset: "paper" }, { drawing: "mastectomy" }, { refine: false }] satisfies Partial<Session>[]) {
+  for (const other of [{ stance: "supine" }, { preset: "paper" }, { refine: false }] satisfies Partial<Session>[]) {
     expect(nextStep(finished(other)), JSON.stringify(other)).toEqual({ kind: "fit", again: true, landmarks: 3 });
   }
   expect(nextStep(finished({ stance: "standing" })).kind, "which is what the fit decided by itself").toBe("draw");
