@@ -60,6 +60,7 @@ test("a pick far off is asked about where it was made, and is calm once it is ta
     await expect(row(page, "xiphoid")).toHaveClass(/is-asked/);
     await expect(row(page, "xiphoid")).toContainText("placed, to be checked");
     await expect(row(page, "xiphoid").locator(".icon-alert")).toBeVisible();
+    await expect(row(page, "xiphoid").locator(".icon-check").first(), "no tick on what is doubted").toBeHidden();
     await expect(page.locator(".landmark.is-asked")).toHaveCount(1);
     await expect(question(page)).toHaveCount(1);
     await expect(question(page)).toBeFocused();
