@@ -86,10 +86,11 @@ export function page(answers: Partial<Client> = {}) {
     scan: async (id: string) => scanInfo(id),
     upload: async () => scanInfo("uploaded"),
     startFit: async () => ({ id: "f1", links: fitLinks("f1") }),
-    fit: async (id: string) => ({ id, links: fitLinks(id), stance: "standing", preset: "default", drawing: "lumpectomy", refine: true }),
+    fit: async (id: string) => ({ id, links: fitLinks(id), stance: "standing", asked_stance: "auto", preset: "default", drawing: "lumpectomy", refine: true }),
     drawing: async () => ({ schema: "breastrig/drawing@1", unit: "mm", shapes: [] }),
     bytes: async () => new ArrayBuffer(8),
     cancel: vi.fn(async () => ({})),
+    deleteScan: vi.fn(async () => undefined),
     ...answers,
   } as unknown as Client;
   return { store, client, actions: createActions(store, client, () => true) };

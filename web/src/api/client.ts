@@ -87,6 +87,10 @@ export const client = {
   modelGlb: () => bytes("/api/models/torso.glb"),
   modelSide: () => askJson<ModelSide>("/api/models/torso.json"),
   scan: (scan: string) => askJson<ExampleScan>(`/api/scans/${id(scan)}`),
+  /** With all that was made of it; arrives although the page is being closed. */
+  deleteScan: async (scan: Scan): Promise<void> => {
+    await ask(scan.links.self, { method: "DELETE", keepalive: true });
+  },
   mesh: (scan: Scan) => bytes(scan.links.mesh),
   landmarks: (scan: Scan) => askJson<LandmarkFile>(scan.links.landmarks),
   saveLandmarks: (scan: Scan, file: LandmarkFile) => askJson<LandmarkFile>(scan.links.landmarks, "PUT", file, true),

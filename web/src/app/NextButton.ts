@@ -54,13 +54,13 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
   const element = el("div", { class: "next" }, go, report, other);
   return {
     element,
-    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "drawing", "refine", "drawn", "stances"),
+    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawn", "stances"),
     update(state: NextShown): void {
       next = nextStep(state);
       show(element, next.kind !== "none");
-      // The report stays at hand while something else comes first.
+      // The report of a fit that holds stays at hand while something else comes first.
       const isFirst = next.kind === "report";
-      const isSecond = next.kind === "draw" || next.kind === "add" || next.kind === "change over";
+      const isSecond = ["draw", "add", "change over", "check", "correct"].includes(next.kind) && state.fit?.state === "done";
       show(go, next.kind !== "none" && !isFirst);
       show(report, isFirst || isSecond);
       report.className = isFirst ? "button primary" : "button quiet wide";

@@ -32,7 +32,9 @@ import { errors, view as viewText } from "../viewer/text";
 import { createViewBar } from "../viewer/ViewBar";
 import type { Stage } from "../viewer/Viewer";
 import type { Actions } from "./actions";
+import { createDeleteDialog, createDeletionNotice } from "./DeleteDialog";
 import { createHelpDialog } from "./HelpDialog";
+import { createLeaveDialog } from "./LeaveDialog";
 import { createNextButton } from "./NextButton";
 import type { Session } from "./session";
 import { createSteps } from "./Steps";
@@ -72,7 +74,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   host.append(veil);
   acceptDrops(host, veil, actions);
 
-  const scan = createScanPanel(actions.scan, () => dismiss("scan"), needsConfirming);
+  const scan = createScanPanel({ ...actions.scan, askToDelete: () => actions.deletion.ask(true) }, () => dismiss("scan"), needsConfirming);
   const landmarks = createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks"));
   const fit = createFitPanel(actions.fit, () => dismiss("fit"));
   const carry = createDrawingCarry(actions.stances);
@@ -86,6 +88,10 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const timeline = createTimeline(actions.player);
   const help = createHelpDialog(actions);
   const share = createShareDialog(actions.share, () => dismiss("share"));
+  const leave = createLeaveDialog(actions.leaving);
+  const deleting = createDeleteDialog(actions.deletion);
+  const deleted = createDeletionNotice(actions.deletion);
+  host.append(deleted.element);
   const stances = createStancesBar(actions.stances);
   const top = createTopBar(actions, stances.element);
   const adding = createStancesDialog(actions.stances, () => dismiss("stances"));
@@ -97,7 +103,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const footer = el("footer", { class: "footer" }, el("strong", {}, notice), el("span", { class: "spring" }), version);
 
   return {
-    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, live],
+    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, leave.element, deleting.element, live],
     stages: { main: { host, canvas, overlay }, other: other.stage, picture: guide.canvas, light: guide.light },
     follow(store): void {
       // Classes first: where a panel stands and whether it is seen decides what it can scroll to or focus.
@@ -135,6 +141,9 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(adding);
       on(measures);
       on(other);
+      on(leave);
+      on(deleting);
+      on(deleted);
       store.select(only("active", "problems", "graphics", "meta", "announcement"), (state) => {
         show(numbers.element, state.active === null);
         page.set(state.problems.page);

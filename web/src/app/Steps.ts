@@ -76,7 +76,8 @@ export function createSteps(actions: Actions, bodies: Record<Step, HTMLElement>,
         const isAsked = step === "landmarks" && state.scan !== null && openQuestions(state).length > 0;
         badge.classList.toggle("is-done", done);
         const isToCheck = (step === "fit" || step === "result") && isDoubtful(state);
-        section.classList.toggle("is-asked", isAsked || isToCheck);
+        section.classList.toggle("is-asked", isAsked);
+        section.classList.toggle("is-doubtful", isToCheck);
         const sign = isAsked || isToCheck ? "alert" : done ? "check" : "number";
         if (badge.dataset.sign !== sign) {
           badge.dataset.sign = sign;

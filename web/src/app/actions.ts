@@ -1,5 +1,6 @@
 // All that a person or the address can ask of the page: the actions of its features put together.
 import type { Client } from "../api/client";
+import type { Frame } from "../api/types";
 import { drawingActions } from "../drawing/actions";
 import { fitActions } from "../fit/actions";
 import { handPoseActions } from "../fit/handPoseActions";
@@ -13,7 +14,9 @@ import { stancesActions } from "../stances/actions";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { viewActions } from "../viewer/actions";
+import { deletionActions } from "./deletion";
 import { exportActions } from "./exportActions";
+import { leavingActions } from "./leaving";
 import { pageActions } from "./pageActions";
 import { scanContents } from "./scanContents";
 import type { Session } from "./session";
@@ -26,14 +29,20 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const plan = planActions(store, client);
   const scan = scanActions(store, client, scanContents(client, plan, fit.stop), proposals.lookOnce);
   const drawing = drawingActions(store, plan);
+  const leaving = leavingActions(store, { landmarks, lines: drawing });
+  const guarded = leaving.guarded(scan);
   const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
+  const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan }, memory);
+  const deletion = deletionActions(store, client, { scan, stances });
   return {
     page: pageActions(store, proposals.lookOnce),
     view: viewActions(store),
-    scan,
+    scan: { ...guarded, open: (id: string, own: Frame | null) => (deletion.keepIf(id), guarded.open(id, own)) },
+    leaving,
+    deletion,
     landmarks,
     drawing,
-    stances: stancesActions(store, client, { scan, fit, landmarks, drawing, plan }, memory),
+    stances,
     share: shareActions(store, client),
     proposals,
     /** What still waits is saved first; the page that follows asks for the token. */

@@ -1,9 +1,11 @@
 // What the page shows, kept in the address after "#", so that a reload or a copied link shows the same.
 import type { Frame, Vector } from "../api/types";
+import type { Step } from "../store/page";
 
 export interface PageAddress {
   scan: string | null;
   fit: string | null;
+  step: Step | null;
   /** Only when the person turned the body: otherwise the service's proposal holds. */
   frame: Frame | null;
   /** The other stance of the same patient. */
@@ -12,6 +14,8 @@ export interface PageAddress {
   isSecond: boolean;
   isComparing: boolean;
 }
+
+const STEPS: readonly Step[] = ["scan", "landmarks", "fit", "drawing", "result"];
 
 const write = (v: Vector): string => v.map((x) => Number(x.toFixed(4))).join("_");
 
@@ -24,6 +28,7 @@ export function toHash(place: PageAddress): string {
   const words = new URLSearchParams();
   if (place.scan) words.set("scan", place.scan);
   if (place.scan && place.fit) words.set("fit", place.fit);
+  if (place.scan && place.step) words.set("step", place.step);
   if (place.scan && place.frame) {
     words.set("up", write(place.frame.up));
     words.set("front", write(place.frame.front));
@@ -53,6 +58,7 @@ export function fromHash(hash: string): PageAddress {
   return {
     scan: words.get("scan"),
     fit: words.get("fit"),
+    step: STEPS.find((step) => step === words.get("step")) ?? null,
     frame: frame(""),
     other: other ? { scan: other, fit: words.get("otherfit"), frame: frame("other") } : null,
     isSecond: words.has("second"),

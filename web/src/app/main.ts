@@ -7,6 +7,7 @@ import { createStore } from "../store/store";
 import { createActions } from "./actions";
 import { followAddress } from "./followAddress";
 import { listenToKeys } from "./keyboard";
+import { isRefused } from "./leaving";
 import { openViewer } from "./openViewer";
 import { createPage } from "./Page";
 import { withPlacingView } from "./placingView";
@@ -27,7 +28,13 @@ openViewer(store, actions, page.stages, prefersStill);
 listenToKeys(store, actions);
 addEventListener("pagehide", () => void actions.landmarks.flush());
 addEventListener("pagehide", () => void actions.drawing.flush());
+addEventListener("pagehide", () => void actions.deletion.send());
+let isSigningIn = false; // what is unsaved waits in this tab's memory then
+addEventListener("beforeunload", (event) => {
+  if (!isSigningIn && isRefused(store.get())) event.preventDefault(); // the browser asks
+});
 onSignedOut(() => {
+  isSigningIn = true;
   keepUnsaved(store.get(), location.hash, sessionStorage);
   location.assign("/sign-in");
 });

@@ -12,7 +12,7 @@ import type { Session } from "./session";
 /** What of the state decides. */
 export type NextShown = Pick<
   Session,
-  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "drawing" | "refine" | "drawn" | "stances"
+  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "refine" | "drawn" | "stances"
 >;
 
 export type NextStep =

@@ -13,6 +13,7 @@ import { hasModelShown } from "../fit/state";
 import { errors as fitErrors } from "../fit/text";
 import { TorsoModel } from "../fit/TorsoModel";
 import { listenToLandmarkKeys } from "../landmarks/canvasKeys";
+import { followWanted } from "../landmarks/closeUp";
 import { listenToDrags } from "../landmarks/dragPins";
 import { listenToFingers } from "../landmarks/fingers";
 import { LandmarkPins } from "../landmarks/LandmarkPins";
@@ -128,6 +129,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
   listenToDrags(stage.canvas, viewer, scan, pins, () => store.get().active === null && isFree(store.get()), actions.landmarks);
   actions.files.setPicture(() => exportPicture(viewer, store.get()));
+  followWanted(viewer, scan, store); // before the keys, whose cross stands where the eye then is
   listenToLandmarkKeys(stage.canvas, viewer, scan, cross, store, actions.landmarks);
   listenToViewKeys(stage.canvas, viewer, () => store.get().scan !== null);
   const fingers = listenToFingers(stage.canvas, viewer, cross, store, actions.landmarks);

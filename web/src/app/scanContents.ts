@@ -2,8 +2,9 @@
 // when it is left.
 import type { Client } from "../api/client";
 import { startDrawn } from "../drawing/state";
-import { frameFromPicks, picksOf } from "../landmarks/picks";
+import { picksOf } from "../landmarks/picks";
 import { startLandmarks } from "../landmarks/state";
+import { standing } from "../landmarks/straighten";
 import type { ScanContents } from "../scan/actions";
 import type { PlanActions } from "../plan/actions";
 import { initialStances } from "../stances/state";
@@ -16,7 +17,7 @@ export function scanContents(client: Client, plan: Pick<PlanActions, "read">, st
       const [saved, { lines, drawing }] = await Promise.all([client.landmarks(info).catch(() => null), plan.read(info)]);
       const picks = saved ? picksOf(saved) : {};
       const state: Partial<Session> = { ...startLandmarks(picks, saved?.certain), drawn: startDrawn(lines), drawing, fit: null, isStarting: false, stance: "auto" };
-      return { state, frame: frameFromPicks(picks) };
+      return { state, stands: standing(info.frame, picks) };
     },
     none: (): Partial<Session> => ({
       picks: startHistory({}),

@@ -3,6 +3,7 @@ import type { Step, Theme } from "../store/page";
 
 export * from "./exportText";
 export * from "./helpText";
+export * from "./questionText";
 
 export const page = {
   version: (version: string) => `version ${version}`,

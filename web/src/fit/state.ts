@@ -7,7 +7,7 @@ import type { ViewSlice } from "../viewer/state";
 import type { ViewBarShown } from "../viewer/ViewBar";
 import type { HandPose } from "./handPose";
 
-/** What a fit was asked for besides its landmarks. */
+/** What a fit was asked for besides its landmarks; the drawing is the plan's, and follows without a fit. */
 export interface AskedSettings {
   readonly stance: StanceChoice;
   readonly preset: string;

@@ -4,6 +4,7 @@ import * as text from "../text";
 import { ApiError, ask, askJson } from "../../api/client";
 import type { DrawingFile, PlanOnScan, Result, Scan, SharedResult } from "../../api/types";
 import { readDistances } from "../../fit/distances";
+import { frameOfRig } from "../../fit/upright";
 import { frameFromPicks, picksOf } from "../../landmarks/picks";
 import { tidyFrame } from "../../viewer/frame";
 import { initialVisitor, type VisitorState } from "./state";
@@ -62,14 +63,14 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
   const brought = plan.whole ? null : await askJson<DrawingFile>(links.drawing).catch(() => null);
   const shapes = [...(brought?.shapes ?? []), ...plan.shapes];
   const drawing: DrawingFile | null = shapes.length > 0 ? { schema: "breastrig/drawing@1", unit: plan.unit, shapes } : null;
-  const frame = frameFromPicks(picksOf({ landmarks: result.landmarks, unit: result.scan.unit })) ?? tidyFrame({ up: [0, 1, 0], front: [0, 0, 1] });
+  const frame = frameOfRig(result) ?? frameFromPicks(picksOf({ landmarks: result.landmarks, unit: result.scan.unit })) ?? tidyFrame({ up: [0, 1, 0], front: [0, 0, 1] });
   // Whether it has colours is the mesh's own matter: a plain one brings none.
   const info = { id: "shared", colours: "vertex" } as Scan;
   return {
     ...initialVisitor,
     step: "result",
     overlay: mesh === null ? "model" : "both",
-    scan: { info, title: text.shared.title, mesh, frame, frameFrom: "landmarks", file: null, example: null },
+    scan: { info, title: text.shared.title, mesh, frame, frameFrom: "fit", file: null, example: null },
     fit: {
       id: "shared",
       links: { ...initialLinks, result: links.result, fitted_ply: links.fitted_ply, fitted_glb: links.fitted_glb, drawing: links.drawing },
