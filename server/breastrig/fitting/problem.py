@@ -26,7 +26,6 @@ from breastrig.fitting.body.statistics import body_statistics
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import Range, Stage
 from breastrig.fitting.task import FitIterate, FitTask
-from breastrig.geometry.normals import VertexNormals
 from breastrig.least_squares.newton import Status, System, Value, assemble, value
 from breastrig.least_squares.problem import Constraint, ResidualTerm
 from breastrig.least_squares.quadratic_program import Bounds
@@ -55,7 +54,6 @@ class ScanProblem:
         self.priors = prior_terms(task, self._joints)
         self.held: list[Constraint[BodyState]] = [JointRest(self._joints)]
         self.scaling = step_scaling(task)
-        self._normals_of = VertexNormals(task.rig.faces, len(task.rig.template))
         self._names = tuple(task.landmarks)
         self._picked = np.array([task.landmarks[name] for name in self._names])
         self._began = time.perf_counter()
@@ -66,8 +64,7 @@ class ScanProblem:
 
     def matches(self, stage: Stage, progress: float, state: BodyState) -> Correspondences:
         """Of this stage's share of the model's vertices."""
-        vertices = state.vertices
-        normals = self._normals_of(vertices)
+        vertices, normals = state.vertices, state.normals
         rules = MatchRules(
             stage.method, along(stage.max_distance, progress), stage.max_angle, reject_border=stage.reject_border
         )
@@ -150,10 +147,17 @@ def projected(matches: Correspondences, vertices: Array) -> Correspondences:
 def data_term(
     task: FitTask, stage: Stage, progress: float, state: BodyState, matches: Correspondences
 ) -> ResidualTerm[BodyState]:
-    """The scan's observations, weighted by the skin that each stands for and by the stage's robust kernel."""
+    """The scan's observations, weighted by the skin that each stands for and by the stage's robust kernel.
+
+    With weights by skin it is the model's surface that is to lie on the scan, not its vertices: these are aimed at as
+    far above the scan as the triangles around them lie below (observation_weights.py).
+    """
     counts = observation_weights(task.rig, task.recipe.observations, stage.every)[matches.vertices]
     weights = counts * KERNELS[stage.kernel](matches.distances / along(stage.kernel_scale, progress))
     sigma = along(stage.data_sigma, progress)
+    if task.recipe.observations is not None:
+        above = state.chordal_deviation[matches.vertices]
+        matches = replace(matches, points=matches.points + above[:, None] * matches.normals)
     if stage.data_term == "point_to_projection":
         return PointToPoint(task.rig, projected(matches, state.vertices), weights, sigma)
     if stage.along_sigma is not None:
