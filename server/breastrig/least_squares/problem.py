@@ -12,7 +12,7 @@ constraint is an equation of the step, met whatever it costs.
 """
 
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeVar, runtime_checkable
 
 from breastrig.core.arrays import Array
 
@@ -29,6 +29,29 @@ class Linearisation:
     jacobian: Array  # (M, P) with respect to the tangent step
 
 
+@dataclass(frozen=True, eq=False)
+class NormalEquations:
+    """What a residual gives to Gauss-Newton's quadratic model at one point."""
+
+    hessian: Array  # (P, P) JᵀJ
+    gradient: Array  # (P,) Jᵀr
+    energy: float  # ½ |r|²
+
+
+class ConstantJacobian:
+    """Of a residual that is linear in the step: JᵀJ is formed once."""
+
+    def __init__(self, jacobian: Array) -> None:
+        """jacobian: (M, P)"""
+        self.jacobian = jacobian
+        self.jacobian.flags.writeable = False
+        self._hessian: Array = jacobian.T @ jacobian
+
+    def normal_equations(self, residual: Array) -> NormalEquations:
+        """residual: (M,)"""
+        return NormalEquations(self._hessian, residual @ self.jacobian, 0.5 * float(residual @ residual))
+
+
 class ResidualTerm(Protocol[X_contra]):
     """One source of residuals."""
 
@@ -40,6 +63,14 @@ class ResidualTerm(Protocol[X_contra]):
 
     def linearise(self, x: X_contra) -> Linearisation:
         """The same residual with its Jacobian."""
+
+
+@runtime_checkable
+class StructuredTerm(Protocol[X_contra]):
+    """A residual term that needs no Jacobian for its normal equations."""
+
+    def normal_equations(self, x: X_contra, /) -> NormalEquations:
+        """What `linearise` would give when multiplied out."""
 
 
 class Constraint(Protocol[X_contra]):
