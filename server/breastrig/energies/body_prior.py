@@ -12,14 +12,14 @@ import numpy as np
 import scipy.linalg as sla
 
 from breastrig.core.arrays import Array
-from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations
+from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations, StructuredTerm
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class BodyPrior:
+class BodyPrior(StructuredTerm[BodyState]):
     rig: Rig
     mean: Array  # (N,) N = 3 B + S
     covariance: Array  # (N, N)

@@ -11,14 +11,14 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import Correspondences
-from breastrig.least_squares.problem import Linearisation, NormalEquations
+from breastrig.least_squares.problem import Linearisation, NormalEquations, StructuredTerm
 from breastrig.rig.model import Rig
 from breastrig.rig.normal_equations import normal_equations
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class PointToPoint:
+class PointToPoint(StructuredTerm[BodyState]):
     rig: Rig
     matches: Correspondences
     weights: Array  # (M,) robust weight of each match

@@ -11,14 +11,14 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations
+from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations, StructuredTerm
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class ScalePrior:
+class ScalePrior(StructuredTerm[BodyState]):
     rig: Rig
     sigma: float  # expected deviation of a scale from one
     neighbour_sigma: float  # expected difference between neighbours

@@ -9,14 +9,14 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations
+from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations, StructuredTerm
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class Symmetry:
+class Symmetry(StructuredTerm[BodyState]):
     rig: Rig
     shape_sigma: float  # expected left-right difference of a weight, in the shape's own sigmas
     scale_sigma: float  # expected left-right difference of a scale

@@ -11,8 +11,9 @@ reference 30 of the paper).  Where K is at most HARD the division would drown th
 constraint is an equation of the step, met whatever it costs.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Generic, Protocol, TypeVar
 
 from breastrig.core.arrays import Array
 
@@ -65,10 +66,10 @@ class ResidualTerm(Protocol[X_contra]):
         """The same residual with its Jacobian."""
 
 
-@runtime_checkable
-class StructuredTerm(Protocol[X_contra]):
-    """A residual term that needs no Jacobian for its normal equations."""
+class StructuredTerm(ABC, Generic[X_contra]):
+    """What residual terms inherit from that need no Jacobian for their normal equations."""
 
+    @abstractmethod
     def normal_equations(self, x: X_contra, /) -> NormalEquations:
         """What `linearise` would give when multiplied out."""
 
