@@ -1,4 +1,4 @@
-"""The normal equations by structure equal those of the full Jacobian."""
+"""What is computed by structure equals what the full Jacobian gives."""
 
 import numpy as np
 import pytest
@@ -9,6 +9,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.normal_equations import normal_equations
 from breastrig.rig.skinning import Posed
 from breastrig.rig.vertex_groups import vertex_groups
+from breastrig.rig.vertex_variances import vertex_variances
 
 
 @pytest.fixture(scope="module")
@@ -42,6 +43,19 @@ def test_of_every_vertex_of_one_and_of_none(torso: Rig) -> None:
     rng = np.random.default_rng(0)
     for chosen in (np.arange(len(torso.template)), np.array([7]), np.zeros(0, dtype=np.int64)):
         assert_equal_to_dense(torso, chosen, rng)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_variances_of_all_vertices_are_those_of_their_rows(seed: int, torso: Rig, toy_rig: Rig) -> None:
+    rng = np.random.default_rng(seed)
+    for rig in (torso, toy_rig):
+        posed = Posed(rig, random_parameters(rig, rng))
+        root = rng.normal(size=(posed.x.dof, posed.x.dof))
+        everyone = np.arange(len(rig.template))
+        expected = np.zeros(len(everyone))
+        for axis in np.eye(3):
+            expected += ((posed.rows(everyone, np.tile(axis, (len(everyone), 1))) @ root) ** 2).sum(axis=1)
+        np.testing.assert_allclose(vertex_variances(posed, root @ root.T), expected, rtol=1e-10)
 
 
 def test_groups_hold_each_vertex_once_with_all_that_moves_it(torso: Rig) -> None:

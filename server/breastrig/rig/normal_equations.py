@@ -33,7 +33,7 @@ def normal_equations(posed: Posed, chosen: Integers, directions: Array, residual
     chosen, directions, residual = chosen[order], directions[order], residual[order]
     z = _affine_columns(posed.shaped[chosen], directions)
     places, to_affine = grouped.places[chosen], affine_steps(posed)
-    weights, shapes = grouped.weights[:, places], _shape_rows(posed.linear[chosen], directions, places, grouped)
+    weights, shapes = grouped.weights[:, places], shape_rows(posed.linear[chosen], directions, places, grouped)
     ends = np.cumsum(np.bincount(of_row, minlength=len(grouped.groups))).tolist()
     entries, products, first = [], [], 0
     for group, last in zip(grouped.groups, ends, strict=True):
@@ -67,7 +67,7 @@ def _affine_columns(places: Array, directions: Array) -> Array:
     return result.reshape(AFFINE, -1)
 
 
-def _shape_rows(linear: Array, directions: Array, places: Integers, grouped: VertexGroups) -> Array:
+def shape_rows(linear: Array, directions: Array, places: Integers, grouped: VertexGroups) -> Array:
     """(M, max L): Aᵀd · b_k for the shapes of each row's group, as one sparse product; linear: (M, 3, 3)."""
     pulled = np.einsum("mij,mi->mj", linear, directions)
     columns = (3 * places[:, None] + np.arange(3)).ravel()
