@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.rig.model import Rig
@@ -42,7 +43,7 @@ class VertexGroups:
 def vertex_groups(rig: Rig) -> VertexGroups:
     """Of a rig; takes 15 ms once."""
     bones = len(rig.bones)
-    used: Booleans = np.concatenate([rig.skin_weights != 0.0, (rig.blendshapes != 0.0).any(axis=2).T], axis=1)
+    used: Booleans = np.concatenate([rig.skin_weights != 0.0, rig.shapes_by_vertex.any(axis=1)], axis=1)
     parts = _cut(used, np.concatenate([np.full(bones, float(BONE_DOFS)), np.ones(len(rig.shapes))]))
     groups = tuple(_group(np.asarray(used[vertices].any(axis=0)), bones) for vertices in parts)
     order = np.concatenate(parts)
@@ -59,10 +60,10 @@ def vertex_groups(rig: Rig) -> VertexGroups:
 
 def _cut(used: Booleans, widths: Array) -> list[Integers]:
     """The vertices of each group, ascending; used: (V, C) which bones and shapes, widths: (C,) of their columns."""
-    open_parts, parts = [np.arange(len(used))], []
+    counted, open_parts, parts = used.astype(np.float32), [np.arange(len(used))], []
     while open_parts:
         vertices = open_parts.pop()
-        column = _best_cut(used[vertices], widths)
+        column = _best_cut(counted[vertices], widths)
         if column is None:
             parts.append(vertices)
         else:
@@ -79,15 +80,16 @@ def _group(used: Booleans, bones: int) -> VertexGroup:
     return VertexGroup(np.flatnonzero(used[:bones]), np.flatnonzero(used[bones:]), entries)
 
 
-def _best_cut(used: Booleans, widths: Array) -> int | None:
-    """The column by whose use (N, C) vertices are best cut in two; None where no cut pays."""
-    total, both = used.sum(axis=0).astype(np.float64), used.T.astype(np.float64) @ used
-    with_it = _cost(total, (both > 0.0) @ widths)
-    without = _cost(len(used) - total, (total - both > 0.0) @ widths)
-    parted = np.where((total > 0.0) & (total < len(used)), with_it + without, np.inf)
+def _best_cut(used: NDArray[np.float32], widths: Array) -> int | None:
+    """The column by whose use (N, C) vertices, 0 or 1, are best cut in two; None where no cut pays."""
+    both = (used.T @ used).astype(np.float64)
+    total, count = np.diag(both), float(len(used))
+    parted = _cost(total, (both > 0.0) @ widths) + _cost(count - total, (total - both > 0.0) @ widths)
+    parted[(total == 0.0) | (total == count)] = np.inf
     best = int(parted.argmin())
-    return best if parted[best] < _cost(np.float64(len(used)), widths @ (total > 0.0)) else None
+    return best if parted[best] < _cost(np.array([count]), np.array([widths @ (total > 0.0)]))[0] else None
 
 
-def _cost(rows: Array | np.float64, columns: Array | np.float64) -> Array:
+def _cost(rows: Array, columns: Array) -> Array:
+    """(C,) of groups with so many rows and columns."""
     return np.asarray(rows * (columns * columns + ENTRY_COST * columns) + GROUP_COST)
