@@ -30,13 +30,13 @@ from breastrig.rig.model import Rig
 @lru_cache(maxsize=16)
 def observation_weights(rig: Rig, observations: Observations | None, every: int) -> Array:
     """(V,), read-only: 0 for the vertices that a stage leaves out; without settings each vertex counts as one."""
-    weights: Array = np.ones(len(rig.template)) if observations is None else _per_vertex(rig, observations)
-    if every > 1:
-        chosen = np.arange(0, len(weights), every)
+    if every == 1:
+        weights: Array = np.ones(len(rig.template)) if observations is None else _per_vertex(rig, observations)
+    else:
+        chosen = np.arange(0, len(rig.template), every)
         nearest = cKDTree(rig.template[chosen]).query(rig.template)[1]
-        total = np.bincount(nearest, weights=weights, minlength=len(chosen))
-        weights = np.zeros(len(weights))
-        weights[chosen] = total
+        weights = np.zeros(len(rig.template))
+        weights[chosen] = np.bincount(nearest, observation_weights(rig, observations, 1), len(chosen))
     weights.flags.writeable = False
     return weights
 
