@@ -152,6 +152,14 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await expect.poll(async () => degrees(gaze(await pose(page)), gaze((await other(page))!.pose))).toBeLessThan(3);
   });
 
+  await test.step("the picture holds both stances, as they stand beside each other", async () => {
+    const panes = await Promise.all([page.locator(".other-stage").boundingBox(), page.locator("main.stage").boundingBox()]);
+    await page.getByRole("button", { name: "Export" }).click();
+    const [picture] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: /^Picture of this view/ }).click()]);
+    const png = readFileSync(await picture.path());
+    expect(Math.abs(png.readUInt32BE(16) - 2 * (panes[0]!.width + panes[1]!.width))).toBeLessThanOrEqual(4);
+  });
+
   await test.step("the measures are those of the API, as a table and as a file", async () => {
     const asked = page.waitForResponse((answer) => answer.url().endsWith(`/api/fits/${standing}/measures.json?with=${supine}`));
     await page.locator("#measures").click();

@@ -15,22 +15,42 @@ const TIMES = 2;
 const SCALE_BAR_MM = 100;
 const FOOT = 34; // pixels below the picture, for scale and notice
 
-/** PNG bytes of the view. */
-export function exportPicture(viewer: Viewer, state: Session): Promise<Blob> {
-  const { clientWidth: width, clientHeight: height } = viewer.host;
+/** What stands on the stage, from left to right; the title says which stance it is, where there are two. */
+export interface Pane {
+  readonly viewer: Viewer;
+  readonly title: string;
+}
+
+/** PNG bytes of all panes beside each other, with one legend. */
+export function exportPicture(panes: readonly Pane[], state: Session): Promise<Blob> {
+  const [main] = panes;
+  if (!main) return Promise.reject(new Error("no view"));
+  const width = panes.reduce((sum, { viewer }) => sum + viewer.host.clientWidth, 0);
+  const height = Math.max(...panes.map(({ viewer }) => viewer.host.clientHeight));
   const canvas = document.createElement("canvas");
   canvas.width = TIMES * width;
   canvas.height = TIMES * (height + FOOT);
   const pen = canvas.getContext("2d")!;
-  const colour = coloursOf(viewer.host);
+  const colour = coloursOf(main.viewer.host);
   pen.scale(TIMES, TIMES);
   pen.fillStyle = colour("--view-canvas");
   pen.fillRect(0, 0, width, height + FOOT);
-  viewer.drawAt(TIMES, (picture) => pen.drawImage(picture, 0, 0, width, height));
   pen.textBaseline = "middle";
-  drawLetters(pen, viewer.overlay, colour);
+  let left = 0;
+  for (const { viewer, title } of panes) {
+    const { clientWidth: wide, clientHeight: high } = viewer.host;
+    pen.save();
+    pen.translate(left, 0);
+    viewer.drawAt(TIMES, (picture) => pen.drawImage(picture, 0, 0, wide, high));
+    drawLetters(pen, viewer.overlay, colour);
+    drawScaleBar(pen, 16, height + FOOT / 2, viewer.pixelsPerMetre * metresFromMm(SCALE_BAR_MM), colour);
+    pen.font = font(15, 600);
+    pen.textAlign = "left";
+    pen.fillText(title, 16, 24);
+    pen.restore();
+    left += wide;
+  }
   if (state.showDistances && showsFittedSurface(state) && state.overlay !== "scan") drawColours(pen, height, colour);
-  drawScaleBar(pen, 16, height + FOOT / 2, viewer.pixelsPerMetre * metresFromMm(SCALE_BAR_MM), colour);
   pen.fillStyle = colour("--text");
   pen.font = font(12, 600);
   pen.textAlign = "right";

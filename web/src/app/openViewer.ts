@@ -23,6 +23,7 @@ import { Ruler } from "../scan/Ruler";
 import { ScanMesh } from "../scan/ScanMesh";
 import { errors as scanErrors } from "../scan/text";
 import { openOtherView } from "../stances/OtherView";
+import { isComparing, stanceNames } from "../stances/state";
 import type { Theme } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
@@ -37,7 +38,7 @@ import { isBeside } from "../viewer/state";
 import { offerTestHook } from "../viewer/testHook";
 import { type Part, Viewer } from "../viewer/Viewer";
 import type { Actions } from "./actions";
-import { exportPicture } from "./exportPicture";
+import { exportPicture, type Pane } from "./exportPicture";
 import type { Stages } from "./Page";
 import type { Session } from "./session";
 
@@ -128,7 +129,6 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
   listenToDrags(stage.canvas, viewer, scan, pins, () => store.get().active === null && isFree(store.get()), actions.landmarks);
-  actions.files.setPicture(() => exportPicture(viewer, store.get()));
   followWanted(viewer, scan, store); // before the keys, whose cross stands where the eye then is
   listenToLandmarkKeys(stage.canvas, viewer, scan, cross, store, actions.landmarks);
   listenToViewKeys(stage.canvas, viewer, () => store.get().scan !== null);
@@ -150,5 +150,14 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     viewer.invalidate();
   });
   const other = openOtherView(store, viewer, stages.other, prefersStill, (error) => store.set((state) => withProblem(state, "stances", messageOf(error))));
+  actions.files.setPicture(() => exportPicture(panesOf(viewer, other.viewer(), store.get()), store.get()));
   offerTestHook(() => ({ ...store.get(), model: null }), viewer, scan, fitted, other);
+}
+
+/** From left to right, as they stand on the stage. */
+function panesOf(main: Viewer, other: Viewer | null, state: Session): Pane[] {
+  if (!other || !isComparing(state)) return [{ viewer: main, title: "" }];
+  const [mine, its] = stanceNames(state);
+  const panes = [{ viewer: main, title: mine }, { viewer: other, title: its }];
+  return state.stances.isSecond ? panes.reverse() : panes;
 }

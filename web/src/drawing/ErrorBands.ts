@@ -53,8 +53,8 @@ export class ErrorBands implements Part<State> {
     const isOn = !state.drawn.hidden.has(BANDS);
     const isThere = isOn && fit !== null && isAtRest(fit) && !isPosedByHand(state);
     this.layers.reference.update(isThere ? shownPatterns(state) : null, skin, state.drawn.hidden, palette.band);
-    const carried = isOn && overlay !== "model" ? (state.drawn.onScan?.carried ?? null) : null;
-    this.layers.carried.update(carried, this.scan, state.drawn.hidden, palette.band);
+    const carried = isOn && !(overlay === "model" && isPosedByHand(state)) ? (state.drawn.onScan?.carried ?? null) : null;
+    this.layers.carried.update(carried, skin, state.drawn.hidden, palette.band);
     this.ask(this.pointer);
     this.viewer.invalidate();
   }

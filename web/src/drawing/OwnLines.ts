@@ -1,6 +1,7 @@
 // The surgeon's lines on the scan: black with a white outline; dashed over holes.  What was carried here from the other
 // stance is drawn the same way, since it is the same hand's.
 import type { Vector } from "../api/types";
+import { type FitSlice, isPosedByHand } from "../fit/state";
 import { isUnit, mmFrom } from "../ui/units";
 import { FatLines, type Polyline } from "../viewer/FatLines";
 import type { Surface } from "../viewer/picking";
@@ -11,7 +12,7 @@ import { type OwnLine, polyline } from "./lines";
 import { type DrawingSlice, type DrawnState, type Layer, layerKey } from "./state";
 import { BRIDGE_MM } from "./strokes";
 
-type Shown = Pick<ViewSlice & DrawingSlice, "overlay" | "drawn">;
+type Shown = Pick<ViewSlice & FitSlice & DrawingSlice, "overlay" | "fit" | "handPose" | "drawn">;
 
 export class OwnLines implements Part<Shown> {
   private readonly own = new FatLines();
@@ -36,7 +37,7 @@ export class OwnLines implements Part<Shown> {
     const { palette } = this.viewer;
     for (const each of [this.own, this.carried, this.live]) each.paint(palette.ink, palette["ink-outline"]);
     this.state = state.drawn;
-    this.isShown = this.scan.mesh !== null && state.overlay !== "model";
+    this.isShown = this.scan.mesh !== null && !(state.overlay === "model" && isPosedByHand(state)); // the fitted model lies on the same skin
     const { lines, hidden, onScan } = state.drawn;
     const now = [lines.present, hidden, onScan, this.isShown];
     if (now.every((each, i) => each === this.drawn[i])) return;

@@ -1,0 +1,44 @@
+// The first page: patients under codes, opened where their work was left, deleted with ten seconds to take it back.
+import { expect } from "@playwright/test";
+import { hook, test } from "./page";
+
+interface Scan {
+  id: string;
+  patient: string;
+}
+
+test("a patient is renamed, found, opened, left by Back, and deleted after a second thought", async ({ page, base, troubles }) => {
+  const add = async (): Promise<Scan> => (await (await page.request.post(`${base}/api/examples/standing`)).json()) as Scan;
+  const [first, second] = [await add(), await add()];
+  await page.goto(base);
+  const row = (scan: Scan) => page.locator(`[data-patient="${scan.patient}"]`);
+  await expect(row(first)).toBeVisible();
+  await expect(row(first).locator("img")).toHaveJSProperty("naturalWidth", 144);
+  await expect(page.getByPlaceholder("Code, never a name").first()).toBeVisible();
+  await row(first).getByLabel("Code, never a name").fill("Ward 7 / 3");
+  await row(first).getByLabel("Code, never a name").press("Tab");
+  await expect.poll(async () => ((await (await page.request.get(`${base}/api/patients/${first.patient}`)).json()) as { code: string }).code).toBe("Ward 7 / 3");
+  await page.reload();
+  await page.getByLabel("Search codes").fill("ward 7");
+  await expect(row(second)).toHaveCount(0);
+  await expect(row(first).getByLabel("Code, never a name")).toHaveValue("Ward 7 / 3");
+
+  await row(first).getByRole("link", { name: /standing/ }).click();
+  await hook.ready(page);
+  expect((await page.evaluate(() => window.__breastrig!.state())).scan!.info.id).toBe(first.id);
+  await page.goBack();
+  await expect(row(first)).toBeVisible();
+
+  const status = async (): Promise<number> => (await page.request.get(`${base}/api/patients/${first.patient}`)).status();
+  await row(first).getByRole("button", { name: "Delete Ward 7 / 3" }).click();
+  await expect(row(first)).toContainText("1 scan with landmarks, fits, plan, reports and every link");
+  await row(first).getByRole("button", { name: "Delete", exact: true }).click();
+  await expect(row(first)).toContainText("will be deleted in ten seconds");
+  expect(await status()).toBe(200);
+  await row(first).getByRole("button", { name: "Take it back" }).click();
+  await row(first).getByRole("button", { name: "Delete Ward 7 / 3" }).click();
+  await row(first).getByRole("button", { name: "Delete", exact: true }).click();
+  await page.close({ runBeforeUnload: true }); // leaving the page sends what waits
+  await expect.poll(status).toBe(404);
+  expect(troubles).toEqual([]);
+});
