@@ -104,6 +104,18 @@ def test_the_jacobian_matches_finite_differences(name: str, seed: int, toy_rig: 
     assert_jacobian_matches_finite_differences(term, toy_rig, random_state(toy_rig, rng))
 
 
+@pytest.mark.parametrize("name", ["point_to_plane", "point_to_point", "scale_prior", "symmetry", "body_prior"])
+def test_normal_equations_by_structure_equal_those_of_the_jacobian(name: str, toy_rig: Rig) -> None:
+    rng = np.random.default_rng(6)
+    term = TERMS[name](toy_rig, rng)
+    for state in (random_state(toy_rig, rng), random_state(toy_rig, rng)):
+        lin, found = term.linearise(state), term.normal_equations(state)
+        hessian, gradient = lin.jacobian.T @ lin.jacobian, lin.jacobian.T @ lin.residual
+        np.testing.assert_allclose(found.hessian, hessian, rtol=0, atol=1e-10 * np.abs(hessian).max())
+        np.testing.assert_allclose(found.gradient, gradient, rtol=0, atol=1e-10 * np.abs(gradient).max())
+        assert found.energy == pytest.approx(0.5 * lin.residual @ lin.residual, rel=1e-12)
+
+
 @pytest.mark.parametrize("name", ["shape_prior", "scale_prior", "symmetry", "joint_rest", "joint_limits"])
 def test_a_rig_at_rest_costs_nothing(name: str, toy_rig: Rig) -> None:
     rest = BodyState(toy_rig, rest_parameters(toy_rig))

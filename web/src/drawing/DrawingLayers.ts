@@ -15,7 +15,7 @@ const words = text.drawing;
 const plainStart = (label: string): string => label.charAt(0).toUpperCase() + label.slice(1);
 const cm = (mm: number): string => (mm / 10).toFixed(1);
 
-type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "fit" | "drawn">;
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "fit" | "drawing" | "drawn">;
 
 export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
   const own = el("ul", { class: "layers", "data-layer": "own" });
@@ -88,7 +88,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
 
   return {
     element,
-    select: only("meta", "model", "fit", "drawn"),
+    select: only("meta", "model", "fit", "drawing", "drawn"),
     update(state: Shown): void {
       const { lines, hidden, chosen } = state.drawn;
       show(none, lines.present.length === 0);
@@ -100,7 +100,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       const patterns = shownPatterns(state);
       const shapes = patterns?.shapes ?? known?.shapes ?? [];
       const named = shapes.map(({ name }) => ({ name, label: plainStart(known?.shapes.find((each) => each.name === name)?.label ?? words.shapeName(name)) }));
-      const label = requestLabel(fit?.drawingName ?? "", drawingLabels(state));
+      const label = requestLabel(state.drawn.onScan ? state.drawing : (fit?.drawingName ?? ""), drawingLabels(state));
       reference.set(fit && label !== "" ? words.reference(label) : "", named, hidden, "");
       const from = state.drawn.onScan;
       const brought = from?.carried.shapes ?? [];

@@ -215,7 +215,10 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
       try {
         const earlier = await plan.earlierLines(scan, before);
         if (store.get().scan?.info.id !== scan.id || lines() !== before) return;
-        if (earlier === null) return put({}, { announcement: words.nothingEarlier });
+        if (earlier === null) {
+          put({}, { announcement: words.nothingEarlier });
+          return;
+        }
         put({ lines: { past: [], present: earlier, future: [before, ...drawn().lines.future] }, corner: null }, { announcement: landmarkText.announceUndone });
         this.tidy();
       } catch (error) {

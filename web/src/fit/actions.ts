@@ -259,9 +259,10 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
       try {
         const fit = await client.fit(id);
         const { picks, certain } = store.get();
+        // The settings come back with the fit, so that the next one is asked for as this one was; its drawing is the plan's.
         const asked = { stance: fit.asked_stance, preset: fit.preset, refine: fit.refine };
         const given = { picks: pickCount(store.get()) > 0 ? picks.present : null, certain: certainNames(picks.present, certain), before: null, asked, isOpened: true };
-        store.set(asked); // a fit again is asked for as this one was
+        store.set(asked);
         follow(freshFit(fit.id, fit.links, fit.drawing, given));
         stepAfter = fit.state === "done" ? step : null;
       } catch (error) {

@@ -50,7 +50,7 @@ export function planActions(store: Store<State>, client: Client) {
   /** The first fit decides that its drawing is the plan: from then on the plan speaks for all scans. */
   store.select(only("fit"), ({ fit }, before) => {
     const { scan, drawing } = store.get();
-    if (!scan || !fit || fit.state !== "running" || fit.id === before.fit?.id) return;
+    if (!scan || fit?.state !== "running" || fit.id === before.fit?.id) return;
     if (keeper.seen(link(scan.info))?.whole === false) void saveDrawing(scan.info, drawing);
   });
 

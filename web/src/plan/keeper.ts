@@ -58,7 +58,9 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
     /** As last seen; null before it was read. */
     seen: (link: string): StoredPlan | null => known.get(link) ?? null,
     /** What waits to be written is written. */
-    settled: async (): Promise<void> => void (await Promise.all(queues.values())),
+    settled: async (): Promise<void> => {
+      await Promise.all(queues.values());
+    },
     /** The newest version before `version` whose items `differ`; null when there is none any more. */
     async earlier(link: string, version: number, differs: (items: readonly PlanItem[]) => boolean): Promise<StoredPlan | null> {
       for (let number = version - 1; number > 0; number -= 1) {

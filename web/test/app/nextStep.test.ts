@@ -70,6 +70,7 @@ test("as soon as other settings are asked for than the fit was made with, the ne
   for (const other of [{ stance: "supine" }, { preset: "paper" }, { refine: false }] satisfies Partial<Session>[]) {
     expect(nextStep(finished(other)), JSON.stringify(other)).toEqual({ kind: "fit", again: true, landmarks: 3 });
   }
+  expect(nextStep(finished({ drawing: "reduction" })).kind, "a pattern is drawn on the body that is there").toBe("draw");
   expect(nextStep(finished({ stance: "standing" })).kind, "which is what the fit decided by itself").toBe("draw");
 });
 

@@ -25,7 +25,7 @@ async function drawing(answers: Parameters<typeof page>[0] = {}) {
   await made.actions.scan.takeExample("standing");
   made.actions.drawing.setSkin(() => skin);
   made.actions.drawing.take("pen");
-  const saved = made.client.savePlan as unknown as ReturnType<typeof vi.fn>;
+  const { savePlan: saved } = made.client as unknown as { savePlan: ReturnType<typeof vi.fn> };
   const names = (): string[] => made.store.get().drawn.lines.present.map(({ name }) => name);
   return { ...made, saved, names };
 }

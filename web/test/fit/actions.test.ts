@@ -161,7 +161,7 @@ test("a fit whose landmarks were moved before the service answered is cancelled 
 });
 
 test("a fit that the address names brings its settings back, and is compared with the landmarks of its own result", async () => {
-  const fit = async (id: string) => ({ id, links: fitLinks(id), stance: "supine", asked_stance: "supine", preset: "paper", drawing: "mastectomy", refine: false });
+  const fit = async (id: string) => ({ id, links: fitLinks(id), asked_stance: "supine", preset: "paper", drawing: "mastectomy", refine: false });
   const landmarks = async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: { nipple_L: [1, 2, 3], umbilicus: [0, 0, 0] } });
   const { store, actions } = await withScan({ fit, landmarks } as never);
   await actions.fit.open("f1");

@@ -2,6 +2,7 @@
 import { Euler, Matrix4, Quaternion, Vector3 } from "three";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { fitLinks, page, scanInfo } from "../fakes";
+import type { Client } from "../../src/api/client";
 import type { Fit, Measure, PlannedShape, PlanOnScan, Vector } from "../../src/api/types";
 import { INK } from "../../src/drawing/lines";
 import { laidOnScan } from "../../src/drawing/state";
@@ -122,14 +123,15 @@ const done = (id: string): FitState => ({
 const LINE = { name: "Line 1", closed: false, color: INK, points: [[0, 0, 0], [2, 0, 0]] as Vector[], corners: [0, 1] };
 
 async function two() {
-  const planOnFit = vi.fn(async (_link: string) => CARRIED);
-  const made = page({ planOnFit, importExample: async (name: string) => scanInfo(name), fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state: "done" }) as unknown as Fit });
+  const planOnFit = vi.fn<Client["planOnFit"]>(async () => CARRIED);
+  const moveScan = vi.fn<Client["moveScan"]>();
+  const made = page({ planOnFit, moveScan, importExample: async (name: string) => scanInfo(name), fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state: "done" }) as unknown as Fit });
   const { store, actions } = made;
   await actions.scan.takeExample("standing");
   store.set((state) => ({ fit: done("f1"), drawn: { ...state.drawn, lines: { past: [], present: [LINE], future: [] } } }));
   await actions.drawing.saveNow();
   await actions.stances.takeExample("supine");
-  return { ...made, planOnFit };
+  return { ...made, planOnFit, moveScan };
 }
 
 test("the second scan gets the page, the first waits with all that is its own", async () => {
@@ -166,8 +168,8 @@ test("a scan that cannot be had leaves the page as it was and says why", async (
 });
 
 test("both scans are of one patient, and what was planned on the first is not made anew on the second", async () => {
-  const { store, client } = await two();
-  expect(client.moveScan).toHaveBeenCalledWith("supine", "of-standing");
+  const { store, moveScan } = await two();
+  expect(moveScan).toHaveBeenCalledWith("supine", "of-standing");
   expect(store.get().scan!.info).toMatchObject({ id: "supine", patient: "of-standing", links: { plan: "/api/patients/of-standing/plan" } });
   expect(store.get().drawing).toBe("");
   expect(store.get().stances.other!.drawing).toBe("lumpectomy");

@@ -132,8 +132,14 @@ def show_fitted_ply(share_id: str) -> Response:
 @shared.output(DrawingFile, description="Polylines on the scan")
 @shared.doc(operation_id="getSharedDrawing", responses={401: NOT_OPEN, 410: ENDED})
 def show_drawing(share_id: str) -> Response:
-    """The shared fit's drawing"""
-    return _fit_file(share_id, "drawing.json")
+    """What is drawn on the shared fit's scan: the plan, or the fit's own drawing where there is none"""
+    share = visited_share(share_id)
+    plans = app_context().service.plans
+    if not plans.of_fit(share.fit).plan.is_whole:
+        return _fit_file(share_id, "drawing.json")
+    response = bytes_answer(plans.on_fit(share.fit), JSON, NO_STORE)
+    response.headers["Content-Disposition"] = "attachment; filename=drawing.json"
+    return response
 
 
 @shared.get("/<share_id>/plan.json")

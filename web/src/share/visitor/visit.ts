@@ -73,7 +73,7 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
     scan: { info, title: text.shared.title, mesh, frame, frameFrom: "fit", file: null, example: null },
     fit: {
       id: "shared",
-      links: { ...initialLinks, result: links.result, fitted_ply: links.fitted_ply, fitted_glb: links.fitted_glb, drawing: plan.whole ? links.plan : links.drawing },
+      links: { ...initialLinks, result: links.result, fitted_ply: links.fitted_ply, fitted_glb: links.fitted_glb, drawing: links.drawing },
       state: "done",
       started: null,
       iterations: [],
