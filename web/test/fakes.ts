@@ -81,6 +81,7 @@ export function page(answers: Partial<Client> = {}) {
     mesh: async () => new ArrayBuffer(8),
     landmarks: async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: {} }),
     ...fakePlans(),
+    patients: async () => ({ patients: [], next: null }),
     proposed: async () => ({ landmarks: {} }),
     saveLandmarks: vi.fn(async (_scan: Scan, file: unknown) => file),
     scan: async (id: string) => scanInfo(id),

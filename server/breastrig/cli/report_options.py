@@ -15,5 +15,8 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument(
         "--with", dest="other", type=Path, metavar="OUT_B", help="fit of the same patient in another stance"
     )
+    parser.add_argument(
+        "--plan", type=Path, metavar="FILE", help="plan or drawing that is shown instead of the fit's own drawing"
+    )
     parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fits were made with")
     add_output_options(parser, "DIR", "folder for the three files")

@@ -45,25 +45,27 @@ def plan_on_fit(job: PlanJob) -> dict[str, Any]:
     rig = read_rig(job.model or default_rig_path())
     plan = checked_plan(job.plan)
     here, *others = (fit_folder_of(each.folder, rig) for each in (job.fit, *job.others))
+    fits = [(here, job.fit.scan), *zip(others, [other.scan for other in job.others], strict=True)]
     try:
-        found = plan_on_folders(
-            rig, plan, [(here, job.fit.scan), *zip(others, [o.scan for o in job.others], strict=True)]
-        )
+        found = plan_on_folders(rig, plan, fits)
     except MemoryError as error:
         raise BadInput("Carrying this plan needs more memory than it may use; give smaller scans.") from error
     return plan_document(plan, here, found)
 
 
-def plan_on_folders(rig: Rig, plan: Plan, fits: Sequence[tuple[FitFolder, str]]) -> PlanOnScan:
-    """The plan on the first of these fits; `fits` are the scans' with the name that the plan's items give them."""
+def plan_on_folders(rig: Rig, plan: Plan, fits: Sequence[tuple[FitFolder, str]], home: int = 0) -> PlanOnScan:
+    """The plan on the scan of the first of these fits; with each the name that the plan's items give its scan.
+
+    Items that name no scan were made on that of `fits[home]`.
+    """
     names = [name or scan_of_plan(plan, fit) for fit, name in fits]
     here, *others = (
         PlannedScan(
             fit.stance,
             fitted_scan(fit.surface, fit.vertices, fit.landmarks, fit.stance, fit.radii),
-            items_of(plan, name, is_first=k == 0),
+            items_of(plan, name, is_home=place == home),
         )
-        for k, ((fit, _), name) in enumerate(zip(fits, names, strict=True))
+        for place, ((fit, _), name) in enumerate(zip(fits, names, strict=True))
     )
     return plan_on_scan(rig, here, [other for other in others if other.items])
 
@@ -78,9 +80,9 @@ def scan_of_plan(plan: Plan, fit: FitFolder) -> str:
     return next(iter([*by_hash, *by_stance, *named]), "")
 
 
-def items_of(plan: Plan, name: str, is_first: bool) -> tuple[PlanItem, ...]:
-    """The items of that scan; those that name none were made on the first one."""
-    return tuple(item for item in plan.items if (item.scan == name if item.scan else is_first))
+def items_of(plan: Plan, name: str, is_home: bool) -> tuple[PlanItem, ...]:
+    """The items of that scan; those that name none belong to the one that is at home."""
+    return tuple(item for item in plan.items if (item.scan == name if item.scan else is_home))
 
 
 def empty_plan_document(unit: str) -> dict[str, Any]:

@@ -13,6 +13,7 @@ import type {
   Meta,
   ModelSide,
   Patient,
+  PatientPage,
   PlanItem,
   PlanOnScan,
   Problem,
@@ -90,6 +91,12 @@ export const client = {
   /** With all that was made of it; arrives although the page is being closed. */
   deleteScan: async (scan: Scan): Promise<void> => {
     await ask(scan.links.self, { method: "DELETE", keepalive: true });
+  },
+  /** The newest first; `address` is that of a further page. */
+  patients: (address: string | null, search: string) => askJson<PatientPage>(`${address ?? "/api/patients?limit=50"}${search === "" ? "" : `&search=${id(search)}`}`),
+  renamePatient: (patient: string, code: string) => askJson<Patient>(`/api/patients/${id(patient)}`, "PATCH", { code }),
+  deletePatient: async (patient: string): Promise<void> => {
+    await ask(`/api/patients/${id(patient)}`, { method: "DELETE", keepalive: true });
   },
   mesh: (scan: Scan) => bytes(scan.links.mesh),
   landmarks: (scan: Scan) => askJson<LandmarkFile>(scan.links.landmarks),

@@ -7,6 +7,7 @@ import { handPoseActions } from "../fit/handPoseActions";
 import { createPlayer } from "../fit/playback";
 import { landmarkActions } from "../landmarks/actions";
 import { createProposalSearch } from "../landmarks/proposalSearch";
+import { patientActions } from "../patients/actions";
 import { planActions } from "../plan/actions";
 import { scanActions } from "../scan/actions";
 import { shareActions } from "../share/actions";
@@ -43,6 +44,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     landmarks,
     drawing,
     stances,
+    patients: patientActions(store, client),
     share: shareActions(store, client),
     proposals,
     /** What still waits is saved first; the page that follows asks for the token. */

@@ -1,5 +1,5 @@
 // What the page shows, kept in the address after "#", so that a reload or a copied link shows the same.
-import type { Frame, Vector } from "../api/types";
+import type { Frame, Patient, Vector } from "../api/types";
 import type { Step } from "../store/page";
 
 export interface PageAddress {
@@ -45,6 +45,14 @@ export function toHash(place: PageAddress): string {
   }
   const text = words.toString();
   return text === "" ? "" : `#${text}`;
+}
+
+/** Where a patient's work was left: her first two scans with their newest fits, on the one that came first. */
+export function addressOfPatient({ scans: [first, second] }: Pick<Patient, "scans">): string {
+  const place = (scan: Patient["scans"][number]): { scan: string; fit: string | null; frame: null } => ({ scan: scan.id, fit: scan.fit?.state === "done" ? scan.fit.id : null, frame: null });
+  if (!first) return "#";
+  const own = place(first);
+  return toHash({ ...own, step: own.fit === null ? "scan" : "result", other: second ? place(second) : null, isSecond: false, isComparing: second !== undefined && own.fit !== null });
 }
 
 export function fromHash(hash: string): PageAddress {

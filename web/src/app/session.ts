@@ -4,6 +4,7 @@ import { type DrawingSlice, initialDrawing } from "../drawing/state";
 import { type FitSlice, initialFit } from "../fit/state";
 import { type LandmarksSlice, startLandmarks } from "../landmarks/state";
 import { initialScan, type ScanSlice } from "../scan/state";
+import { initialPatients, type PatientsSlice } from "../patients/state";
 import { initialShare, type ShareSlice } from "../share/state";
 import { initialStances, type StancesSlice } from "../stances/state";
 import { initialPage, type PageSlice } from "../store/page";
@@ -18,7 +19,7 @@ export interface Deletion {
   readonly title: string;
 }
 
-export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, FitSlice, DrawingSlice, StancesSlice, ShareSlice {
+export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, FitSlice, DrawingSlice, StancesSlice, PatientsSlice, ShareSlice {
   readonly isSignedIn: boolean; // with a token; a service on one's own machine needs none
   readonly isHelpOpen: boolean;
   readonly leaving: readonly Unsaved[] | null; // asked: may they be lost?
@@ -35,6 +36,7 @@ export const initialSession: Session = {
   ...initialFit,
   ...initialDrawing,
   stances: initialStances,
+  patients: initialPatients,
   ...initialShare,
   isSignedIn: false,
   isHelpOpen: false,

@@ -29,7 +29,7 @@ export function planActions(store: Store<State>, client: Client) {
   /** Before anybody has planned anything a fit brings the reference drawing along. */
   const onScan = (items: readonly PlanItem[], isWhole: boolean, scan: string): PlannedOnScan => ({
     lines: linesOn(items, scan),
-    drawing: isWhole ? drawingOn(items, scan) : initialFit.drawing,
+    drawing: isWhole ? drawingOn(items, scan) : referenceOf(store.get().meta?.drawings ?? []),
     isWhole,
   });
 
@@ -88,5 +88,9 @@ export function planActions(store: Store<State>, client: Client) {
     settled: keeper.settled,
   };
 }
+
+/** The reference drawing that a first fit brings along, where the model has it. */
+export const referenceOf = (drawings: readonly { readonly name: string }[]): string =>
+  drawings.length === 0 || drawings.some(({ name }) => name === initialFit.drawing) ? initialFit.drawing : drawings[0]!.name;
 
 export type PlanActions = ReturnType<typeof planActions>;

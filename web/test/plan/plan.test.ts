@@ -106,7 +106,7 @@ test("the first fit makes its reference drawing the plan; a pattern that is chos
   made.actions.fit.chooseDrawing("reduction+tumour:side=R,clock=3,distance_mm=30,radius_mm=10");
   await vi.advanceTimersByTimeAsync(10);
   expect(await plan()).toEqual([["s1", "reduction"], "tumour"]);
-  made.actions.scan.leave();
+  void made.actions.scan.leave();
   await vi.advanceTimersByTimeAsync(10);
   expect(await plan()).toEqual([["s1", "reduction"], "tumour"]);
 });
