@@ -23,6 +23,7 @@ from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
 from breastrig.geometry.plane import Plane
+from breastrig.least_squares.problem import StructuredTerm
 from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
@@ -104,7 +105,15 @@ def test_the_jacobian_matches_finite_differences(name: str, seed: int, toy_rig: 
     assert_jacobian_matches_finite_differences(term, toy_rig, random_state(toy_rig, rng))
 
 
-@pytest.mark.parametrize("name", ["point_to_plane", "point_to_point", "scale_prior", "symmetry", "body_prior"])
+STRUCTURED = ["point_to_plane", "point_to_point", "scale_prior", "shape_prior", "symmetry", "body_prior"]
+
+
+def test_no_structured_term_is_forgotten(toy_rig: Rig) -> None:
+    terms = {name: make(toy_rig, np.random.default_rng(0)) for name, make in TERMS.items()}
+    assert {name for name, term in terms.items() if isinstance(term, StructuredTerm)} == set(STRUCTURED)
+
+
+@pytest.mark.parametrize("name", STRUCTURED)
 def test_normal_equations_by_structure_equal_those_of_the_jacobian(name: str, toy_rig: Rig) -> None:
     rng = np.random.default_rng(6)
     term = TERMS[name](toy_rig, rng)

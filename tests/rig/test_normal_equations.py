@@ -1,5 +1,7 @@
 """What is computed by structure equals what the full Jacobian gives."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.random_pose import random_parameters
@@ -32,6 +34,16 @@ def assert_equal_to_dense(rig: Rig, chosen: np.ndarray, rng: np.random.Generator
     np.testing.assert_array_equal(found.hessian, found.hessian.T)
 
 
+def assert_variances_equal_to_dense(rig: Rig, rng: np.random.Generator) -> None:
+    posed = Posed(rig, random_parameters(rig, rng))
+    root = rng.normal(size=(posed.x.dof, posed.x.dof))
+    everyone = np.arange(len(rig.template))
+    expected = np.zeros(len(everyone))
+    for axis in np.eye(3):
+        expected += ((posed.rows(everyone, np.tile(axis, (len(everyone), 1))) @ root) ** 2).sum(axis=1)
+    np.testing.assert_allclose(vertex_variances(posed, root @ root.T), expected, rtol=1e-10)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_of_any_vertices_in_any_order_and_several_times_each(seed: int, torso: Rig, toy_rig: Rig) -> None:
     rng = np.random.default_rng(seed)
@@ -45,17 +57,20 @@ def test_of_every_vertex_of_one_and_of_none(torso: Rig) -> None:
         assert_equal_to_dense(torso, chosen, rng)
 
 
+def test_of_a_rig_without_shapes_and_of_one_whose_vertices_have_one_bone_each(toy_rig: Rig) -> None:
+    rng = np.random.default_rng(1)
+    bare = replace(toy_rig, shapes=(), blendshapes=np.zeros((0, *toy_rig.template.shape)))
+    single = np.eye(len(toy_rig.bones))[toy_rig.skin_weights.argmax(axis=1)]
+    for rig in (bare, replace(toy_rig, skin_weights=single)):
+        assert_equal_to_dense(rig, np.arange(len(rig.template)), rng)
+        assert_variances_equal_to_dense(rig, rng)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_the_variances_of_all_vertices_are_those_of_their_rows(seed: int, torso: Rig, toy_rig: Rig) -> None:
     rng = np.random.default_rng(seed)
     for rig in (torso, toy_rig):
-        posed = Posed(rig, random_parameters(rig, rng))
-        root = rng.normal(size=(posed.x.dof, posed.x.dof))
-        everyone = np.arange(len(rig.template))
-        expected = np.zeros(len(everyone))
-        for axis in np.eye(3):
-            expected += ((posed.rows(everyone, np.tile(axis, (len(everyone), 1))) @ root) ** 2).sum(axis=1)
-        np.testing.assert_allclose(vertex_variances(posed, root @ root.T), expected, rtol=1e-10)
+        assert_variances_equal_to_dense(rig, rng)
 
 
 def test_groups_hold_each_vertex_once_with_all_that_moves_it(torso: Rig) -> None:

@@ -1,4 +1,4 @@
-"""Measures of one fit, or of two stances of one patient, as JSON, CSV and two pages of PDF."""
+"""Measures of one fit, or of two stances of one patient, as JSON, CSV and PDF with a tape sheet of the drawing."""
 
 import argparse
 from pathlib import Path

@@ -14,15 +14,14 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from breastrig.core.arrays import Array, Integers
+from breastrig.geometry.rotations import hat
 from breastrig.least_squares.problem import NormalEquations
 from breastrig.rig.parameters import BONE_DOFS
 from breastrig.rig.skinning import Posed
 from breastrig.rig.vertex_groups import VertexGroups, vertex_groups
 
 AFFINE = 12  # entries of a bone's affine map: each row of A, then its entry of t
-TURNS = np.zeros((3, 3, 3))  # ∂exp(ω)/∂ω_m at 0
-for _m, _i, _j in ((0, 2, 1), (1, 0, 2), (2, 1, 0)):
-    TURNS[_m, _i, _j], TURNS[_m, _j, _i] = 1.0, -1.0
+TURNS = hat(np.eye(3))  # (3, 3, 3): ∂exp(ω)/∂ω_m at 0
 
 
 def normal_equations(posed: Posed, chosen: Integers, directions: Array, residual: Array) -> NormalEquations:
@@ -42,7 +41,8 @@ def normal_equations(posed: Posed, chosen: Integers, directions: Array, residual
             part = np.zeros((BONE_DOFS * bones + len(group.shapes) + 1, last - first))  # transposed: long inner loops
             steps = part[: BONE_DOFS * bones]
             np.matmul(to_affine[group.bones].reshape(-1, AFFINE), z[:, rows], out=steps)
-            steps.reshape(bones, BONE_DOFS, -1)[:] *= weights[:bones, None, rows]
+            blocks = steps.reshape(bones, BONE_DOFS, -1)  # a view
+            blocks *= weights[:bones, None, rows]
             part[BONE_DOFS * bones : -1] = shapes[rows, : len(group.shapes)].T
             part[-1] = residual[rows]
             entries.append(group.entries)

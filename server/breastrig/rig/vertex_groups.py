@@ -41,7 +41,7 @@ class VertexGroups:
 
 @lru_cache(maxsize=16)
 def vertex_groups(rig: Rig) -> VertexGroups:
-    """Of a rig; takes 15 ms once."""
+    """Of a rig; takes 5 ms once."""
     bones = len(rig.bones)
     used: Booleans = np.concatenate([rig.skin_weights != 0.0, rig.shapes_by_vertex.any(axis=1)], axis=1)
     parts = _cut(used, np.concatenate([np.full(bones, float(BONE_DOFS)), np.ones(len(rig.shapes))]))

@@ -15,7 +15,7 @@ from breastrig.rig.vertex_groups import vertex_groups
 
 def vertex_variances(posed: Posed, covariance: Array) -> Array:
     """(V,) m², over all three axes, for a step with this (P, P) covariance."""
-    rig, grouped = posed.rig, vertex_groups(posed.rig)
+    grouped = vertex_groups(posed.rig)
     order = np.argsort(grouped.places)  # group after group
     sizes = np.bincount(grouped.of_vertex, minlength=len(grouped.groups))
     places = np.ones((len(order), 1, 4))
@@ -30,7 +30,8 @@ def vertex_variances(posed: Posed, covariance: Array) -> Array:
         y = weighted[rows, : len(bones)].reshape(size, -1)  # (N, 4 K)
         own = steps[bones][:, bones].transpose(0, 2, 1, 3).reshape(y.shape[1], y.shape[1])
         result[order[rows]] = np.einsum("nk,nk->n", y @ own, y)
-        within = covariance[-len(rig.shapes) :, -len(rig.shapes) :][group.shapes][:, group.shapes]
+        own_shapes = BONE_DOFS * len(posed.rig.bones) + group.shapes
+        within = covariance[own_shapes[:, None], own_shapes]
         for axis in range(3):
             s = moved[rows, axis, : len(group.shapes)]
             across = shapes[axis][bones][:, :, group.shapes].reshape(y.shape[1], -1)

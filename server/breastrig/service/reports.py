@@ -42,7 +42,7 @@ class Reports:
         self._remembered = Remembered(REMEMBERED)
 
     def pdf(self, fit_id: str, other_id: str | None) -> bytes:
-        """The two pages of a fit that is done, or of it and another one.
+        """The pages of a fit that is done, or of it and another one.
 
         Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
         """

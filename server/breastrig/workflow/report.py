@@ -131,6 +131,16 @@ def planned_lines(folder: Path, unit: str, plan: PlanLines | None) -> tuple[Poly
     return (*(line for line in drawn_lines(folder, unit) if line.name not in named), *planned)
 
 
+def _remarks(document: dict[str, Any]) -> tuple[str, ...]:
+    """Depths of tumours and notes, a sentence each, and what cannot be shown on this scan."""
+    depths = {shape["name"]: shape["depth_mm"] for shape in document["shapes"] if shape.get("depth_mm") is not None}
+    return (
+        *(f"{name} lies {depth:.0f} mm below the skin." for name, depth in depths.items()),
+        *(f"Note: {note['text']}" for note in document.get("notes", ())),
+        *(str(missing["reason"]) for missing in document.get("missing", ())),
+    )
+
+
 def stance_of(folder: Path, fit: FitFolder, plan: PlanLines | None = None) -> Stance:
     """A fit's folder as measures, pictures and exports want it."""
     return Stance(
@@ -141,6 +151,7 @@ def stance_of(folder: Path, fit: FitFolder, plan: PlanLines | None = None) -> St
         name=fit.stance,
         picked=fit.landmarks,
         lines=planned_lines(folder, fit.unit, plan),
+        remarks=() if plan is None else _remarks(plan[0]),
         landmark_radii={n: 1e-3 * radius for n, radius in fit.result.get("landmark_uncertainty_mm", {}).items()},
         radii=fit.radii,
     )

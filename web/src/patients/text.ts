@@ -7,7 +7,7 @@ export const patients = {
   order: "Order",
   orders: { newest: "Newest first", code: "By code", "deleted first": "Deleted soonest" },
   code: "Code, never a name",
-  noCode: "no code yet",
+  noCode: "the patient without a code",
   none: (search: string) => `No code holds “${search}”.`,
   more: "Show more",
   scans: (stances: readonly string[]) => (stances.length === 0 ? "no scan" : stances.join(" and ")),

@@ -164,7 +164,7 @@ def show_distances(share_id: str) -> Response:
 @shared.doc(
     operation_id="getSharedReport",
     responses={
-        200: file_of(PDF, "Two pages: pictures, then numbers"),
+        200: file_of(PDF, "Pictures, numbers, and a tape sheet of the drawing"),
         403: "The link does not show the scan, which the report pictures",
         410: ENDED,
     },
