@@ -82,10 +82,13 @@ test("Back and Forward go through patient and steps and stay in the page; a dele
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
+  await expect(page).toHaveURL(/step=scan/);
   await page.keyboard.press("2");
+  await expect(page).toHaveURL(/step=landmarks/);
   await page.getByRole("button", { name: "Use the example's landmarks" }).click();
   await page.keyboard.press("3");
   await expect(openStep).toHaveText("Fit");
+  await expect(page).toHaveURL(/step=fit/);
   for (const step of ["Landmarks", "Scan"]) {
     await page.goBack();
     await expect(openStep).toHaveText(step);
@@ -137,4 +140,32 @@ test("Escape closes the menu of exports", async ({ page, base }) => {
   await expect(page.locator("#export-menu")).toBeVisible();
   await page.keyboard.press("Escape");
   await expect(page.locator("#export-menu")).toBeHidden();
+});
+
+test("landmarks that the service does not take are asked about before another patient, and nothing is lost by staying", async ({ page, base }) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await expect(page).toHaveURL(/step=scan/);
+  await page.keyboard.press("2");
+  await expect(page).toHaveURL(/step=landmarks/);
+  const refuse = { status: 507, contentType: "application/problem+json", body: JSON.stringify({ title: "Full", detail: "The disk is full.", status: 507 }) };
+  await page.route("**/landmarks", (route) => (route.request().method() === "PUT" ? route.fulfill(refuse) : route.fallback()));
+  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
+  await page.getByRole("button", { name: "New scan" }).click();
+  const question = page.getByRole("dialog", { name: "Not everything is saved" });
+  await expect(question).toContainText("The landmarks of this scan could not be saved");
+  await page.keyboard.press("Escape");
+  await expect(question).toBeHidden();
+  expect(await hook.pickCount(page)).toBe(12);
+  await page.goBack();
+  await expect(page).toHaveURL(/step=scan/);
+  await page.goBack();
+  await expect(question, "Back does not leave them either").toBeVisible();
+  await page.unroute("**/landmarks");
+  await question.getByRole("button", { name: "Save again" }).click();
+  await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
+  await page.goForward();
+  await hook.ready(page);
+  expect(await hook.pickCount(page)).toBe(12);
 });

@@ -353,19 +353,27 @@ test("on a table the pen draws nothing, and a stroke that runs off the patient e
   const canvas = (await page.locator("main canvas.view").boundingBox())!;
   const row = canvas.y + canvas.height / 2;
   const middle = canvas.x + canvas.width / 2;
+  // The outermost place of the scan in this row is table.
+  const outside = await page.evaluate(
+    ([from, to, y]) => {
+      for (let x = from!; x > to!; x -= 4) if (window.__breastrig!.pickAt(x, y!)) return x - 12;
+      throw new Error("no table in this row");
+    },
+    [canvas.x + canvas.width - 1, middle, row],
+  );
   await page.mouse.move(middle, row);
   await page.mouse.down();
-  for (let x = middle; x < canvas.x + canvas.width - 40; x += 12) await page.mouse.move(x, row);
+  for (let x = middle; x < outside; x += 12) await page.mouse.move(x, row);
   await page.mouse.up();
   const all = await lines(page);
   expect(all.length).toBeGreaterThan(0);
   const { front } = await page.evaluate(() => window.__breastrig!.state().scan!.frame);
   const heights = all.flatMap(({ points }) => points.map((point) => dot(point, front)));
-  const table = await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!)!.point, [canvas.x + canvas.width - 60, row]);
+  const table = await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!)!.point, [outside, row]);
   for (const line of all) for (let i = 1; i < line.points.length; i += 1) expect(distance(line.points[i - 1]!, line.points[i]!)).toBeLessThan(6);
   expect(Math.min(...heights)).toBeGreaterThan(dot(table, front) + 5);
   const before = all.length;
-  await page.mouse.click(canvas.x + canvas.width - 60, row);
+  await page.mouse.click(outside, row);
   expect((await drawn(page)).start).toBeNull();
   expect(await lines(page)).toHaveLength(before);
   expect(troubles).toEqual([]);

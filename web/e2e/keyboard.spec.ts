@@ -20,7 +20,12 @@ const focusName = (page: Page): Promise<string> =>
 
 /** Every stop of the Tab key, in its order: what it is called, where it stands in the document, whether one sees it. */
 async function tabOrder(page: Page): Promise<{ name: string; place: number; isSeen: boolean }[]> {
-  await page.evaluate(() => (document.activeElement as HTMLElement | null)?.blur());
+  // From the top: where the focus was last, the browser would go on from there.
+  await page.evaluate(() => {
+    document.body.tabIndex = -1;
+    document.body.focus();
+    document.body.removeAttribute("tabindex");
+  });
   const stops = [];
   for (let i = 0; i < 80; i += 1) {
     await page.keyboard.press("Tab");

@@ -50,9 +50,16 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
     expect(Object.keys(kept.landmarks).length).toBe(wanted);
   });
 
-  await test.step("a confirmed one is placed again by a click", async () => {
+  await test.step("a confirmed one is placed again by a click, and the eye comes near for it", async () => {
+    const apart = async (): Promise<number> => {
+      const [one, other] = [await hook.project(page, landmarks.nipple_L!.point), await hook.project(page, landmarks.nipple_R!.point)];
+      return Math.hypot(one.x - other.x, one.y - other.y);
+    };
+    await untilStill(page);
+    const before = await apart();
     await page.locator(".landmarks [data-landmark=nipple_L] .landmark-name").click();
     await untilStill(page);
+    expect(await apart()).toBeGreaterThan(1.5 * before);
     const { x, y } = await hook.project(page, landmarks.nipple_L!.point);
     await page.mouse.click(x - 25, y);
     expect(await hook.pick(page, "nipple_L")).not.toEqual(landmarks.nipple_L!.point);

@@ -1,6 +1,7 @@
 // The left side: the steps, of which one is open, and below them the button that says what to do next.
 import { drawing as drawingText } from "../drawing/text";
 import { fit as fitText, numbers as resultNumbers, result as resultText } from "../fit/text";
+import { outdated } from "../fit/outdated";
 import { levelOf } from "../fit/verdict";
 import { askedNames, openQuestions } from "../landmarks/questions";
 import { pickCount } from "../landmarks/state";
@@ -25,7 +26,7 @@ function summary(step: Step, state: StepsShown): string {
   if (count > 0) return questions.toCheck(count);
   if (step === "landmarks") return landmarkText.progress(pickCount(state), state.meta?.landmarks.length ?? 0);
   if (step === "drawing") return drawingText.summary(state.drawn.lines.present.length);
-  if (step === "fit" && isDoubtful(state)) return resultNumbers.short[levelOf(state.fit?.result)];
+  if (step === "fit" && isDoubtful(state)) return outdated(state) === null ? resultNumbers.short[levelOf(state.fit?.result)] : resultNumbers.old;
   if (step === "fit") return state.fit?.result ? fitText.summary(formatMm(state.fit.result.surface_distance_mm.mean)) : "";
   return "";
 }
@@ -37,10 +38,10 @@ function isDone(step: Step, state: StepsShown): boolean {
   return state.fit?.state === "done";
 }
 
-/** No tick stands above a fit that is to be checked. */
-const isDoubtful = ({ fit }: StepsShown): boolean => levelOf(fit?.result) !== "good";
+/** No tick stands above a fit that is to be checked, nor above one that is not what is asked for any more. */
+const isDoubtful = (state: StepsShown): boolean => state.fit?.state !== "running" && (levelOf(state.fit?.result) !== "good" || outdated(state) !== null);
 
-type StepsShown = Pick<Session, "meta" | "step" | "scan" | "picks" | "certain" | "drawn" | "fit">;
+type StepsShown = Pick<Session, "meta" | "step" | "scan" | "picks" | "certain" | "drawn" | "fit" | "stance" | "preset" | "refine">;
 
 /** `bodies`: what each step has inside; `next`: the button below them all.  They follow the state by themselves. */
 export function createSteps(actions: Actions, bodies: Record<Step, HTMLElement>, next: HTMLElement): Panel<StepsShown> {
@@ -64,7 +65,7 @@ export function createSteps(actions: Actions, bodies: Record<Step, HTMLElement>,
   const element = el("nav", { class: "steps", "aria-label": text.page.stepsLabel }, list, next);
   return {
     element,
-    select: only("meta", "step", "scan", "picks", "certain", "drawn", "fit"),
+    select: only("meta", "step", "scan", "picks", "certain", "drawn", "fit", "stance", "preset", "refine"),
     update(state: StepsShown): void {
       for (const { step, number, element: section, head, badge, note, before, body } of sections) {
         const isOpen = state.scan !== null && state.step === step;

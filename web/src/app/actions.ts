@@ -34,7 +34,8 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const guarded = leaving.guarded(scan);
   const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
   const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan }, memory);
-  const deletion = deletionActions(store, client, { scan, stances });
+  const patients = patientActions(store, client);
+  const deletion = deletionActions(store, client, { scan, stances, patients });
   return {
     page: pageActions(store, proposals.lookOnce),
     view: viewActions(store),
@@ -44,7 +45,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     landmarks,
     drawing,
     stances,
-    patients: patientActions(store, client),
+    patients,
     share: shareActions(store, client),
     proposals,
     /** What still waits is saved first; the page that follows asks for the token. */

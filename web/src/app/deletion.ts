@@ -14,6 +14,7 @@ export const UNDO_MS = 10_000;
 interface Others {
   readonly scan: Pick<ScanActions, "leave" | "open">;
   readonly stances: Pick<StancesActions, "swap" | "remove">;
+  readonly patients: { read(): Promise<void> };
 }
 
 export function deletionActions(store: Store<Session>, client: Client, others: Others) {
@@ -28,6 +29,7 @@ export function deletionActions(store: Store<Session>, client: Client, others: O
     try {
       await client.deleteScan(deletion.scan);
       store.set({ announcement: text.deletion.announceDone });
+      if (store.get().scan === null) void others.patients.read(); // the list stands there
     } catch (error) {
       store.set((state) => withProblem(state, "page", messageOf(error)));
     }

@@ -82,11 +82,14 @@ export async function followAddress(store: Store<Session>, actions: Actions): Pr
   history.replaceState(OURS, "");
   addEventListener("popstate", (event) => {
     const isOurs = (event.state as Partial<typeof OURS> | null)?.byThePage === true;
+    if (store.get().leaving) actions.leaving.stay(); // who goes elsewhere has not said yes
     queue = queue.then(() => open(isOurs)); // in the order in which they were asked for
   });
   // Soon after each change: what changes in one go, such as the second stance and its scan, is one entry.
   store.subscribe(() => {
-    clearTimeout(timer);
-    timer = setTimeout(write, 0);
+    timer ??= setTimeout(() => {
+      timer = undefined;
+      write();
+    }, 0);
   });
 }

@@ -16,7 +16,7 @@ export function unsavedOf({ scan, saving, drawn, stances }: Pick<Session, "scan"
 
 /** The service was asked to keep them and would not, so that a closed page would lose them. */
 export const isRefused = ({ scan, saving, drawn, problems }: Pick<Session, "scan" | "saving" | "drawn" | "problems">): boolean =>
-  scan !== null && ((saving === "unsaved" && problems.landmarks !== undefined) || (drawn.saving === "unsaved" && problems.drawing !== undefined));
+  scan !== null && ((saving !== "saved" && problems.landmarks !== undefined) || (drawn.saving !== "saved" && problems.drawing !== undefined));
 
 type Saving = Pick<LandmarkActions, "flush" | "saveNow"> | Pick<DrawingActions, "flush" | "saveNow">;
 

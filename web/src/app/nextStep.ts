@@ -49,7 +49,7 @@ export function nextStep(state: NextShown): NextStep {
     const landmark = state.active ?? nextMissing(list, state.picks.present, state.skipped);
     if (landmark !== null) return { kind: "place", landmark, isArmed: state.active !== null };
   }
-  const mayAsk = state.fit?.state === "done" && state.step !== "scan" && state.step !== "drawing";
+  const mayAsk = state.fit?.state === "done" && outdated(state) !== "settings" && state.step !== "scan" && state.step !== "drawing";
   const count = mayAsk ? askedNames(openQuestions(state)).size : 0;
   if (count > 0) return { kind: "check", count };
   if (state.fit?.state === "done" && outdated(state) === null) return afterFit(state);

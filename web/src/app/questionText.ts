@@ -12,13 +12,19 @@ export const leaving = {
 
 export const deletion = {
   title: "Delete this scan?",
-  goes: (landmarks: number, lines: number, hasFit: boolean) =>
-    `The service deletes the scan and all that was made of it: ${[plural(landmarks, "landmark", "landmarks"), plural(lines, "own line", "own lines"), ...(hasFit ? ["its fits with their files and reports, and every link that shows them"] : [])].join(", ")}.`,
+  goes(landmarks: number, lines: number, hasFit: boolean): string {
+    const made = [
+      ...(landmarks > 0 ? [plural(landmarks, "landmark", "landmarks")] : []),
+      ...(lines > 0 ? [plural(lines, "line of yours", "lines of yours")] : []),
+      ...(hasFit ? ["its fits with their files and reports, and every link that shows them"] : []),
+    ];
+    return made.length === 0 ? "The service deletes the scan; nothing was made of it yet." : `The service deletes the scan and all that was made of it: ${made.join(", ")}.`;
+  },
   noWay: "There is no copy. You can take it back for ten seconds.",
   other: "The other stance stays.",
   confirm: "Delete",
   keep: "Keep it",
-  soon: (title: string) => `${title}: will be deleted in ten seconds.`,
+  soon: (title: string) => `${title} will be deleted in ten seconds.`,
   undo: "Take it back",
   announceDone: "The scan is deleted.",
 };

@@ -20,8 +20,8 @@ export interface Drawable {
   /** by triangle */
   readonly isSkin: readonly boolean[];
   readonly count: number;
-  /** 1 where normals point out of the body, -1 where they point into it */
-  readonly outwards: 1 | -1;
+  /** by triangle: 1 where the normals of its piece point out of the body, -1 where they point into it */
+  readonly outwards: Int8Array;
 }
 
 interface Triangles {
@@ -204,9 +204,12 @@ export function drawableOf(positions: ArrayLike<number>, index: ArrayLike<number
     for (let k = 0; k < 3; k += 1) middle[k]! += areas[face]! * centres[3 * face + k]!;
   });
   for (let k = 0; k < 3; k += 1) middle[k]! /= Math.max(total, 1e-12);
-  let out = 0;
+  const out = new Map<number, number>(); // by piece
   isSkin.forEach((is, face) => {
-    for (let k = 0; is && k < 3; k += 1) out += crosses[3 * face + k]! * (centres[3 * face + k]! - middle[k]!);
+    const piece = rootOf(corners[3 * face]!);
+    let sum = out.get(piece) ?? 0;
+    for (let k = 0; is && k < 3; k += 1) sum += crosses[3 * face + k]! * (centres[3 * face + k]! - middle[k]!);
+    out.set(piece, sum);
   });
-  return { isSkin, count, outwards: out < 0 ? -1 : 1 };
+  return { isSkin, count, outwards: Int8Array.from(isSkin, (_, face) => ((out.get(rootOf(corners[3 * face]!)) ?? 0) < 0 ? -1 : 1)) };
 }

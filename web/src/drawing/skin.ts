@@ -73,7 +73,7 @@ export function skinOf(whole: BufferGeometry, tableNormal: Vector | null = null)
     mayDraw({ face, point }, eye) {
       if (!isAll && !drawable.isSkin[face]) return false;
       [a, b, c].forEach((corner, k) => corner.fromBufferAttribute(position, whole.index!.getX(3 * face + k)));
-      const outwards = new Vector3().crossVectors(b.sub(a), c.sub(a)).multiplyScalar(drawable.outwards);
+      const outwards = new Vector3().crossVectors(b.sub(a), c.sub(a)).multiplyScalar(drawable.outwards[face] ?? 1);
       return outwards.dot(toMetres(eye).sub(toMetres(point))) > 0;
     },
   };

@@ -7,7 +7,7 @@ import type { Skin } from "./skin";
 export const STEP_MM = 2; // between points: finer than a pen's line is wide
 export const BRIDGE_MM = 6; // a longer step leads over a hole: three steps without skin
 const HOLE_MM = 45; // the shadow under a breast is scanned as a hole of up to four centimetres
-const DETOUR = 2; // times the straight distance: over a silhouette to what lies far behind it is a jump, also where skin leads there unseen
+const DETOUR = 1.3; // times the straight distance: over a silhouette to what lies far behind it is a jump, also where skin leads there unseen
 const TENSION_ROUNDS = 8; // of pulling a way straight; the halving before has done most of it
 const CORNER_MM = 3.5; // a bend that sticks out so far is a corner of its own
 const CORNER_EVERY_MM = 40; // and a long smooth part gets one at least so often

@@ -153,20 +153,23 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
 function makeProposals(actions: LandmarkActions, search: ProposalSearch) {
   const words = el("p", {});
   let all: readonly string[] = [];
-  const take = button("", () => actions.confirm(all), "quiet outlined");
+  let likely: readonly string[] = [];
+  const take = button("", () => actions.confirm(likely), "quiet outlined");
   const again = button(text.proposals.again, () => void search.look(), "quiet outlined");
   const element = el("div", { class: "proposals", hidden: true }, words, take, again);
   return {
     element,
-    update({ proposals }: Shown, open: readonly OpenProposal[]): void {
+    update({ proposals, active }: Shown, open: readonly OpenProposal[]): void {
       const isNone = proposals?.state === "none";
       all = open.map(({ name }) => name);
-      const rough = open.filter((proposal) => !isLikely(proposal)).length;
+      likely = open.filter(isLikely).map(({ name }) => name);
+      const rough = all.length - likely.length;
       show(element, proposals?.state === "looking" || isNone || all.length > 0);
       const found = rough > 0 ? `${text.proposals.found(all.length)} ${text.proposals.doubtful(rough)}` : text.proposals.found(all.length);
       setText(words, proposals?.state === "none" ? text.proposals.none(proposals.reason) : proposals?.state === "looking" ? text.proposals.looking : found);
-      show(take, all.length > 0 && rough === 0); // a rough guess, or one where no skin is, is confirmed by itself only
-      setText(take.querySelector("span")!, text.proposals.confirmAll(all.length));
+      // A rough guess, or one where no skin is, is confirmed by itself only.  The large button offers the others, unless a landmark is being placed.
+      show(take, likely.length > 0 && (rough === 0 || active !== null));
+      setText(take.querySelector("span")!, rough === 0 ? text.proposals.confirmAll(all.length) : text.proposals.confirmLikely(likely.length));
       show(again, isNone);
     },
   };

@@ -20,6 +20,7 @@ const REACH = 14; // pixels from a mark's middle that still hit it: a target of 
 interface Pin {
   readonly name: string;
   readonly element: HTMLElement;
+  readonly note: string;
   readonly point: Vector3; // scan's frame, metres
   at: { x: number; y: number } | null; // in the host's box; null while it is not to be seen
 }
@@ -68,17 +69,49 @@ export class ProposalPins implements Part<Shown> {
     const words = proposal.on_scan ? text.proposals.error(errorOf(proposal) ?? text.proposals.unknown) : text.proposals.offScan;
     const element = el("div", { class: `pin is-proposed note-${sideOf(proposal.name)}${isLikely(proposal) ? "" : " is-rough"}`, "data-proposed": proposal.name }, mark, el("span", { class: "proposal-note" }, words));
     this.viewer.overlay.append(element);
-    return { name: proposal.name, element, point: new Vector3(...proposal.point.map(metresFromMm)), at: null };
+    return { name: proposal.name, element, note: words, point: new Vector3(...proposal.point.map(metresFromMm)), at: null };
   }
 
   private place(): void {
     if (!this.isShown) return;
+    const taken: Box[] = [];
     for (const pin of this.pins) {
       const { x, y } = this.viewer.toScreen(pin.point);
       pin.element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
       const hidden = isHidden(this.viewer, this.scan, pin.point, this.scan.normalAt(pin.point));
       pin.element.classList.toggle("is-hidden", hidden);
       pin.at = hidden ? null : { x, y };
+      if (!hidden) taken.push({ left: x - HALF, right: x + HALF, top: y - HALF, bottom: y + HALF });
+    }
+    // Notes that would lie on another mark or note stay away: the list has all of them.
+    for (const pin of this.pins) {
+      const box = pin.at && boxOf(pin, pin.at);
+      const own = pin.at && { left: pin.at.x - HALF, right: pin.at.x + HALF };
+      const isFree = box !== null && !taken.some((other) => isOver(box, other) && !(other.left === own?.left && other.right === own.right));
+      pin.element.classList.toggle("is-crowded", !isFree);
+      if (isFree) taken.push(box);
     }
   }
+}
+
+interface Box {
+  readonly left: number;
+  readonly right: number;
+  readonly top: number;
+  readonly bottom: number;
+}
+
+const HALF = 11; // pixels, of a mark
+const LINE = 15; // pixels, of a note, as in the style sheet
+const LETTER = 6.2; // pixels, at the note's size
+
+const isOver = (a: Box, b: Box): boolean => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+
+/** Where the note beside a mark stands. */
+function boxOf({ name, note }: Pick<Pin, "name" | "note">, { x, y }: { x: number; y: number }): Box {
+  const wide = LETTER * note.length + 8;
+  const side = sideOf(name);
+  const left = side === "left" ? x + 15 : side === "right" ? x - 15 - wide : x - wide / 2;
+  const top = side === "middle" ? y + 14 : y - LINE / 2;
+  return { left, right: left + wide, top, bottom: top + LINE };
 }

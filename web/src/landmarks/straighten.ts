@@ -1,8 +1,8 @@
 // Stands the body upright unless the person has turned it otherwise: by the fitted rig once there is a fit, before by the
 // service's proposal, and by landmarks where that is a mere guess or lies the body down.
-import type { Frame } from "../api/types";
+import type { Frame, Vector } from "../api/types";
 import type { ScanSlice, ScanState } from "../scan/state";
-import { angleBetween, tidyFrame } from "../viewer/frame";
+import { angleBetween, dot, leftOf, tidyFrame } from "../viewer/frame";
 import { fromFront, type ViewSlice } from "../viewer/state";
 import { frameFromPicks, type Picks } from "./picks";
 
@@ -11,11 +11,24 @@ type Stands = Pick<ScanState, "frame" | "frameFrom">;
 
 const WORTH_DEGREES = 2; // less is not seen, and moving the view would only disturb
 const GUESS = 0.5; // a proposal with less confidence is a guess from the scan's longer side
-const WRONG_DEGREES = 30; // farther from the landmarks than any lean: the proposal is wrong
+const WRONG_DEGREES = 20; // farther from the landmarks than any lean: the proposal is wrong
+
+const LEVEL = 0.01; // cosine; a side that is so square to the scanner's upright was made square to it
+const GRAVITY: Vector = [0, 1, 0]; // of scanners that know it, and where the service looks for it
+
+/**
+ * The proposal without its lean: where it took the scanner's own upright it tilted that to be square to where most of
+ * the skin faces, and a chest faces upwards.
+ */
+function withoutLean(proposed: Frame): Frame {
+  const frame = tidyFrame(proposed);
+  const isScanners = Math.abs(dot(leftOf(frame), GRAVITY)) < LEVEL && dot(frame.up, GRAVITY) > 0.7;
+  return isScanners ? tidyFrame({ up: GRAVITY, front: frame.front }) : frame;
+}
 
 /** How a scan stands by the service's proposal and by its landmarks. */
 export function standing(proposed: Frame & { readonly confidence: number }, picks: Picks): Stands {
-  const service = tidyFrame(proposed);
+  const service = withoutLean(proposed);
   const placed = frameFromPicks(picks);
   const isBetter = placed !== null && (proposed.confidence < GUESS || angleBetween(service, placed) > WRONG_DEGREES);
   return isBetter ? { frame: placed, frameFrom: "landmarks" } : { frame: service, frameFrom: "service" };

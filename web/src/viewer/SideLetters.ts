@@ -4,6 +4,7 @@ import { el } from "../ui/dom";
 import * as text from "./text";
 import type { Part, Viewer } from "./Viewer";
 
+const CUBE = { wide: 130, high: 122 }; // pixels from the upper right corner that the cube and half a letter need
 const AWAY = 46; // pixels beside the body: room for the words
 
 export class SideLetters implements Part<{ readonly scan: object | null }> {
@@ -37,7 +38,9 @@ export class SideLetters implements Part<{ readonly scan: object | null }> {
       const limit = this.viewer.paneWidth - 44;
       const outwards = Math.max(-1, Math.min(1, (edge.x - middle) / 30));
       const x = Math.min(Math.max(edge.x + AWAY * outwards, 44), limit);
-      element.style.transform = `translate(${(x + pane * this.viewer.paneWidth).toFixed(1)}px, ${Math.max(edge.y, 34).toFixed(1)}px)`;
+      const isUnderCube = x + pane * this.viewer.paneWidth > this.viewer.host.clientWidth - CUBE.wide;
+      const top = isUnderCube ? CUBE.high : 34;
+      element.style.transform = `translate(${(x + pane * this.viewer.paneWidth).toFixed(1)}px, ${Math.max(edge.y, top).toFixed(1)}px)`;
       element.classList.toggle("is-far", side * gaze.x < -0.55);
     }
   }

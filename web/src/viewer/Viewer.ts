@@ -275,7 +275,12 @@ export class Viewer {
     const at = this.body.localToWorld(new Vector3(...place.map(metresFromMm)));
     const outwards = normal?.clone().transformDirection(this.body.matrixWorld) ?? null;
     const isSeen = outwards === null || outwards.dot(this.gaze) > AVERSION;
-    const from = isSeen ? this.gaze : outwards.setY(Math.min(0.5, Math.max(-0.5, outwards.y))).normalize(); // from aside rather than from above
+    const from = this.gaze;
+    if (!isSeen) {
+      const half = from.add(outwards); // half way round, so that one still knows where one is
+      if (half.length() < 0.3) half.copy(outwards); // it lies on the far side
+      half.setY(Math.min(0.5, Math.max(-0.5, half.y))).normalize(); // from aside rather than from above
+    }
     this.move.to(from.multiplyScalar(Math.min(this.far.away, CLOSE / Math.tan((FIELD_OF_VIEW * Math.PI) / 360))), at, true);
   }
 

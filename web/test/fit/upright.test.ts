@@ -40,6 +40,15 @@ test("landmarks stand the body up where the proposal is a guess or wrong, not wh
   expect(standing(proposed(0.35), {}).frameFrom).toBe("service");
 });
 
+test("where the proposal took the scanner's own upright, it is upright, not what the chest faces", () => {
+  const tilted = { up: [0.044, 0.957, -0.285], front: [-0.146, 0.289, 0.946], confidence: 0.8, reason: "" } as never as Parameters<typeof standing>[0]; // of the example patient
+  const { frame } = standing(tilted, {});
+  expect(frame.up).toEqual([0, 1, 0]);
+  expect(frame.front[1]).toBeCloseTo(0, 12);
+  const lying = { up: [-0.64, 0.03, -0.77], front: [0.03, 1, 0.02], confidence: 0.8, reason: "" } as never as Parameters<typeof standing>[0];
+  expect(standing(lying, {}).frame.front[1], "a patient who lies stays as she is").toBeGreaterThan(0.99);
+});
+
 test("the fit's word counts more than the landmarks', the person's more than both", () => {
   const scan = (frameFrom: string) => ({ scan: { info: { frame: proposed(0.35) }, frame: { up: [0, 1, 0], front: [0, 0, 1] }, frameFrom }, view: { name: "front", asked: 0 } }) as unknown as Pick<Session, "scan" | "view">;
   const turned = frameOfRig(result(bone("pelvis", [1, 0, 0], 12)))!;
