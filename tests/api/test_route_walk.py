@@ -40,15 +40,16 @@ Walk = dict[Call, int]
 class Patient:
     """A scan with a fit that is done, and a share of it."""
 
+    patient: str
     scan: str
     fit: str
     share: dict[str, Any]
     model: str
 
     def address(self, rule: str) -> str:
-        ids = {"scan_id": self.scan, "fit_id": self.fit, "share_id": self.share["id"]}
+        ids = {"scan_id": self.scan, "fit_id": self.fit, "share_id": self.share["id"], "patient_id": self.patient}
         name = "lumpectomy" if "/drawings/" in rule else "standing"
-        ids |= {"iteration": "0", "name": name, "sha256": self.model}
+        ids |= {"version": "1", "iteration": "0", "name": name, "sha256": self.model}
         return re.sub(r"<(?:\w+:)?(\w+)>", lambda found: ids[found[1]], rule)
 
 
@@ -59,11 +60,12 @@ def patient(client: FlaskClient, service: Service, torso: bytes) -> Iterator[Cal
     model = client.get("/api/meta").json["model"]["sha256"]
 
     def make() -> Patient:
-        scan = client.post("/api/scans", data={"file": (io.BytesIO(torso), "torso.ply")}).json["id"]
+        uploaded = client.post("/api/scans", data={"file": (io.BytesIO(torso), "torso.ply")}).json
+        scan, woman = uploaded["id"], uploaded["patient"]
         scans.append(scan)
         fit = client.post("/api/fits", json={"scan": scan, "drawing": "lumpectomy"}).json["id"]
         assert ended(service, fit).state == "done"
-        return Patient(scan, fit, client.post(f"/api/fits/{fit}/shares", json={}).json, model)
+        return Patient(woman, scan, fit, client.post(f"/api/fits/{fit}/shares", json={}).json, model)
 
     yield make
     for scan in scans:
@@ -117,6 +119,12 @@ def body(call: Call, patient: Patient) -> dict[str, Any]:
     bodies: dict[Call, dict[str, Any]] = {
         ("PUT", "/api/scans/<scan_id>/landmarks"): {"json": landmarks},
         ("PUT", "/api/scans/<scan_id>/drawing"): {"json": {"shapes": []}},
+        ("PUT", "/api/scans/<scan_id>/patient"): {"json": {"patient": patient.patient}},
+        ("PATCH", "/api/patients/<patient_id>"): {"json": {"code": "A 7"}},
+        ("PUT", "/api/patients/<patient_id>/plan"): {
+            "json": {"items": []},
+            "headers": {"If-Match": '"0"'},
+        },
         ("POST", "/api/fits"): {"json": {"scan": patient.scan}},
         ("POST", "/api/fits/<fit_id>/shares"): {"json": {}},
         ("POST", OPEN): {"json": {"token": secret(patient.share)}},
@@ -128,7 +136,9 @@ def walk(visitor: FlaskClient, calls: list[Call], patient: Patient, headers: dic
     kept = {cookie.key: cookie for cookie in visitor._cookies.values()}
     found = {}
     for call in calls:
-        answer = visitor.open(patient.address(call[1]), method=call[0], headers=headers, **body(call, patient))
+        sent = body(call, patient)
+        sent["headers"] = headers | sent.get("headers", {})
+        answer = visitor.open(patient.address(call[1]), method=call[0], **sent)
         found[call] = answer.status_code
         visitor._cookies.clear()  # no call may change who asks the next one
         for cookie in kept.values():
@@ -216,7 +226,7 @@ def expected(credential: str, call: Call) -> set[int]:
     if method != "GET":
         return (
             {200, 201, 202}
-            if rule.endswith("/unlock") or body(call, Patient("", "", {"url": ""}, ""))
+            if rule.endswith("/unlock") or body(call, Patient("", "", "", {"url": ""}, ""))
             else {201, 409, 415, 422}
         )
     return {422} if rule.endswith(("report.pdf", "measures.json")) else {200}  # 422: the fit here is a fake

@@ -61,7 +61,7 @@ def test_no_word_of_an_upload_is_kept_anywhere(client: FlaskClient, service: Ser
     answer = upload(client, data, f"scan.{kind.rsplit('.', 1)[-1]}")
     assert answer.status_code == 201, answer.json
     place = service.storage.folders.scan(answer.json["id"])
-    assert {path.name for path in place.iterdir()} == {"scan.stored", "mesh.glb"}
+    assert {path.name for path in place.iterdir()} == {"scan.stored", "mesh.glb", "thumbnail.png"}
     assert NAME.encode() not in bytes_below(service.storage.root)
     assert get_scan(service.storage, answer.json["id"]).sha256 == hashlib.sha256(data).hexdigest()
     assert client.delete(answer.json["links"]["self"]).status_code == 204

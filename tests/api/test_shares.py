@@ -78,6 +78,7 @@ def test_a_link_shows_the_result_and_by_default_not_the_scan(
             "fitted_ply": f"{place}/fitted.ply",
             "drawing": f"{place}/drawing.json",
             "distances": f"{place}/distances.bin",
+            "plan": f"{place}/plan.json",
             "report": None,
             "mesh": None,
             "close": f"{place}/close",
@@ -88,6 +89,8 @@ def test_a_link_shows_the_result_and_by_default_not_the_scan(
         found = visitor.get(f"{place}/{name}")
         assert found.data == (service.storage.folders.fit(fit_id) / name).read_bytes()
         assert (found.headers["Cache-Control"], found.headers["Vary"]) == ("no-store", "Cookie")
+    plan = visitor.get(f"{place}/plan.json")
+    assert (plan.json["fit"], plan.json["shapes"], plan.headers["Cache-Control"]) == (fit_id, [], "no-store")
     for name in ("mesh.glb", "report.pdf"):
         assert "does not show the scan" in problem(visitor.get(f"{place}/{name}"), 403)
 

@@ -4,6 +4,7 @@ import json
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -173,3 +174,69 @@ def test_a_sentence_about_damaged_files_names_no_place_of_the_server(
     answer = client.post("/api/transfers", json={"from_fit": fit_id, "to_fit": fit_id})
     assert answer.status_code == 422  # the fits of this service write no real files
     assert str(service.storage.root) not in json.dumps(answer.json)
+
+
+def plan_on(client: FlaskClient, fit: str) -> dict[str, Any]:
+    answer = client.get(f"/api/fits/{fit}/plan.json")
+    assert answer.status_code == 200, answer.json
+    return dict(answer.json)
+
+
+def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_body(
+    real: tuple[Service, FlaskClient, dict[str, str]],
+) -> None:
+    """The tumour is at the same skin as the service's own transfer says, not at the same hour of another breast."""
+    service, client, fits = real
+    scans = {name: client.get(f"/api/fits/{fit}").json["scan"] for name, fit in fits.items()}
+    standing = client.get(f"/api/scans/{scans['standing']}").json
+    client.put(f"/api/scans/{scans['supine']}/patient", json={"patient": standing["patient"]})
+    nipple = read_fit_folder(service.storage.folders.fit(fits["standing"])).landmarks["nipple_L"]
+    place, tumour_place = list(1e3 * nipple), {"side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0}
+    there = list(1e3 * read_fit_folder(service.storage.folders.fit(fits["supine"])).landmarks["nipple_R"])
+    items = [
+        {"kind": "tumour", "id": "t", "scan": scans["standing"], **tumour_place, "depth_mm": 20.0},
+        {"kind": "pattern", "id": "p", "scan": scans["standing"], "name": "reduction", "parameters": {"side": "L"}},
+        {"kind": "line", "id": "a", "scan": scans["standing"], "name": "Line 1", "points": [place]},
+        {"kind": "note", "id": "n", "scan": scans["standing"], "text": "here", "point": place},
+        {"kind": "line", "id": "b", "scan": scans["supine"], "name": "Line 1", "points": [there]},
+        {"kind": "tumour", "id": "off", "scan": scans["supine"], **tumour_place | {"distance_mm": 200.0}},
+    ]
+    seen = client.get(standing["links"]["plan"]).headers["ETag"]
+    stored = client.put(standing["links"]["plan"], json={"items": items}, headers={"If-Match": seen})
+    assert stored.status_code == 200, stored.json
+
+    own, carried = plan_on(client, fits["standing"]), plan_on(client, fits["supine"])
+    assert [(each["item"], each["carried"]) for each in own["shapes"]] == [
+        ("t", False), *[("p", False)] * 4, ("a", False), ("n", False), ("b", True),
+    ]  # fmt: skip
+    assert [(each["name"], each["item"], each["carried"]) for each in carried["shapes"]][:2] == [
+        ("Line 1", "b", False), ("tumour_L", "t", True),
+    ]  # fmt: skip
+    assert {each["name"] for each in carried["shapes"]} > {"Line 1", "Line 1 (standing)", "tumour_L", "wise_L", "n"}
+    for plan in (own, carried):
+        assert [each["item"] for each in plan["missing"]] == ["off"]
+        assert plan["notes"] == [{"item": "n", "text": "here", "at": "n"}]
+    made_there = [each for each in own["shapes"] if not each["carried"]]
+    drawing = {
+        "unit": own["unit"],
+        "shapes": [{key: each[key] for key in ("name", "closed", "color", "points", "bridged")} for each in made_there],
+    }
+    wish = {"from_fit": fits["standing"], "to_fit": fits["supine"], "drawing": drawing}
+    expected = client.post("/api/transfers", json=wish).json
+    perunit = 1e3 * {"m": 1.0, "mm": 1e-3}[expected["unit"]]
+    for shape in expected["shapes"]:
+        item = next(each["item"] for each in made_there if each["name"] == shape["name"])
+        found = next(e for e in carried["shapes"] if e["item"] == item and e["name"].startswith(shape["name"]))
+        gap = perunit * np.linalg.norm(np.subtract(found["points"], shape["points"]), axis=1)
+        assert gap.max() < 0.02, shape["name"]  # drawing files round to a thousandth of a millimetre
+        np.testing.assert_allclose(np.array(found["error_mm"], float), np.array(shape["error_mm"], float), atol=0.01)
+    assert next(each for each in carried["shapes"] if each["item"] == "t")["depth_mm"] == 20.0
+
+    # the report shows the plan and not what the fit itself had drawn; a tumour that is taken back is gone at once
+    whole = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
+    assert whole.status_code == 200
+    client.put(standing["links"]["plan"], json={"items": []}, headers={"If-Match": stored.headers["ETag"]})
+    assert plan_on(client, fits["supine"])["shapes"] == []
+    bare = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
+    assert bare.status_code == 200
+    assert bare.data != whole.data

@@ -39,7 +39,7 @@ def task(scan_50k: Path) -> FitTask:
 def floor(task: FitTask) -> Callable[[], Any]:
     """One iteration of nothing but posing, normals, rays, the symmetric product and Cholesky, for all vertices.
 
-    No implementation of this method can do with less, so how often the fit takes this long is what is left to gain.
+    The product is that of the full Jacobian, which the fit itself does not form (rig/normal_equations.py).
     """
     rig, x, rays = task.rig, task.start, task.target.rays
     assert rays is not None

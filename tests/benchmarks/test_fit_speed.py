@@ -1,7 +1,7 @@
 """Speed of the fit and of its parts, as ratios in the same run (`make bench`; never part of `make test`).
 
 Everything is measured on one scan of 50,000 triangles.  Absolute times drift with the machine; ratios hold: to
-`floor`, the bare kernels that no implementation of this method can do without, and to peers.
+`floor`, the bare kernels of one iteration with the full Jacobian, and to peers.
 """
 
 from collections.abc import Callable
@@ -17,6 +17,7 @@ from breastrig.correspondence.match import MatchRules, match
 from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.geometry.normals import VertexNormals
+from breastrig.rig.normal_equations import normal_equations
 from breastrig.rig.skinning import Posed, pose
 
 Row = Callable[..., None]
@@ -68,6 +69,13 @@ def test_rows_of_the_jacobian(benchmark: Any, row: Row, in_turn: InTurn, floor: 
     everyone = np.arange(len(near.rig.template))
     normals, posed = np.tile([0.0, 0.0, 1.0], (len(everyone), 1)), Posed(near.rig, near.start)
     part(benchmark, row, in_turn(floor), "rows of the Jacobian, all vertices", lambda: posed.rows(everyone, normals))
+
+
+def test_normal_equations(benchmark: Any, row: Row, in_turn: InTurn, floor: Floor, near: FitTask) -> None:
+    everyone, residual = np.arange(len(near.rig.template)), np.ones(len(near.rig.template))
+    normals, posed = np.tile([0.0, 0.0, 1.0], (len(everyone), 1)), Posed(near.rig, near.start)
+    name = "normal equations by structure, all vertices"
+    part(benchmark, row, in_turn(floor), name, lambda: normal_equations(posed, everyone, normals, residual))
 
 
 def one_iteration(task: FitTask) -> Callable[[], FitIterate]:

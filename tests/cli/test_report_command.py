@@ -99,9 +99,13 @@ def test_straight_lengths_are_those_between_the_picks(report: Path, fits: dict[s
         assert row[key] == pytest.approx(apart, abs=0.02)
 
 
-def test_the_pdf_has_two_pages_with_the_numbers_the_settings_and_the_limits_of_use(report: Path) -> None:
+def test_the_pdf_has_the_numbers_the_settings_a_tape_sheet_of_each_stance_and_the_limits_of_use(report: Path) -> None:
     pdf = pypdf.PdfReader(report / "report.pdf")
-    assert len(pdf.pages) == 2
+    assert len(pdf.pages) == 4
+    for page, stance in zip(pdf.pages[2:], ("standing", "supine"), strict=True):
+        text = page.extract_text()
+        assert text.startswith("Tape sheet")
+        assert all(word in text for word in (stance, "breast, left", "sternum upper", "umbilicus"))
     texts = [page.extract_text() for page in pdf.pages]
     for text in texts:
         assert LIMITS_OF_USE in text
@@ -127,9 +131,9 @@ def test_the_same_fits_give_the_same_bytes(report: Path, fits: dict[str, Path], 
 
 
 @pytest.mark.usefixtures("quick_reports")
-def test_one_stance_alone_also_has_two_pages(fits: dict[str, Path], tmp_path: Path) -> None:
+def test_one_stance_alone_has_two_pages_and_one_of_tape(fits: dict[str, Path], tmp_path: Path) -> None:
     assert main(["report", str(fits["supine"]), "-o", str(tmp_path)]) == 0
-    assert len(pypdf.PdfReader(tmp_path / "report.pdf").pages) == 2
+    assert len(pypdf.PdfReader(tmp_path / "report.pdf").pages) == 3
     assert {row["stance"] for row in document(tmp_path, "report.json")["measures"]} == {"supine"}
 
 

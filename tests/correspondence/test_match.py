@@ -90,9 +90,21 @@ def test_only_what_is_certainly_too_far_is_ruled_out(rng: np.random.Generator) -
     points = rng.uniform(-1.0, 1.0, (2000, 3))
     distances = target.search.query(points).distances
     for reach in (0.003, 0.03, 0.3):
-        ruled_out = np.setdiff1d(np.arange(2000), target.may_be_within(points, reach))
+        ruled_out = np.setdiff1d(np.arange(2000), target.may_be_matched(points, reach, reject_border=False))
         assert len(ruled_out)
         assert (distances[ruled_out] > reach).all()
+
+
+def test_what_lies_beyond_the_border_is_ruled_out_and_nothing_above_the_inner_scan(rng: np.random.Generator) -> None:
+    target = ScanTarget(*plane(0.2))
+    low, high = target.vertices.min(axis=0)[:2], target.vertices.max(axis=0)[:2]
+    points = np.column_stack([rng.uniform(1.3 * low, 1.3 * high, (2000, 2)), rng.uniform(-0.02, 0.02, 2000)])
+    kept = target.may_be_matched(points, 0.1, reject_border=True)
+    edge = np.linalg.norm(target.vertices[target.faces[0, 0]] - target.vertices[target.faces[0, 1]])
+    inside = ((points[:, :2] > low + edge) & (points[:, :2] < high - edge)).all(axis=1)
+    assert set(np.flatnonzero(inside)) <= set(kept)
+    far_out = (np.maximum(low - points[:, :2], points[:, :2] - high) > 0.02).any(axis=1)
+    assert not set(np.flatnonzero(far_out)) & set(kept)
 
 
 def test_the_surface_inside_a_triangle_is_mixed_from_its_corners(rng: np.random.Generator) -> None:

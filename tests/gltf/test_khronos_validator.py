@@ -15,6 +15,7 @@ from breastrig.gltf.lines_glb import lines_glb
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import fitted_glb
+from breastrig.gltf.with_lines import with_lines
 from breastrig.gltf.write_rig import rig_glb
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
@@ -44,6 +45,7 @@ def all_files(rig: Rig, folder: Path) -> list[Path]:
         contents[lines] = drawing_buffer(rig, drawing)
         contents[f"iteration_{drawing.name}.gltf"] = iterate_gltf(rig, poses[1], drawing, "model.bin", lines)
         contents[f"fitted_{drawing.name}.glb"] = fitted_glb(rig, poses, [0.0, 0.1, 0.1, 0.3], drawing, {"a": 1})
+        contents[f"planned_{drawing.name}.glb"] = with_lines(contents[f"fitted_{drawing.name}.glb"], strokes)
         skin = pose(rig, poses[-1]) + 0.004 * rng.normal(size=rig.template.shape)
         contents[f"layer_{drawing.name}.glb"] = fitted_glb(rig, poses, [0.0, 0.1, 0.1, 0.3], drawing, {}, skin)
     colours = rng.integers(0, 256, (len(rig.template), 3)).astype(np.uint8)

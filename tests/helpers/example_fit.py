@@ -26,11 +26,11 @@ def indexed_scan(scan: Path) -> tuple[ScanTarget, np.ndarray]:
     return target, centre
 
 
-def example_task(scan: Path = EXAMPLE / "scan.ply", preset: str = "default") -> FitTask:
-    """The fit of the model to a scan of the standing example patient, with her landmarks."""
+def example_task(scan: Path = EXAMPLE / "scan.ply", preset: str = "default", stance: str = EXAMPLE.name) -> FitTask:
+    """The fit of the model to a scan of the example patient, with her landmarks in that stance."""
     rig = read_rig(default_rig_path())
     target, centre = indexed_scan(scan)
-    places, unit = read_landmarks(EXAMPLE / "landmarks.json")
+    places, unit = read_landmarks(EXAMPLE.with_name(stance) / "landmarks.json")
     assert unit == "mm"
     landmarks = {name: 1e-3 * np.asarray(place) - centre for name, place in places.items()}
-    return FitTask(rig, target, start_from_landmarks(rig, landmarks), load_recipe(preset), landmarks)
+    return FitTask(rig, target, start_from_landmarks(rig, landmarks), load_recipe(preset), landmarks, stance=stance)

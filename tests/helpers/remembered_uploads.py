@@ -50,6 +50,7 @@ def read_upload_once(job: UploadJob) -> dict[str, Any]:
         _keep(job, facts, known)
     shutil.copyfile(known / "kept", job.kept)
     shutil.copyfile(known / "mesh", job.mesh)
+    shutil.copyfile(known / "thumbnail", job.thumbnail)
     found: dict[str, Any] = json.loads((known / "facts").read_text("utf-8"))
     return found
 
@@ -69,6 +70,7 @@ def _keep(job: UploadJob, facts: dict[str, Any], known: Path) -> None:
     place = Path(tempfile.mkdtemp(dir=known.parent))
     shutil.copyfile(job.kept, place / "kept")
     shutil.copyfile(job.mesh, place / "mesh")
+    shutil.copyfile(job.thumbnail, place / "thumbnail")
     (place / "facts").write_text(json.dumps(facts), "utf-8")
     try:
         place.rename(known)

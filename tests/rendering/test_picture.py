@@ -1,3 +1,4 @@
+import json
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from breastrig.rendering.picture import (
 
 pytestmark = pytest.mark.skipif(not HAVE_EMBREE, reason="embreex has no wheel for this platform")
 
+CHECKOUT = Path(__file__).resolve().parents[2]
 SMALL = (64, 64)
 RED, BLUE, GREEN = (0.9, 0.1, 0.1), (0.1, 0.1, 0.9), (0.0, 0.9, 0.0)
 
@@ -116,16 +118,23 @@ def test_an_unknown_view_names_the_known_ones() -> None:
         camera("frontal", np.zeros((1, 3)))
 
 
-def test_the_distance_colours_darken_evenly_to_both_sides_and_stay_apart() -> None:
+def test_the_distance_colours_are_pale_within_the_noise_darken_to_both_sides_and_stay_apart() -> None:
     colours = diverging_colours(np.linspace(-5, 5, 41))
     grey = colours @ [0.2126, 0.7152, 0.0722]
-    assert (np.diff(grey[:21]) > 0).all()
-    assert (np.diff(grey[20:]) < 0).all()
+    np.testing.assert_allclose(colours[12:29], colours[[20]].repeat(17, axis=0))  # -2 to +2 mm
+    assert (np.diff(grey[:13]) > 0).all()
+    assert (np.diff(grey[28:]) < 0).all()
     assert np.abs(grey - grey[::-1]).max() < 0.12
     assert colours[0, 2] > colours[0, 0] + 0.4
     assert colours[-1, 0] > colours[-1, 2] + 0.4
     np.testing.assert_allclose(diverging_colours(np.array([-50.0, 50.0])), colours[[0, -1]])
     np.testing.assert_allclose(diverging_colours(np.array([np.nan])), 0.55)
+
+
+def test_the_page_colours_the_same_distances_in_the_same_way() -> None:
+    shared = json.loads((CHECKOUT / "web/test/fit/distance_colours.json").read_text())["srgb_by_mm"]
+    values = np.array([float(mm) for mm in shared])
+    np.testing.assert_allclose(255.0 * diverging_colours(values), list(shared.values()), atol=0.51)  # whole numbers
 
 
 def test_pictures_are_saved_and_laid_side_by_side(tmp_path: Path) -> None:

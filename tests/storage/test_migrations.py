@@ -1,5 +1,6 @@
 """Databases of every version become those of this one, and keep their rows."""
 
+import json
 import sqlite3
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from breastrig.storage import schema
 from breastrig.storage.migrate import alembic_config, known_revisions
 from breastrig.storage.rows.events import append, events_after
 from breastrig.storage.rows.fits import get_fit, next_queued
+from breastrig.storage.rows.patients import get_plan, patient_of_scan
 from breastrig.storage.rows.scans import Picks, get_landmarks, get_scan
 from breastrig.storage.storage import Storage
 
@@ -52,6 +54,19 @@ def test_a_database_of_the_first_version_gets_the_tables_of_this_one_and_keeps_i
     assert next_queued(old, set()) == "fit-1"
     assert append(old, "fit-1", {"kind": "failed", "reason": "a test"}) == 2
     assert [event.kind for event in events_after(old, "fit-1", 0)] == ["started", "failed"]
+    old.close()
+
+
+def test_a_drawing_of_an_older_version_becomes_the_plan_of_a_patient(old: Storage) -> None:
+    line = {"name": "incision", "closed": False, "color": "#101010", "points": [[1.0, 2.0, 3.0]]}
+    with old.database.writing() as connection:
+        command.upgrade(alembic_config(connection), "0009")
+        connection.exec_driver_sql("INSERT INTO drawings VALUES ('scan-1', ?)", (json.dumps({"shapes": [line]}),))
+    old.prepare()
+    assert patient_of_scan(old, "scan-1") == "scan-1"
+    plan = get_plan(old, "scan-1")
+    assert (plan.version, plan.is_whole) == (1, False)
+    assert plan.items == (line | {"id": "line-1", "scan": "scan-1", "kind": "line"},)
     old.close()
 
 

@@ -65,7 +65,11 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
 def upload(scan: Path, folder: Path, model: Path | None = None) -> dict:
     """The facts as they come back from the database."""
     return json.loads(
-        json.dumps(read_upload(UploadJob(scan, "auto", folder / "kept", folder / "mesh.glb", 10**6, model)))
+        json.dumps(
+            read_upload(
+                UploadJob(scan, "auto", folder / "kept", folder / "mesh.glb", folder / "small.png", 10**6, model)
+            )
+        )
     )
 
 

@@ -38,7 +38,7 @@ export function smallTargets(page: Page): Promise<string[]> {
 /** At this size nobody has to scroll for the one thing that comes next, nor for a way to look and to replay. */
 export function scrolledAway(page: Page): Promise<string[]> {
   return page.evaluate(() =>
-    ["#next", "#save", ".view-buttons", ".timeline", ".top-bar", ".footer"].filter((name) => {
+    ["#next", "#report", ".view-buttons", ".timeline", ".top-bar", ".footer"].filter((name) => {
       const shown = document.querySelector(name);
       if (!shown?.checkVisibility()) return false;
       const { top, bottom, left, right } = shown.getBoundingClientRect();

@@ -76,3 +76,65 @@ test("the landmarks are saved in the four kinds that the page and other programs
   }
   expect(troubles).toEqual([]);
 });
+
+test("Back and Forward go through patient and steps and stay in the page; a deleted scan can be taken back", async ({ page, base, troubles }) => {
+  const openStep = page.locator(".step.is-open .step-name");
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("2");
+  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
+  await page.keyboard.press("3");
+  await expect(openStep).toHaveText("Fit");
+  for (const step of ["Landmarks", "Scan"]) {
+    await page.goBack();
+    await expect(openStep).toHaveText(step);
+  }
+  await page.goBack();
+  await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
+  await page.goForward();
+  await hook.ready(page);
+  await expect(openStep).toHaveText("Scan");
+  await page.goForward();
+  await expect(openStep).toHaveText("Landmarks");
+  expect(await hook.pickCount(page)).toBe(12);
+  await page.reload();
+  await hook.ready(page);
+  await expect(openStep).toHaveText("Landmarks");
+  await page.getByRole("button", { name: "New scan" }).click();
+  await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
+  await page.goBack();
+  await hook.ready(page);
+  expect(await hook.pickCount(page)).toBe(12);
+
+  await page.keyboard.press("1");
+  const links = await page.evaluate(() => window.__breastrig!.state().scan!.info.links);
+  await page.getByRole("button", { name: "Delete this scan …" }).click();
+  const question = page.getByRole("dialog", { name: "Delete this scan?" });
+  await expect(question).toContainText("12 landmarks");
+  await page.keyboard.press("Escape");
+  await expect(question).toBeHidden();
+  await page.getByRole("button", { name: "Delete this scan …" }).click();
+  await question.getByRole("button", { name: "Delete", exact: true }).click();
+  await expect(page.getByText("Drop a 3D scan of the torso here")).toBeVisible();
+  await page.getByRole("button", { name: "Take it back" }).click();
+  await hook.ready(page);
+  expect(await hook.pickCount(page)).toBe(12);
+  await page.keyboard.press("1");
+  await page.getByRole("button", { name: "Delete this scan …" }).click();
+  await question.getByRole("button", { name: "Delete", exact: true }).click();
+  expect((await page.request.get(base + links.self)).status(), "not yet").toBe(200);
+  await page.goto("about:blank"); // the page is left: the service is told at once
+  await expect.poll(async () => (await page.request.get(base + links.self)).status()).toBe(404);
+  expect(troubles).toEqual([]);
+});
+
+test("Escape closes the menu of exports", async ({ page, base }) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.getByRole("button", { name: "Export" }).click();
+  await expect(page.locator("#export-menu")).toBeVisible();
+  await page.keyboard.press("Escape");
+  await expect(page.locator("#export-menu")).toBeHidden();
+});

@@ -87,9 +87,9 @@ test("from page load to the fitted result without a mouse, and the live region s
 
   await test.step("the others are proposals, confirmed by one key press", async () => {
     await expect(page.locator("[data-proposed]").first()).toBeAttached();
-    await tabTo(page, /^Confirm all \d+$/);
+    await tabTo(page, /^Confirm the \d+ likely points$/);
     await page.keyboard.press("Enter");
-    await expect.poll(() => hook.pickCount(page)).toBe(Object.keys(truth).length);
+    await expect.poll(() => hook.pickCount(page)).toBeGreaterThan(3);
     await expect(status).toHaveText(/confirmed/);
   });
 
@@ -105,7 +105,7 @@ test("from page load to the fitted result without a mouse, and the live region s
     await tabTo(page, /^Fit with \d+ landmarks$/);
     await page.keyboard.press("Enter");
     await untilFitted(page);
-    await expect(status).toHaveText(/^The fit is done: mean distance [\d.]+ millimetres\.$/);
+    await expect(status).toHaveText(/^The fit is done: mean distance [\d.]+ millimetres\. A good fit\.$/);
     const front = await hook.picture(page);
     await tabTo(page, /^3D view/);
     await page.keyboard.press("Shift+ArrowRight");

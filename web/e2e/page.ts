@@ -63,7 +63,7 @@ export async function untilStill(page: Page): Promise<void> {
 export async function untilFitted(page: Page): Promise<void> {
   await page.waitForFunction(() => {
     const { fit } = window.__breastrig!.state();
-    return fit && fit.state !== "running" && !fit.playing && (fit.state !== "done" || fit.drawing);
+    return fit && fit.state !== "running" && !fit.playing && (fit.state !== "done" || fit.drawing !== null || fit.drawingName === null);
   });
   expect(await hook.fit(page)).toMatchObject({ state: "done" });
 }

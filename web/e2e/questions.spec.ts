@@ -60,6 +60,7 @@ test("a pick far off is asked about where it was made, and is calm once it is ta
     await expect(row(page, "xiphoid")).toHaveClass(/is-asked/);
     await expect(row(page, "xiphoid")).toContainText("placed, to be checked");
     await expect(row(page, "xiphoid").locator(".icon-alert")).toBeVisible();
+    await expect(row(page, "xiphoid").locator(".icon-check").first(), "no tick on what is doubted").toBeHidden();
     await expect(page.locator(".landmark.is-asked")).toHaveCount(1);
     await expect(question(page)).toHaveCount(1);
     await expect(question(page)).toBeFocused();
@@ -144,7 +145,7 @@ test("exchanged nipples are repaired by one answer", async ({ page, base, troubl
     await page.reload();
     await hook.ready(page);
     await untilFitted(page);
-    await page.locator(".numbers summary").click();
+    await page.locator(".numbers details:not(.solver) summary").click();
     const each = page.locator(".numbers details");
     await expect(each.locator("[data-landmark=nipple_L] dd")).toHaveText(/^\d+\.\d±\u00a03\.[23] mm$/);
     await expect(each.locator("[data-landmark=umbilicus] dd")).toHaveText(/^\d+\.\d±\u00a012\.5 mm$/);

@@ -56,7 +56,9 @@ test("distances are coloured, read under the pointer, and are the service's", as
     await expect(page.locator(".numbers .hero")).toHaveText(`${formatMm(result.surface_distance_mm.mean)} mm to the skin`);
     await expect(page.locator(".numbers .alone")).toHaveText(`the model alone ${formatMm(alone)} mm`);
     const radii = Object.values(result.landmark_uncertainty_mm!).map(Math.round);
-    await expect(page.locator(".numbers .sure")).toHaveText(`good fit: landmarks ± ${Math.min(...radii)} to ${Math.max(...radii)} mm`);
+    await expect(page.locator(".numbers .verdict-level")).toHaveText("A good fit");
+    await expect(page.locator(".numbers > :is(.verdict, .sure, .hero):visible")).toHaveClass([/verdict/, /sure/, /hero/]); // in this order
+    await expect(page.locator(".numbers .sure")).toHaveText(`landmarks ± ${Math.min(...radii)} to ${Math.max(...radii)} mm`);
   });
 
   await test.step("the numbers panel summarises it", async () => {

@@ -71,7 +71,7 @@ export const STATES: readonly StateOfPage[] = [
   {
     name: "placing",
     reach: async (page) => {
-      await page.getByRole("button", { name: /^Confirm all/ }).click();
+      await page.getByRole("button", { name: /^Confirm the \d+ likely points$/ }).click();
       await page.locator(".landmarks [data-landmark=nipple_L] .landmark-name").click();
     },
   },

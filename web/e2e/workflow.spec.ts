@@ -3,7 +3,7 @@ import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
 import type { EventPage, Result, Vector } from "../src/api/types";
 import { formatMm, formatPercent, formatSeconds } from "../src/ui/units";
-import { distance, hook, SCAN_FILE, test, trueLandmarks, untilFitted } from "./page";
+import { distance, hook, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
 
 const CLICKED = ["suprasternal_notch", "mid_sternum", "nipple_L", "nipple_R", "umbilicus"];
 const CLOSE_MM = 3;
@@ -28,6 +28,7 @@ test("a scan is uploaded, landmarks are clicked, the model settles and the numbe
     await expect(page.locator("[data-proposed]").first()).toBeAttached();
     for (const name of CLICKED) {
       await page.locator(`.landmarks [data-landmark=${name}] .landmark-name`).click();
+      await untilStill(page); // the eye comes near
       const at = await hook.project(page, truth[name]!);
       await page.mouse.click(at.x, at.y);
       const picked = await hook.pick(page, name);

@@ -1,18 +1,19 @@
 // A page without a browser: the real store and actions, a client that answers what the test says.
 import { vi } from "vitest";
-import type { Client } from "../src/api/client";
-import type { LandmarkDefinition, Scan, Vector } from "../src/api/types";
+import { ApiError, type Client } from "../src/api/client";
+import type { LandmarkDefinition, Patient, PlanItem, PlanOnScan, Scan, StoredPlan, Vector } from "../src/api/types";
 import { createActions } from "../src/app/actions";
+import { withPlacingView } from "../src/app/placingView";
 import { initialSession, type Session } from "../src/app/session";
 import { createStore } from "../src/store/store";
 
 export const NAMES = ["suprasternal_notch", "nipple_L", "nipple_R", "umbilicus"];
 
 export function scanInfo(id: string): Scan {
-  const links = { self: `/api/scans/${id}`, mesh: `/api/scans/${id}/mesh.glb`, landmarks: `/api/scans/${id}/landmarks`, drawing: `/api/scans/${id}/drawing` };
+  const links = { self: `/api/scans/${id}`, mesh: `/api/scans/${id}/mesh.glb`, landmarks: `/api/scans/${id}/landmarks`, drawing: `/api/scans/${id}/drawing`, patient: `/api/patients/of-${id}`, plan: `/api/patients/of-${id}/plan` };
   const stance = { proposed: "standing", reason: "" };
   const frame = { up: [0, 1, 0] as Vector, front: [0, 0, 1] as Vector, confidence: 1, reason: "" };
-  return { id, unit: "m", frame, stance, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
+  return { id, patient: `of-${id}`, unit: "m", frame, stance, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
 }
 
 export function fitLinks(id: string) {
@@ -27,6 +28,7 @@ export function fitLinks(id: string) {
     drawing: at("drawing.json"),
     distances: at("distances.bin"),
     uncertainty: at("uncertainty.bin"),
+    plan: at("plan.json"),
     measures: at("measures.json"),
     cancel: at("cancel"),
     shares: at("shares"),
@@ -54,24 +56,42 @@ export class FakeEventSource {
   }
 }
 
+/** A service that keeps plans, and refuses what was not changed from the newest. */
+export function fakePlans() {
+  const versions = new Map<string, StoredPlan[]>();
+  const all = (link: string): StoredPlan[] => versions.get(link) ?? versions.set(link, [{ schema: "breastrig/plan@1", unit: "mm", version: 0, whole: false, scans: [], items: [] }]).get(link)!;
+  return {
+    plan: vi.fn(async (link: string) => all(link).at(-1)!),
+    planVersion: async (link: string, version: number) => all(link)[version]!,
+    savePlan: vi.fn(async (link: string, items: readonly PlanItem[], version: number) => {
+      if (version !== all(link).at(-1)!.version) throw new ApiError("Somebody has changed this plan.", 412);
+      all(link).push({ ...all(link)[0]!, version: version + 1, whole: true, items: JSON.parse(JSON.stringify(items)) as PlanItem[] });
+      return all(link).at(-1)!;
+    }),
+    planOnFit: vi.fn(async (link: string): Promise<PlanOnScan> => ({ schema: "breastrig/drawing@1", name: "plan", unit: "mm", notice: "", shapes: [], notes: [], missing: [], version: 1, whole: true, fit: link, carried_from: [] })),
+    moveScan: vi.fn(async (_scan: string, patient: string) => ({ id: patient }) as Patient),
+  };
+}
+
 export function page(answers: Partial<Client> = {}) {
   vi.stubGlobal("EventSource", FakeEventSource);
   const landmarks = NAMES.map((name) => ({ name, label: name }) as LandmarkDefinition);
-  const store = createStore<Session>({ ...initialSession, meta: { landmarks } as Session["meta"] });
+  const store = createStore<Session>({ ...initialSession, meta: { landmarks } as Session["meta"] }, withPlacingView);
   const client = {
     mesh: async () => new ArrayBuffer(8),
     landmarks: async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: {} }),
-    ownDrawing: async () => ({ schema: "breastrig/drawing@1", unit: "mm", shapes: [] }),
-    saveDrawing: vi.fn(async (_scan: Scan, drawing: unknown) => drawing),
+    ...fakePlans(),
+    patients: async () => ({ patients: [], next: null }),
     proposed: async () => ({ landmarks: {} }),
     saveLandmarks: vi.fn(async (_scan: Scan, file: unknown) => file),
     scan: async (id: string) => scanInfo(id),
     upload: async () => scanInfo("uploaded"),
     startFit: async () => ({ id: "f1", links: fitLinks("f1") }),
-    fit: async (id: string) => ({ id, links: fitLinks(id), drawing: "lumpectomy" }),
+    fit: async (id: string) => ({ id, links: fitLinks(id), stance: "standing", asked_stance: "auto", preset: "default", drawing: "lumpectomy", refine: true }),
     drawing: async () => ({ schema: "breastrig/drawing@1", unit: "mm", shapes: [] }),
     bytes: async () => new ArrayBuffer(8),
     cancel: vi.fn(async () => ({})),
+    deleteScan: vi.fn(async () => undefined),
     ...answers,
   } as unknown as Client;
   return { store, client, actions: createActions(store, client, () => true) };

@@ -29,6 +29,7 @@ GLTF = "model/gltf+json"
 JSON = "application/json"
 BINARY = "application/octet-stream"
 PDF = "application/pdf"
+PNG = "image/png"
 
 PUBLIC_FILES = 64  # the page has about thirty files, the model three
 ONE_PACKET = 1000  # bytes; an answer with fewer is sent in one packet anyway

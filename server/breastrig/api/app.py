@@ -21,6 +21,7 @@ from breastrig.api.routes.meta import meta
 from breastrig.api.routes.models import models
 from breastrig.api.routes.operations import operations
 from breastrig.api.routes.page import PageFile, page
+from breastrig.api.routes.patients import owners, patients, plans_of_fits
 from breastrig.api.routes.reports import reports
 from breastrig.api.routes.scans import scans
 from breastrig.api.routes.shared import share_page, shared
@@ -77,6 +78,9 @@ def _bare_app() -> APIFlask:
     for blueprint in (
         scans,
         drawings,
+        patients,
+        owners,
+        plans_of_fits,
         fits,
         fits_of_scans,
         events,

@@ -8,13 +8,15 @@ from breastrig.core.output_record import OutputSet
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.report.exported import SET_FORMAT
 from breastrig.workflow.export_fit import EXPORT_FILES, EXPORT_RECORD, write_export
+from breastrig.workflow.transfer import drawing_document
 
 
 def run(options: argparse.Namespace) -> int:
     """Writes the files; returns 0."""
-    inputs = [*files_of_fit(options.fit), *files_of_model(options.model)]
+    inputs = [options.plan, *files_of_fit(options.fit), *files_of_fit(options.other), *files_of_model(options.model)]
     with all_or_nothing(
         output_folder(options, [OutputSet(Path(), EXPORT_FILES, EXPORT_RECORD, SET_FORMAT)], inputs)
     ) as out:
-        write_export(options.fit, out, options.model)
+        plan = None if options.plan is None else drawing_document(options.plan)
+        write_export(options.fit, out, options.model, plan, options.other)
     return 0

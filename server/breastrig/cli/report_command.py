@@ -10,15 +10,17 @@ from breastrig.core.output_record import OutputSet
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.report.document import SCHEMA
 from breastrig.workflow.report import REPORT_FILES, REPORT_RECORD, ReportJob, write_report
+from breastrig.workflow.transfer import drawing_document
 
 
 def run(options: argparse.Namespace) -> int:
     """Writes report.json, measures.csv and report.pdf; returns 0."""
     fit, other = _stances(options)
-    inputs = [*files_of_fit(fit), *files_of_fit(other), *files_of_model(options.model)]
+    inputs = [options.plan, *files_of_fit(fit), *files_of_fit(other), *files_of_model(options.model)]
     files = OutputSet(Path(), REPORT_FILES, REPORT_RECORD, SCHEMA)
     with threadpool_limits(1), all_or_nothing(output_folder(options, [files], inputs)) as out:
-        write_report(ReportJob(fit, other, options.model), out)
+        plan = None if options.plan is None else drawing_document(options.plan)
+        write_report(ReportJob(fit, other, options.model, plan=plan), out)
     return 0
 
 

@@ -1,4 +1,4 @@
-"""Measures of one fit, or of two stances of one patient, as JSON, CSV and two pages of PDF."""
+"""Measures of one fit, or of two stances of one patient, as JSON, CSV and PDF with a tape sheet of the drawing."""
 
 import argparse
 from pathlib import Path
@@ -14,6 +14,9 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )
     parser.add_argument(
         "--with", dest="other", type=Path, metavar="OUT_B", help="fit of the same patient in another stance"
+    )
+    parser.add_argument(
+        "--plan", type=Path, metavar="FILE", help="plan or drawing that is shown instead of the fit's own drawing"
     )
     parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fits were made with")
     add_output_options(parser, "DIR", "folder for the three files")

@@ -1,8 +1,8 @@
 """`breastrig transfer --from OUT_A --to OUT_B -o FILE`: a drawing made on scan A, shown on scan B.
 
 OUT_A and OUT_B are folders that `breastrig fit` wrote.  The drawing lies on scan A (points in its frame) or on the
-model (surface_points); without --drawing it is the one that the fit of scan A left.  FILE is in scan B's frame and
-unit and says of each point how far the fits were from their scans there.
+model (surface_points), or is a whole plan (breastrig/plan@1); without --drawing it is the one that the fit of scan A
+left.  FILE is in scan B's frame and unit and says of each point how far off its place may be.
 """
 
 import argparse
@@ -16,7 +16,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser = commands.add_parser("transfer", help=COMMANDS["transfer"], description=__doc__)
     parser.add_argument("--from", dest="from_fit", type=Path, required=True, metavar="OUT_A", help="fit of scan A")
     parser.add_argument("--to", dest="to_fit", type=Path, required=True, metavar="OUT_B", help="fit of scan B")
-    parser.add_argument("--drawing", type=Path, metavar="FILE", help="a drawing on scan A or on the model")
+    parser.add_argument("--drawing", type=Path, metavar="FILE", help="a drawing on scan A or on the model, or a plan")
     parser.add_argument(
         "--other-patient", action="store_true", help="the scans are of two patients: same place instead of same skin"
     )

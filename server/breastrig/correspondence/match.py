@@ -2,9 +2,9 @@
 
 embreex answers rays only, so "closest point" is found in three ways that a preset chooses between:
 
-* `rays`: shoot along +normal and -normal of the model, take the nearer hit that agrees; what they miss and is not
-  far from all of the scan goes to the tree.  About 2 ms for 2,200 vertices whatever the scan's size; right once the
-  model is near.
+* `rays`: shoot along +normal and -normal of the model, take the nearer hit that agrees; what they miss and is neither
+  far from all of the scan nor beyond its border goes to the tree.  About 2 ms for 2,200 vertices whatever the scan's
+  size; right once the model is near.
 * `tree`: the exact closest point; right from far away, three times slower.
 * `nearest_vertex`: the paper's way, nearest scan vertex and projection on the primitives around it.
 
@@ -52,14 +52,18 @@ def _by_rays(target: ScanTarget, points: Array, normals: Array, rules: MatchRule
     count = len(points)
     assert target.rays is not None
     hits = target.rays.hits(np.concatenate([points, points]), np.concatenate([normals, -normals]), rules.max_distance)
-    # (2, M): along the normal, against it; -1 takes the last triangle's normal, and its infinite distance loses
-    seen = target.face_normals[hits.faces].reshape(2, count, 3)
-    agree = np.einsum("smi,mi->sm", seen, normals) > np.cos(rules.max_angle)
-    distances = np.where(agree, hits.distances.reshape(2, count), np.inf)
-    chosen = (distances[1] < distances[0]) * count + np.arange(count)
-    found = np.where(np.isfinite(distances.ravel()[chosen]), hits.faces[chosen], -1)
+    met = np.flatnonzero(hits.faces >= 0)  # of 2M: along the normal, then against it
+    agree = np.einsum("mi,mi->m", target.face_normals.take(hits.faces[met], axis=0), normals.take(met % count, axis=0))
+    met = met[agree > np.cos(rules.max_angle)]
+    distances = np.full(2 * count, np.inf)
+    distances[met] = hits.distances[met]
+    points_met = np.flatnonzero(np.isfinite(distances[:count]) | np.isfinite(distances[count:]))
+    chosen = points_met + (distances[count:] < distances[:count])[points_met] * count
+    found = _Found(np.full(count, -1, dtype=np.int64), np.zeros((count, 3)))
     second, third = hits.second[chosen], hits.third[chosen]
-    return _Found(found, np.stack([1.0 - second - third, second, third], axis=1))
+    found.faces[points_met] = hits.faces[chosen]
+    found.barycentric[points_met] = np.stack([1.0 - second - third, second, third], axis=1)
+    return found
 
 
 def _by_tree(target: ScanTarget, points: Array, rules: MatchRules) -> _Found:
@@ -108,7 +112,7 @@ def match(target: ScanTarget, points: Array, normals: Array, rules: MatchRules) 
     else:
         found = _by_rays(target, points, normals, rules)
         missed = np.flatnonzero(found.faces < 0)
-        missed = missed[target.may_be_within(points[missed], rules.max_distance)]
+        missed = missed[target.may_be_matched(points[missed], rules.max_distance, rules.reject_border)]
         rest = _by_tree(target, points[missed], rules)
         found.faces[missed], found.barycentric[missed] = rest.faces, rest.barycentric
     return _accepted(target, points, normals, found, rules)

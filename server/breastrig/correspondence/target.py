@@ -20,6 +20,7 @@ from breastrig.geometry.plane import Plane
 from breastrig.geometry.rays import HAVE_EMBREE, RayCaster
 
 SMOOTHING_ROUNDS = 2  # rounds of neighbour averaging of the normals: a depth camera's noise tilts single triangles
+BEYOND = 0.2  # sine of the angle to the border's own plane; of 240 searches on dev scans 215 are spared, 0.4 pairs lost
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,13 +70,30 @@ class ScanTarget:
         ends = corners - np.roll(corners, 1, axis=1)
         return float(np.sqrt(np.einsum("fci,fci->fc", ends, ends).max(initial=0.0) / 3.0))
 
-    def may_be_within(self, points: Array, reach: float) -> Integers:
+    @cached_property
+    def border_directions(self) -> Array:
+        """(V, 3) unit vectors out of the scan at the vertices of its border, 0 elsewhere."""
+        corners = self.faces[self.on_border[self.faces].any(axis=1)]
+        away = self.vertices[corners] - self.vertices[corners].mean(axis=1, keepdims=True)
+        size, of = len(self.vertices), corners.ravel()
+        sums = np.stack([np.bincount(of, away[:, :, axis].ravel(), size) for axis in range(3)], axis=1)
+        sums[~self.on_border] = 0.0
+        return np.asarray(sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12))
+
+    def may_be_matched(self, points: Array, reach: float, reject_border: bool) -> Integers:
         """Indices of the (M, 3) m points that are not certainly farther than `reach` (m) from the scan.
 
-        To rule out what is far takes a fifth of the time that finding its closest point does.
+        With `reject_border` those that lie beyond it, seen from their nearest vertex, are left out too.  To rule out
+        takes a fifth of the time of a search for the closest point.
         """
-        nearest, _ = self.vertex_tree.query(points, distance_upper_bound=reach + self._gap)
-        return np.flatnonzero(np.isfinite(nearest))
+        distances, nearest = self.vertex_tree.query(points, distance_upper_bound=reach + self._gap)
+        near = np.flatnonzero(np.isfinite(distances))
+        if not reject_border:
+            return near
+        at, away = np.asarray(nearest).take(near), np.asarray(distances).take(near)
+        gaps = points.take(near, axis=0) - self.vertices.take(at, axis=0)
+        outwards = np.einsum("mi,mi->m", gaps, self.border_directions.take(at, axis=0))
+        return np.asarray(near[outwards <= BEYOND * away])
 
     @cached_property
     def rays(self) -> RayCaster | None:
@@ -94,7 +112,9 @@ class ScanTarget:
 
     def surface_at(self, faces: Integers, barycentric: Array) -> tuple[Array, Array, Array]:
         """(M, 3) m points, (M, 3) unit normals and (M,) share of border vertices at M places inside triangles."""
-        mixed = np.einsum("mc,mcd->md", barycentric, self.mixed_values[self.faces[faces]])
+        corners, mixed = self.faces.take(faces, axis=0), np.zeros((len(faces), 7))
+        for corner in range(3):
+            mixed += self.mixed_values.take(corners[:, corner], axis=0) * barycentric[:, corner, None]
         normals = mixed[:, 3:6]
         lengths = np.sqrt(np.einsum("mi,mi->m", normals, normals))
         return mixed[:, :3], normals / np.maximum(lengths, 1e-12)[:, None], mixed[:, 6]

@@ -12,14 +12,14 @@ import numpy as np
 import scipy.linalg as sla
 
 from breastrig.core.arrays import Array
-from breastrig.least_squares.problem import Linearisation
+from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations, StructuredTerm
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class BodyPrior:
+class BodyPrior(StructuredTerm[BodyState]):
     rig: Rig
     mean: Array  # (N,) N = 3 B + S
     covariance: Array  # (N, N)
@@ -37,16 +37,19 @@ class BodyPrior:
         return np.asarray(self._whitening @ (body - self.mean))
 
     @cached_property
-    def _jacobian(self) -> Array:
-        """(N, P), always the same"""
+    def _slope(self) -> ConstantJacobian:
+        """(N, P)"""
         bones, white = len(self.rig.bones), self._whitening
         jacobian = np.zeros((len(white), BONE_DOFS * bones + len(self.rig.shapes)))
         scales = jacobian[:, : BONE_DOFS * bones].reshape(len(white), bones, BONE_DOFS)[:, :, 6:9]
         scales[:] = white[:, : 3 * bones].reshape(len(white), bones, 3)
         jacobian[:, BONE_DOFS * bones :] = white[:, 3 * bones :]
-        jacobian.flags.writeable = False
-        return jacobian
+        return ConstantJacobian(jacobian)
 
     def linearise(self, state: BodyState) -> Linearisation:
         """(N,), (N, P)"""
-        return Linearisation(self.residual(state), self._jacobian)
+        return Linearisation(self.residual(state), self._slope.jacobian)
+
+    def normal_equations(self, state: BodyState) -> NormalEquations:
+        """With JᵀJ formed once."""
+        return self._slope.normal_equations(self.residual(state))

@@ -38,6 +38,8 @@ class JointLimits:
     def linearise(self, state: BodyState) -> Linearisation:
         """(J,), (J, P)"""
         turn, angle, excess = self._angles(state)
-        direction = np.where((excess > 0.0)[:, None], turn / np.maximum(angle, 1e-12)[:, None], 0.0)
-        jacobian = np.einsum("ji,jip->jp", direction, state.motion(self.joints).jacobian[:, 3:]) / self.sigma
+        jacobian, beyond = np.zeros((len(excess), state.dof)), np.flatnonzero(excess > 0.0)  # few, in most states none
+        if len(beyond):
+            direction = turn[beyond] / (self.sigma * np.maximum(angle[beyond], 1e-12)[:, None])
+            jacobian[beyond] = np.einsum("ji,jip->jp", direction, state.motion(self.joints).jacobian[beyond, 3:])
         return Linearisation(excess / self.sigma, jacobian)

@@ -6,18 +6,20 @@ r_m = √w_m n_m · (M_m(x) − p_m) / σ.  The paper takes the residual's direc
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import Correspondences
-from breastrig.least_squares.problem import Linearisation
+from breastrig.least_squares.problem import Linearisation, NormalEquations, StructuredTerm
 from breastrig.rig.model import Rig
+from breastrig.rig.normal_equations import normal_equations
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class PointToPlane:
+class PointToPlane(StructuredTerm[BodyState]):
     rig: Rig
     matches: Correspondences
     weights: Array  # (M,) robust weight of each match
@@ -27,9 +29,17 @@ class PointToPlane:
     def residual(self, state: BodyState) -> Array:
         """(M,)"""
         gap = state.posed.vertices[self.matches.vertices] - self.matches.points
-        return np.asarray(np.einsum("mi,mi->m", self.matches.normals, gap) * np.sqrt(self.weights) / self.sigma)
+        return np.asarray(np.einsum("mi,mi->m", self._directions, gap))
+
+    @cached_property
+    def _directions(self) -> Array:
+        """(M, 3)"""
+        return np.asarray(self.matches.normals * (np.sqrt(self.weights) / self.sigma)[:, None])
 
     def linearise(self, state: BodyState) -> Linearisation:
         """(M,), (M, P)"""
-        directions = self.matches.normals * (np.sqrt(self.weights) / self.sigma)[:, None]
-        return Linearisation(self.residual(state), state.posed.rows(self.matches.vertices, directions))
+        return Linearisation(self.residual(state), state.posed.rows(self.matches.vertices, self._directions))
+
+    def normal_equations(self, state: BodyState) -> NormalEquations:
+        """By structure, without the Jacobian."""
+        return normal_equations(state.posed, self.matches.vertices, self._directions, self.residual(state))

@@ -11,13 +11,14 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import Correspondences
-from breastrig.least_squares.problem import Linearisation
+from breastrig.least_squares.problem import Linearisation, NormalEquations, StructuredTerm
 from breastrig.rig.model import Rig
+from breastrig.rig.normal_equations import normal_equations
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class PointToPoint:
+class PointToPoint(StructuredTerm[BodyState]):
     rig: Rig
     matches: Correspondences
     weights: Array  # (M,) robust weight of each match
@@ -34,6 +35,11 @@ class PointToPoint:
         turned = along * np.eye(3) + (across - along) * n[:, :, None] * n[:, None, :]
         return np.asarray(turned * np.sqrt(self.weights)[:, None, None])
 
+    @property
+    def _directions(self) -> Array:
+        """(3M, 3), axis by axis"""
+        return self._weighing.transpose(1, 0, 2).reshape(-1, 3)
+
     def residual(self, state: BodyState) -> Array:
         """(3M,), axis by axis"""
         gap = state.posed.vertices[self.matches.vertices] - self.matches.points
@@ -41,5 +47,11 @@ class PointToPoint:
 
     def linearise(self, state: BodyState) -> Linearisation:
         """(3M,), (3M, P)"""
-        directions = self._weighing.transpose(1, 0, 2).reshape(-1, 3)
-        return Linearisation(self.residual(state), state.posed.rows(np.tile(self.matches.vertices, 3), directions))
+        return Linearisation(
+            self.residual(state), state.posed.rows(np.tile(self.matches.vertices, 3), self._directions)
+        )
+
+    def normal_equations(self, state: BodyState) -> NormalEquations:
+        """By structure, without the Jacobian."""
+        chosen = np.tile(self.matches.vertices, 3)
+        return normal_equations(state.posed, chosen, self._directions, self.residual(state))

@@ -11,14 +11,14 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.least_squares.problem import Linearisation
+from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations, StructuredTerm
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class ScalePrior:
+class ScalePrior(StructuredTerm[BodyState]):
     rig: Rig
     sigma: float  # expected deviation of a scale from one
     neighbour_sigma: float  # expected difference between neighbours
@@ -43,14 +43,17 @@ class ScalePrior:
         return np.asarray(np.einsum("mba,ba->m", self._matrix, state.x.scales - 1.0))
 
     @cached_property
-    def _jacobian(self) -> Array:
-        """(M, P), always the same"""
+    def _slope(self) -> ConstantJacobian:
+        """(M, P)"""
         matrix, bones = self._matrix, len(self.rig.bones)
         jacobian = np.zeros((len(matrix), BONE_DOFS * bones + len(self.rig.shapes)))
         jacobian[:, : BONE_DOFS * bones].reshape(len(matrix), -1, BONE_DOFS)[:, :, 6:9] = matrix
-        jacobian.flags.writeable = False
-        return jacobian
+        return ConstantJacobian(jacobian)
 
     def linearise(self, state: BodyState) -> Linearisation:
         """(M,), (M, P)"""
-        return Linearisation(self.residual(state), self._jacobian)
+        return Linearisation(self.residual(state), self._slope.jacobian)
+
+    def normal_equations(self, state: BodyState) -> NormalEquations:
+        """With JᵀJ formed once."""
+        return self._slope.normal_equations(self.residual(state))

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.least_squares.problem import Linearisation
+from breastrig.least_squares.problem import Linearisation, NormalEquations, StructuredTerm
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class ShapePrior:
+class ShapePrior(StructuredTerm[BodyState]):
     sigma: Array  # (S,) expected size of each weight
     centre: Array  # (S,) expected value of each weight (not zero for gravity shapes of a supine scan)
     name: str = "shape_prior"
@@ -28,3 +28,10 @@ class ShapePrior:
         jacobian = np.zeros((shapes, state.dof))
         jacobian[:, state.dof - shapes :] = np.diag(1.0 / self.sigma)
         return Linearisation(self.residual(state), jacobian)
+
+    def normal_equations(self, state: BodyState) -> NormalEquations:
+        """On the diagonal."""
+        residual, own = self.residual(state), np.arange(state.dof - len(self.sigma), state.dof)
+        hessian, gradient = np.zeros((state.dof, state.dof)), np.zeros(state.dof)
+        hessian[own, own], gradient[own] = self.sigma**-2, residual / self.sigma
+        return NormalEquations(hessian, gradient, 0.5 * float(residual @ residual))

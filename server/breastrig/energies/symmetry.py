@@ -9,14 +9,14 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.least_squares.problem import Linearisation
+from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations, StructuredTerm
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class Symmetry:
+class Symmetry(StructuredTerm[BodyState]):
     rig: Rig
     shape_sigma: float  # expected left-right difference of a weight, in the shape's own sigmas
     scale_sigma: float  # expected left-right difference of a scale
@@ -39,8 +39,8 @@ class Symmetry:
         return np.concatenate([np.asarray(weights, dtype=np.float64), *scales])
 
     @cached_property
-    def _jacobian(self) -> Array:
-        """(M, P), always the same"""
+    def _slope(self) -> ConstantJacobian:
+        """(M, P)"""
         shapes, bones = self._pairs
         first = BONE_DOFS * len(self.rig.bones)
         jacobian = np.zeros((len(shapes) + 3 * len(bones), first + len(self.rig.shapes)))
@@ -52,9 +52,12 @@ class Symmetry:
                 row = len(shapes) + 3 * pair + axis
                 jacobian[row, BONE_DOFS * a + 6 + axis] = 1.0 / self.scale_sigma
                 jacobian[row, BONE_DOFS * b + 6 + axis] = -1.0 / self.scale_sigma
-        jacobian.flags.writeable = False
-        return jacobian
+        return ConstantJacobian(jacobian)
 
     def linearise(self, state: BodyState) -> Linearisation:
         """(M,), (M, P)"""
-        return Linearisation(self.residual(state), self._jacobian)
+        return Linearisation(self.residual(state), self._slope.jacobian)
+
+    def normal_equations(self, state: BodyState) -> NormalEquations:
+        """With JᵀJ formed once."""
+        return self._slope.normal_equations(self.residual(state))

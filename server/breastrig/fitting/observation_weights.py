@@ -5,6 +5,15 @@ the scan four times as much, against the same priors.  So a vertex counts by the
 units of the square of the spacing at which the preset takes observations to be independent: narrow in the regions
 that matter most, growing with the distance from them as the meshes of such models do.  A stage that looks at every
 nth vertex only gives each of these the skin of its left-out neighbours.
+
+The vertices alone would not do: on curved skin the triangles between them lie below it (0.14 mm in the mean, 1 mm on
+the arms), and a model cut finer would have vertices there too.  So the term asks for the triangles' mean distance: each
+vertex is to lie above the scan by the chordal deviation of its triangles (geometry/chordal_deviation.py).  A model with
+each triangle cut in four then fits within 0.02 mm of the original where the scan is free of noise.  On the example
+scans it is 0.09 mm (0.06 mm where there is scan), 0.18 and 0.15 mm without; fits to two halves of the finer model's
+vertices differ by 0.18 and 0.15 mm, so what is left is noise that is sampled at other places.  Means over eight dev
+scans, mm without and with it: vertices to the scan 0.91 0.92, to the true skin 1.05 1.04; scan to the model 1.21 1.18;
+true skin to the model 2.67 2.63, of which inwards 0.64 0.46.
 """
 
 from functools import lru_cache
@@ -21,13 +30,13 @@ from breastrig.rig.model import Rig
 @lru_cache(maxsize=16)
 def observation_weights(rig: Rig, observations: Observations | None, every: int) -> Array:
     """(V,), read-only: 0 for the vertices that a stage leaves out; without settings each vertex counts as one."""
-    weights: Array = np.ones(len(rig.template)) if observations is None else _per_vertex(rig, observations)
-    if every > 1:
-        chosen = np.arange(0, len(weights), every)
+    if every == 1:
+        weights: Array = np.ones(len(rig.template)) if observations is None else _per_vertex(rig, observations)
+    else:
+        chosen = np.arange(0, len(rig.template), every)
         nearest = cKDTree(rig.template[chosen]).query(rig.template)[1]
-        total = np.bincount(nearest, weights=weights, minlength=len(chosen))
-        weights = np.zeros(len(weights))
-        weights[chosen] = total
+        weights = np.zeros(len(rig.template))
+        weights[chosen] = np.bincount(nearest, observation_weights(rig, observations, 1), len(chosen))
     weights.flags.writeable = False
     return weights
 

@@ -14,6 +14,7 @@ from breastrig.fitting.task import FitTask
 from breastrig.least_squares.problem import HARD
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.state import BodyState
+from breastrig.rig.vertex_variances import vertex_variances
 
 FLOOR = 1e-6  # of an unknown's natural size: keeps directions that nothing holds out of the inverse
 
@@ -49,12 +50,8 @@ class Posterior:
 
     def vertex_variances(self) -> Array:
         """(V,) m², over all three axes, of every vertex."""
-        count = len(self.task.rig.template)
-        chosen, total = np.arange(count), np.zeros(count)
-        for axis in np.eye(3):
-            rows = self.state.posed.rows(chosen, np.tile(axis, (count, 1)))
-            total += (self.whitened(rows) ** 2).sum(axis=1)
-        return total
+        half = self.whitened(np.eye(len(self._factor)))
+        return vertex_variances(self.state.posed, half @ half.T)
 
     def sample(self, rng: np.random.Generator) -> Array:
         """(P,) a step drawn from the posterior."""

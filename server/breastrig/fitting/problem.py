@@ -6,7 +6,8 @@ problems (two_stances.py), the fit of one scan one; bounds and free unknowns sta
 """
 
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -24,14 +25,15 @@ from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
 from breastrig.fitting.body.statistics import body_statistics
 from breastrig.fitting.observation_weights import observation_weights
-from breastrig.fitting.recipe import Range, Stage
+from breastrig.fitting.recipe import Body, Range, Scales, Shapes, Stage
 from breastrig.fitting.task import FitIterate, FitTask
-from breastrig.geometry.normals import VertexNormals
+from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.least_squares.newton import Status, System, Value, assemble, value
 from breastrig.least_squares.problem import Constraint, ResidualTerm
 from breastrig.least_squares.quadratic_program import Bounds
 from breastrig.least_squares.robust import KERNELS
 from breastrig.rig.joints import Joints
+from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
 from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
@@ -46,6 +48,27 @@ def along(pair: Range, progress: float) -> float:
     return float(pair[0] * (pair[1] / pair[0]) ** progress)
 
 
+@dataclass(frozen=True, eq=False)
+class Picks:
+    """L picked landmarks."""
+
+    points: SurfacePoints  # (L) on the model
+    targets: Array  # (L, 3) m
+    unsure: Array  # (L,) m, expected error beyond a click's
+
+    @staticmethod
+    def of(task: FitTask) -> "Picks | None":
+        """None without any."""
+        if not task.landmarks:
+            return None
+        points, targets = task.rig.landmark_points(tuple(task.landmarks)), np.array([*task.landmarks.values()])
+        return Picks(points, targets, np.array([task.landmark_errors.get(name, 0.0) for name in task.landmarks]))
+
+    def gaps(self, rig: Rig, vertices: Array) -> Array:
+        """(L,) m from the landmarks of a model with these (V, 3) m vertices."""
+        return np.asarray(np.linalg.norm(self.points.positions(vertices, rig.faces) - self.targets, axis=1))
+
+
 class ScanProblem:
     """One scan's part of a fit."""
 
@@ -55,9 +78,7 @@ class ScanProblem:
         self.priors = prior_terms(task, self._joints)
         self.held: list[Constraint[BodyState]] = [JointRest(self._joints)]
         self.scaling = step_scaling(task)
-        self._normals_of = VertexNormals(task.rig.faces, len(task.rig.template))
-        self._names = tuple(task.landmarks)
-        self._picked = np.array([task.landmarks[name] for name in self._names])
+        self._picks = Picks.of(task)
         self._began = time.perf_counter()
 
     def start(self) -> BodyState:
@@ -66,8 +87,7 @@ class ScanProblem:
 
     def matches(self, stage: Stage, progress: float, state: BodyState) -> Correspondences:
         """Of this stage's share of the model's vertices."""
-        vertices = state.vertices
-        normals = self._normals_of(vertices)
+        vertices, normals = state.vertices, state.normals
         rules = MatchRules(
             stage.method, along(stage.max_distance, progress), stage.max_angle, reject_border=stage.reject_border
         )
@@ -79,12 +99,12 @@ class ScanProblem:
 
     def lost(self, matches: Correspondences) -> bool:
         """Neither skin nor landmarks hold the model."""
-        return len(matches.distances) < MIN_MATCHES and not self._names
+        return len(matches.distances) < MIN_MATCHES and self._picks is None
 
     def terms(self, stage: Stage, progress: float, state: BodyState, matches: Correspondences) -> Terms:
         """All residuals at a state; those of scan and landmarks are made for it."""
         data = data_term(self.task, stage, progress, state, matches)
-        picks = [landmark_term(self.task, stage, progress, state)] if self._names else []
+        picks = [] if self._picks is None else [landmark_term(self._picks, stage, progress, state)]
         return [*self.priors, data, *picks]
 
     def system(self, terms: Terms, state: BodyState) -> System:
@@ -126,10 +146,7 @@ class ScanProblem:
 
     def _landmark_distance(self, vertices: Array) -> float | None:
         """m, mean over the picked landmarks; None without picks."""
-        if not self._names:
-            return None
-        places = self.task.rig.landmark_points(self._names).positions(vertices, self.task.rig.faces)
-        return float(np.linalg.norm(places - self._picked, axis=1).mean())
+        return None if self._picks is None else float(self._picks.gaps(self.task.rig, vertices).mean())
 
 
 def mean_distance(matches: Correspondences, without: float) -> float:
@@ -150,10 +167,17 @@ def projected(matches: Correspondences, vertices: Array) -> Correspondences:
 def data_term(
     task: FitTask, stage: Stage, progress: float, state: BodyState, matches: Correspondences
 ) -> ResidualTerm[BodyState]:
-    """The scan's observations, weighted by the skin that each stands for and by the stage's robust kernel."""
+    """The scan's observations, weighted by the skin that each stands for and by the stage's robust kernel.
+
+    With weights by skin it is the model's surface that is to lie on the scan, not its vertices: these are aimed at as
+    far above the scan as the triangles around them lie below (observation_weights.py).
+    """
     counts = observation_weights(task.rig, task.recipe.observations, stage.every)[matches.vertices]
     weights = counts * KERNELS[stage.kernel](matches.distances / along(stage.kernel_scale, progress))
     sigma = along(stage.data_sigma, progress)
+    if task.recipe.observations is not None:
+        above = state.chordal_deviation[matches.vertices]
+        matches = replace(matches, points=matches.points + above[:, None] * matches.normals)
     if stage.data_term == "point_to_projection":
         return PointToPoint(task.rig, projected(matches, state.vertices), weights, sigma)
     if stage.along_sigma is not None:
@@ -161,27 +185,23 @@ def data_term(
     return PointToPlane(task.rig, matches, weights, sigma)
 
 
-def landmark_term(task: FitTask, stage: Stage, progress: float, state: BodyState) -> Landmarks:
+def landmark_term(picks: Picks, stage: Stage, progress: float, state: BodyState) -> Landmarks:
     """The picked landmarks, each with its expected error; far ones weaker where the stage has a kernel for them."""
-    names = tuple(task.landmarks)
-    unsure = np.array([task.landmark_errors.get(name, 0.0) for name in names])
-    sigma = np.hypot(along(stage.landmark_sigma, progress), unsure)
-    targets, points = np.array([task.landmarks[name] for name in names]), task.rig.landmark_points(names)
+    sigma = np.hypot(along(stage.landmark_sigma, progress), picks.unsure)
     if stage.landmark_kernel_scale is not None:
-        gaps = np.linalg.norm(points.positions(state.vertices, task.rig.faces) - targets, axis=1)
-        trust = KERNELS["geman_mcclure"](gaps / np.hypot(along(stage.landmark_kernel_scale, progress), unsure))
+        scale = np.hypot(along(stage.landmark_kernel_scale, progress), picks.unsure)
+        trust = KERNELS["geman_mcclure"](picks.gaps(state.rig, state.vertices) / scale)
         sigma = sigma / np.sqrt(np.maximum(trust, 1e-6))
-    return Landmarks(task.rig, points, targets, sigma)
+    return Landmarks(state.rig, picks.points, picks.targets, sigma)
 
 
-def expected_shapes(task: FitTask) -> tuple[Array, Array]:
+def expected_shapes(rig: Rig, settings: Shapes, stance: str) -> tuple[Array, Array]:
     """(S,), (S,): expected size and mean of every shape weight."""
-    settings, shapes = task.recipe.shapes, task.rig.shapes
-    sigma = np.array([settings.sigma or shape.sigma * settings.factor for shape in shapes])
-    gravity = np.array([shape.kind == "gravity" for shape in shapes], dtype=np.bool_)
-    if task.stance == "supine":
+    sigma = np.array([settings.sigma or shape.sigma * settings.factor for shape in rig.shapes])
+    gravity = np.array([shape.kind == "gravity" for shape in rig.shapes], dtype=np.bool_)
+    if stance == "supine":
         return sigma, np.where(gravity, settings.supine_gravity_mean, 0.0)
-    return np.where(gravity, sigma * settings.standing_gravity_factor, sigma), np.zeros(len(shapes))
+    return np.where(gravity, sigma * settings.standing_gravity_factor, sigma), np.zeros(len(rig.shapes))
 
 
 def expected_joints(task: FitTask) -> Joints:
@@ -205,7 +225,7 @@ def expected_joints(task: FitTask) -> Joints:
 def prior_terms(task: FitTask, joints: Joints) -> Terms:
     """The terms that no scan changes."""
     rig, recipe = task.rig, task.recipe
-    terms = body_terms(task)
+    terms = [*body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance)]
     if recipe.joints.limit_sigma is not None:
         terms.append(JointLimits(joints, recipe.joints.limit_sigma))
     if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
@@ -214,17 +234,18 @@ def prior_terms(task: FitTask, joints: Joints) -> Terms:
     return terms if contact is None else [*terms, contact]
 
 
-def body_terms(task: FitTask) -> Terms:
+@lru_cache(maxsize=16)
+def body_terms(
+    rig: Rig, shapes: Shapes, scales: Scales, body: Body | None, stance: str
+) -> tuple[ResidualTerm[BodyState], ...]:
     """What is expected of scales and shapes: by the statistics of bodies where the recipe and the rig have them."""
-    rig, recipe = task.rig, task.recipe
-    sigma, mean = expected_shapes(task)
-    known = body_statistics(rig) if recipe.body is not None else None
-    if recipe.body is None or known is None:
-        plain = ScalePrior(rig, recipe.scales.sigma, recipe.scales.neighbour_sigma or np.inf)
-        return [plain, ShapePrior(sigma, mean)]
-    alone = np.concatenate([np.full(3 * len(rig.bones), recipe.body.scale_sigma), recipe.body.shape_factor * sigma])
-    covariance = recipe.body.share * known.covariance + np.diag(alone**2)
-    return [BodyPrior(rig, np.concatenate([known.mean_scales, mean]), covariance)]
+    sigma, mean = expected_shapes(rig, shapes, stance)
+    known = body_statistics(rig) if body is not None else None
+    if body is None or known is None:
+        return ScalePrior(rig, scales.sigma, scales.neighbour_sigma or np.inf), ShapePrior(sigma, mean)
+    alone = np.concatenate([np.full(3 * len(rig.bones), body.scale_sigma), body.shape_factor * sigma])
+    covariance = body.share * known.covariance + np.diag(alone**2)
+    return (BodyPrior(rig, np.concatenate([known.mean_scales, mean]), covariance),)
 
 
 def table_contact(task: FitTask) -> TableContact | None:
@@ -252,7 +273,7 @@ def step_scaling(task: FitTask) -> Array:
     sizes = np.zeros(BONE_DOFS * bones + len(task.rig.shapes))
     blocks = sizes[: BONE_DOFS * bones].reshape(bones, BONE_DOFS)
     blocks[:, 0:3], blocks[:, 3:6], blocks[:, 6:9] = 0.1, 0.01, task.recipe.scales.sigma
-    sizes[BONE_DOFS * bones :] = expected_shapes(task)[0]
+    sizes[BONE_DOFS * bones :] = expected_shapes(task.rig, task.recipe.shapes, task.stance)[0]
     return np.asarray(sizes**-2)
 
 

@@ -14,9 +14,15 @@ from breastrig.core.arrays import Array, Integers
 
 def face_crosses(vertices: Array, faces: Integers) -> Array:
     """(F, 3) m²: the normal of each triangle with twice its area as length."""
-    a, b, c = vertices[faces[:, 0]], vertices[faces[:, 1]], vertices[faces[:, 2]]
-    (x, y, z), (u, v, w) = np.ascontiguousarray((b - a).T), np.ascontiguousarray((c - a).T)
-    result = np.zeros((len(faces), 3))  # numpy.cross is several times slower at this size
+    return _crosses(vertices, np.ascontiguousarray(faces.T))
+
+
+def _crosses(vertices: Array, corners: Integers) -> Array:
+    """The same for (3, F) corners; axis by axis, which is several times faster than numpy.cross at this size."""
+    axes = np.ascontiguousarray(vertices.T)
+    first, second, third = (axes.take(corner, axis=1) for corner in corners)
+    (x, y, z), (u, v, w) = second - first, third - first
+    result = np.zeros((corners.shape[1], 3))
     np.subtract(y * w, z * v, out=result[:, 0])
     np.subtract(z * u, x * w, out=result[:, 1])
     np.subtract(x * v, y * u, out=result[:, 2])
@@ -42,13 +48,13 @@ class VertexNormals:
     """Vertex normals of a mesh with fixed (F, 3) triangles and moving vertices."""
 
     def __init__(self, faces: Integers, vertex_count: int) -> None:
-        self._faces = faces
+        self._corners = np.ascontiguousarray(faces.T)
         owners = np.repeat(np.arange(len(faces)), 3)
         self._incidence = csr_array((np.ones(faces.size), (faces.ravel(), owners)), shape=(vertex_count, len(faces)))
 
     def __call__(self, vertices: Array) -> Array:
         """(V, 3) unit vectors for these (V, 3) vertices; +Z where a vertex has no triangle or only flat ones."""
-        return _unit(np.asarray(self._incidence @ face_crosses(vertices, self._faces)))
+        return _unit(np.asarray(self._incidence @ _crosses(vertices, self._corners)))
 
 
 def _unit(vectors: Array) -> Array:

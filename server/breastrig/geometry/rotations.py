@@ -53,7 +53,10 @@ def right_jacobian_inverse(vectors: Array) -> Array:
 def quaternion_from_rotation(rotations: Array) -> Array:
     """(…, 3, 3) -> (…, 4) unit quaternion x y z w with w >= 0 (Shepperd's method)."""
     m = rotations
-    trace = np.trace(m, axis1=-2, axis2=-1)
+    trace = m[..., 0, 0] + m[..., 1, 1] + m[..., 2, 2]
+    if (trace > 0.0).all():  # by less than 120 degrees, as joints turn: one of the four ways is good for all
+        own = np.stack([m[..., i, j] - m[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0))] + [1.0 + trace], axis=-1)
+        return np.asarray(own / np.linalg.norm(own, axis=-1, keepdims=True))
     xx, yy, zz = (1.0 + 2.0 * m[..., i, i] - trace for i in range(3))
     xy, xz, yz = (m[..., i, j] + m[..., j, i] for i, j in ((0, 1), (0, 2), (1, 2)))
     wx, wy, wz = (m[..., i, j] - m[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0)))

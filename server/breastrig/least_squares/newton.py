@@ -19,7 +19,7 @@ import numpy as np
 import scipy.linalg as sla
 
 from breastrig.core.arrays import Array, Booleans
-from breastrig.least_squares.problem import HARD, Constraint, Linearisation, ResidualTerm
+from breastrig.least_squares.problem import HARD, Constraint, ResidualTerm, StructuredTerm
 from breastrig.least_squares.quadratic_program import Bounds, minimiser
 
 ACCEPTED = 0.1  # gain ratio of a step that is taken; below it the model is wrong, not merely rough
@@ -109,22 +109,26 @@ def value(terms: Sequence[ResidualTerm[P]], constraints: Sequence[Constraint[P]]
 def assemble(terms: Sequence[ResidualTerm[P]], constraints: Sequence[Constraint[P]], x: P) -> System:
     """JᵀJ and Jᵀr of all terms, and the stacked constraints."""
     size = x.dof
-    hessian, gradient = np.zeros((size, size)), np.zeros(size)
-    parts = [term.linearise(x) for term in terms]
-    small = [part for part in parts if len(part.residual) < size]  # one product for all priors instead of one each
-    stacked = Linearisation(
-        _joined([part.residual for part in small]),
-        np.concatenate([np.zeros((0, size))] + [part.jacobian for part in small]),
-    )
-    for lin in [stacked] + [part for part in parts if len(part.residual) >= size]:
-        hessian += lin.jacobian.T @ lin.jacobian
-        gradient += lin.jacobian.T @ lin.residual
+    hessian, gradient, energy = np.zeros((size, size)), np.zeros(size), 0.0
+    structured = [term for term in terms if isinstance(term, StructuredTerm)]
+    for term in structured:
+        part = term.normal_equations(x)
+        hessian += part.hessian
+        gradient += part.gradient
+        energy += part.energy
+    dense = [term.linearise(x) for term in terms if not isinstance(term, StructuredTerm)]
+    if dense:  # one product for all of them
+        residual = np.concatenate([lin.residual for lin in dense])
+        jacobian = np.concatenate([lin.jacobian for lin in dense])
+        hessian += jacobian.T @ jacobian
+        gradient += residual @ jacobian
+        energy += 0.5 * float(residual @ residual)
     lins = [constraint.linearise(x) for constraint in constraints]
     compliance = _joined([constraint.compliance for constraint in constraints])
     violations = _joined([lin.residual for lin in lins])
-    jacobian = np.concatenate([np.zeros((0, size))] + [lin.jacobian for lin in lins])
-    at_x = _value([part.residual for part in parts], violations, compliance)
-    return System(hessian, gradient, jacobian, violations, compliance, at_x.energy)
+    rows = np.concatenate([np.zeros((0, size))] + [lin.jacobian for lin in lins])
+    energy += _value([], violations, compliance).energy
+    return System(hessian, gradient, rows, violations, compliance, energy)
 
 
 @dataclass(frozen=True, eq=False)

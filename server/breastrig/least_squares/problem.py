@@ -11,8 +11,9 @@ reference 30 of the paper).  Where K is at most HARD the division would drown th
 constraint is an equation of the step, met whatever it costs.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 from breastrig.core.arrays import Array
 
@@ -29,6 +30,29 @@ class Linearisation:
     jacobian: Array  # (M, P) with respect to the tangent step
 
 
+@dataclass(frozen=True, eq=False)
+class NormalEquations:
+    """What a residual gives to Gauss-Newton's quadratic model at one point."""
+
+    hessian: Array  # (P, P) JᵀJ
+    gradient: Array  # (P,) Jᵀr
+    energy: float  # ½ |r|²
+
+
+class ConstantJacobian:
+    """Of a residual that is linear in the step: JᵀJ is formed once."""
+
+    def __init__(self, jacobian: Array) -> None:
+        """jacobian: (M, P)"""
+        self.jacobian = jacobian
+        self.jacobian.flags.writeable = False
+        self._hessian: Array = jacobian.T @ jacobian
+
+    def normal_equations(self, residual: Array) -> NormalEquations:
+        """residual: (M,)"""
+        return NormalEquations(self._hessian, residual @ self.jacobian, 0.5 * float(residual @ residual))
+
+
 class ResidualTerm(Protocol[X_contra]):
     """One source of residuals."""
 
@@ -40,6 +64,14 @@ class ResidualTerm(Protocol[X_contra]):
 
     def linearise(self, x: X_contra) -> Linearisation:
         """The same residual with its Jacobian."""
+
+
+class StructuredTerm(ABC, Generic[X_contra]):
+    """What residual terms inherit from that need no Jacobian for their normal equations."""
+
+    @abstractmethod
+    def normal_equations(self, x: X_contra, /) -> NormalEquations:
+        """What `linearise` would give when multiplied out."""
 
 
 class Constraint(Protocol[X_contra]):

@@ -93,12 +93,13 @@ def minimiser(hessian: Array, gradient: Array, bounds: Bounds, equations: Array,
     held = np.isfinite(bounds.lower) | np.isfinite(bounds.upper) | rows.any(axis=0)
     inside, outside = np.flatnonzero(held), np.flatnonzero(~held)
     lower, upper = bounds.lower[inside], bounds.upper[inside]
-    across = hessian[outside]
-    factor = _factor(across[:, outside])
-    mixed = _solve_lower(factor, np.column_stack([across[:, inside], gradient[outside]]))
+    order, first = np.concatenate([outside, inside]), len(outside)
+    ordered, pull = hessian.take(order, axis=0).take(order, axis=1), gradient[order]
+    factor = _factor(ordered[:first, :first])
+    mixed = _solve_lower(factor, np.column_stack([ordered[:first, first:], pull[:first]]))
     found = _dual_active_set(
-        hessian[inside][:, inside] - mixed[:, :-1].T @ mixed[:, :-1],
-        gradient[inside] - mixed[:, :-1].T @ mixed[:, -1],
+        ordered[first:, first:] - mixed[:, :-1].T @ mixed[:, :-1],
+        pull[first:] - mixed[:, :-1].T @ mixed[:, -1],
         rows[:, inside],
         np.concatenate([lower, floors]),
         np.concatenate([upper, limits]),

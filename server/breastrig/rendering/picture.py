@@ -33,6 +33,8 @@ LIGHTS = (((-0.55, 0.62, 0.56), 0.74), ((0.75, 0.10, 0.65), 0.16), ((0.55, 0.55,
 AMBIENT = 0.20
 EDGE_DEPTH = 0.006  # m, neighbouring pixels further apart in depth are an outline
 EDGE_TURN = 0.95  # cosine between the normals of neighbouring pixels below which the pixel is refined
+NOISE_MM = 2.0  # of a depth camera; no colour of the distances is spent on less
+FIRST_STEP = 0.18  # share of the full colour with which the colours of the distances begin beyond the noise
 LINE_TOLERANCE = 0.004  # m, a line this far behind the surface is still drawn: lines lie on coarser surfaces
 LINE_OVERSAMPLING = 3  # lines are drawn this much larger, then reduced
 
@@ -203,16 +205,18 @@ class Scene:
 
 
 def diverging_colours(values_mm: Array, limit_mm: float = 5.0) -> Array:
-    """(M, 3) colours of signed distances: blue at -limit and beyond, near white at 0, orange at +limit and beyond.
+    """(M, 3) colours of signed distances, the same as on the page (web/src/fit/distances.ts).
 
-    Blue and orange stay apart for people who do not tell red from green, and lightness falls evenly from 0 to
-    both ends (interpolated in OKLab, Ottosson 2020), so that the map also reads in grey.  NaN is mid-grey.
+    One pale colour within NOISE_MM, where the scanner's own error explains a distance; a step there, as it is a limit;
+    then even steps of lightness and hue (in OKLab, Ottosson 2020) to blue at -limit and beyond, to orange at +limit.
+    Blue and orange stay apart for people who do not tell red from green.  NaN is mid-grey.
     """
-    knots = np.array([_to_oklab(np.array(colour)) for colour in _RAMP])
-    places = np.linspace(-1.0, 1.0, len(knots))
-    values = np.asarray(values_mm, dtype=np.float64) / limit_mm
-    known = np.where(np.isnan(values), 0.0, np.clip(values, -1.0, 1.0))
-    lab = np.stack([np.interp(known, places, knots[:, axis]) for axis in range(3)], axis=-1)
+    values = np.asarray(values_mm, dtype=np.float64)
+    known = np.where(np.isnan(values), 0.0, values)
+    share = np.clip((np.abs(known) - NOISE_MM) / (limit_mm - NOISE_MM), 0.0, 1.0)
+    strength = np.where(np.abs(known) <= NOISE_MM, 0.0, FIRST_STEP + (1.0 - FIRST_STEP) * share)[..., None]
+    end = np.where((known < 0.0)[..., None], _INSIDE, _OUTSIDE)
+    lab = _MIDDLE + strength * (end - _MIDDLE)
     return np.where(np.isnan(values)[..., None], 0.55, np.clip(_from_oklab(lab), 0.0, 1.0))
 
 
@@ -237,8 +241,8 @@ def contact_sheet(pictures: Sequence[Picture], columns: int, labels: Sequence[st
     return np.asarray(image)
 
 
-# blue, light blue, near white, light orange, orange; equal steps of lightness on both sides
-_RAMP = ((0.03, 0.26, 0.58), (0.42, 0.65, 0.90), (0.965, 0.96, 0.95), (0.93, 0.60, 0.28), (0.60, 0.22, 0.02))
+# OKLab: blue, near white, orange
+_INSIDE, _MIDDLE, _OUTSIDE = np.array([[0.47, -0.035, -0.155], [0.93, 0.002, 0.008], [0.55, 0.105, 0.115]])
 _LMS = np.array(
     [
         [0.4122214708, 0.5363325363, 0.0514459929],
@@ -264,10 +268,6 @@ def _to_screen(light: Array) -> Array:
     """Linear light to sRGB, cut at white."""
     light = np.clip(light, 0.0, 1.0)
     return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-
-
-def _to_oklab(colours: Array) -> Array:
-    return np.asarray(np.cbrt(_to_light(colours) @ _LMS.T) @ _LAB.T)
 
 
 def _from_oklab(lab: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from breastrig.rendering.picture import NOISE_MM
 from breastrig.report.document import Reported
 from breastrig.report.page import MARGIN, QUIET, WIDTH, Cell, Sheet
 from breastrig.report.pictures import LIMIT_MM, colour_bar, distance_pictures, jpeg, scan_pictures, views_of
@@ -78,11 +79,14 @@ def _colour_bar(sheet: Sheet, y: float) -> float:
     sheet.picture(jpeg(colour_bar(round(width * PIXELS_PER_MM), 28)), x, y, width, 3.2, "colours of the distance")
     sheet.words(MARGIN, y + 0.3, "model inside the scan", 7.5, QUIET, "R", x - MARGIN - 3.0)
     sheet.words(x + width + 3.0, y + 0.3, "model outside", 7.5, QUIET)
-    for share in (-1.0, -0.5, 0.0, 0.5, 1.0):
-        middle = x + 0.5 * (1.0 + share) * width
-        text = f"{share * LIMIT_MM:+g} mm" if share else "0"
+    for place in (-LIMIT_MM, -NOISE_MM, 0.0, NOISE_MM, LIMIT_MM):
+        middle = x + 0.5 * (1.0 + place / LIMIT_MM) * width
+        text = f"{place:+g} mm" if place else "0"
         sheet.words(middle - 10.0, y + 4.0, text, 7.0, QUIET, "C", 20.0)
-    said = "grey model: the scan shows no skin there.   dotted line: carried by the model over a hole of the scan."
+    said = (
+        "pale: within the scanner's error.   grey: the scan shows no skin there.   "
+        "dotted line: carried by the model over a hole of the scan."
+    )
     sheet.words(MARGIN, y + 8.6, said, 7.0, QUIET, "C", WIDTH)
     return y + 12.0
 

@@ -29,6 +29,7 @@ class Stance:
     name: str  # standing | supine
     picked: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that were picked and not doubted
     lines: tuple[Polyline, ...] = ()  # on the scan
+    remarks: tuple[str, ...] = ()  # what the plan says in words
     landmark_radii: Mapping[str, float] = field(default_factory=dict)  # m; 90 % of true places are within
     radii: Array | None = None  # (V,) m, likewise of the vertices; None: not known
 

@@ -18,6 +18,8 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array, Integers, frozen
+from breastrig.geometry.chordal_deviation import ChordalDeviation
+from breastrig.geometry.normals import VertexNormals
 from breastrig.geometry.surface_points import SurfacePoints
 
 
@@ -160,6 +162,16 @@ class Rig:
     def weights_by_bone(self) -> Array:
         """(B, V): the skin weights laid out for the same loop."""
         return np.ascontiguousarray(self.skin_weights.T)
+
+    @cached_property
+    def normals_at(self) -> VertexNormals:
+        """Takes (V, 3) m vertices to their unit (V, 3) normals."""
+        return VertexNormals(self.faces, len(self.template))
+
+    @cached_property
+    def chordal_deviation_at(self) -> ChordalDeviation:
+        """Takes (V, 3) m vertices and their normals to how far the triangles around each lie below the skin, (V,) m."""
+        return ChordalDeviation(self.template, self.faces)
 
     def landmark_points(self, names: tuple[str, ...] | None = None) -> SurfacePoints:
         """The surface points of the named landmarks (all by default), in the given order."""

@@ -22,7 +22,9 @@ from breastrig.rig.parameters import BONE_DOFS, RigParameters
 
 def shaped(rig: Rig, weights: Array) -> Array:
     """(V, 3) m: equation 2, the template with its blendshapes, unposed."""
-    return np.asarray(rig.template + (weights @ rig.blendshapes.reshape(len(weights), -1)).reshape(-1, 3))
+    return np.asarray(
+        rig.template + (weights @ rig.blendshapes.reshape(len(weights), rig.template.size)).reshape(-1, 3)
+    )
 
 
 def bone_matrices(rig: Rig, x: RigParameters) -> tuple[Array, Array]:

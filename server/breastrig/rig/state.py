@@ -40,6 +40,16 @@ class BodyState:
         """(V, 3) m: equation 3."""
         return self.posed.vertices
 
+    @cached_property
+    def normals(self) -> Array:
+        """(V, 3) unit."""
+        return self.rig.normals_at(self.vertices)
+
+    @cached_property
+    def chordal_deviation(self) -> Array:
+        """(V,) m, by which the triangles around each vertex lie below the skin that the vertices are samples of."""
+        return self.rig.chordal_deviation_at(self.vertices, self.normals)
+
     def motion(self, joints: Joints) -> JointMotion:
         """Gaps and turns at the joints, and their derivative."""
         if joints not in self._motions:

@@ -1,9 +1,12 @@
 """The service's reports: each made in a process of its own, the report of one fit made once and kept with its files.
 
-A report of two stances is not kept: it would outlive the deletion of the other scan.
+A report of two stances is not kept: it would outlive the deletion of the other scan.  Nor is one with a plan, which
+may have been carried from another scan: it is remembered for a while.
 """
 
 import errno
+import hashlib
+import io
 import logging
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -11,6 +14,8 @@ from pathlib import Path
 
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
 from breastrig.execution.fair_processes import FairProcesses
+from breastrig.service.plans import Plans
+from breastrig.service.remembered import Remembered
 from breastrig.service.single_flight import SingleFlight
 from breastrig.storage.deletion import discard
 from breastrig.storage.files import OpenedFile, fit_place
@@ -19,6 +24,7 @@ from breastrig.storage.storage import Storage
 from breastrig.workflow.report import ReportJob, measures_json_of, report_pdf_of
 
 MAKERS: dict[str, Callable[[ReportJob], bytes]] = {"report.pdf": report_pdf_of, "measures.json": measures_json_of}
+REMEMBERED = 8  # of half a megabyte
 WALL_S = 60.0  # two stances take about four seconds; a slow machine with huge scans may take many
 
 log = logging.getLogger(__name__)
@@ -27,18 +33,24 @@ log = logging.getLogger(__name__)
 class Reports:
     """The reports of all fits.  May be called from any thread."""
 
-    def __init__(self, storage: Storage, processes: FairProcesses, model: Path | None) -> None:
+    def __init__(self, storage: Storage, processes: FairProcesses, plans: Plans, model: Path | None) -> None:
         self._storage = storage
+        self._plans = plans
         self._processes = processes
         self._model = model
         self._flights: SingleFlight[bytes] = SingleFlight()
+        self._remembered = Remembered(REMEMBERED)
 
     def pdf(self, fit_id: str, other_id: str | None) -> bytes:
-        """The two pages of a fit that is done, or of it and another one.
+        """The pages of a fit that is done, or of it and another one.
 
         Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
         """
         return self._kept_or_made("report.pdf", fit_id, other_id)
+
+    def forget(self) -> None:
+        """Nothing is remembered any more: a scan is deleted."""
+        self._remembered.forget()
 
     def pdf_file(self, fit_id: str) -> OpenedFile:
         """The PDF of one fit as the file that is kept with it: for visitors, who may come often and read slowly.
@@ -46,6 +58,9 @@ class Reports:
         Raises as `pdf`, and OSError when it cannot be kept.
         """
         name = "report.pdf"
+        if self._plans.of_fit(fit_id).plan.version > 0:
+            content = self._kept_or_made(name, fit_id, None)
+            return OpenedFile(None, len(content), hashlib.sha256(content).hexdigest()[:32], lambda: io.BytesIO(content))
         if self._kept(name, fit_id) is None:
             self._flights.result(f"{fit_id}/{name}", lambda: self._made_and_kept(name, fit_id))
         kept = self._kept(name, fit_id)
@@ -58,6 +73,16 @@ class Reports:
         return self._kept_or_made("measures.json", fit_id, other_id)
 
     def _kept_or_made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
+        planned = [self._plans.of_fit(one) for one in (fit_id, other_id) if one is not None]
+        if planned[0].plan.version > 0:
+            key = (name, *(one.key for one in planned))
+            content = self._remembered.get(key)
+            if content is None:
+                content = self._flights.result(repr(key), lambda: self._made(name, fit_id, other_id))
+                self._remembered.put(key, content)
+                for one in planned:
+                    self._plans.of_fit(one.fit.id)  # one that was deleted meanwhile leaves nothing here
+            return content
         if other_id is not None:
             return self._made(name, fit_id, other_id)
         kept = self._kept(name, fit_id)
@@ -95,7 +120,8 @@ class Reports:
             with ExitStack() as stack:
                 places = [fit_place(one) for one in (fit_id, other_id) if one is not None]
                 folders = [stack.enter_context(self._storage.files.reading(place)) for place in places]
-                job = ReportJob(folders[0], None if other_id is None else folders[1], self._model)
+                plans = tuple(self._plans.lines_on_fit(one) for one in (fit_id, other_id) if one is not None)
+                job = ReportJob(folders[0], None if other_id is None else folders[1], self._model, plans)
                 content: bytes = self._processes.result(MAKERS[name], (job,), WALL_S)
         except BreastRigError:
             for known in (fit_id, other_id):

@@ -28,6 +28,7 @@ from breastrig.scan.stored_scan import STORED
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
 from breastrig.service.follow import Heartbeat, Notifier, Queued, follow
 from breastrig.service.plain_meshes import PlainMeshes
+from breastrig.service.plans import Plans
 from breastrig.service.proposals import Proposals, Proposer
 from breastrig.service.queue import FitQueue
 from breastrig.service.readiness import Readiness
@@ -37,11 +38,12 @@ from breastrig.service.task_modules import TASK_MODULES
 from breastrig.service.waiting_cap import WaitingCap
 from breastrig.storage.deletion import delete_rows, discard, finish_deletions, remove_files
 from breastrig.storage.file_journal import record_creation
-from breastrig.storage.files import MESH, fit_place, scan_place, upload_name
+from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
 from breastrig.storage.rows.events import StoredEvent
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, get_fit, made_before
+from breastrig.storage.rows.patients import get_patient, scans_of_patient
 from breastrig.storage.rows.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.propose_on_scan import propose_on_file
@@ -97,7 +99,8 @@ class Service:
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
         self._model = model
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
-        self.reports = Reports(storage, self._readers, model)
+        self.plans = Plans(storage, self._readers, model)
+        self.reports = Reports(storage, self._readers, self.plans, model)
         self.plain_meshes = PlainMeshes(storage, self._readers)
         self._notifier = Notifier(storage)
         self._sweep = Sweep(storage, self.delete_scan, keep_days)
@@ -141,11 +144,14 @@ class Service:
         """Ends every open stream, so that the server's threads are free to go."""
         self._notifier.stop()
 
-    def add_scan(self, source: IO[bytes], file_type: str, units: str) -> ScanRow:
+    def add_scan(self, source: IO[bytes], file_type: str, units: str, patient: str | None = None) -> ScanRow:
         """Reads an upload and keeps what was read of it, without names, comments and picture metadata.
 
-        Raises BadScan or TooLarge with a sentence, and then keeps nothing.
+        It is a scan of that patient, or of a new one.  Raises BadScan or TooLarge with a sentence, or NotFound for an
+        unknown patient, and then keeps nothing.
         """
+        if patient is not None:
+            get_patient(self.storage, patient)
         scan_id = new_id()
         place = scan_place(scan_id)
         record_creation(self.storage, scan_id, [place])
@@ -155,12 +161,12 @@ class Service:
                 upload = draft.folder / upload_name(file_type)
                 sha256 = _keep(source, upload)
                 kept = draft.folder / upload_name(STORED)
-                mesh = draft.folder / MESH
-                facts = self._read(UploadJob(upload, units, kept, mesh, self._uploads.triangles, self._model))
+                mesh, small = draft.folder / MESH, draft.folder / THUMBNAIL
+                facts = self._read(UploadJob(upload, units, kept, mesh, small, self._uploads.triangles, self._model))
                 upload.unlink()
                 draft.keep()
             row = ScanRow(scan_id, utc_now(), STORED, sha256, facts)
-            scan_rows.add_scan(self.storage, row)
+            scan_rows.add_scan(self.storage, row, patient)
         except BaseException:
             discard(self.storage, scan_id, place)
             raise
@@ -175,6 +181,8 @@ class Service:
         self._queue.drop(fits_of_scan(self.storage, scan_id))
         gone = delete_rows(self.storage, scan_id)
         self._queue.drop(gone)  # a fit may have been asked for in between
+        self.plans.forget()
+        self.reports.forget()
         left = remove_files(self.storage, scan_id)
         self._notifier.notify_all()
         if left:
@@ -193,6 +201,24 @@ class Service:
             Example(name, f"Example patient, {name}", folder / name / "scan.ply", folder / name / "landmarks.json")
             for name in names
         )
+
+    def delete_patient(self, patient_id: str) -> None:
+        """Removes all scans of the patient with all that was made of them.  No such patient is no error.
+
+        Raises NotRemoved as `delete_scan`, when it has tried all.
+        """
+        try:
+            scans = scans_of_patient(self.storage, patient_id)
+        except NotFound:
+            return
+        left = 0
+        for scan_id in scans:
+            try:
+                self.delete_scan(scan_id)
+            except NotRemoved as error:
+                left += error.places
+        if left:
+            raise NotRemoved(left)
 
     def add_example(self, name: str) -> tuple[ScanRow, Points]:
         """Opens an example like an upload; also its landmarks in mm.  Raises NotFound."""

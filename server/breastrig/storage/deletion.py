@@ -15,6 +15,7 @@ from breastrig.storage import schema
 from breastrig.storage.file_journal import cancel_creations, clear_entries, pending_removals, record_removal
 from breastrig.storage.files import fit_place, scan_place
 from breastrig.storage.rows.fits import fit_ids, fits_of_scan
+from breastrig.storage.rows.patients import forget_scan
 from breastrig.storage.rows.scans import scan_ids
 from breastrig.storage.storage import Storage, Unremoved
 
@@ -42,6 +43,7 @@ def delete_rows(storage: Storage, scan_id: str) -> list[str]:
                 record_removal(connection, scan_id, [scan_place(scan_id), *map(fit_place, fits)])
                 cancel_creations(connection, scan_id)
                 _delete_fits(connection, fits)
+                forget_scan(connection, scan_id)
                 connection.execute(delete(schema.scans).where(schema.scans.c.id == scan_id))
         return fits
     except DBAPIError as error:
@@ -133,6 +135,7 @@ def _delete_in_steps(storage: Storage, scan_id: str) -> list[str]:
 
     def delete_rest() -> None:
         with storage.database.writing() as connection:
+            forget_scan(connection, scan_id)
             connection.execute(delete(schema.scans).where(schema.scans.c.id == scan_id))
 
     storage.using_reserve(note)

@@ -27,6 +27,7 @@ def upload_name(file_type: str) -> str:
 
 
 MESH = "mesh.glb"  # the scan for display
+THUMBNAIL = "thumbnail.png"  # a small picture of it
 ROOT = ""  # the place of the mark, which says whose all these files are
 MARK = "installation"  # its name; what it holds is the installation's id
 PLAIN_MESH = "plain.glb"  # the same without its colours, made when a share link first needs it

@@ -50,11 +50,31 @@ proposals = Table(
     Column("json", Text, nullable=False),  # {name: {point, confidence, on_scan, error_mm}}, mm, scan frame
 )
 
-drawings = Table(  # the surgeon's own, drawn on the scan
-    "drawings",
+patients = Table(  # a woman under a code, never a name; one without scans is not kept
+    "patients",
+    metadata,
+    Column("position", Integer, primary_key=True, autoincrement=True),  # order of arrival
+    Column("id", String(32), nullable=False, unique=True),
+    Column("code", String(60), nullable=False, server_default=""),
+    Column("created_at", String(32), nullable=False),  # ISO 8601, UTC
+    Column("version", Integer, nullable=False, server_default="0"),  # of her plan; 0 before the first item
+)
+
+scans_of_patients = Table(
+    "scans_of_patients",
     metadata,
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
-    Column("json", Text, nullable=False),  # breastrig/drawing@1, mm, scan frame
+    Column("patient", String(32), ForeignKey("patients.id", ondelete="CASCADE"), nullable=False, index=True),
+)
+
+plans = Table(  # what the surgeon wants on her skin: the plan as it is, and as it was before
+    "plans",
+    metadata,
+    Column("position", Integer, primary_key=True, autoincrement=True),
+    Column("patient", String(32), ForeignKey("patients.id", ondelete="CASCADE"), nullable=False),
+    Column("version", Integer, nullable=False),
+    Column("json", Text, nullable=False),  # breastrig/plan@1
+    UniqueConstraint("patient", "version"),
 )
 
 fits = Table(

@@ -1,6 +1,7 @@
 """A fit's folder turned into files for other programs (Blender, MeshLab, tetrahedral meshers)."""
 
 from pathlib import Path
+from typing import Any
 
 from breastrig.gltf.lines_glb import lines_glb
 from breastrig.report.exported import closed_model, vertex_sets
@@ -8,20 +9,25 @@ from breastrig.report.line_files import obj_lines, ply_lines, rgb
 from breastrig.report.surface_files import surface_ply, surface_stl
 from breastrig.workflow.fit_files import json_bytes
 from breastrig.workflow.fit_folder import read_fit_folder
-from breastrig.workflow.report import stance_of, write_all
+from breastrig.workflow.report import laid_plan, stance_of, write_all
 
 EXPORT_RECORD = "surface.json"
 EXPORT_FILES = ("drawing.glb", "drawing.obj", "drawing.ply", "surface.ply", "surface.stl", EXPORT_RECORD)
 
 
-def export_files(folder: Path, model: Path | None = None) -> dict[str, bytes]:
-    """drawing.{glb,obj,ply}, where the fit has a drawing, and surface.{ply,stl,json}; by name.
+def export_files(
+    folder: Path, model: Path | None = None, plan: dict[str, Any] | None = None, other: Path | None = None
+) -> dict[str, bytes]:
+    """drawing.{glb,obj,ply}, where something is drawn, and surface.{ply,stl,json}; by name.
+
+    Drawn is the `plan` (a document), carried from the fit `other` where it was made there; else the fit's own drawing.
 
     Everything is in the scan's frame and unit, apart from drawing.glb, which is in metres as glTF demands.
     Raises BadInput for a folder that is no fit.
     """
     fit = read_fit_folder(folder, model)
-    stance = stance_of(folder, fit)
+    fits = [fit] if other is None else [fit, read_fit_folder(other, model)]
+    stance = stance_of(folder, fit, None if plan is None else laid_plan(fit.rig, plan, fits)[0])
     per_unit, unit = fit.metres_per_unit, fit.unit
     files = {}
     if stance.lines:
@@ -36,6 +42,8 @@ def export_files(folder: Path, model: Path | None = None) -> dict[str, bytes]:
     return files
 
 
-def write_export(folder: Path, out: Path, model: Path | None = None) -> None:
+def write_export(
+    folder: Path, out: Path, model: Path | None = None, plan: dict[str, Any] | None = None, other: Path | None = None
+) -> None:
     """Writes the files into `out`; BadInput when it cannot be written."""
-    write_all(export_files(folder, model), out)
+    write_all(export_files(folder, model, plan, other), out)

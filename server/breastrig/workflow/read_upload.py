@@ -20,6 +20,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
+from breastrig.workflow.thumbnail import thumbnail_png
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class UploadJob:
     units: str
     kept: Path  # where the scan itself is written, as a STORED file
     mesh: Path  # where the mesh for display is written
+    thumbnail: Path  # where a small picture is written
     triangles: int  # at most
     model: Path | None = None  # that the service fits with; None: the torso of the package
 
@@ -54,6 +56,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
     orientation, _, _ = scan_orientation(rig, ready, load_recipe("default"))
     mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
     job.mesh.write_bytes(mesh)
+    job.thumbnail.write_bytes(thumbnail_png(ready.surface, orientation.body_frame()))
     write_stored(scan, job.kept)
     return {
         "unit": scan.unit,

@@ -1,7 +1,7 @@
 """The report of one fit, or of two stances of one patient, from the folders that `breastrig fit` wrote."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -11,6 +11,7 @@ from pydantic import BaseModel, FiniteFloat, ValidationError
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.private_files import private_folder, read_ordinary, write_private
 from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan
+from breastrig.drawings.plan_schema import checked_plan
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.document import Reported, report_document, stance_names
@@ -20,6 +21,7 @@ from breastrig.report.table import csv_bytes
 from breastrig.rig.model import Rig
 from breastrig.workflow.fit_files import json_bytes
 from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
+from breastrig.workflow.plan_on_fit import plan_document, plan_on_folders
 
 REPORT_RECORD = "report.json"
 REPORT_FILES = ("measures.csv", "report.pdf", REPORT_RECORD)
@@ -32,6 +34,11 @@ class ReportJob:
     fit: Path  # folder of a fit
     other: Path | None = None  # of the same patient in another stance
     model: Path | None = None  # None: the torso of the package
+    plans: tuple["PlanLines | None", ...] = ()  # of each fit: its lines, and whether they are all that is wanted
+    plan: dict[str, Any] | None = None  # or the plan itself (breastrig/plan@1 or drawing@1), to be laid on each scan
+
+
+PlanLines = tuple[dict[str, Any], bool]  # a document breastrig/drawing@1 on the fit's scan
 
 
 class _Distances(BaseModel):
@@ -101,7 +108,40 @@ def drawn_lines(folder: Path, unit: str) -> tuple[Polyline, ...]:
         raise BadInput(f"{folder.resolve().name}/drawing.json is damaged; fit the scan again.") from error
 
 
-def stance_of(folder: Path, fit: FitFolder) -> Stance:
+def laid_plan(rig: Rig, document: dict[str, Any], fits: Sequence[FitFolder]) -> tuple[PlanLines, ...]:
+    """The plan on the scan of each of a patient's fits; what names no scan was made on the first one's."""
+    plan = checked_plan(document)
+    found = []
+    for place, fit in enumerate(fits):
+        others = [other for other in fits if other is not fit]
+        laid = plan_on_folders(rig, plan, [(each, "") for each in (fit, *others)], home=0 if place == 0 else 1)
+        found.append((plan_document(plan, fit, laid), True))
+    return tuple(found)
+
+
+def planned_lines(folder: Path, unit: str, plan: PlanLines | None) -> tuple[Polyline, ...]:
+    """What is drawn on a fit's scan: the plan there, and the fit's own drawing where the plan does not speak for it."""
+    if plan is None:
+        return drawn_lines(folder, unit)
+    document, is_whole = plan
+    planned = lines_on_scan(document, unit)
+    if is_whole:
+        return planned
+    named = {line.name for line in planned}
+    return (*(line for line in drawn_lines(folder, unit) if line.name not in named), *planned)
+
+
+def _remarks(document: dict[str, Any]) -> tuple[str, ...]:
+    """Depths of tumours and notes, a sentence each, and what cannot be shown on this scan."""
+    depths = {shape["name"]: shape["depth_mm"] for shape in document["shapes"] if shape.get("depth_mm") is not None}
+    return (
+        *(f"{name} lies {depth:.0f} mm below the skin." for name, depth in depths.items()),
+        *(f"Note: {note['text']}" for note in document.get("notes", ())),
+        *(str(missing["reason"]) for missing in document.get("missing", ())),
+    )
+
+
+def stance_of(folder: Path, fit: FitFolder, plan: PlanLines | None = None) -> Stance:
     """A fit's folder as measures, pictures and exports want it."""
     return Stance(
         rig=fit.rig,
@@ -110,7 +150,8 @@ def stance_of(folder: Path, fit: FitFolder) -> Stance:
         scan_faces=fit.surface.faces,
         name=fit.stance,
         picked=fit.landmarks,
-        lines=drawn_lines(folder, fit.unit),
+        lines=planned_lines(folder, fit.unit, plan),
+        remarks=() if plan is None else _remarks(plan[0]),
         landmark_radii={n: 1e-3 * radius for n, radius in fit.result.get("landmark_uncertainty_mm", {}).items()},
         radii=fit.radii,
     )
@@ -123,7 +164,8 @@ def reported(job: ReportJob) -> list[Reported]:
     fits = [fit_folder_of(folder, rig) for folder in folders]
     for folder, fit in zip(folders, fits, strict=True):
         _check_shown(folder, fit.result)
-    stances = [stance_of(folder, fit) for folder, fit in zip(folders, fits, strict=True)]
+    plans = laid_plan(rig, job.plan, fits) if job.plan is not None else (job.plans or (None,) * len(fits))
+    stances = [stance_of(folder, fit, plan) for folder, fit, plan in zip(folders, fits, plans, strict=True)]
     names = stance_names([stance.name for stance in stances])
     return [
         Reported(name, stance, fit.result, measures(stance))

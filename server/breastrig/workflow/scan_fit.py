@@ -233,4 +233,4 @@ def _exchanged(rig: Rig, recipe: Recipe, landmarks: dict[str, Array], certain: C
 def _warm(target: ScanTarget) -> None:
     """Builds what is built on first use, so that its time counts as preparation and not as solving."""
     _ = target.rays, target.search, target.vertex_tree, target.normals, target.on_border, target.face_normals
-    target.may_be_within(target.vertices[:1], 0.0)
+    target.may_be_matched(target.vertices[:1], 0.0, reject_border=True)

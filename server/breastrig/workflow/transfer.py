@@ -13,11 +13,13 @@ from breastrig.core.errors import BadDrawing, BadInput, TooLarge
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import read_ordinary, shown
 from breastrig.drawings.drawing_file import FILE_BYTES, Drawing, millimetres, parsed_drawing, shape_document
+from breastrig.drawings.plan_schema import Plan, checked_plan, is_plan
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.transfer import TransferredLine, fitted_scan, transferred
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rig.model import ModelDrawing
+from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
+from breastrig.workflow.plan_on_fit import plan_document, plan_on_folders
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,9 @@ class TransferJob:
 
     from_fit: Path  # folder of a fit
     to_fit: Path
-    drawing: dict[str, Any] | None  # a document breastrig/drawing@1; None: the drawing that the first fit left
+    drawing: (
+        dict[str, Any] | None
+    )  # a document breastrig/drawing@1 or breastrig/plan@1; None: the drawing that the first fit left
     other_patient: bool = False  # the scans are of two patients: the model decides which skin is which
     model: Path | None = None  # None: the torso of the package
 
@@ -53,6 +57,8 @@ def transfer(job: TransferJob) -> dict[str, Any]:
     rig = read_rig(job.model or default_rig_path())
     source, goal = fit_folder_of(job.from_fit, rig), fit_folder_of(job.to_fit, rig)
     document = drawing_document(job.from_fit / "drawing.json") if job.drawing is None else job.drawing
+    if is_plan(document):
+        return _plan_on(rig, checked_plan(document), source, goal, job.other_patient)
     given = parsed_drawing(document, rig, source.unit)
     a = fitted_scan(source.surface, source.vertices, source.landmarks, source.stance, source.radii)
     b = fitted_scan(goal.surface, goal.vertices, goal.landmarks, goal.stance, goal.radii)
@@ -65,6 +71,13 @@ def transfer(job: TransferJob) -> dict[str, Any]:
     except MemoryError as error:
         raise BadInput("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
     return _document(given, goal, carried, job.other_patient)
+
+
+def _plan_on(rig: Rig, plan: Plan, source: FitFolder, goal: FitFolder, other_patient: bool) -> dict[str, Any]:
+    """The whole plan on the target: what was made on it as it is, all else carried from the source."""
+    if other_patient:
+        raise BadDrawing("A plan is one patient's; give a drawing to show it on another one.")
+    return plan_document(plan, goal, plan_on_folders(rig, plan, [(goal, ""), (source, "")], home=1))
 
 
 def _document(

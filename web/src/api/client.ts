@@ -1,7 +1,6 @@
 // One function per route.  Whatever goes wrong becomes an ApiError whose message a person can act on.
 import * as text from "./text";
 import type {
-  CarriedDrawing,
   DrawingFile,
   EventPage,
   EventRecord,
@@ -13,7 +12,10 @@ import type {
   MeasuresFile,
   Meta,
   ModelSide,
-  OwnDrawing,
+  Patient,
+  PatientPage,
+  PlanItem,
+  PlanOnScan,
   Problem,
   ProposedLandmarks,
   Result,
@@ -22,7 +24,7 @@ import type {
   ShareMade,
   SharePage,
   ShareRequest,
-  TransferRequest,
+  StoredPlan,
   UnitChoice,
 } from "./types";
 
@@ -86,6 +88,16 @@ export const client = {
   modelGlb: () => bytes("/api/models/torso.glb"),
   modelSide: () => askJson<ModelSide>("/api/models/torso.json"),
   scan: (scan: string) => askJson<ExampleScan>(`/api/scans/${id(scan)}`),
+  /** With all that was made of it; arrives although the page is being closed. */
+  deleteScan: async (scan: Scan): Promise<void> => {
+    await ask(scan.links.self, { method: "DELETE", keepalive: true });
+  },
+  /** The newest first; `address` is that of a further page. */
+  patients: (address: string | null, search: string) => askJson<PatientPage>(`${address ?? "/api/patients?limit=50"}${search === "" ? "" : `&search=${id(search)}`}`),
+  renamePatient: (patient: string, code: string) => askJson<Patient>(`/api/patients/${id(patient)}`, "PATCH", { code }),
+  deletePatient: async (patient: string): Promise<void> => {
+    await ask(`/api/patients/${id(patient)}`, { method: "DELETE", keepalive: true });
+  },
   mesh: (scan: Scan) => bytes(scan.links.mesh),
   landmarks: (scan: Scan) => askJson<LandmarkFile>(scan.links.landmarks),
   saveLandmarks: (scan: Scan, file: LandmarkFile) => askJson<LandmarkFile>(scan.links.landmarks, "PUT", file, true),
@@ -110,12 +122,18 @@ export const client = {
   },
   result: (link: string) => askJson<Result>(link),
   drawing: (link: string) => askJson<DrawingFile>(link),
-  /** No shapes when nothing was drawn yet. */
-  ownDrawing: (scan: Scan) => askJson<OwnDrawing>(scan.links.drawing),
-  /** Browsers keep a request alive beyond its page only when it is small. */
-  saveDrawing: (scan: Scan, drawing: OwnDrawing) =>
-    askJson<OwnDrawing>(scan.links.drawing, "PUT", drawing, JSON.stringify(drawing).length < KEPT_ALIVE_BYTES),
-  transfer: (request: TransferRequest) => askJson<CarriedDrawing>("/api/transfers", "POST", request),
+  plan: (link: string) => askJson<StoredPlan>(link),
+  planVersion: (link: string, version: number) => askJson<StoredPlan>(`${link}/versions/${version}`),
+  /** 412 when the plan is not the one of that version any more.  Browsers keep a request alive beyond its page only when it is small. */
+  async savePlan(link: string, items: readonly PlanItem[], version: number): Promise<StoredPlan> {
+    const body = JSON.stringify({ items });
+    const headers = { "Content-Type": "application/json", "If-Match": `"${version}"` };
+    return (await (await ask(link, { method: "PUT", body, headers, keepalive: body.length < KEPT_ALIVE_BYTES })).json()) as StoredPlan;
+  },
+  /** The whole plan on the scan of a fit, carried there where it was made on another scan. */
+  planOnFit: (link: string) => askJson<PlanOnScan>(link),
+  /** The scan is that patient's from now on. */
+  moveScan: (scan: string, patient: string) => askJson<Patient>(`/api/scans/${id(scan)}/patient`, "PUT", { patient }),
   measures: (link: string, other: string | null) => askJson<MeasuresFile>(other === null ? link : `${link}?with=${id(other)}`),
   shares: (link: string) => askJson<SharePage>(link),
   makeShare: (link: string, request: ShareRequest) => askJson<ShareMade>(link, "POST", request),

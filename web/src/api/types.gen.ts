@@ -20,6 +20,11 @@ export type CarriedDrawing = {
   shapes: CarriedShape[];
 };
 
+export type CarriedFrom = {
+  scan: string;
+  fit: string;
+};
+
 /** A polyline on the second scan, and how well the fits lie on their scans there. */
 export type CarriedShape = {
   name: string;
@@ -107,6 +112,8 @@ export type ExampleEntry = {
 
 export type ExampleScan = {
   id: string;
+  /** id of the patient whose scan it is */
+  patient: string;
   /** unit that the file was read in */
   unit: "m" | "dm" | "cm" | "mm" | "in";
   unit_reason: string;
@@ -150,6 +157,8 @@ export type Fit = {
   created_at: string;
   /** as asked for; once started, as decided */
   stance: "auto" | "standing" | "supine";
+  /** as asked for */
+  asked_stance: "auto" | "standing" | "supine";
   preset: string;
   drawing: string | null;
   refine: boolean;
@@ -184,6 +193,7 @@ export type FitLinks = {
   drawing: string;
   distances: string;
   uncertainty: string;
+  plan: string;
   report: string;
   measures: string;
   cancel: string;
@@ -393,6 +403,11 @@ export type Meta = {
   patterns: PatternInfo[];
 };
 
+export type MissingItem = {
+  item: string;
+  reason: string;
+};
+
 /** The distances without the free-form layer: those of the rig as its bones and shapes have it. */
 export type ModelAlone = {
   surface_distance_mm: SurfaceDistances;
@@ -461,6 +476,56 @@ export type OwnDrawing = {
   shapes: DrawnShape[];
 };
 
+/** One patient with her scans, the first that came first. */
+export type Patient = {
+  id: string;
+  code: string;
+  /** ISO 8601, UTC */
+  created_at: string;
+  /** 0 before anything was planned */
+  plan_version: number;
+  scans: PatientScan[];
+  links: PatientLinks;
+};
+
+export type PatientChange = {
+  /** a code of your own, never a name or date of birth */
+  code: string;
+};
+
+/** The newest fit of a scan. */
+export type PatientFit = {
+  id: string;
+  state: "queued" | "running" | "done" | "failed" | "cancelled";
+  /** ISO 8601, UTC */
+  created_at: string;
+};
+
+export type PatientLinks = {
+  self: string;
+  plan: string;
+};
+
+export type PatientPage = {
+  /** the newest first */
+  patients: Patient[];
+  /** address of the next page, null on the last */
+  next: string | null;
+};
+
+export type PatientScan = {
+  id: string;
+  /** as fitted, else as the service proposes */
+  stance: "standing" | "supine";
+  /** ISO 8601, UTC */
+  created_at: string;
+  /** ISO 8601, UTC: kept until then; null: until it is deleted by hand */
+  delete_at: string | null;
+  /** address of a small picture, PNG */
+  thumbnail: string;
+  fit: PatientFit | null;
+};
+
 /** A drawing made from numbers: asked for as `name:parameter=value,parameter=value`. */
 export type PatternInfo = {
   name: string;
@@ -483,6 +548,125 @@ export type PatternParameter = {
   min: number | null;
   max: number | null;
   choices: string[] | null;
+};
+
+/** All items of one patient, in the order in which they were made; points are mm in their own scan's frame. */
+export type Plan = {
+  schema?: "breastrig/plan@1";
+  unit?: "mm";
+  /** that the items name */
+  scans?: ScanOfPlan[];
+  items: (PlanLine | PlanPattern | PlanTumour | PlanNote)[];
+};
+
+/** A line that was drawn on the scan's skin, mm. */
+export type PlanLine = {
+  /** stays the same through all changes; unique in the plan */
+  id: string;
+  /** of the scan that it was made on; empty: the one that is at hand */
+  scan?: string;
+  name: string;
+  label?: string;
+  closed?: boolean;
+  color?: string;
+  /** on the scan's skin, in its frame and the drawing's unit */
+  points: [number, number, number][];
+  /** for each point whether it is not on the skin, because the scan has a hole there */
+  bridged?: boolean[] | null;
+  /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
+  error_mm?: (number | null)[] | null;
+  kind?: "line";
+};
+
+/** A sentence, of the whole or of one place, mm. */
+export type PlanNote = {
+  /** stays the same through all changes; unique in the plan */
+  id: string;
+  /** of the scan that it was made on; empty: the one that is at hand */
+  scan?: string;
+  kind?: "note";
+  text: string;
+  point?: [number, number, number] | null;
+};
+
+/** breastrig/drawing@1: the whole plan on the scan of one fit. */
+export type PlanOnScan = {
+  schema: "breastrig/drawing@1";
+  name: string;
+  /** of the scan */
+  unit: "m" | "dm" | "cm" | "mm" | "in";
+  notice: string;
+  shapes: PlannedShape[];
+  notes: PlannedNote[];
+  /** items that cannot be shown here, and why */
+  missing: MissingItem[];
+  /** of the plan */
+  version: number;
+  /** whether somebody has written the plan; false: the fit's own drawing still counts */
+  whole: boolean;
+  fit: string;
+  /** fits of the patient's other scans that were used */
+  carried_from: CarriedFrom[];
+};
+
+/** One of the model's own drawings, or a pattern with its parameters. */
+export type PlanPattern = {
+  /** stays the same through all changes; unique in the plan */
+  id: string;
+  /** of the scan that it was made on; empty: the one that is at hand */
+  scan?: string;
+  kind?: "pattern";
+  /** of the drawing or pattern, for instance lumpectomy or reduction */
+  name: string;
+  /** what differs from the pattern's defaults */
+  parameters?: Record<string, unknown>;
+};
+
+/** A tumour by the clock of the breast. */
+export type PlanTumour = {
+  /** stays the same through all changes; unique in the plan */
+  id: string;
+  /** of the scan that it was made on; empty: the one that is at hand */
+  scan?: string;
+  kind?: "tumour";
+  /** the patient's side */
+  side: "L" | "R";
+  /** hour as read by an observer who faces her */
+  clock: number;
+  /** from the nipple along the skin */
+  distance_mm: number;
+  /** of the circle along the skin, margin included */
+  radius_mm: number;
+  /** below the skin; null where it is not known */
+  depth_mm?: number | null;
+};
+
+export type PlannedNote = {
+  item: string;
+  text: string;
+  /** name of the shape that is its place; null for a note of the whole */
+  at: string | null;
+};
+
+/** A line of the plan on a scan. */
+export type PlannedShape = {
+  name: string;
+  label?: string;
+  closed: boolean;
+  color: string;
+  /** on the scan's skin, in its frame and the drawing's unit */
+  points: [number, number, number][];
+  /** true where the scan has no skin to lie on */
+  bridged: boolean[];
+  /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
+  error_mm?: (number | null)[] | null;
+  /** id of the plan's item */
+  item: string;
+  kind: "line" | "pattern" | "tumour" | "note";
+  /** whether it was made on another scan */
+  carried: boolean;
+  /** of a tumour, below the skin */
+  depth_mm?: number | null;
 };
 
 /** RFC 9457 problem details. */
@@ -573,6 +757,8 @@ export type ResultScan = {
 
 export type Scan = {
   id: string;
+  /** id of the patient whose scan it is */
+  patient: string;
   /** unit that the file was read in */
   unit: "m" | "dm" | "cm" | "mm" | "in";
   unit_reason: string;
@@ -597,6 +783,21 @@ export type ScanLinks = {
   proposed: string;
   drawing: string;
   fits: string;
+  patient: string;
+  plan: string;
+};
+
+/** One of the scans that items name. */
+export type ScanOfPlan = {
+  id: string;
+  stance?: "standing" | "supine" | null;
+  /** of the scan that was fitted, as result.json has it */
+  sha256?: string | null;
+};
+
+export type ScanOwner = {
+  /** id of the patient whose scan it is */
+  patient: string;
 };
 
 export type ScanUpload = {
@@ -604,6 +805,8 @@ export type ScanUpload = {
   file: Blob;
   /** unit of the file's numbers; auto decides from the size and says so */
   units?: "auto" | "m" | "dm" | "cm" | "mm" | "in";
+  /** id of the patient whose scan it is; without it she is a new one */
+  patient?: string | null;
 };
 
 export type Share = {
@@ -706,6 +909,7 @@ export type SharedLinks = {
   fitted_ply: string;
   drawing: string;
   distances: string;
+  plan: string;
   /** null when the link does not show the scan, which the report pictures */
   report: string | null;
   /** null when the link does not show the scan */
@@ -737,6 +941,18 @@ export type Started = {
   notes?: string[];
   /** picks that are doubted before the first step; `done` names all of them */
   landmarks_not_followed?: DoubtedPick[];
+};
+
+/** breastrig/plan@1 as it is kept, with its version. */
+export type StoredPlan = {
+  schema: "breastrig/plan@1";
+  unit: "mm";
+  /** the ETag is this number in quotes */
+  version: number;
+  /** whether somebody has written the plan; false: fits' own drawings still count */
+  whole: boolean;
+  scans: ScanOfPlan[];
+  items: (PlanLine | PlanPattern | PlanTumour | PlanNote)[];
 };
 
 export type SurfaceDistances = {

@@ -17,8 +17,16 @@ export type {
   Meta,
   NodePose,
   OwnDrawing,
+  Patient,
+  PatientPage,
   PatternInfo,
   PatternParameter,
+  PlanLine,
+  PlannedShape,
+  PlanNote,
+  PlanOnScan,
+  PlanPattern,
+  PlanTumour,
   Problem,
   ProposedLandmark,
   ProposedLandmarks,
@@ -29,10 +37,12 @@ export type {
   SharedResult,
   ShareRequest,
   Started,
+  StoredPlan,
   SurfacePoint,
   TransferRequest,
 } from "./types.gen";
 
+export type PlanItem = wire.StoredPlan["items"][number];
 export type Vector = [number, number, number];
 export type Unit = wire.Scan["unit"];
 export type UnitChoice = wire.ScanUpload["units"] & string;

@@ -3,7 +3,7 @@ import { fit as fitText, result as resultText } from "../fit/text";
 import { pickCount } from "../landmarks/state";
 import { landmarks as landmarkText, proposals as proposalText, questions } from "../landmarks/text";
 import { scan as scanText } from "../scan/text";
-import { stances as stancesText } from "../stances/text";
+import { measuredFits } from "../stances/state";
 import { only } from "../store/store";
 import { button } from "../ui/controls";
 import { el, icon, setText, show } from "../ui/dom";
@@ -23,8 +23,11 @@ function wording(next: NextStep, state: NextShown): string {
   if (next.kind === "confirm") return proposalText.confirmLikely(next.names.length);
   if (next.kind === "fit" && next.again) return fitText.again(next.landmarks);
   if (next.kind === "fit") return next.landmarks > 0 ? fitText.with(next.landmarks) : fitText.without;
-  if (next.kind === "carry") return stancesText.carry.go(next.to);
-  return next.kind === "save" ? resultText.save : "";
+  if (next.kind === "correct") return text.next.correct;
+  if (next.kind === "draw") return next.isArmed ? text.next.drawing : text.next.draw;
+  if (next.kind === "add") return text.next.add(next.stance);
+  if (next.kind === "change over") return text.next.changeOver(next.to);
+  return next.kind === "report" ? resultText.report : "";
 }
 
 export function createNextButton(actions: Actions): Panel<NextShown> {
@@ -37,27 +40,36 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
       actions.page.goTo("landmarks");
       document.querySelector<HTMLElement>("#step-landmarks .question:not([hidden])")?.focus(); // and into view; Enter answers nothing yet
     }
-    if (next.kind === "carry") void actions.stances.carry();
     if (next.kind === "fit") void actions.fit.start();
+    if (next.kind === "correct") actions.page.goTo("landmarks");
+    if (next.kind === "draw") actions.drawing.take(next.isArmed ? "none" : "pen");
+    if (next.kind === "add") actions.stances.dialog(true);
+    if (next.kind === "change over") void actions.stances.swap();
   };
   const words = el("span", {});
   const go = el("button", { type: "button", class: "button primary", id: "next", onclick: press }, words);
-  const save = el("a", { class: "button primary", id: "save", download: "fitted.glb" }, icon("download"), el("span", {}, resultText.save));
+  const report = el("a", { class: "button primary", id: "report", download: "report.pdf" }, icon("download"), el("span", {}, resultText.report));
   const other = button("", () => void actions.fit.start(), "quiet wide");
   const otherWords = other.querySelector("span")!;
-  const element = el("div", { class: "next" }, go, save, other);
+  const element = el("div", { class: "next" }, go, report, other);
   return {
     element,
-    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "drawn", "stances"),
+    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawn", "stances"),
     update(state: NextShown): void {
       next = nextStep(state);
       show(element, next.kind !== "none");
-      show(go, next.kind !== "none" && next.kind !== "save");
-      show(save, next.kind === "save");
+      // The report of a fit that holds stays at hand while something else comes first.
+      const isFirst = next.kind === "report";
+      const isSecond = ["draw", "add", "change over", "check", "correct"].includes(next.kind) && state.fit?.state === "done";
+      show(go, next.kind !== "none" && !isFirst);
+      show(report, isFirst || isSecond);
+      report.className = isFirst ? "button primary" : "button quiet wide";
+      const fits = isFirst || isSecond ? measuredFits(state) : null;
+      if (fits) report.href = fits[0].links.report + (fits[1] ? `?with=${encodeURIComponent(fits[1].id)}` : "");
       setText(words, wording(next, state));
-      go.classList.toggle("is-armed", next.kind === "place" && next.isArmed);
-      go.setAttribute("aria-pressed", String(next.kind === "place" && next.isArmed));
-      if (next.kind === "save" && state.fit) save.href = state.fit.links.fitted_glb;
+      const isArmed = (next.kind === "place" || next.kind === "draw") && next.isArmed;
+      go.classList.toggle("is-armed", isArmed);
+      go.setAttribute("aria-pressed", String(isArmed));
       const count = pickCount(state);
       show(other, (next.kind === "place" || next.kind === "confirm") && state.step === "landmarks" && count > 0);
       setText(otherWords, state.fit ? fitText.again(count) : fitText.with(count));

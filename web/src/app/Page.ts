@@ -3,12 +3,14 @@ import { createDrawingPanel } from "../drawing/DrawingPanel";
 import { createColourBar } from "../fit/ColourBar";
 import { createFitPanel } from "../fit/FitPanel";
 import { createNumbersPanel } from "../fit/NumbersPanel";
+import { outdated } from "../fit/outdated";
 import { createResultPanel } from "../fit/ResultPanel";
 import { hasBoth, viewBarShown } from "../fit/state";
 import { createTimeline } from "../fit/TimelinePanel";
 import { createGuideCard } from "../landmarks/GuideCard";
 import { createLandmarkPanel } from "../landmarks/LandmarkPanel";
 import { needsConfirming } from "../landmarks/state";
+import { createPatientList } from "../patients/PatientList";
 import { READABLE } from "../scan/actions";
 import { createEmptyState } from "../scan/EmptyState";
 import { createScanPanel } from "../scan/ScanPanel";
@@ -31,7 +33,10 @@ import { errors, view as viewText } from "../viewer/text";
 import { createViewBar } from "../viewer/ViewBar";
 import type { Stage } from "../viewer/Viewer";
 import type { Actions } from "./actions";
+import { addressOfPatient } from "./address";
+import { createDeleteDialog, createDeletionNotice } from "./DeleteDialog";
 import { createHelpDialog } from "./HelpDialog";
+import { createLeaveDialog } from "./LeaveDialog";
 import { createNextButton } from "./NextButton";
 import type { Session } from "./session";
 import { createSteps } from "./Steps";
@@ -62,6 +67,8 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const colourBar = createColourBar();
   const swipe = createSwipe(actions.view.swipe, hasBoth);
   const empty = createEmptyState(actions.scan, dismiss);
+  const patients = createPatientList(actions.patients, addressOfPatient);
+  empty.element.append(patients.element);
   const page = problem(() => dismiss("page"));
   const model = problem(() => dismiss("model"));
   const distances = problem(() => dismiss("distances"));
@@ -71,7 +78,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   host.append(veil);
   acceptDrops(host, veil, actions);
 
-  const scan = createScanPanel(actions.scan, () => dismiss("scan"), needsConfirming);
+  const scan = createScanPanel({ ...actions.scan, askToDelete: () => actions.deletion.ask(true) }, () => dismiss("scan"), needsConfirming);
   const landmarks = createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks"));
   const fit = createFitPanel(actions.fit, () => dismiss("fit"));
   const carry = createDrawingCarry(actions.stances);
@@ -80,11 +87,15 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const next = createNextButton(actions);
   const bodies = { scan: scan.element, landmarks: landmarks.element, fit: fit.element, drawing: drawing.element, result: result.element };
   const steps = createSteps(actions, bodies, next.element);
-  const numbers = createNumbersPanel();
+  const numbers = createNumbersPanel({ outdated, again: () => void actions.fit.start() });
   const aside = el("aside", { class: "aside" }, guide.element, numbers.element);
   const timeline = createTimeline(actions.player);
   const help = createHelpDialog(actions);
   const share = createShareDialog(actions.share, () => dismiss("share"));
+  const leave = createLeaveDialog(actions.leaving);
+  const deleting = createDeleteDialog(actions.deletion);
+  const deleted = createDeletionNotice(actions.deletion);
+  host.append(deleted.element);
   const stances = createStancesBar(actions.stances);
   const top = createTopBar(actions, stances.element);
   const adding = createStancesDialog(actions.stances, () => dismiss("stances"));
@@ -96,7 +107,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const footer = el("footer", { class: "footer" }, el("strong", {}, notice), el("span", { class: "spring" }), version);
 
   return {
-    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, live],
+    elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, leave.element, deleting.element, live],
     stages: { main: { host, canvas, overlay }, other: other.stage, picture: guide.canvas, light: guide.light },
     follow(store): void {
       // Classes first: where a panel stands and whether it is seen decides what it can scroll to or focus.
@@ -126,6 +137,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(colourBar);
       on(swipe);
       on(empty);
+      on(patients);
       on(numbers);
       on(timeline);
       on(help);
@@ -134,6 +146,9 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(adding);
       on(measures);
       on(other);
+      on(leave);
+      on(deleting);
+      on(deleted);
       store.select(only("active", "problems", "graphics", "meta", "announcement"), (state) => {
         show(numbers.element, state.active === null);
         page.set(state.problems.page);

@@ -1,6 +1,7 @@
 // The left side: the steps, of which one is open, and below them the button that says what to do next.
 import { drawing as drawingText } from "../drawing/text";
-import { fit as fitText, result as resultText } from "../fit/text";
+import { fit as fitText, numbers as resultNumbers, result as resultText } from "../fit/text";
+import { levelOf } from "../fit/verdict";
 import { askedNames, openQuestions } from "../landmarks/questions";
 import { pickCount } from "../landmarks/state";
 import { landmarks as landmarkText, questions } from "../landmarks/text";
@@ -24,6 +25,7 @@ function summary(step: Step, state: StepsShown): string {
   if (count > 0) return questions.toCheck(count);
   if (step === "landmarks") return landmarkText.progress(pickCount(state), state.meta?.landmarks.length ?? 0);
   if (step === "drawing") return drawingText.summary(state.drawn.lines.present.length);
+  if (step === "fit" && isDoubtful(state)) return resultNumbers.short[levelOf(state.fit?.result)];
   if (step === "fit") return state.fit?.result ? fitText.summary(formatMm(state.fit.result.surface_distance_mm.mean)) : "";
   return "";
 }
@@ -34,6 +36,9 @@ function isDone(step: Step, state: StepsShown): boolean {
   if (step === "drawing") return state.drawn.lines.present.length > 0;
   return state.fit?.state === "done";
 }
+
+/** No tick stands above a fit that is to be checked. */
+const isDoubtful = ({ fit }: StepsShown): boolean => levelOf(fit?.result) !== "good";
 
 type StepsShown = Pick<Session, "meta" | "step" | "scan" | "picks" | "certain" | "drawn" | "fit">;
 
@@ -69,9 +74,11 @@ export function createSteps(actions: Actions, bodies: Record<Step, HTMLElement>,
         head.disabled = state.scan === null;
         setText(note, summary(step, state));
         const isAsked = step === "landmarks" && state.scan !== null && openQuestions(state).length > 0;
-        section.classList.toggle("is-asked", isAsked);
         badge.classList.toggle("is-done", done);
-        const sign = isAsked ? "alert" : done ? "check" : "number";
+        const isToCheck = (step === "fit" || step === "result") && isDoubtful(state);
+        section.classList.toggle("is-asked", isAsked);
+        section.classList.toggle("is-doubtful", isToCheck);
+        const sign = isAsked || isToCheck ? "alert" : done ? "check" : "number";
         if (badge.dataset.sign !== sign) {
           badge.dataset.sign = sign;
           badge.replaceChildren(sign === "number" ? String(number) : icon(sign));

@@ -15,7 +15,7 @@ type Shown = Pick<Session, "scan" | "fit" | "theme" | "isSignedIn">;
 /** `between`: stands after the title. */
 export function createTopBar(actions: Actions, between: HTMLElement): Panel<Shown> {
   const title = el("span", { class: "scan-title" });
-  const fresh = button(text.top.newScan, () => actions.scan.leave());
+  const fresh = button(text.top.newScan, () => void actions.scan.leave());
   const share = button(text.top.share, () => void actions.share.open(), "quiet outlined", "link");
   const files = createExportMenu(actions.files);
   const leave = button(text.top.signOut, () => void actions.signOut());

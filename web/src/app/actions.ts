@@ -1,18 +1,23 @@
 // All that a person or the address can ask of the page: the actions of its features put together.
 import type { Client } from "../api/client";
+import type { Frame } from "../api/types";
 import { drawingActions } from "../drawing/actions";
 import { fitActions } from "../fit/actions";
 import { handPoseActions } from "../fit/handPoseActions";
 import { createPlayer } from "../fit/playback";
 import { landmarkActions } from "../landmarks/actions";
 import { createProposalSearch } from "../landmarks/proposalSearch";
+import { patientActions } from "../patients/actions";
+import { planActions } from "../plan/actions";
 import { scanActions } from "../scan/actions";
 import { shareActions } from "../share/actions";
 import { stancesActions } from "../stances/actions";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { viewActions } from "../viewer/actions";
+import { deletionActions } from "./deletion";
 import { exportActions } from "./exportActions";
+import { leavingActions } from "./leaving";
 import { pageActions } from "./pageActions";
 import { scanContents } from "./scanContents";
 import type { Session } from "./session";
@@ -22,16 +27,24 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const fit = fitActions(store, client, player);
   const proposals = createProposalSearch(store, client);
   const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refitAnew });
-  const scan = scanActions(store, client, scanContents(client, fit.stop), proposals.lookOnce);
-  const drawing = drawingActions(store, client);
+  const plan = planActions(store, client);
+  const scan = scanActions(store, client, scanContents(client, plan, fit.stop), proposals.lookOnce);
+  const drawing = drawingActions(store, plan);
+  const leaving = leavingActions(store, { landmarks, lines: drawing });
+  const guarded = leaving.guarded(scan);
   const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
+  const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan }, memory);
+  const deletion = deletionActions(store, client, { scan, stances });
   return {
     page: pageActions(store, proposals.lookOnce),
     view: viewActions(store),
-    scan,
+    scan: { ...guarded, open: (id: string, own: Frame | null) => (deletion.keepIf(id), guarded.open(id, own)) },
+    leaving,
+    deletion,
     landmarks,
     drawing,
-    stances: stancesActions(store, client, { scan, fit, landmarks, drawing }, memory),
+    stances,
+    patients: patientActions(store, client),
     share: shareActions(store, client),
     proposals,
     /** What still waits is saved first; the page that follows asks for the token. */

@@ -1,9 +1,11 @@
 // What the page shows, kept in the address after "#", so that a reload or a copied link shows the same.
-import type { Frame, Vector } from "../api/types";
+import type { Frame, Patient, Vector } from "../api/types";
+import type { Step } from "../store/page";
 
 export interface PageAddress {
   scan: string | null;
   fit: string | null;
+  step: Step | null;
   /** Only when the person turned the body: otherwise the service's proposal holds. */
   frame: Frame | null;
   /** The other stance of the same patient. */
@@ -11,9 +13,9 @@ export interface PageAddress {
   /** The page works on the one that came second. */
   isSecond: boolean;
   isComparing: boolean;
-  /** Drawings of each stance are shown on the other one. */
-  isCarried: boolean;
 }
+
+const STEPS: readonly Step[] = ["scan", "landmarks", "fit", "drawing", "result"];
 
 const write = (v: Vector): string => v.map((x) => Number(x.toFixed(4))).join("_");
 
@@ -26,6 +28,7 @@ export function toHash(place: PageAddress): string {
   const words = new URLSearchParams();
   if (place.scan) words.set("scan", place.scan);
   if (place.scan && place.fit) words.set("fit", place.fit);
+  if (place.scan && place.step) words.set("step", place.step);
   if (place.scan && place.frame) {
     words.set("up", write(place.frame.up));
     words.set("front", write(place.frame.front));
@@ -39,10 +42,17 @@ export function toHash(place: PageAddress): string {
     }
     if (place.isSecond) words.set("second", "1");
     if (place.isComparing) words.set("compare", "1");
-    if (place.isCarried) words.set("carried", "1");
   }
   const text = words.toString();
   return text === "" ? "" : `#${text}`;
+}
+
+/** Where a patient's work was left: her first two scans with their newest fits, on the one that came first. */
+export function addressOfPatient({ scans: [first, second] }: Pick<Patient, "scans">): string {
+  const place = (scan: Patient["scans"][number]): { scan: string; fit: string | null; frame: null } => ({ scan: scan.id, fit: scan.fit?.state === "done" ? scan.fit.id : null, frame: null });
+  if (!first) return "#";
+  const own = place(first);
+  return toHash({ ...own, step: own.fit === null ? "scan" : "result", other: second ? place(second) : null, isSecond: false, isComparing: second !== undefined && own.fit !== null });
 }
 
 export function fromHash(hash: string): PageAddress {
@@ -56,10 +66,10 @@ export function fromHash(hash: string): PageAddress {
   return {
     scan: words.get("scan"),
     fit: words.get("fit"),
+    step: STEPS.find((step) => step === words.get("step")) ?? null,
     frame: frame(""),
     other: other ? { scan: other, fit: words.get("otherfit"), frame: frame("other") } : null,
     isSecond: words.has("second"),
     isComparing: words.has("compare"),
-    isCarried: words.has("carried"),
   };
 }

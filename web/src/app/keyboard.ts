@@ -31,6 +31,8 @@ export function listenToKeys(store: Store<Session>, actions: Actions): void {
     if (event.altKey || isTyping(event.target) || (withControl && key !== "z" && key !== "y")) return;
     // Space presses the button that has the focus; only elsewhere it replays.
     if (key === " " && event.target instanceof HTMLElement && event.target.closest("button, a, label, input, summary")) return;
+    // The browser closes an open menu by Escape, unless somebody else takes the key.
+    if (key === "escape" && document.querySelector(":popover-open")) return;
     const state = store.get();
     if (state.isHelpOpen || state.share.isOpen) return;
     const step = STEPS[key];

@@ -1,21 +1,24 @@
 // The wiring plan: makes store, actions, page and view, and lets them follow the state.
 import "../style.css";
 import { client, onSignedOut } from "../api/client";
+import { referenceOf } from "../plan/actions";
 import type { Place } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
-import { createStore } from "../store/store";
+import { createStore, only } from "../store/store";
 import { createActions } from "./actions";
 import { followAddress } from "./followAddress";
 import { listenToKeys } from "./keyboard";
+import { isRefused } from "./leaving";
 import { openViewer } from "./openViewer";
 import { createPage } from "./Page";
+import { withPlacingView } from "./placingView";
 import { initialSession, type Session } from "./session";
 import { keepUnsaved, takeUnsaved } from "./unsavedWork";
 
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 const prefersStill = (): boolean => still.matches;
 
-const store = createStore<Session>(initialSession);
+const store = createStore<Session>(initialSession, withPlacingView);
 const actions = createActions(store, client, prefersStill);
 const dismiss = (place: Place): void => store.set((state) => withProblem(state, place, null));
 
@@ -26,7 +29,13 @@ openViewer(store, actions, page.stages, prefersStill);
 listenToKeys(store, actions);
 addEventListener("pagehide", () => void actions.landmarks.flush());
 addEventListener("pagehide", () => void actions.drawing.flush());
+addEventListener("pagehide", () => void actions.deletion.send());
+let isSigningIn = false; // what is unsaved waits in this tab's memory then
+addEventListener("beforeunload", (event) => {
+  if (!isSigningIn && isRefused(store.get())) event.preventDefault(); // the browser asks
+});
 onSignedOut(() => {
+  isSigningIn = true;
   keepUnsaved(store.get(), location.hash, sessionStorage);
   location.assign("/sign-in");
 });
@@ -46,13 +55,17 @@ async function begin(): Promise<void> {
   try {
     const [meta, examples] = await Promise.all([client.meta(), client.examples()]);
     const preset = meta.presets.includes("default") ? "default" : (meta.presets[0] ?? "default");
-    const drawing = meta.drawings.some((each) => each.name === "lumpectomy") ? "lumpectomy" : (meta.drawings[0]?.name ?? "");
+    const drawing = meta.drawings.length === 0 ? "" : referenceOf(meta.drawings);
     store.set({ meta, examples, preset, drawing });
   } catch (error) {
     store.set((state) => withProblem(state, "service", messageOf(error)));
     return;
   }
   void loadModel();
+  // Whenever no patient is on the page, the list of all is, as the service has it now.
+  store.select(only("scan"), ({ scan }) => {
+    if (scan === null) queueMicrotask(() => void actions.patients.read());
+  });
   void client.isSignedIn().then((isSignedIn) => store.set({ isSignedIn }), () => undefined); // then there is just no button
   const waiting = takeUnsaved(sessionStorage);
   if (waiting && location.hash === "") history.replaceState(null, "", waiting.hash || location.pathname);

@@ -1,17 +1,18 @@
 // The one primary button: what the person would do next, from the state alone.
+import { outdated } from "../fit/outdated";
 import { isFitting } from "../fit/state";
+import { levelOf } from "../fit/verdict";
 import { ENOUGH, nextMissing } from "../landmarks/picks";
-import { certainNames } from "../landmarks/certain";
 import { isLikely, openProposals } from "../landmarks/proposals";
 import { askedNames, openQuestions } from "../landmarks/questions";
 import { needsConfirming, pickCount } from "../landmarks/state";
-import { canCarryTo } from "../stances/state";
+import { stanceNames, stanceOf } from "../stances/state";
 import type { Session } from "./session";
 
 /** What of the state decides. */
 export type NextShown = Pick<
   Session,
-  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "drawn" | "stances"
+  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "refine" | "drawn" | "stances"
 >;
 
 export type NextStep =
@@ -21,13 +22,20 @@ export type NextStep =
   | { kind: "confirm"; names: readonly string[] }
   | { kind: "fit"; again: boolean; landmarks: number }
   | { kind: "check"; count: number }
-  | { kind: "carry"; to: string }
-  | { kind: "save" };
+  | { kind: "correct" } // a fit that is not usable: its landmarks are looked at again
+  | { kind: "draw"; isArmed: boolean }
+  | { kind: "add"; stance: "standing" | "supine" }
+  | { kind: "change over"; to: string }
+  | { kind: "report" };
 
-/** The fit on the screen was given other picks, or was not told which of them are certain. */
-function picksChanged({ fit, picks, certain }: NextShown): boolean {
-  if (!fit?.picks) return false;
-  return fit.picks !== picks.present || certainNames(picks.present, certain).join() !== fit.certain.join();
+/** What a surgeon does with a fit that holds: draw, bring the other stance, take the report. */
+function afterFit(state: NextShown): NextStep {
+  const { drawn, stances } = state;
+  if (levelOf(state.fit?.result) === "unusable") return { kind: "correct" };
+  if (drawn.lines.present.length === 0 && (stances.other?.drawn.lines.present.length ?? 0) === 0) return { kind: "draw", isArmed: drawn.tool !== "none" };
+  if (stances.other === null) return { kind: "add", stance: stanceOf(state) === "standing" ? "supine" : "standing" };
+  if (stances.other.fit?.state !== "done") return { kind: "change over", to: stanceNames(state)[1] };
+  return { kind: "report" };
 }
 
 export function nextStep(state: NextShown): NextStep {
@@ -44,9 +52,7 @@ export function nextStep(state: NextShown): NextStep {
   const mayAsk = state.fit?.state === "done" && state.step !== "scan" && state.step !== "drawing";
   const count = mayAsk ? askedNames(openQuestions(state)).size : 0;
   if (count > 0) return { kind: "check", count };
-  const carried = state.step === "drawing" ? canCarryTo(state) : null;
-  if (carried !== null) return { kind: "carry", to: carried };
-  if (state.fit?.state === "done" && !picksChanged(state)) return { kind: "save" };
+  if (state.fit?.state === "done" && outdated(state) === null) return afterFit(state);
   if (state.fit) return { kind: "fit", again: true, landmarks };
   if (state.step === "fit" || landmarks >= ENOUGH) return { kind: "fit", again: false, landmarks };
   const first = nextMissing(state.meta?.landmarks ?? [], state.picks.present, state.skipped);

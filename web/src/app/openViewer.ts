@@ -1,4 +1,5 @@
 // Makes the 3D view and keeps it up to date; without WebGL the page says so and the rest of it goes on working.
+import type { Vector } from "../api/types";
 import { CornerPins } from "../drawing/CornerPins";
 import { ErrorBands } from "../drawing/ErrorBands";
 import { OwnLines } from "../drawing/OwnLines";
@@ -12,6 +13,7 @@ import { hasModelShown } from "../fit/state";
 import { errors as fitErrors } from "../fit/text";
 import { TorsoModel } from "../fit/TorsoModel";
 import { listenToLandmarkKeys } from "../landmarks/canvasKeys";
+import { followWanted } from "../landmarks/closeUp";
 import { listenToDrags } from "../landmarks/dragPins";
 import { listenToFingers } from "../landmarks/fingers";
 import { LandmarkPins } from "../landmarks/LandmarkPins";
@@ -117,11 +119,17 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     updateAll(store.get());
   });
 
-  actions.drawing.setSkin(skinFrom(() => scan.mesh?.geometry ?? null));
+  // A patient who lies faces as her table does; without a table the service calls no scan lying.
+  const tableNormal = (): Vector | null => {
+    const info = store.get().scan?.info;
+    return info?.stance.proposed === "supine" ? info.frame.front : null;
+  };
+  actions.drawing.setSkin(skinFrom(() => scan.mesh?.geometry ?? null, tableNormal));
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
   listenToDrags(stage.canvas, viewer, scan, pins, () => store.get().active === null && isFree(store.get()), actions.landmarks);
   actions.files.setPicture(() => exportPicture(viewer, store.get()));
+  followWanted(viewer, scan, store); // before the keys, whose cross stands where the eye then is
   listenToLandmarkKeys(stage.canvas, viewer, scan, cross, store, actions.landmarks);
   listenToViewKeys(stage.canvas, viewer, () => store.get().scan !== null);
   const fingers = listenToFingers(stage.canvas, viewer, cross, store, actions.landmarks);

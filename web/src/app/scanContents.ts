@@ -1,23 +1,23 @@
 // What the page keeps with a scan besides the scan itself: landmarks, drawing, fit.  Read when a scan is opened, dropped
 // when it is left.
 import type { Client } from "../api/client";
-import { fromDrawing } from "../drawing/files";
 import { startDrawn } from "../drawing/state";
-import { frameFromPicks, picksOf } from "../landmarks/picks";
+import { picksOf } from "../landmarks/picks";
 import { startLandmarks } from "../landmarks/state";
+import { standing } from "../landmarks/straighten";
 import type { ScanContents } from "../scan/actions";
+import type { PlanActions } from "../plan/actions";
 import { initialStances } from "../stances/state";
 import { startHistory } from "../store/history";
 import type { Session } from "./session";
 
-export function scanContents(client: Client, stop: () => void): ScanContents {
+export function scanContents(client: Client, plan: Pick<PlanActions, "read">, stop: () => void): ScanContents {
   return {
-    async read(info, isNew) {
-      const [saved, drawing] = await Promise.all([client.landmarks(info).catch(() => null), isNew ? null : client.ownDrawing(info)]);
+    async read(info) {
+      const [saved, { lines, drawing }] = await Promise.all([client.landmarks(info).catch(() => null), plan.read(info)]);
       const picks = saved ? picksOf(saved) : {};
-      const drawn = startDrawn(drawing ? fromDrawing(drawing) : []);
-      const state: Partial<Session> = { ...startLandmarks(picks, saved?.certain), drawn, fit: null, isStarting: false, stance: "auto" };
-      return { state, frame: frameFromPicks(picks) };
+      const state: Partial<Session> = { ...startLandmarks(picks, saved?.certain), drawn: startDrawn(lines), drawing, fit: null, isStarting: false, stance: "auto" };
+      return { state, stands: standing(info.frame, picks) };
     },
     none: (): Partial<Session> => ({
       picks: startHistory({}),

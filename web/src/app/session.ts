@@ -1,16 +1,31 @@
 // The whole state of the page: the parts of its features put together.
+import type { Scan } from "../api/types";
 import { type DrawingSlice, initialDrawing } from "../drawing/state";
 import { type FitSlice, initialFit } from "../fit/state";
 import { type LandmarksSlice, startLandmarks } from "../landmarks/state";
 import { initialScan, type ScanSlice } from "../scan/state";
+import { initialPatients, type PatientsSlice } from "../patients/state";
 import { initialShare, type ShareSlice } from "../share/state";
 import { initialStances, type StancesSlice } from "../stances/state";
 import { initialPage, type PageSlice } from "../store/page";
 import { initialView, type ViewSlice } from "../viewer/state";
 
-export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, FitSlice, DrawingSlice, StancesSlice, ShareSlice {
+/** What the service may not have yet. */
+export type Unsaved = "landmarks" | "lines";
+
+/** A scan that will be deleted unless the person takes it back. */
+export interface Deletion {
+  readonly scan: Scan;
+  readonly title: string;
+}
+
+export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, FitSlice, DrawingSlice, StancesSlice, PatientsSlice, ShareSlice {
   readonly isSignedIn: boolean; // with a token; a service on one's own machine needs none
   readonly isHelpOpen: boolean;
+  readonly leaving: readonly Unsaved[] | null; // asked: may they be lost?
+  readonly isAskingToDelete: boolean;
+  readonly deletion: Deletion | null; // the service has not been told yet
+  readonly overlayBefore: Session["overlay"] | null; // what was shown before something was placed
 }
 
 export const initialSession: Session = {
@@ -21,7 +36,12 @@ export const initialSession: Session = {
   ...initialFit,
   ...initialDrawing,
   stances: initialStances,
+  patients: initialPatients,
   ...initialShare,
   isSignedIn: false,
   isHelpOpen: false,
+  leaving: null,
+  isAskingToDelete: false,
+  deletion: null,
+  overlayBefore: null,
 };

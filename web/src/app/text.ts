@@ -3,6 +3,7 @@ import type { Step, Theme } from "../store/page";
 
 export * from "./exportText";
 export * from "./helpText";
+export * from "./questionText";
 
 export const page = {
   version: (version: string) => `version ${version}`,
@@ -21,4 +22,9 @@ export const top = {
 export const next = {
   start: (label: string) => `Place ${label}`,
   armed: (label: string) => `Click on ${label}`,
+  correct: "Look at the landmarks again",
+  draw: "Draw",
+  drawing: "Put the pen down",
+  add: (stance: string) => `Add the ${stance} scan`,
+  changeOver: (to: string) => `Go on with the ${to} scan`,
 };

@@ -8,14 +8,14 @@ import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { DrawingActions } from "./actions";
 import { lengthOf, type OwnLine } from "./lines";
-import { ALL_BANDS, BANDS, type DrawingSlice, type Layer, layerKey } from "./state";
+import { ALL_BANDS, BANDS, type DrawingSlice, type Layer, layerKey, shownPatterns } from "./state";
 import * as text from "./text";
 
 const words = text.drawing;
 const plainStart = (label: string): string => label.charAt(0).toUpperCase() + label.slice(1);
 const cm = (mm: number): string => (mm / 10).toFixed(1);
 
-type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "fit" | "drawn">;
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "fit" | "drawing" | "drawn">;
 
 export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
   const own = el("ul", { class: "layers", "data-layer": "own" });
@@ -88,7 +88,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
 
   return {
     element,
-    select: only("meta", "model", "fit", "drawn"),
+    select: only("meta", "model", "fit", "drawing", "drawn"),
     update(state: Shown): void {
       const { lines, hidden, chosen } = state.drawn;
       show(none, lines.present.length === 0);
@@ -97,15 +97,17 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       for (const row of own.querySelectorAll<HTMLElement>("li")) row.classList.toggle("is-chosen", row.dataset.line === chosen);
       const { fit, model } = state;
       const known = model?.side.drawings.find((each) => each.name === fit?.drawingName);
-      const shapes = fit?.drawing?.shapes ?? known?.shapes ?? [];
+      const patterns = shownPatterns(state);
+      const shapes = patterns?.shapes ?? known?.shapes ?? [];
       const named = shapes.map(({ name }) => ({ name, label: plainStart(known?.shapes.find((each) => each.name === name)?.label ?? words.shapeName(name)) }));
-      const label = requestLabel(fit?.drawingName ?? "", drawingLabels(state));
+      const label = requestLabel(state.drawn.onScan ? state.drawing : (fit?.drawingName ?? ""), drawingLabels(state));
       reference.set(fit && label !== "" ? words.reference(label) : "", named, hidden, "");
-      const from = state.drawn.carried;
-      carried.set(from ? words.carried(from.from) : "", from?.drawing.shapes.map(({ name }) => ({ name, label: name })) ?? [], hidden, "");
-      show(ofBands, [...(fit?.drawing?.shapes ?? []), ...(from?.drawing.shapes ?? [])].some((shape) => shape.error_mm?.some((mm) => mm !== null)));
+      const from = state.drawn.onScan;
+      const brought = from?.carried.shapes ?? [];
+      carried.set(brought.length > 0 ? words.carried(from!.from) : "", brought.map(({ name }) => ({ name, label: name })), hidden, "");
+      show(ofBands, [...(patterns?.shapes ?? []), ...brought].some((shape) => shape.error_mm?.some((mm) => mm !== null)));
       bands.checked = !hidden.has(BANDS);
-      const hasBridge = [...(fit?.drawing?.shapes ?? []), ...(from?.drawing.shapes ?? [])].some((shape) => shape.bridged?.includes(true));
+      const hasBridge = [...(patterns?.shapes ?? []), ...brought].some((shape) => shape.bridged?.includes(true));
       show(dashed, hasBridge);
     },
   };

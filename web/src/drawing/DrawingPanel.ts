@@ -68,7 +68,7 @@ export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, dis
       show(size, drawn.tool === "tumour");
       if (document.activeElement !== radius && radius.valueAsNumber !== drawn.radiusMm) radius.valueAsNumber = drawn.radiusMm;
       show(finish, drawn.tool === "pen" && (drawn.open !== null || drawn.start !== null));
-      undo.disabled = drawn.lines.past.length === 0 && drawn.start === null;
+      undo.disabled = false; // what was drawn before the page was opened can be taken back too
       redo.disabled = drawn.lines.future.length === 0;
       save.disabled = drawn.lines.present.length === 0;
       setText(saved, drawn.lines.present.length === 0 && drawn.saving === "saved" ? "" : words[drawn.saving]);

@@ -1,20 +1,21 @@
-// The model's drawing: which one, with which numbers, and a tumour by the clock.  It is made on the fitted body, so a change
-// asks for a fit, which goes on from the one that is there.
+// The model's drawing: which one, with which numbers, and a tumour by the clock.  It is made on the fitted body
+// and changed there; the fit stays.
 import type { PatternInfo, PatternParameter } from "../api/types";
 import type { FitActions } from "../fit/actions";
 import { checked, type DrawingRequest, readRequest, requestText, startValue, startValues, TUMOUR, type Values } from "../fit/requestedDrawing";
-import { type FitSlice, isFitting } from "../fit/state";
+import type { FitSlice } from "../fit/state";
 import { fit as fitText } from "../fit/text";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
-import { button, problem, select } from "../ui/controls";
-import { el, fill, show } from "../ui/dom";
+import { problem, select } from "../ui/controls";
+import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import type { DrawingSlice } from "./state";
 import * as text from "./text";
 
 const words = text.drawing.pattern;
 
-type Shown = Pick<PageSlice & FitSlice, "meta" | "problems" | "drawing" | "fit" | "isStarting">;
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "problems" | "drawing" | "fit" | "drawn">;
 
 export function createDrawingPattern(fit: FitActions, dismiss: () => void): Panel<Shown> {
   let state: Shown | null = null;
@@ -26,9 +27,9 @@ export function createDrawingPattern(fit: FitActions, dismiss: () => void): Pane
   const box = el("input", { type: "checkbox", onchange: () => choose({ tumour: box.checked ? startValues(tumourOf(state)!) : null }) });
   const hasTumour = el("label", { class: "check" }, box, el("span", {}, words.tumour));
   const tumour = el("div", { class: "parameters" });
-  const go = button(words.go, () => (state?.fit ? fit.refit() : void fit.start()), "outlined wide");
+  const note = el("p", { class: "muted small" });
   const wrong = problem(dismiss);
-  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, base.element, parameters, hasTumour, tumour, wrong.element, go));
+  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, base.element, parameters, hasTumour, tumour, wrong.element, note));
 
   function field(parameter: PatternParameter, value: string, changed: (value: string) => void): HTMLElement {
     const hint = [parameter.about, parameter.min !== null && parameter.max !== null ? words.range(parameter.min, parameter.max, parameter.unit) : ""].filter((each) => each !== "").join("; ");
@@ -61,7 +62,7 @@ export function createDrawingPattern(fit: FitActions, dismiss: () => void): Pane
 
   return {
     element,
-    select: only("meta", "problems", "drawing", "fit", "isStarting"),
+    select: only("meta", "problems", "drawing", "fit", "drawn"),
     update(session: Shown): void {
       state = session;
       const { meta, drawing } = session;
@@ -78,9 +79,9 @@ export function createDrawingPattern(fit: FitActions, dismiss: () => void): Pane
         clock && request.tumour ? fields(clock, request.tumour, (name, value) => state && choose({ tumour: { ...readRequest(state.drawing).tumour, [name]: value } })) : [],
       );
       show(tumour, request.tumour !== null);
-      const isNew = !session.fit || (session.fit.drawingName ?? "") !== drawing;
-      wrong.set(session.problems.fit);
-      go.disabled = isFitting(session) || !isNew;
+      const missing = session.drawn.onScan?.plan.missing.map(({ reason }) => reason) ?? [];
+      wrong.set(session.problems.fit ?? (missing.length > 0 ? missing.join(" ") : undefined));
+      setText(note, session.fit?.state === "done" ? words.follows : words.needsFit);
     },
   };
 }

@@ -1,7 +1,7 @@
 // How sure the place of each line is, as a soft band on the skin around it: the reference drawing's and that of what was
 // carried here.  Beside the pointer stands the number.
 import { BufferAttribute, BufferGeometry, type Color, Mesh, MeshBasicMaterial, Vector3 } from "three";
-import type { CarriedDrawing, DrawingFile } from "../api/types";
+import type { DrawingFile } from "../api/types";
 import type { FittedSurface } from "../fit/FittedSurface";
 import { isAtRest, isPosedByHand, type Shown } from "../fit/state";
 import type { ScanMesh } from "../scan/ScanMesh";
@@ -11,7 +11,7 @@ import { pickAt } from "../viewer/picking";
 import type { ViewSlice } from "../viewer/state";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { ErrorIndex, errorBand, type ErrorPoints } from "./errorBand";
-import { BANDS, type DrawingSlice, type Layer, layerKey } from "./state";
+import { BANDS, type DrawingSlice, type Layer, layerKey, shownPatterns } from "./state";
 import * as text from "./text";
 
 type State = Shown & Pick<ViewSlice & DrawingSlice, "overlay" | "drawn">;
@@ -52,8 +52,8 @@ export class ErrorBands implements Part<State> {
     const skin = this.skin(state);
     const isOn = !state.drawn.hidden.has(BANDS);
     const isThere = isOn && fit !== null && isAtRest(fit) && !isPosedByHand(state);
-    this.layers.reference.update(isThere ? fit.drawing : null, skin, state.drawn.hidden, palette.band);
-    const carried = isOn && overlay !== "model" ? (state.drawn.carried?.drawing ?? null) : null;
+    this.layers.reference.update(isThere ? shownPatterns(state) : null, skin, state.drawn.hidden, palette.band);
+    const carried = isOn && overlay !== "model" ? (state.drawn.onScan?.carried ?? null) : null;
     this.layers.carried.update(carried, this.scan, state.drawn.hidden, palette.band);
     this.ask(this.pointer);
     this.viewer.invalidate();
@@ -102,13 +102,13 @@ class BandOnSkin {
     this.mesh.raycast = () => undefined;
   }
 
-  update(drawing: Drawing | CarriedDrawing | null, skin: ScanMesh | FittedSurface, hidden: ReadonlySet<string>, colour: Color): void {
+  update(drawing: Drawing | null, skin: ScanMesh | FittedSurface, hidden: ReadonlySet<string>, colour: Color): void {
     this.mesh.material.color.copy(colour);
     const now = [drawing, skin.mesh, hidden];
     if (now.every((each, i) => each === this.shown[i])) return;
     this.shown = now;
     this.skin = skin;
-    const lines = drawing && skin.mesh && isUnit(drawing.unit) ? (drawing as Drawing).shapes.filter(({ name }) => !hidden.has(layerKey(this.layer, name))) : [];
+    const lines = drawing && skin.mesh && isUnit(drawing.unit) ? drawing.shapes.filter(({ name }) => !hidden.has(layerKey(this.layer, name))) : [];
     this.points = drawing ? pointsOf(lines, mmFrom(1, drawing.unit), skin) : noPoints;
     this.index = this.points.errors.length > 0 ? new ErrorIndex(this.points) : null;
     this.mesh.visible = this.index !== null;

@@ -37,11 +37,17 @@ export class OwnLines implements Part<Shown> {
     for (const each of [this.own, this.carried, this.live]) each.paint(palette.ink, palette["ink-outline"]);
     this.state = state.drawn;
     this.isShown = this.scan.mesh !== null && state.overlay !== "model";
-    const { lines, hidden, carried } = state.drawn;
-    const now = [lines.present, hidden, carried, this.isShown];
+    const { lines, hidden, onScan } = state.drawn;
+    const now = [lines.present, hidden, onScan, this.isShown];
     if (now.every((each, i) => each === this.drawn[i])) return;
     this.drawn = now;
     this.write();
+  }
+
+  /** While the pen moves: what it has drawn so far. */
+  showStrokes(strokes: readonly (readonly Vector[])[]): void {
+    this.live.set(this.isShown ? strokes.map((points) => polyline({ points, closed: false, bridged: null })) : []);
+    this.viewer.invalidate();
   }
 
   /** While the hand moves: a line that the state does not know yet, instead of the one that it changes. */
@@ -59,8 +65,8 @@ export class OwnLines implements Part<Shown> {
     const isOn = (layer: Layer, name: string): boolean => !state.hidden.has(layerKey(layer, name));
     const own = state.lines.present.filter(({ name }) => isOn("own", name) && name !== instead);
     this.own.set(this.isShown ? own.map(laid) : []);
-    const unit = state.carried?.drawing.unit;
-    const carried = state.carried?.drawing.shapes.filter(({ name }) => isOn("carried", name)) ?? [];
+    const unit = state.onScan?.carried.unit;
+    const carried = state.onScan?.carried.shapes.filter(({ name }) => isOn("carried", name)) ?? [];
     this.carried.set(
       this.isShown && isUnit(unit) ? carried.map((shape) => polyline(shape, mmFrom(1, unit))) : [],
     );

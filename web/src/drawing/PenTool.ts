@@ -3,12 +3,14 @@
 import type { Vector } from "../api/types";
 import type { PageSlice } from "../store/page";
 import type { Store } from "../store/store";
-import { pickAt, type Surface } from "../viewer/picking";
+import type { Surface } from "../viewer/picking";
 import type { Viewer } from "../viewer/Viewer";
 import type { DrawingActions } from "./actions";
 import type { CornerPins } from "./CornerPins";
 import { cornerMoved } from "./edits";
+import { clickPen, skinAt } from "./penPlace";
 import { gap } from "./lines";
+import { type HandStrokes, handStrokes } from "./strokes";
 import type { OwnLines } from "./OwnLines";
 import { type DrawingSlice, lineNamed } from "./state";
 
@@ -21,14 +23,15 @@ interface Held {
   readonly y: number;
   readonly corner: number | null;
   moved: boolean;
-  hits: Vector[];
+  at: Vector | null; // where the corner is held
+  readonly drawn: HandStrokes | null; // of the pen
 }
 
 export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, own: OwnLines, pins: CornerPins, store: Store<PageSlice & DrawingSlice>, drawing: DrawingActions): void {
   let held: Held | null = null;
   let pointers = 0;
   const isDrawing = (): boolean => store.get().step === "drawing" && store.get().drawn.tool !== "none";
-  const point = (event: { clientX: number; clientY: number }): Vector | null => pickAt(viewer, scan, event.clientX, event.clientY)?.point ?? null;
+  const point = (event: { clientX: number; clientY: number }): Vector | null => skinAt(viewer, scan, drawing.skin(), event.clientX, event.clientY);
 
   function letGo(): void {
     held = null;
@@ -59,7 +62,7 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, 
       if (!line) drawing.chooseCorner(null);
       else if (line.name !== chosen) drawing.choose(line.name);
       else drawing.addCorner(line.name, line.at);
-    } else if (at && tool === "pen") drawing.click(at);
+    } else if (at && tool === "pen") clickPen(at, store.get().drawn, drawing);
     else if (at && tool === "tumour") drawing.tumour(at);
   }
 
@@ -70,7 +73,7 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, 
       const skin = drawing.skin();
       const to = point(event);
       if (!line || !skin || !to) return; // beside the body it stays where it was
-      now.hits = [to];
+      now.at = to;
       pins.hold(now.corner, to);
       own.show(cornerMoved(skin, line, now.corner, to).points, line.closed, line.name);
       return;
@@ -78,10 +81,9 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, 
     if (drawn.tool !== "pen") return;
     const all = (event as Partial<Pick<PointerEvent, "getCoalescedEvents">>).getCoalescedEvents?.() ?? []; // older Safaris have none
     for (const each of all.length > 0 ? all : [event]) {
-      const hit = point(each);
-      if (hit) now.hits.push(hit);
+      now.drawn?.add(point(each));
     }
-    own.show(now.hits);
+    own.showStrokes(now.drawn?.strokes() ?? []);
   }
 
   canvas.addEventListener("pointerdown", (event) => {
@@ -90,8 +92,10 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, 
     if (pointers > 1 || !isDrawing() || event.button !== 0) return;
     const { tool } = store.get().drawn;
     const corner = tool === "points" ? pins.at(event.clientX, event.clientY) : null;
-    const first = tool === "pen" ? point(event) : null;
-    held = { id: event.pointerId, x: event.clientX, y: event.clientY, corner, moved: false, hits: first ? [first] : [] };
+    const skin = tool === "pen" ? drawing.skin() : null;
+    const drawn = skin && handStrokes(skin);
+    drawn?.add(point(event));
+    held = { id: event.pointerId, x: event.clientX, y: event.clientY, corner, moved: false, at: null, drawn };
     canvas.setPointerCapture(event.pointerId);
   });
   canvas.addEventListener("pointermove", (event) => {
@@ -110,8 +114,8 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, 
     if (!done.moved) {
       if (done.corner !== null) drawing.chooseCorner(done.corner);
       else click(event);
-    } else if (done.corner !== null && drawn.chosen !== null && done.hits[0]) drawing.moveCorner(drawn.chosen, done.corner, done.hits[0]);
-    else if (done.corner === null && drawn.tool === "pen") drawing.stroke(done.hits);
+    } else if (done.corner !== null && drawn.chosen !== null && done.at) drawing.moveCorner(drawn.chosen, done.corner, done.at);
+    else if (done.corner === null && drawn.tool === "pen") for (const stroke of done.drawn?.strokes() ?? []) drawing.stroke(stroke);
   });
   canvas.addEventListener("pointercancel", () => {
     pointers = Math.max(0, pointers - 1);

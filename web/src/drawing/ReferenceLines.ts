@@ -1,6 +1,6 @@
 // The drawing where it belongs: on the model at every iteration, on the scan's own surface when the fit has ended.
 import { Vector3 } from "three";
-import type { DrawingFile, ModelShape } from "../api/types";
+import type { DrawingFile, ModelShape, PlannedShape } from "../api/types";
 import type { FittedSurface } from "../fit/FittedSurface";
 import { hasPattern, shapesOnModel } from "../fit/modelLines";
 import { isAtRest, isPosedByHand, type Shown, shownPoses } from "../fit/state";
@@ -12,7 +12,7 @@ import type { ViewSlice } from "../viewer/state";
 import { surfacePosition, type VertexAt } from "../viewer/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { polyline } from "./lines";
-import { type DrawingSlice, layerKey } from "./state";
+import { type DrawingSlice, layerKey, shownPatterns } from "./state";
 
 const LIFT = 0.001; // metres off the skin
 
@@ -37,17 +37,18 @@ export class ReferenceLines implements Part<State> {
     this.lines.paint(palette.line, palette["line-outline"]);
     const fit = state.fit;
     const side = state.model?.side ?? null;
-    const isOnScan = fit?.drawing != null && !isPosedByHand(state) && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh !== null && (this.fitted.mesh.visible || hasPattern(side, fit.drawingName)) : this.scan.bvh !== null);
+    const drawing = shownPatterns(state);
+    const isOnScan = fit !== null && drawing !== null && !isPosedByHand(state) && isAtRest(fit) && (state.overlay === "model" ? this.fitted.mesh !== null && (this.fitted.mesh.visible || hasPattern(side, fit.drawingName)) : this.scan.bvh !== null);
     const skin = this.scan.bvh ? this.scan : this.fitted; // a link may show the model alone
     const shapes = shapesOnModel(side, fit?.drawingName ?? null);
     const vertexAt = this.torso.vertexAt;
     const isOnModel = !isOnScan && fit !== null && fit.shown >= 0 && state.overlay !== "scan" && shapes.length > 0 && vertexAt !== null;
     const { hidden } = state.drawn;
     const isOn = ({ name }: { name: string }): boolean => !hidden.has(layerKey("reference", name));
-    const source = isOnScan ? [fit.drawing, skin.bvh, hidden] : isOnModel ? [fit.drawingName, shownPoses(state), hidden] : [];
+    const source = isOnScan ? [drawing, skin.bvh, hidden] : isOnModel ? [fit.drawingName, shownPoses(state), hidden] : [];
     if (source.length === this.drawn.length && source.every((each, i) => each === this.drawn[i])) return;
     this.drawn = source;
-    if (isOnScan) this.lines.set(onScan({ ...fit.drawing, shapes: fit.drawing.shapes.filter(isOn) }, skin));
+    if (isOnScan) this.lines.set(onScan(drawing.shapes.filter(isOn), mmFrom(1, drawing.unit), skin));
     else if (isOnModel) this.lines.set(onModel(shapes.filter(isOn), this.torso, vertexAt));
     else this.lines.set([]);
     this.viewer.invalidate();
@@ -72,9 +73,9 @@ export function onModel(shapes: readonly ModelShape[], torso: TorsoModel, vertex
   });
 }
 
-function onScan(drawing: DrawingFile, scan: Skin): Polyline[] {
-  return drawing.shapes.map((shape) => {
-    const line = polyline(shape, mmFrom(1, drawing.unit));
+function onScan(shapes: readonly (DrawingFile["shapes"][number] | PlannedShape)[], mmPerUnit: number, scan: Skin): Polyline[] {
+  return shapes.map((shape) => {
+    const line = polyline(shape, mmPerUnit);
     for (let i = 0; i < line.points.length; i += 3) {
       const point = new Vector3().fromArray(line.points, i);
       point.addScaledVector(scan.normalAt(point) ?? new Vector3(), LIFT).toArray(line.points, i);

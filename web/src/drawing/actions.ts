@@ -1,5 +1,4 @@
 // Drawing on the scan: each change is one step of the undo history and is saved with the scan soon after.
-import type { Client } from "../api/client";
 import type { Scan, Vector } from "../api/types";
 import type { LandmarksSlice } from "../landmarks/state";
 import { landmarks as landmarkText } from "../landmarks/text";
@@ -11,8 +10,8 @@ import type { Store } from "../store/store";
 import { formatMmWhole } from "../ui/units";
 import type { ViewSlice } from "../viewer/state";
 import { closedUp, cornerAdded, cornerMoved, cornerRemoved, extended, lineAlong, lineThrough, openedUp } from "./edits";
-import { readDrawing, toDrawing, UnreadableDrawing } from "./files";
-import { freeName, gap, INK, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines";
+import { readDrawing, UnreadableDrawing } from "./files";
+import { freeName, gap, INK, newId, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines";
 import type { Skin } from "./skin";
 import { type DrawingSlice, type DrawnState, type Layer, layerKey, lineNamed, type Tool } from "./state";
 import { circle, freehand } from "./strokes";
@@ -24,7 +23,13 @@ const PAUSE_MS = 400; // a run of quick strokes is one save
 const CLOSES_MM = 8; // a click, or a stroke's end, so near to the line's start closes it
 const RADIUS_MM = { least: 1, most: 80 }; // what the model's own tumour circle takes as well
 
-export function drawingActions(store: Store<State>, client: Client) {
+/** Where lines are kept: the patient's plan. */
+export interface KeepsLines {
+  saveLines(scan: Scan, lines: readonly OwnLine[]): Promise<{ lines: readonly OwnLine[]; isMerged: boolean }>;
+  earlierLines(scan: Scan, lines: readonly OwnLine[]): Promise<readonly OwnLine[] | null>;
+}
+
+export function drawingActions(store: Store<State>, plan: KeepsLines) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let waiting: { scan: Scan; lines: readonly OwnLine[] } | null = null;
   let skin: () => Skin | null = () => null; // the view has the mesh
@@ -38,7 +43,11 @@ export function drawingActions(store: Store<State>, client: Client) {
     const show = (part: (state: State) => Partial<State>): void => store.set((state) => (state.scan?.info.id === scan.id ? part(state) : {}));
     show((state) => ({ drawn: { ...state.drawn, saving: "saving" } }));
     try {
-      await client.saveDrawing(scan, toDrawing(saved));
+      const kept = await plan.saveLines(scan, saved);
+      if (kept.isMerged) {
+        show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, lines: record(state.drawn.lines, kept.lines), saving: "saved" }, announcement: words.merged, ...withProblem(state, "drawing", words.merged) } : {}));
+        return;
+      }
       show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, saving: "saved" }, ...withProblem(state, "drawing", null) } : {}));
     } catch (error) {
       show((state) => ({ drawn: { ...state.drawn, saving: "unsaved" }, ...withProblem(state, "drawing", messageOf(error)) }));
@@ -68,7 +77,7 @@ export function drawingActions(store: Store<State>, client: Client) {
   }
 
   function add(line: OwnLine, announcement: string, part: Partial<DrawnState> = {}): void {
-    change([...lines(), line], { start: null, open: null, chosen: line.name, corner: null, ...part }, announcement);
+    change([...lines(), { ...line, id: newId() }], { start: null, open: null, chosen: line.name, corner: null, ...part }, announcement);
   }
 
   function edit(name: string, changed: (line: OwnLine, on: Skin) => OwnLine | null, announcement: string, part: Partial<DrawnState> = {}): void {
@@ -192,9 +201,29 @@ export function drawingActions(store: Store<State>, client: Client) {
 
     undo(): void {
       if (drawn().start) return put({ start: null });
-      if (drawn().lines.past.length === 0) return;
+      if (drawn().lines.past.length === 0) return void this.undoKept();
       put({ lines: undo(drawn().lines), corner: null }, { announcement: landmarkText.announceUndone });
       this.tidy();
+    },
+
+    /** Before the page was opened: as far back as the service remembers. */
+    async undoKept(): Promise<void> {
+      const scan = store.get().scan?.info;
+      const before = lines();
+      if (!scan) return;
+      await flush();
+      try {
+        const earlier = await plan.earlierLines(scan, before);
+        if (store.get().scan?.info.id !== scan.id || lines() !== before) return;
+        if (earlier === null) {
+          put({}, { announcement: words.nothingEarlier });
+          return;
+        }
+        put({ lines: { past: [], present: earlier, future: [before, ...drawn().lines.future] }, corner: null }, { announcement: landmarkText.announceUndone });
+        this.tidy();
+      } catch (error) {
+        store.set((state) => withProblem(state, "drawing", messageOf(error)));
+      }
     },
 
     redo(): void {
@@ -226,7 +255,7 @@ export function drawingActions(store: Store<State>, client: Client) {
         const far = on ? read.find((line) => line.points.every((point) => on.nearest(point).away > 50)) : undefined;
         if (far) throw new UnreadableDrawing(words.elsewhere(far.name));
         const all = [...lines()];
-        for (const line of read) all.push({ ...line, name: freeName(all, line.name) });
+        for (const line of read) all.push({ ...line, id: newId(), name: freeName(all, line.name) });
         store.set((state) => withProblem(state, "drawing", null));
         change(all, { start: null, open: null, chosen: null, corner: null }, words.announceImported(read.length));
       } catch (error) {

@@ -7,13 +7,13 @@ import { freeName, INK, type OwnLine } from "./lines";
 export class UnreadableDrawing extends Error {}
 
 const LONGEST_NAME = 100;
-const round = (mm: number): number => Number(mm.toFixed(3)); // a micrometre: two hundred lines fit into what the service takes
+export const roundMm = (mm: number): number => Number(mm.toFixed(3)); // a micrometre: two hundred lines fit into what the service takes
 
 export function toDrawing(lines: readonly OwnLine[]): OwnDrawing {
   return {
     schema: "breastrig/drawing@1",
     unit: "mm",
-    shapes: lines.map(({ name, closed, color, points }) => ({ name, label: "", closed, color, points: points.map((point) => point.map(round) as Vector) })),
+    shapes: lines.map(({ name, closed, color, points }) => ({ name, label: "", closed, color, points: points.map((point) => point.map(roundMm) as Vector) })),
   };
 }
 

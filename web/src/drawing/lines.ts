@@ -6,11 +6,16 @@ import type { Polyline } from "../viewer/FatLines";
 
 /** The service's polyline with all that it may leave out, without what a hand cannot know, and with corners. */
 export interface OwnLine extends Readonly<Required<Pick<DrawnShape, "name" | "closed" | "color">>> {
-  // the name is unique in the drawing: it is what the line is known by
+  /** in the plan; it stays when the line is renamed or moved; missing until the line is first saved */
+  readonly id?: string;
+  // the name is unique on the scan: it is what the page knows the line by
   readonly points: readonly Vector[];
   /** indices into points, rising; an open line has its two ends among them */
   readonly corners: readonly number[];
 }
+
+/** Unguessable, and allowed in the plan. */
+export const newId = (): string => crypto.randomUUID();
 
 export const INK = "#101010";
 export const TUMOUR_INK = "#c53030";

@@ -5,11 +5,12 @@ import type { PageSlice } from "../store/page";
 import type { Store } from "../store/store";
 import type { Crosshair } from "../viewer/Crosshair";
 import { ARROWS, onCanvasKey } from "../viewer/keys";
-import { pickAt, type Surface } from "../viewer/picking";
+import type { Surface } from "../viewer/picking";
 import type { Viewer } from "../viewer/Viewer";
 import type { DrawingActions } from "./actions";
 import { cornerAt } from "./edits";
 import { gap } from "./lines";
+import { clickPen, skinAt } from "./penPlace";
 import { type DrawingSlice, lineNamed } from "./state";
 
 const CROSS_PX = 6;
@@ -17,13 +18,14 @@ const SAME_MM = 1; // Enter twice on one place ends the line
 
 export function listenToPenKeys(canvas: HTMLElement, viewer: Viewer, scan: Surface, cross: Crosshair, store: Store<PageSlice & DrawingSlice>, drawing: DrawingActions): void {
   function setCorner(): boolean {
-    const { hit } = cross;
+    const at = cross.place;
+    const hit = at && skinAt(viewer, scan, drawing.skin(), at.x, at.y);
     if (!hit) return store.set({ announcement: landmarkText.noSkin }), true;
     const { drawn } = store.get();
     const last = lineNamed(drawn, drawn.open)?.points.at(-1) ?? drawn.start;
-    if (drawn.tool === "tumour") drawing.tumour(hit.point);
-    else if (last && gap(last, hit.point) < SAME_MM) drawing.finish();
-    else drawing.click(hit.point);
+    if (drawn.tool === "tumour") drawing.tumour(hit);
+    else if (last && gap(last, hit) < SAME_MM) drawing.finish();
+    else clickPen(hit, drawn, drawing);
     return true;
   }
 
@@ -36,8 +38,8 @@ export function listenToPenKeys(canvas: HTMLElement, viewer: Viewer, scan: Surfa
     if (drawn.tool === "points") {
       if (!arrow || !line || drawn.corner === null) return false;
       const at = viewer.toPage(cornerAt(line, drawn.corner));
-      const hit = pickAt(viewer, scan, at.x + far * arrow[0], at.y + far * arrow[1]);
-      if (hit) drawing.moveCorner(line.name, drawn.corner, hit.point);
+      const hit = skinAt(viewer, scan, drawing.skin(), at.x + far * arrow[0], at.y + far * arrow[1]);
+      if (hit) drawing.moveCorner(line.name, drawn.corner, hit);
       return true;
     }
     if (key === "Enter") return cross.isShown && setCorner();

@@ -1,9 +1,10 @@
 // The scan's surface as the pen needs it: the nearest place on it, and where a needle would meet it.
 // In millimetres outside, in the metres of the mesh within.
-import { type BufferGeometry, DoubleSide, Ray, Vector3 } from "three";
-import type { MeshBVH } from "three-mesh-bvh";
+import { BufferGeometry, DoubleSide, Ray, Vector3 } from "three";
+import { MeshBVH } from "three-mesh-bvh";
 import type { Vector } from "../api/types";
 import { metresFromMm, mmFromMetres } from "../ui/units";
+import { drawableOf } from "./drawable";
 
 export interface OnSkin {
   readonly point: Vector;
@@ -15,14 +16,28 @@ export interface Skin {
   nearest(place: Vector): OnSkin;
   /** Along the line through `place` with this direction, the meeting nearest to it whose outside looks that way. */
   needle(place: Vector, direction: Vector): OnSkin | null;
+  /** Whether a hand may draw there: on the patient, on the side of a triangle that looks out and to the eye; all in mm. */
+  mayDraw(hit: { readonly face: number; readonly point: Vector }, eye: Vector): boolean;
 }
 
 const toMetres = (at: Vector): Vector3 => new Vector3(metresFromMm(at[0]), metresFromMm(at[1]), metresFromMm(at[2]));
 const toMm = (at: Vector3): Vector => [mmFromMetres(at.x), mmFromMetres(at.y), mmFromMetres(at.z)];
 const REACH = 0.25; // metres that a needle goes to each side; half a torso
 
-/** `geometry` has an index and its BVH as `boundsTree`. */
-export function skinOf(geometry: BufferGeometry): Skin {
+/** The same surface with some of its triangles only. */
+function partOf(geometry: BufferGeometry, isKept: readonly boolean[]): BufferGeometry {
+  const index = geometry.index!.array;
+  const part = new BufferGeometry().setAttribute("position", geometry.attributes.position!);
+  part.setIndex(isKept.flatMap((kept, face) => (kept ? [index[3 * face]!, index[3 * face + 1]!, index[3 * face + 2]!] : [])));
+  part.boundsTree = new MeshBVH(part, { indirect: true });
+  return part;
+}
+
+/** `whole` has an index and its BVH as `boundsTree`; `tableNormal`: unit, from a table to the body that lies on it. */
+export function skinOf(whole: BufferGeometry, tableNormal: Vector | null = null): Skin {
+  const drawable = drawableOf(whole.attributes.position!.array, whole.index!.array, tableNormal);
+  const isAll = drawable.count === 0 || drawable.count === drawable.isSkin.length;
+  const geometry = isAll ? whole : partOf(whole, drawable.isSkin);
   const bvh = geometry.boundsTree as MeshBVH;
   const index = geometry.index!;
   const position = geometry.attributes.position!;
@@ -55,16 +70,22 @@ export function skinOf(geometry: BufferGeometry): Skin {
       }
       return best;
     },
+    mayDraw({ face, point }, eye) {
+      if (!isAll && !drawable.isSkin[face]) return false;
+      [a, b, c].forEach((corner, k) => corner.fromBufferAttribute(position, whole.index!.getX(3 * face + k)));
+      const outwards = new Vector3().crossVectors(b.sub(a), c.sub(a)).multiplyScalar(drawable.outwards);
+      return outwards.dot(toMetres(eye).sub(toMetres(point))) > 0;
+    },
   };
 }
 
-/** The skin of whatever mesh is on the screen; made once for each. */
-export function skinFrom(geometry: () => BufferGeometry | null): () => Skin | null {
+/** The skin of whatever mesh is on the screen, and the normal of the table that it shows; made once for each. */
+export function skinFrom(geometry: () => BufferGeometry | null, tableNormal: () => Vector | null = () => null): () => Skin | null {
   let made: { of: BufferGeometry; skin: Skin } | null = null;
   return () => {
     const now = geometry();
     if (!now) return null;
-    if (made?.of !== now) made = { of: now, skin: skinOf(now) };
+    if (made?.of !== now) made = { of: now, skin: skinOf(now, tableNormal()) };
     return made.skin;
   };
 }

@@ -1,19 +1,35 @@
 // What is drawn on the page's scan, and what the hand does there.
-import type { CarriedDrawing, Vector } from "../api/types";
+import type { DrawingFile, PlannedShape, PlanOnScan, Unit, Vector } from "../api/types";
 import { type History, startHistory } from "../store/history";
 import type { OwnLine } from "./lines";
 
 export type Tool = "none" | "pen" | "points" | "tumour";
 export const TOOLS: readonly Tool[] = ["none", "pen", "points", "tumour"];
 
-/** A drawing of the other stance, as the service carried it to this scan. */
-export interface Carried {
-  readonly from: string; // what the other stance is called
-  readonly fromFit: string;
-  readonly toFit: string;
-  readonly source: readonly OwnLine[]; // that it was made of; another one makes it old
-  readonly drawing: CarriedDrawing;
+/** Lines as the service has laid them on a scan, in its unit. */
+export interface Laid {
+  readonly unit: Unit;
+  readonly shapes: readonly PlannedShape[];
 }
+
+/** The whole plan as the service has laid it on this scan. */
+export interface OnScan {
+  readonly from: string; // what the other stance is called
+  readonly key: readonly unknown[]; // what it was made of; another one makes it old
+  readonly plan: PlanOnScan;
+  readonly patterns: Laid; // patterns and tumours that were made on this scan
+  readonly carried: Laid; // everything that was made on the other one
+}
+
+export function laidOnScan(from: string, key: readonly unknown[], plan: PlanOnScan): OnScan {
+  const { unit, shapes } = plan;
+  const patterns = shapes.filter(({ kind, carried }) => !carried && kind !== "line");
+  return { from, key, plan, patterns: { unit, shapes: patterns }, carried: { unit, shapes: shapes.filter(({ carried }) => carried) } };
+}
+
+/** What is shown of patterns and tumours: as the plan has them now, else as the fit brought them along. */
+export const shownPatterns = ({ fit, drawn }: { readonly fit: { readonly drawing: DrawingFile | null } | null; readonly drawn: DrawnState }): DrawingFile | Laid | null =>
+  drawn.onScan?.patterns ?? fit?.drawing ?? null;
 
 /** What is drawn on one scan, and what the hand does there. */
 export interface DrawnState {
@@ -26,7 +42,7 @@ export interface DrawnState {
   readonly corner: number | null; // which of its corners: index into corners
   readonly radiusMm: number; // of the next tumour circle
   readonly hidden: ReadonlySet<string>; // layerKey of lines that are switched off
-  readonly carried: Carried | null;
+  readonly onScan: OnScan | null;
 }
 
 export type Layer = "reference" | "own" | "carried" | "band";
@@ -50,7 +66,7 @@ export function startDrawn(lines: readonly OwnLine[] = []): DrawnState {
     corner: null,
     radiusMm: 15,
     hidden: new Set(),
-    carried: null,
+    onScan: null,
   };
 }
 

@@ -1,11 +1,13 @@
 // Lines on the skin: the shortest-looking way between two places, even spacing, circles, and what follows a moved corner.
 import type { Vector } from "../api/types";
 import { cross, dot } from "../viewer/frame";
-import { gap } from "./lines";
+import { gap, lengthOf } from "./lines";
 import type { Skin } from "./skin";
 
 export const STEP_MM = 2; // between points: finer than a pen's line is wide
 export const BRIDGE_MM = 6; // a longer step leads over a hole: three steps without skin
+const HOLE_MM = 45; // the shadow under a breast is scanned as a hole of up to four centimetres
+const DETOUR = 2; // times the straight distance: over a silhouette to what lies far behind it is a jump, also where skin leads there unseen
 const TENSION_ROUNDS = 8; // of pulling a way straight; the halving before has done most of it
 const CORNER_MM = 3.5; // a bend that sticks out so far is a corner of its own
 const CORNER_EVERY_MM = 40; // and a long smooth part gets one at least so often
@@ -72,7 +74,54 @@ export function way(skin: Skin, a: Vector, b: Vector): Vector[] {
   return onSkin(skin, points);
 }
 
-/** What a hand drew: hits in a row, with gaps where it was quick or left the skin. */
+/** Longest distance between neighbours. */
+const widest = (points: readonly Vector[]): number => points.reduce((most, point, i) => (i === 0 ? 0 : Math.max(most, gap(points[i - 1]!, point))), 0);
+
+/** With both ends: where no skin leads across, a way may never arrive. */
+const wholeWay = (skin: Skin, a: Vector, b: Vector): Vector[] => [a, ...way(skin, a, b), b];
+
+/** Skin leads from one place to the other, and not by a long way round through what the eye does not see. */
+export function isJoined(skin: Skin, a: Vector, b: Vector): boolean {
+  const away = gap(a, b);
+  if (away <= BRIDGE_MM) return true;
+  const between = wholeWay(skin, a, b);
+  return widest(between) <= BRIDGE_MM && lengthOf({ points: between, closed: false }) <= DETOUR * away;
+}
+
+/** Between two clicks a hole of the scan is bridged, dashed; wider than that it is air. */
+export const leadsOver = (skin: Skin, a: Vector, b: Vector): boolean => widest(wholeWay(skin, a, b)) <= HOLE_MM;
+
+/** What a hand draws, hit by hit. */
+export interface HandStrokes {
+  /** null: the hand is beside the skin. */
+  add(hit: Vector | null): void;
+  /** so far, without specks */
+  strokes(): Vector[][];
+}
+
+/**
+ * Each part of a hand's way that stays on the skin.  A hand that jumps to another part of the body, or comes back onto
+ * the skin elsewhere, begins a new stroke there: no line leads through air.
+ */
+export function handStrokes(skin: Skin): HandStrokes {
+  const all: Vector[][] = [];
+  let [last, hasLeft]: [Vector | null, boolean] = [null, false];
+  return {
+    add(hit) {
+      if (!hit) {
+        hasLeft = true;
+        return;
+      }
+      const goesOn = last !== null && (hasLeft ? gap(last, hit) <= BRIDGE_MM : isJoined(skin, last, hit));
+      if (goesOn) all.at(-1)!.push(hit);
+      else all.push([hit]);
+      [last, hasLeft] = [hit, false];
+    },
+    strokes: () => all.filter((stroke) => lengthOf({ points: stroke, closed: false }) >= STEP_MM),
+  };
+}
+
+/** What a hand drew on the skin: hits in a row, with gaps where it was quick. */
 export function freehand(skin: Skin, hits: readonly Vector[]): Vector[] {
   const dense: Vector[] = [];
   hits.forEach((hit, i) => {

@@ -5,13 +5,13 @@ import { plainLabel, sideOf } from "../landmarks/picks";
 import { landmarks as landmarkText } from "../landmarks/text";
 import { scan as scanText } from "../scan/text";
 import type { PageSlice } from "../store/page";
-import { only } from "../store/store";
-import { row } from "../ui/controls";
-import { el, fill, setText, show } from "../ui/dom";
+import { button, row } from "../ui/controls";
+import { el, fill, icon, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import { formatMm, formatPercent, formatSeconds, formatSignedMm } from "../ui/units";
 import { createDistanceCurve } from "./DistanceCurve";
 import { SCALE_MM, SCANNER_MM, summarise } from "./distances";
+import type { Outdated } from "./outdated";
 import { type FitSlice, isAtRest, shownIteration } from "./state";
 import * as text from "./text";
 
@@ -72,7 +72,13 @@ function ofResult(result: Result, state: Shown): HTMLElement[] {
         ]),
       ]
     : [];
+  const ofPoints =
+    points.mean !== null
+      ? block(words.landmarks, words.landmarksHint, [[words.mean, formatMm(points.mean), "mm"], [words.max, formatMm(points.max), "mm"]])
+      : el("section", { class: "block" }, el("h3", {}, words.landmarks), el("p", { class: "muted" }, words.noLandmarks));
   return [
+    ofPoints,
+    ...(each.length > 0 ? [el("details", { title: named.some((name) => name in radii) ? words.eachHint : words.landmarksHint }, el("summary", {}, words.each), el("dl", {}, ...each))] : []),
     block(words.surface, words.surfaceHint, [
       ...spread(surface),
       [words.coverage, formatPercent(surface.coverage), "%", words.coverageHint],
@@ -80,17 +86,18 @@ function ofResult(result: Result, state: Shown): HTMLElement[] {
     ...ofSigned,
     block(words.scanToModel, words.scanToModelHint, [[words.mean, formatMm(back.mean), "mm"], ...spread(back)]),
     ...ofModelAlone(result),
-    points.mean !== null
-      ? block(words.landmarks, words.landmarksHint, [[words.mean, formatMm(points.mean), "mm"], [words.max, formatMm(points.max), "mm"]])
-      : el("section", { class: "block" }, el("h3", {}, words.landmarks), el("p", { class: "muted" }, words.noLandmarks)),
-    ...(each.length > 0 ? [el("details", { title: named.some((name) => name in radii) ? words.eachHint : words.landmarksHint }, el("summary", {}, words.each), el("dl", {}, ...each))] : []),
-    block(words.run, "", [
-      [words.solve, formatSeconds(result.timing_s.solve), "s"],
-      [words.total, formatSeconds(result.timing_s.total), "s"],
-      [words.iterations, String(result.iterations)],
-      [words.stance, scanText.stances[result.stance].toLowerCase()],
-    ]),
-    el("p", { class: "muted small stop" }, `${words.stop}: ${result.stop_reason}`),
+    el(
+      "details",
+      { class: "solver" },
+      el("summary", {}, words.solver),
+      block(words.run, "", [
+        [words.solve, formatSeconds(result.timing_s.solve), "s"],
+        [words.total, formatSeconds(result.timing_s.total), "s"],
+        [words.iterations, String(result.iterations)],
+        [words.stance, scanText.stances[result.stance].toLowerCase()],
+      ]),
+      el("p", { class: "muted small stop" }, `${words.stop}: ${result.stop_reason}`),
+    ),
   ];
 }
 
@@ -109,26 +116,35 @@ function formatRange(radii: readonly number[]): string {
 }
 
 const verdictLines = ({ level, reasons }: NonNullable<Result["verdict"]>): HTMLElement[] => [
-  el("p", { class: "label" }, words.verdicts[level]),
-  ...reasons.map((reason) => el("p", {}, reason)),
+  el("p", { class: "verdict-level" }, icon(level === "good" ? "check" : "alert"), words.verdicts[level]),
+  ...(reasons.length === 0 && level === "good" ? [words.noReasons] : reasons).map((reason) => el("p", { class: "muted" }, reason)),
 ];
 
-type Shown = Pick<PageSlice & FitSlice, "meta" | "fit">;
+type Shown = Pick<PageSlice & FitSlice, "meta" | "fit"> & { readonly old: Outdated };
 
-export function createNumbersPanel(): Panel<Shown> {
+/** Where a fit can grow old: whether it has, and how another one is asked for. */
+interface Ageing<More> {
+  readonly outdated: (state: PageSlice & FitSlice & More) => Outdated;
+  readonly again: () => void;
+}
+
+/** Verdict and its reasons first, then how far off the landmarks may be, then distances; what the solver did is folded away. */
+export function createNumbersPanel<More extends object = object>(ageing: Ageing<More> | null = null): Panel<Shown, PageSlice & FitSlice & More> {
   const mean = el("span", { class: "hero-number" });
   const of = el("span", { class: "muted" });
   const alone = el("p", { class: "muted alone", title: words.aloneHint, hidden: true });
   const hero = el("p", { class: "hero" }, mean, el("span", { class: "unit" }, " mm "), of);
   const sure = el("p", { class: "muted sure", title: words.eachHint, hidden: true });
-  const verdict = el("div", { class: "look-here verdict", role: "status", hidden: true });
+  const verdict = el("div", { class: "verdict", role: "status", hidden: true });
+  const oldWords = el("p", {});
+  const old = el("div", { class: "look-here outdated", role: "status", hidden: true }, oldWords, ageing ? button(words.again, ageing.again, "outlined") : null);
   const curve = createDistanceCurve();
   const body = el("div", { class: "numbers-body" });
   const before = el("p", { class: "muted" }, words.before);
-  const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, hero, alone, sure, verdict, curve.element, body);
+  const element = el("section", { class: "numbers", "aria-label": words.title }, el("h2", {}, words.title), before, old, verdict, sure, hero, alone, curve.element, body);
   return {
     element,
-    select: only("meta", "fit"),
+    select: (state) => ({ meta: state.meta, fit: state.fit, old: ageing?.outdated(state) ?? null }),
     update(state: Shown): void {
       const { fit } = state;
       const shown = shownIteration(fit);
@@ -142,10 +158,15 @@ export function createNumbersPanel(): Panel<Shown> {
       show(alone, ofModel !== undefined);
       setText(alone, ofModel === undefined ? "" : words.alone(formatMm(ofModel)));
       const judged = result?.verdict;
+      show(old, state.old !== null && fit?.state !== "running");
+      setText(oldWords, state.old ? words.outdated[state.old] : "");
+      element.classList.toggle("is-outdated", state.old !== null);
       const radii = Object.values(result?.landmark_uncertainty_mm ?? {});
       show(sure, radii.length > 0);
-      setText(sure, radii.length === 0 ? "" : words.sure(judged ? words.levels[judged.level] : "", formatRange(radii)));
-      show(verdict, judged != null && judged.level !== "good");
+      setText(sure, radii.length === 0 ? "" : words.sure(formatRange(radii)));
+      show(verdict, judged != null);
+      verdict.classList.toggle("look-here", judged?.level === "check");
+      verdict.classList.toggle("is-wrong", judged?.level === "unusable");
       fill(verdict, [fit?.id, judged?.level, judged?.reasons.join()], () => (judged ? verdictLines(judged) : []));
       curve.update(state);
       fill(body, [fit?.id, result ? "result" : shown?.iteration, fit?.distances != null], () => (result ? ofResult(result, state) : shown ? ofIteration(shown) : []));

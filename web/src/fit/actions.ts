@@ -7,9 +7,9 @@ import { picksOf } from "../landmarks/picks";
 import { openQuestions, sentenceOf } from "../landmarks/questions";
 import { type LandmarksSlice, pickCount } from "../landmarks/state";
 import { questions } from "../landmarks/text";
-import { straightened } from "../landmarks/straighten";
+import { straightened, straightenedByFit } from "../landmarks/straighten";
 import type { ScanSlice } from "../scan/state";
-import type { PageSlice } from "../store/page";
+import type { PageSlice, Step } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { formatMm } from "../ui/units";
@@ -18,13 +18,15 @@ import { readDistances } from "./distances";
 import type { Player } from "./playback";
 import { type FitSlice, type FitState, withDistances } from "./state";
 import * as text from "./text";
+import { frameOfRig } from "./upright";
+import { verdictWords } from "./verdict";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice;
 
 const PAUSE_MS = 150; // a run of key presses that nudge a landmark is one fit
 
 /** As the service's first word makes it: nothing has been computed yet. */
-const freshFit = (id: string, links: FitLinks, drawingName: string | null, given: Pick<FitState, "picks" | "certain" | "before">): FitState => ({
+const freshFit = (id: string, links: FitLinks, drawingName: string | null, given: Pick<FitState, "picks" | "certain" | "before" | "asked" | "isOpened">): FitState => ({
   id,
   links,
   state: "running",
@@ -49,11 +51,13 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
   let unseen: FitLinks | null = null; // of a fit that runs, while the page still shows the one before
   let timer: ReturnType<typeof setTimeout> | undefined;
   let askedAt = -Infinity;
+  let stepAfter: Step | null = null; // of a fit that is opened: where the page goes with its result
   let wantsAnew = false; // the fit that is asked for next goes on from none
 
   /** Nobody follows what ran until now; a fit that was asked for in the meantime still comes. */
   function leave(): void {
     run += 1;
+    stepAfter = null;
     stopFollowing();
     unseen = null;
     player.pause();
@@ -128,9 +132,12 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
     done: ({ body }) => {
       const { scan, fit } = store.get();
       if (scan && fit) finished = { scan: scan.info.id, fit: fit.id };
-      const said = text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean));
-      const upright = straightened(store.get(), picksOf({ landmarks: body.result.landmarks, unit: body.result.scan.unit }));
-      change({ state: "done", result: body.result }, { ...upright, step: "result" });
+      const said = [text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean)), verdictWords(body.result)].join(" ").trim();
+      const upright = straightenedByFit(store.get(), frameOfRig(body.result));
+      // A fit that was opened by its address: the landmarks that it was given are those in its result, not those of today.
+      const given = fit?.isOpened && body.result.landmarks_picked ? { picks: picksOf({ landmarks: body.result.landmarks_picked, unit: body.result.scan.unit }) } : {};
+      change({ state: "done", result: body.result, ...given }, { ...upright, step: stepAfter ?? "result" });
+      stepAfter = null;
       const list = store.get().meta?.landmarks ?? [];
       const asked = openQuestions(store.get()).map((question) => sentenceOf(question, list));
       store.set({ announcement: asked.length > 0 ? `${said} ${questions.announceAsked(asked)}` : said });
@@ -185,7 +192,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
         return;
       }
       const before = isUnseen ? (store.get().fit?.result ?? store.get().fit?.before ?? null) : null;
-      (isUnseen ? followUnseen : follow)(freshFit(id, links, drawing || null, { picks: picks.present, certain, before }));
+      (isUnseen ? followUnseen : follow)(freshFit(id, links, drawing || null, { picks: picks.present, certain, before, asked: { stance, preset, refine } }));
     } catch (error) {
       if (mine === run) store.set((state) => ({ ...standStill(state), ...withProblem(state, "fit", messageOf(error)) }));
     }
@@ -247,13 +254,17 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
       refitSoon();
     },
 
-    /** The fit that the address names, from its first event. */
-    async open(id: string): Promise<void> {
+    /** The fit that the address names, from its first event; one that is done leaves the page at `step`. */
+    async open(id: string, step: Step | null = null): Promise<void> {
       try {
         const fit = await client.fit(id);
         const { picks, certain } = store.get();
-        const given = { picks: pickCount(store.get()) > 0 ? picks.present : null, certain: certainNames(picks.present, certain), before: null };
+        // The settings come back with the fit, so that the next one is asked for as this one was; its drawing is the plan's.
+        const asked = { stance: fit.asked_stance, preset: fit.preset, refine: fit.refine };
+        const given = { picks: pickCount(store.get()) > 0 ? picks.present : null, certain: certainNames(picks.present, certain), before: null, asked, isOpened: true };
+        store.set(asked);
         follow(freshFit(fit.id, fit.links, fit.drawing, given));
+        stepAfter = fit.state === "done" ? step : null;
       } catch (error) {
         store.set((state) => withProblem(state, "fit", messageOf(error)));
       }

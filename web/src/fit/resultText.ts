@@ -2,16 +2,16 @@
 
 export const result = {
   before: "Numbers, drawing and files for download.",
-  save: "Download the fitted model",
+  report: "Report (PDF)",
   files: "Files",
   warnings: "Check these landmarks",
   drawing: "Drawing on the scan",
   noDrawing: "No drawing was asked for.",
   downloads: [
     { key: "report", name: "report.pdf", what: "pictures, measures" },
-    { key: "fitted_glb", name: "fitted.glb", what: "posed rig, drawing, replay" },
+    { key: "fitted_glb", name: "fitted.glb", what: "posed rig, the plan, replay" },
     { key: "fitted_ply", name: "fitted.ply", what: "posed model, scan's frame" },
-    { key: "drawing", name: "drawing.json", what: "lines on the scan" },
+    { key: "plan", name: "drawing.json", what: "the whole plan on this scan" },
     { key: "result", name: "result.json", what: "numbers and parameters" },
   ] as const,
 };
@@ -38,9 +38,17 @@ export const distances = {
 
 export const numbers = {
   title: "Numbers",
-  verdicts: { good: "", check: "Check this fit", unusable: "This fit is not usable" },
-  levels: { good: "good fit: ", check: "", unusable: "" },
-  sure: (level: string, range: string) => `${level}landmarks ± ${range} mm`,
+  verdicts: { good: "A good fit", check: "Check this fit", unusable: "This fit is not usable" },
+  short: { good: "", check: "check", unusable: "not usable" },
+  noReasons: "Nothing in it contradicts itself; how sure it is stands below.",
+  sure: (range: string) => `landmarks ± ${range} mm`,
+  outdated: {
+    gone: "This fit belongs to landmarks that are gone.",
+    landmarks: "This fit belongs to other landmarks than those shown now.",
+    settings: "This fit was made with other settings than those chosen now.",
+  },
+  again: "Fit again",
+  solver: "Details of the fit",
   before: "They appear here while the model is being fitted.",
   live: "This iteration",
   surface: "Model to scan",

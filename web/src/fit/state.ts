@@ -7,6 +7,13 @@ import type { ViewSlice } from "../viewer/state";
 import type { ViewBarShown } from "../viewer/ViewBar";
 import type { HandPose } from "./handPose";
 
+/** What a fit was asked for besides its landmarks; the drawing is the plan's, and follows without a fit. */
+export interface AskedSettings {
+  readonly stance: StanceChoice;
+  readonly preset: string;
+  readonly refine: boolean;
+}
+
 export interface FitState {
   readonly id: string;
   readonly links: FitLinks;
@@ -24,6 +31,8 @@ export interface FitState {
   readonly isConnected: boolean;
   readonly picks: Picks | null; // that it was started with; null when it came from the address
   readonly certain: readonly string[]; // of those
+  readonly asked?: AskedSettings; // of a fit whose settings the page knows
+  readonly isOpened?: boolean; // it came from the address: what it was given is told by its result
   readonly before: Result | null; // of the fit whose place it takes, which is shown until this one has its own
 }
 

@@ -9,7 +9,7 @@ import type { Panel } from "../ui/Panel";
 import type { LandmarkActions } from "./actions";
 import { landmarkExport } from "./LandmarkExport";
 import { isCertain } from "./certain";
-import { plainLabel, sideOf } from "./picks";
+import { partnerOf, plainLabel, sideOf } from "./picks";
 import { errorOf, isLikely, type OpenProposal, openProposals } from "./proposals";
 import type { ProposalSearch } from "./proposalSearch";
 import { createQuestionBox } from "./QuestionBox";
@@ -33,13 +33,14 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
   file.querySelector("span")!.className = "visually-hidden";
   file.title = text.landmarks.importHint;
   const save = landmarkExport(() => state);
+  const exchangeAll = iconButton("exchange", text.landmarks.exchangeAll, () => actions.exchange(paired(state)));
   const ofAll = createQuestionBox("div", actions, () => undo.focus());
   const proposals = makeProposals(actions, search);
   const element = el(
     "div",
     { class: "panel" },
     wrong.element,
-    el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, save.button),
+    el("div", { class: "toolbar" }, undo, redo, exchangeAll, el("span", { class: "spring" }), saved, again, file, save.button),
     save.menu,
     proposals.element,
     ofAll.element,
@@ -70,12 +71,19 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
       redo.disabled = session.picks.future.length === 0;
       const isEmpty = Object.keys(session.picks.present).length === 0;
       save.button.disabled = isEmpty;
+      exchangeAll.disabled = paired(session).length === 0;
       setText(saved, isEmpty && session.saving === "saved" ? "" : text.landmarks[session.saving]);
       wrong.set(session.problems.landmarks);
       show(again, session.saving === "unsaved" && session.problems.landmarks !== undefined);
       show(example, Boolean(session.scan?.example));
     },
   };
+}
+
+/** Placed landmarks whose partner on the other side is placed as well. */
+function paired(state: Pick<Shown, "picks"> | null): string[] {
+  const present = state?.picks.present ?? {};
+  return Object.keys(present).filter((name) => sideOf(name) !== "middle" && partnerOf(name) in present);
 }
 
 /** Below which row a question stands: the last of those that it names; one about all sides stands above the list. */
@@ -102,10 +110,12 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
   );
   const remove = iconButton("close", text.landmarks.remove(text.landmarks.spoken(entry)), () => actions.remove(entry.name));
   remove.classList.add("remove");
+  const exchange = iconButton("exchange", text.landmarks.exchange(plainLabel(entry.label)), () => actions.exchange([entry.name, partnerOf(entry.name)]));
+  exchange.classList.add("exchange");
   const kept = el("button", { type: "button", class: "button kept", title: text.questions.keptHint(text.landmarks.spoken(entry)), "aria-label": text.questions.keptHint(text.landmarks.spoken(entry)), onclick: () => actions.unkeep(entry.name) }, text.questions.kept);
   const confirm = el("button", { type: "button", class: "button confirm", onclick: () => actions.confirm([entry.name]) }, icon("check"), el("span", {}));
   const words = confirm.querySelector("span")!;
-  const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, kept, icon("check"), icon("alert"), confirm, remove);
+  const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, kept, icon("check"), icon("alert"), confirm, exchange, remove);
   const question = createQuestionBox("li", actions, () => place.focus());
   return {
     element,
@@ -124,6 +134,7 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
       show(kept, isKept);
       place.setAttribute("aria-pressed", String(isActive));
       show(remove, isPlaced);
+      show(exchange, isPlaced && side !== "middle" && partnerOf(entry.name) in state.picks.present);
       const mm = proposal ? (errorOf(proposal) ?? text.proposals.unknown) : "";
       element.classList.toggle("is-proposed", proposal !== null);
       show(confirm, proposal !== null);
@@ -154,7 +165,7 @@ function makeProposals(actions: LandmarkActions, search: ProposalSearch) {
       show(element, proposals?.state === "looking" || isNone || all.length > 0);
       const found = rough > 0 ? `${text.proposals.found(all.length)} ${text.proposals.doubtful(rough)}` : text.proposals.found(all.length);
       setText(words, proposals?.state === "none" ? text.proposals.none(proposals.reason) : proposals?.state === "looking" ? text.proposals.looking : found);
-      show(take, all.length > 0);
+      show(take, all.length > 0 && rough === 0); // a rough guess, or one where no skin is, is confirmed by itself only
       setText(take.querySelector("span")!, text.proposals.confirmAll(all.length));
       show(again, isNone);
     },

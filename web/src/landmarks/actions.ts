@@ -132,7 +132,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     },
 
     want(name: string | null): void {
-      store.set({ active: name, ...(name === null ? {} : { step: "landmarks" as const, overlay: "both" as const }) });
+      store.set({ active: name, ...(name === null ? {} : { step: "landmarks" as const }) });
       if (name !== null) followed.begun();
     },
 

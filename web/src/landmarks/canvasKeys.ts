@@ -21,6 +21,7 @@ export function listenToLandmarkKeys(canvas: HTMLElement, viewer: Viewer, scan: 
   function begin(active: string): void {
     const { proposals, picks } = store.get();
     const proposal = openProposals(proposals, picks.present).find(({ name }) => name === active);
+    viewer.settle();
     const box = viewer.host.getBoundingClientRect();
     const at = proposal ? viewer.toPage(proposal.point) : { x: box.left + box.width / 2, y: box.top + box.height / 2 };
     cross.show(at.x, at.y);

@@ -75,15 +75,33 @@ export function onWrongSide(picks: Picks, frame: Frame): ReadonlySet<string> {
 
 const APART_MM = 60; // along the midline; closer points say too little about a direction
 const LOW_TO_HIGH = ["umbilicus", "xiphoid", "mid_sternum", "suprasternal_notch"];
+// The skin of the midline is no plumb line: on the model at rest, which stands upright, these points lie so high and so
+// far to the front (mm).  Taken for upright, the way from navel to notch would lean a body back by eleven degrees.
+const AT_REST: Readonly<Record<string, readonly [high: number, front: number]>> = { umbilicus: [158.0, 137.3], xiphoid: [279.2, 143.0], mid_sternum: [392.1, 125.1], suprasternal_notch: [489.9, 72.1] };
 
-/** How the body stands by its landmarks: better than any guess from the scan alone.  Null while they say too little. */
+/** Radians by which the skin between two points of the midline leans back on an upright body. */
+function leanAtRest(low: string, high: string): number {
+  const [from, to] = [AT_REST[low]!, AT_REST[high]!];
+  return Math.atan2(from[1] - to[1], to[0] - from[0]);
+}
+
+const turnedForward = (up: Vector, front: Vector, angle: number): Frame => {
+  const [c, s] = [Math.cos(angle), Math.sin(angle)];
+  const mixed = (a: Vector, b: Vector, share: number): Vector => [c * a[0] + share * b[0], c * a[1] + share * b[1], c * a[2] + share * b[2]];
+  return { up: mixed(up, front, s), front: mixed(front, up, -s) };
+};
+
+/** How the body stands by its landmarks, to a few degrees.  Null while they say too little. */
 export function frameFromPicks(picks: Picks): Frame | null {
   const left: Vector = [0, 0, 0];
   for (const { across } of acrossPairs(picks)) across.forEach((value, axis) => (left[axis]! += value));
-  const middle = LOW_TO_HIGH.flatMap((name) => picks[name] ?? []);
-  const [low, high] = [middle.slice(0, 3), middle.slice(-3)];
-  const up = high.map((value, axis) => value - low[axis]!) as Vector;
+  const known = LOW_TO_HIGH.filter((name) => name in picks);
+  const [low, high] = [known[0], known.at(-1)];
+  if (low === undefined || high === undefined) return null;
+  const up = picks[high]!.map((value, axis) => value - picks[low]![axis]!) as Vector;
   const front = cross(left, up);
   const isClear = Math.hypot(...up) > APART_MM && Math.hypot(...left) > APART_MM && Math.hypot(...front) > APART_MM ** 2;
-  return isClear ? tidyFrame({ up: cross(front, left), front }) : null;
+  if (!isClear) return null;
+  const skin = tidyFrame({ up: cross(front, left), front });
+  return tidyFrame(turnedForward(skin.up, skin.front, leanAtRest(low, high)));
 }

@@ -17,6 +17,8 @@ export const landmarks = {
   placed: "placed",
   skippedState: "skipped",
   missing: "not placed",
+  exchange: (label: string) => `Exchange left and right: ${label.charAt(0).toLowerCase()}${label.slice(1)}`,
+  exchangeAll: "Exchange left and right of all pairs",
   skip: "Skip",
   remove: (label: string) => `Remove ${label}`,
   undo: "Undo",

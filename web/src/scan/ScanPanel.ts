@@ -19,7 +19,7 @@ export const unitOptions = (): Option<UnitChoice>[] =>
 type Shown = Pick<ScanSlice & PageSlice, "scan" | "units" | "showColours" | "problems"> & { readonly isUnconfirmed: boolean };
 
 /** `isUnconfirmed`: nobody has said yet that size and direction are right. */
-export function createScanPanel<More extends object>(actions: ScanActions, dismiss: () => void, isUnconfirmed: (state: More) => boolean): Panel<Shown, PageSlice & ScanSlice & More> {
+export function createScanPanel<More extends object>(actions: ScanActions & { readonly askToDelete: () => void }, dismiss: () => void, isUnconfirmed: (state: More) => boolean): Panel<Shown, PageSlice & ScanSlice & More> {
   const facts = el("dl", { class: "facts" });
   const reasons = el("div", { class: "reasons" });
   const again = select<UnitChoice>(text.scan.readAgain, (unit) => chosen && void actions.upload(chosen, unit));
@@ -48,6 +48,7 @@ export function createScanPanel<More extends object>(actions: ScanActions, dismi
     el("div", { class: "buttons" }, ...turns),
     el("p", { class: "muted small" }, text.scan.turnNote),
     other,
+    button(text.scan.remove, actions.askToDelete, "quiet wide danger"),
   );
   let chosen: File | null = null;
   return {

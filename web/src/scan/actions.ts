@@ -6,7 +6,7 @@ import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { tidyFrame, type Turn, turned } from "../viewer/frame";
 import { fromFront, type ViewSlice } from "../viewer/state";
-import type { ScanSlice } from "./state";
+import type { ScanSlice, ScanState } from "./state";
 import * as text from "./text";
 
 export const READABLE = /\.(ply|obj|stl|glb|zip)$/i;
@@ -15,8 +15,8 @@ type State = PageSlice & ViewSlice & ScanSlice;
 
 /** What the other features keep with a scan, and do when another one is opened. */
 export interface ScanContents {
-  /** Reads what the service keeps of it: the state that the page starts with, and how the body stands by its landmarks. */
-  read(info: ExampleScan, isNew: boolean): Promise<{ readonly state: object; readonly frame: Frame | null }>;
+  /** Reads what the service keeps of it: the state that the page starts with, and how the body stands. */
+  read(info: ExampleScan, isNew: boolean): Promise<{ readonly state: object; readonly stands: Pick<ScanState, "frame" | "frameFrom"> }>;
   /** The state of a page without a scan. */
   none(): object;
   /** What is given up when a scan could not be brought and the page goes back to this step. */
@@ -41,8 +41,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
         title,
         mesh,
         file,
-        frame: own ? tidyFrame(own) : (kept.frame ?? tidyFrame(info.frame)),
-        frameFrom: own ? "person" : kept.frame ? "landmarks" : "service",
+        ...(own ? { frame: tidyFrame(own), frameFrom: "person" } : kept.stands),
         example: info.example_landmarks ?? null,
       },
       step: "scan",
@@ -116,10 +115,11 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     },
 
     /** Back to the empty page; the scan itself stays with the service. */
-    leave(): void {
+    leave(): Promise<boolean> {
       generation += 1;
       contents.stop();
       store.set({ ...contents.none(), scan: null, loading: null, step: "scan", problems: {} });
+      return Promise.resolve(true);
     },
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),

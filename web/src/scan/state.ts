@@ -6,7 +6,7 @@ export interface ScanState {
   readonly title: string;
   readonly mesh: ArrayBuffer | null; // glTF binary, metres, the scan's own axes; null behind a link that does not show it
   readonly frame: Frame;
-  readonly frameFrom: "service" | "landmarks" | "person"; // who says so; the last of these wins
+  readonly frameFrom: "service" | "landmarks" | "fit" | "person"; // who says so; the last of these wins
   readonly file: File | null; // kept, so that another unit needs no second choosing
   readonly example: LandmarkFile | null;
 }

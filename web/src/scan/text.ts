@@ -40,7 +40,7 @@ export const scan = {
   unit: "Unit",
   stance: "Stance",
   stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine" },
-  facingFrom: { landmarks: "Upright by its landmarks.", person: "Turned by you." },
+  facingFrom: { landmarks: "Upright by its landmarks.", fit: "Upright by the fitted model's spine.", person: "Turned by you." },
   why: "How this was found out",
   check: "Is it right? The ruler beside the body is 30 cm long; the body should stand upright and face you, with L on your right.",
   confirm: "Size and direction are right",
@@ -56,6 +56,7 @@ export const scan = {
   colours: "Show the scan's own colours",
   readAgain: "Wrong unit? Read the file as",
   other: "Load another scan",
+  remove: "Delete this scan …",
   ruler: "30 cm",
   summary: (triangles: string) => `${triangles} triangles`,
 };

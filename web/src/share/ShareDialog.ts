@@ -93,7 +93,7 @@ export function createShareDialog(actions: ShareActions, dismiss: () => void): P
       shown.set(SHOWN.map((value) => ({ value, label: words.shows[value] })), scan);
       make.disabled = share.isBusy;
       wrong.set(state.problems.share);
-      const url = share.made === null ? "" : new URL(share.made, location.origin).href;
+      const url = share.made === null ? "" : new URL(share.made.url, location.origin).href;
       show(made, url !== "");
       if (address.value !== url) {
         address.value = url;

@@ -21,7 +21,11 @@ export function shareActions(store: Store<State>, client: Client) {
     try {
       const done = await work(fit.links.shares);
       const { shares } = await client.shares(fit.links.shares);
-      show((state) => ({ ...done, share: { ...state.share, ...done.share, isBusy: false, list: shares } }));
+      const isDead = (id: string): boolean => shares.some((each) => each.id === id && each.revoked_at !== null);
+      show((state) => {
+        const share = { ...state.share, ...done.share, isBusy: false, list: shares };
+        return { ...done, share: { ...share, made: share.made && !isDead(share.made.id) ? share.made : null } }; // nobody copies a revoked address
+      });
     } catch (error) {
       show((state) => ({ share: { ...state.share, isBusy: false }, ...withProblem(state, "share", messageOf(error)) }));
     }
@@ -38,8 +42,8 @@ export function shareActions(store: Store<State>, client: Client) {
 
     make: (request: ShareRequest): Promise<void> =>
       forFit(async (link) => {
-        const { url } = await client.makeShare(link, request);
-        return { share: { ...store.get().share, made: url }, announcement: text.share.announceMade };
+        const { id, url } = await client.makeShare(link, request);
+        return { share: { ...store.get().share, made: { id, url } }, announcement: text.share.announceMade };
       }),
 
     unlock: (link: string): Promise<void> =>

@@ -6,7 +6,7 @@ export interface ShareSlice {
     readonly isOpen: boolean;
     readonly isBusy: boolean;
     readonly list: readonly Share[] | null; // null until the service has answered
-    readonly made: string | null; // address of the link just made: it is shown only once
+    readonly made: { readonly id: string; readonly url: string } | null; // the link just made: its address is shown only once
   };
 }
 

@@ -7,7 +7,7 @@ import { only } from "../store/store";
 import { button, problem } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
-import { formatMm } from "../ui/units";
+import { formatMmWhole } from "../ui/units";
 import type { StancesActions } from "./actions";
 import { carriedNote } from "./carry";
 import { stanceNames, type StancesSlice } from "./state";
@@ -31,15 +31,18 @@ export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
     const [mine, its] = stanceNames(state);
     const missing = [...(state.fit?.state === "done" ? [] : [mine]), ...(other.fit?.state === "done" ? [] : [its])];
     if (missing.length > 0) return { says: words.needsFits(missing.join(", ")), ...quiet };
-    if (state.drawn.lines.present.length + other.drawn.lines.present.length === 0) return { says: words.needsLines, ...quiet };
     if (isCarrying) return { says: words.busy, ...quiet };
-    const shown = other.drawn.carried ?? state.drawn.carried;
-    if (!shown) return { says: words.ready(its), ...quiet };
-    const there = other.drawn.carried !== null;
-    const { from, to, bridged, points } = carriedNote(shown.drawing);
-    const [source, goal] = there ? [mine, its] : [its, mine];
-    const distances = from && to ? words.note(source, formatMm(from.mean), formatMm(from.p95), goal, formatMm(to.mean), formatMm(to.p95)) : "";
-    return { says: words.done(goal), note: [distances, bridged > 0 ? words.bridged(bridged, points) : ""].filter((each) => each !== "").join(" ") };
+    const shown = [other.drawn.onScan?.carried, state.drawn.onScan?.carried].filter((each) => each && each.shapes.length > 0);
+    if (shown.length === 0) return { says: words.needsLines, ...quiet };
+    const notes = carriedNote({ shapes: shown.flatMap((each) => each!.shapes) });
+    const goals = shown.length === 2 ? `${mine} and ${its}` : other.drawn.onScan?.carried.shapes.length ? its : mine;
+    const untold = [...(state.drawn.onScan?.plan.missing ?? []), ...(other.drawn.onScan?.plan.missing ?? [])].map(({ reason }) => reason);
+    const said = [
+      notes.error ? words.error(formatMmWhole(notes.error.median), formatMmWhole(notes.error.most)) : "",
+      notes.bridged > 0 ? words.bridged(notes.bridged, notes.points) : "",
+      ...new Set(untold),
+    ];
+    return { says: words.done(goals), note: said.filter((each) => each !== "").join(" ") };
   }
 
   return {

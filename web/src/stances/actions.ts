@@ -1,22 +1,21 @@
 // The second stance: bring it, change over, compare, carry drawings across, measure both.
 import type { Client } from "../api/client";
 import type { Frame } from "../api/types";
-import { toDrawing } from "../drawing/files";
-import type { Carried } from "../drawing/state";
 import type { FitActions } from "../fit/actions";
 import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
+import type { PlanActions } from "../plan/actions";
 import type { ScanActions } from "../scan/actions";
 import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
+import { followPlan } from "./followPlan";
 import { loadFit, loadWorkspace } from "./load";
 import { initialStances, isUnfinished, knownScans, measuredFits, rememberScan, stanceNames, stanceOf, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
 const WATCH_MS = 1000; // a fit that goes on while its scan waits is looked after so often
-const CALM_MS = 700; // after the last stroke the carried lines follow
 
 type State = PageSlice & ViewSlice & Workspace & LandmarksSlice & FitSlice & StancesSlice;
 
@@ -26,11 +25,11 @@ interface Others {
   readonly fit: Pick<FitActions, "stop" | "open">;
   readonly landmarks: { flush(): Promise<void> };
   readonly drawing: { flush(): Promise<void> };
+  readonly plan: Pick<PlanActions, "read" | "isMoreThan" | "settled">;
 }
 
 export function stancesActions(store: Store<State>, client: Client, others: Others, memory: Storage | null) {
   let watch: ReturnType<typeof setTimeout> | undefined;
-  let calm: ReturnType<typeof setTimeout> | undefined;
 
   const put = (part: Partial<StancesState>, more: Partial<State> = {}): void => store.set((state) => ({ ...more, stances: { ...state.stances, ...part } }));
   const fail = (error: unknown): void => store.set((state) => withProblem(state, "stances", messageOf(error)));
@@ -62,58 +61,28 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     }, WATCH_MS);
   }
 
-  /** The drawing of one, on the scan of the other. */
-  async function carried(from: Workspace, to: Workspace, name: string): Promise<Carried | null> {
-    const source = from.drawn.lines.present;
-    if (from.fit?.state !== "done" || to.fit?.state !== "done" || source.length === 0) return null;
-    const drawing = await client.transfer({ from_fit: from.fit.id, to_fit: to.fit.id, drawing: toDrawing(source) });
-    return { from: name, fromFit: from.fit.id, toFit: to.fit.id, source, drawing };
-  }
-
-  const isOld = (from: Workspace, to: Workspace): boolean =>
-    to.drawn.carried === null
-      ? from.drawn.lines.present.length > 0
-      : to.drawn.carried.source !== from.drawn.lines.present || to.drawn.carried.fromFit !== from.fit?.id || to.drawn.carried.toFit !== to.fit?.id;
-
-  async function carry(): Promise<void> {
-    const state = store.get();
-    const { other, isCarrying } = state.stances;
-    if (!other || isCarrying || state.fit?.state !== "done" || other.fit?.state !== "done") return;
-    const mine = workspaceOf(state);
-    const [myName, itsName] = stanceNames(state);
-    put({ isCarrying: true, wantsCarried: true }, withProblem(state, "stances", null));
-    try {
-      const [there, here] = await Promise.all([
-        isOld(mine, other) ? carried(mine, other, myName) : other.drawn.carried,
-        isOld(other, mine) ? carried(other, mine, itsName) : mine.drawn.carried,
-      ]);
-      const place = (scan: string | undefined, layer: Carried | null) => (now: Workspace): Workspace => (now.scan?.info.id === scan ? { ...now, drawn: { ...now.drawn, carried: layer } } : now);
-      store.set((now) => {
-        const put = (workspace: Workspace): Workspace => place(mine.scan?.info.id, here)(place(other.scan?.info.id, there)(workspace));
-        const { drawn } = put(workspaceOf(now));
-        const waiting = now.stances.other && put(now.stances.other);
-        return { drawn: { ...now.drawn, carried: drawn.carried }, stances: { ...now.stances, other: waiting, isCarrying: false }, announcement: text.stances.announceCarried(itsName) };
-      });
-    } catch (error) {
-      put({ isCarrying: false, wantsCarried: false });
-      fail(error);
-    }
-  }
-
-  /** Lines that were shown on the other scan once follow what is drawn. */
-  store.select(only("stances", "drawn", "fit"), ({ stances }) => {
-    const { other, wantsCarried, isCarrying } = stances;
-    if (!other || !wantsCarried || isCarrying) return;
-    const mine = workspaceOf(store.get());
-    if (!isOld(mine, other) && !isOld(other, mine)) return;
-    clearTimeout(calm);
-    calm = setTimeout(() => void carry(), CALM_MS);
-  });
+  followPlan(store, client, { plan: others.plan, flush: () => others.drawing.flush(), fail });
 
   store.select(only("scan", "fit"), ({ scan }) => {
     if (!scan || !memory) return;
     rememberScan(memory, { id: scan.info.id, title: scan.title, stance: stanceOf(store.get()), at: new Date().toISOString() });
   });
+
+  /** Both scans are of one patient: her plan is that of both, and what was planned on the first is not made anew on the second. */
+  async function joinPatient(first: Workspace): Promise<void> {
+    const scan = store.get().scan?.info;
+    const patient = first.scan?.info;
+    if (!scan || !patient || scan.patient === patient.patient) return;
+    try {
+      await client.moveScan(scan.id, patient.patient);
+      const info = { ...scan, patient: patient.patient, links: { ...scan.links, patient: patient.links.patient, plan: patient.links.plan } };
+      const planned = await others.plan.read(info);
+      const drawing = planned.isWhole ? planned.drawing : "";
+      store.set((state) => (state.scan?.info.id === scan.id ? { scan: { ...state.scan, info }, drawing } : {}));
+    } catch (error) {
+      fail(error);
+    }
+  }
 
   async function second(bring: () => Promise<boolean>): Promise<void> {
     const kept = workspaceOf(store.get());
@@ -126,6 +95,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       return;
     }
     put({ ...initialStances, other: kept, isSecond: true }, { announcement: text.stances.announceAdded });
+    await joinPatient(kept);
     lookAfter();
   }
 
@@ -136,10 +106,10 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     takeKnown: (id: string): Promise<void> => second(() => others.scan.open(id, null)),
 
     /** From the address: the one that waits, as it was. */
-    async restore(scan: string, fit: string | null, own: Frame | null, { isSecond, isComparing, isCarried }: { isSecond: boolean; isComparing: boolean; isCarried: boolean }): Promise<void> {
+    async restore(scan: string, fit: string | null, own: Frame | null, { isSecond, isComparing }: { isSecond: boolean; isComparing: boolean }): Promise<void> {
       try {
-        const other = await loadWorkspace(client, scan, fit, own);
-        put({ other, isSecond, isComparing, wantsCarried: isCarried });
+        const other = await loadWorkspace(client, others.plan, scan, fit, own);
+        put({ other, isSecond, isComparing });
         lookAfter();
       } catch (error) {
         fail(error);
@@ -174,7 +144,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     /** The one that waits is not wanted any more; the scan itself stays with the service. */
     remove(): void {
       clearTimeout(watch);
-      store.set((state) => ({ drawn: { ...state.drawn, carried: null }, stances: { ...initialStances, known: state.stances.known } }));
+      store.set((state) => ({ stances: { ...initialStances, known: state.stances.known } }));
     },
 
     compare: (isComparing: boolean): void =>
@@ -185,7 +155,6 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       })),
     dismiss: (): void => store.set((state) => withProblem(state, "stances", null)),
     link: (isLinked: boolean): void => put({ isLinked }),
-    carry,
 
     async measures(isOpen: boolean): Promise<void> {
       const state = store.get();

@@ -1,11 +1,11 @@
 // A scan with all that the service keeps of it, read at once: for the stance that waits beside the one in work.
 import type { Client } from "../api/client";
 import type { ExampleScan, Frame, Iterated, Started } from "../api/types";
-import { fromDrawing } from "../drawing/files";
 import { startDrawn } from "../drawing/state";
 import { readDistances } from "../fit/distances";
 import type { FitState } from "../fit/state";
 import { certainAt } from "../landmarks/certain";
+import type { PlanActions } from "../plan/actions";
 import { frameFromPicks, type Picks, picksOf } from "../landmarks/picks";
 import type { ScanState } from "../scan/state";
 import { uploaded } from "../scan/text";
@@ -56,9 +56,9 @@ function frameOf(info: ExampleScan, picks: Picks, fit: FitState | null): Pick<Sc
   return { frame: straight ?? tidyFrame(info.frame), frameFrom: straight ? "landmarks" : "service" };
 }
 
-export async function loadWorkspace(client: Client, scan: string, fit: string | null, own: Frame | null): Promise<Workspace> {
+export async function loadWorkspace(client: Client, plan: Pick<PlanActions, "read">, scan: string, fit: string | null, own: Frame | null): Promise<Workspace> {
   const info: ExampleScan = await client.scan(scan);
-  const [mesh, saved, drawing] = await Promise.all([client.mesh(info), client.landmarks(info), client.ownDrawing(info)]);
+  const [mesh, saved, planned] = await Promise.all([client.mesh(info), client.landmarks(info), plan.read(info)]);
   const picks = picksOf(saved);
   const fitted = fit === null ? null : await loadFit(client, fit, picks, saved.certain ?? []);
   const stands = own ? ({ frame: tidyFrame(own), frameFrom: "person" } as const) : frameOf(info, picks, fitted);
@@ -66,11 +66,12 @@ export async function loadWorkspace(client: Client, scan: string, fit: string | 
     scan: { info, title: uploaded, mesh, file: null, example: info.example_landmarks ?? null, ...stands },
     picks: startHistory(picks),
     certain: certainAt(picks, saved.certain),
-    drawn: startDrawn(fromDrawing(drawing)),
+    drawn: startDrawn(planned.lines),
     proposals: null,
     skipped: new Set(),
     saving: "saved",
     stance: "auto",
+    drawing: planned.isWhole ? planned.drawing : "",
     fit: fitted,
   };
 }

@@ -10,7 +10,7 @@ import { isBeside, type ViewSlice } from "../viewer/state";
 /** What belongs to one scan, and goes away and comes back with it. */
 export type Workspace = Pick<
   ScanSlice & LandmarksSlice & FitSlice & DrawingSlice,
-  "scan" | "picks" | "certain" | "proposals" | "skipped" | "saving" | "stance" | "fit" | "drawn"
+  "scan" | "picks" | "certain" | "proposals" | "skipped" | "saving" | "stance" | "drawing" | "fit" | "drawn"
 >;
 
 /** A scan that was open in this tab. */
@@ -30,7 +30,6 @@ export interface StancesState {
   readonly isBringing: boolean; // the second scan is on its way
   readonly known: readonly KnownScan[];
   readonly isCarrying: boolean;
-  readonly wantsCarried: boolean; // the person asked for it once: it is kept up to date
   readonly measures: { readonly isOpen: boolean; readonly isBusy: boolean; readonly of: string; readonly file: MeasuresFile | null };
 }
 
@@ -49,14 +48,13 @@ export const initialStances: StancesState = {
   isBringing: false,
   known: [],
   isCarrying: false,
-  wantsCarried: false,
   measures: { isOpen: false, isBusy: false, of: "", file: null },
 };
 
 /** What the page has of its scan, as it may wait: a replay is at its end. */
-export function workspaceOf({ scan, picks, certain, drawn, proposals, skipped, saving, stance, fit }: Workspace): Workspace {
+export function workspaceOf({ scan, picks, certain, drawn, proposals, skipped, saving, stance, drawing, fit }: Workspace): Workspace {
   const resting = fit && { ...fit, shown: fit.iterations.length - 1, playing: false };
-  return { scan, picks, certain, drawn: { ...drawn, tool: "none", start: null, open: null, corner: null }, proposals, skipped, saving, stance, fit: resting };
+  return { scan, picks, certain, drawn: { ...drawn, tool: "none", start: null, open: null, corner: null }, proposals, skipped, saving, stance, drawing, fit: resting };
 }
 
 /** standing or supine: as fitted, as asked for, or as the service proposes. */
@@ -78,15 +76,6 @@ export function measuredFits({ fit, stances }: Pick<Stances, "fit" | "stances">)
   if (fit?.state !== "done") return null;
   const its = stances.other?.fit?.state === "done" ? stances.other.fit : null;
   return its && stances.isSecond ? [its, fit] : [fit, its];
-}
-
-/** What the scan is called that a drawing could be shown on now, and is not yet; null otherwise. */
-export function canCarryTo(state: Pick<Stances, "scan" | "stance" | "fit" | "drawn" | "stances">): string | null {
-  const { other, isCarrying } = state.stances;
-  if (!other || isCarrying || state.fit?.state !== "done" || other.fit?.state !== "done" || state.drawn.carried || other.drawn.carried) return null;
-  const [mine, its] = stanceNames(state);
-  if (state.drawn.lines.present.length > 0) return its;
-  return other.drawn.lines.present.length > 0 ? mine : null;
 }
 
 /** Both stances are on the stage.  While landmarks are placed there is one, with its instructions. */

@@ -34,13 +34,11 @@ export const stances = {
     title: "On the other stance",
     needsOther: "To see the drawing on the standing and on the supine body, add the other scan.",
     needsFits: (names: string) => `A drawing is carried between two fitted scans. Not fitted yet: ${names}.`,
-    needsLines: "Draw a line on either scan to carry it to the other.",
-    go: (name: string) => `Show on ${name} scan`,
-    ready: (name: string) => `Ready to be shown on the ${name} scan.`,
+    needsLines: "Draw a line or choose a pattern on either scan: it is shown on the other as well.",
     busy: "Carrying the drawing …",
-    done: (name: string) => `Shown on the ${name} scan; it follows what you draw.`,
-    note: (from: string, fromMean: string, fromP95: string, to: string, toMean: string, toP95: string) =>
-      `Where the lines are, the fits lie ${fromMean} mm off the ${from} scan (95 % within ${fromP95}) and ${toMean} mm off the ${to} scan (95 % within ${toP95}). How the skin itself slid between the stances is not in these numbers: check before you rely on a place.`,
+    done: (name: string) => `Shown on the ${name} scan, lines and patterns; it follows every change.`,
+    error: (median: string, most: string) =>
+      `Nine of ten true places lie within ${median} of the line (${most} where it is least sure): the soft band shows it, and the number stands at the pointer.`,
     bridged: (bridged: number, points: number) => `${bridged} of ${points} points lie over holes of that scan and are dashed.`,
   },
 

@@ -13,7 +13,8 @@ export interface Store<State extends object> {
   select<Parts extends object>(select: (state: State) => Parts, listener: (now: Parts, before: Parts) => void): () => void;
 }
 
-export function createStore<State extends object>(initial: State): Store<State> {
+/** `settle`: what follows from any change by itself, whoever made it; told before anybody else hears of the change. */
+export function createStore<State extends object>(initial: State, settle: (state: State, before: State) => State = (state) => state): Store<State> {
   let state = initial;
   let isNotifying = false;
   const listeners = new Set<(state: State, before: State) => void>();
@@ -29,7 +30,7 @@ export function createStore<State extends object>(initial: State): Store<State> 
     set(change) {
       if (isNotifying) throw new Error("A listener of the store tried to change it.");
       const before = state;
-      state = { ...state, ...(typeof change === "function" ? change(state) : change) };
+      state = settle({ ...state, ...(typeof change === "function" ? change(state) : change) }, before);
       isNotifying = true;
       try {
         for (const listener of listeners) listener(state, before);

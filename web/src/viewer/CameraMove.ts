@@ -35,6 +35,11 @@ export class CameraMove {
     this.invalidate();
   }
 
+  /** At its goal at once. */
+  finish(): void {
+    if (this.journey) this.place(this.journey, 1);
+  }
+
   advance(now: number): void {
     const journey = this.journey;
     if (!journey) return;

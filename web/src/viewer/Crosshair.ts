@@ -46,6 +46,11 @@ export class Crosshair {
     this.loupe.look(null);
   }
 
+  /** Page pixels; null while it is not shown. */
+  get place(): Readonly<Place> | null {
+    return this.at;
+  }
+
   /** What of the scan lies under it. */
   get hit(): Hit | null {
     return this.at && pickAt(this.viewer, this.scan, this.at.x, this.at.y);

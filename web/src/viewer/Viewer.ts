@@ -4,7 +4,7 @@
 import { type Box3, Group, Matrix4, MOUSE, type Object3D, PerspectiveCamera, Scene, Spherical, TOUCH, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Frame, Vector } from "../api/types";
-import { metresFromMm } from "../ui/units";
+import { metresFromMm, mmFromMetres } from "../ui/units";
 import { CameraMove } from "./CameraMove";
 import { leftOf } from "./frame";
 import { addLights } from "./lights";
@@ -30,6 +30,8 @@ export type Half = "scan" | "model";
 
 const FIELD_OF_VIEW = 26; // degrees; long enough a lens that a torso is not distorted
 const MARGIN = 1.24; // above and below
+const CLOSE = 0.15; // metres above and below a place that is looked at closely: more than a rough guess is off
+const AVERSION = 0.35; // cosine; skin that looks farther away from the eye is looked at from its own side
 const BESIDE = 0.09; // metres on each side: for the ruler and the letters
 
 /** Unit vectors from the body to the eye. */
@@ -66,6 +68,7 @@ export class Viewer {
 
   private readonly controls: OrbitControls;
   private readonly move: CameraMove;
+  private far: { readonly away: number; readonly target: Vector3 } | null = null; // while the eye is near: from where it came
   private isAsked = false;
 
   /** Throws when the browser has no WebGL 2. */
@@ -138,6 +141,11 @@ export class Viewer {
     this.controls.target.copy(target);
     this.controls.update();
     this.invalidate();
+  }
+
+  /** Where the eye is, in the scan's axes, mm. */
+  get eye(): Vector {
+    return this.body.worldToLocal(this.camera.position.clone()).toArray().map(mmFromMetres) as Vector;
   }
 
   /** Unit vector from the body to the eye, in the view's axes. */
@@ -245,8 +253,36 @@ export class Viewer {
   }
 
   lookFrom(name: ViewName, isMoving = true): void {
+    this.far = null;
     this.view = name;
     this.move.to(DIRECTIONS[name].clone().multiplyScalar(this.fitDistance(name)), new Vector3(), isMoving);
+  }
+
+  /**
+   * Comes near to a place (scan's axes, mm), from the side that the eye is on or, where the skin looks away from it, from
+   * where `normal` points; null goes back to the distance before.
+   */
+  closeUp(place: Vector | null, normal: Vector3 | null = null): void {
+    const { eye, target } = this.pose;
+    if (place === null) {
+      const { far } = this;
+      this.far = null;
+      if (far) this.move.to(this.gaze.multiplyScalar(far.away), far.target, true);
+      return;
+    }
+    this.far ??= { away: eye.distanceTo(target), target };
+    this.scene.updateMatrixWorld();
+    const at = this.body.localToWorld(new Vector3(...place.map(metresFromMm)));
+    const outwards = normal?.clone().transformDirection(this.body.matrixWorld) ?? null;
+    const isSeen = outwards === null || outwards.dot(this.gaze) > AVERSION;
+    const from = isSeen ? this.gaze : outwards.setY(Math.min(0.5, Math.max(-0.5, outwards.y))).normalize(); // from aside rather than from above
+    this.move.to(from.multiplyScalar(Math.min(this.far.away, CLOSE / Math.tan((FIELD_OF_VIEW * Math.PI) / 360))), at, true);
+  }
+
+  /** The eye is at once where it is going to. */
+  settle(): void {
+    this.move.finish();
+    this.scene.updateMatrixWorld();
   }
 
   /** Turns the body before the eye, as a drag by the mouse does; degrees to the right and downwards. */

@@ -2,7 +2,10 @@ import { expect, test } from "vitest";
 import type { LandmarkDefinition } from "../../src/api/types";
 import { nextStep } from "../../src/app/nextStep";
 import { initialSession, type Session } from "../../src/app/session";
+import { startDrawn } from "../../src/drawing/state";
+import { outdated } from "../../src/fit/outdated";
 import type { Picks } from "../../src/landmarks/picks";
+import { workspaceOf } from "../../src/stances/state";
 import { record, startHistory } from "../../src/store/history";
 
 const landmarks = ["notch", "nipple_L", "nipple_R", "umbilicus"].map((name) => ({ name }) as LandmarkDefinition);
@@ -39,9 +42,9 @@ test("when all are placed or skipped, the fit is next", () => {
   expect(nextStep(state)).toEqual({ kind: "fit", again: false, landmarks: 3 });
 });
 
-test("a finished fit offers its result, until a landmark is changed", () => {
+test("a finished fit offers the pen, until a landmark is changed", () => {
   const state: Session = { ...withScan, step: "result", picks: startHistory(some), fit: fitted(some) };
-  expect(nextStep(state)).toEqual({ kind: "save" });
+  expect(nextStep(state)).toEqual({ kind: "draw", isArmed: false });
   const changed = { ...state, picks: record(state.picks, { ...some, umbilicus: [0, -1, 0] as [number, number, number] }) };
   expect(nextStep(changed)).toEqual({ kind: "fit", again: true, landmarks: 4 });
 });
@@ -51,10 +54,46 @@ test("what a fit asks about comes before its result, until it is answered", () =
   const state: Session = { ...withScan, step: "result", picks: startHistory(some), fit: asks };
   expect(nextStep(state)).toEqual({ kind: "check", count: 1 });
   expect(nextStep({ ...state, step: "landmarks", skipped: new Set(["umbilicus"]) }).kind).toBe("check");
-  expect(nextStep({ ...state, step: "drawing" }).kind).toBe("save");
+  expect(nextStep({ ...state, step: "drawing" }).kind).toBe("draw");
   expect(nextStep({ ...state, certain: { notch: [0, 0, 0] } }), "kept, and not yet fitted so").toEqual({ kind: "fit", again: true, landmarks: 3 });
 });
 
 test("a failed fit offers another try", () => {
   expect(nextStep({ ...withScan, step: "fit", fit: fitted(some, "failed"), picks: startHistory(some) })).toMatchObject({ kind: "fit", again: true });
+});
+
+const asked = { stance: "auto", preset: "default", refine: true } as const;
+const finished = (more: Partial<Session> = {}): Session => ({ ...withScan, ...asked, step: "result", picks: startHistory(some), fit: { ...fitted(some)!, asked, iterations: [], result: { stance: "standing" } } as unknown as Session["fit"], ...more });
+
+test("as soon as other settings are asked for than the fit was made with, the next step is to fit again", () => {
+  expect(nextStep(finished()).kind).toBe("draw");
+  for (const other of [{ stance: "supine" }, { preset: "paper" }, { refine: false }] satisfies Partial<Session>[]) {
+    expect(nextStep(finished(other)), JSON.stringify(other)).toEqual({ kind: "fit", again: true, landmarks: 3 });
+  }
+  expect(nextStep(finished({ drawing: "reduction" })).kind, "a pattern is drawn on the body that is there").toBe("draw");
+  expect(nextStep(finished({ stance: "standing" })).kind, "which is what the fit decided by itself").toBe("draw");
+});
+
+test("when all landmarks were undone the fit belongs to landmarks that are gone, and another one is offered", () => {
+  const state = finished({ picks: { past: [], present: {}, future: [some] } });
+  expect(outdated(state)).toBe("gone");
+  expect(nextStep({ ...state, step: "fit" })).toEqual({ kind: "fit", again: true, landmarks: 0 });
+  expect(outdated(finished({ picks: startHistory({ ...some }) })), "the same places are the same landmarks").toBeNull();
+});
+
+test("after a good fit a surgeon draws, brings the other stance, changes over to it, and takes the report", () => {
+  const line = { name: "Line 1", closed: false, color: "#101010", points: [], corners: [] };
+  const drawn = finished({ drawn: startDrawn([line]) });
+  expect(nextStep(finished({ drawn: { ...startDrawn(), tool: "pen" } }))).toEqual({ kind: "draw", isArmed: true });
+  expect(nextStep(drawn)).toEqual({ kind: "add", stance: "supine" });
+  const other = { ...workspaceOf(drawn), stance: "supine", drawn: startDrawn(), fit: null } as const;
+  expect(nextStep({ ...drawn, stances: { ...drawn.stances, other } })).toEqual({ kind: "change over", to: "supine" });
+  const both = { ...other, fit: { ...drawn.fit!, result: { ...drawn.fit!.result!, stance: "supine" } } } as typeof other & { fit: NonNullable<Session["fit"]> };
+  expect(nextStep({ ...drawn, stances: { ...drawn.stances, other: both } })).toEqual({ kind: "report" });
+});
+
+test("nobody is sent on to draw on a fit that is not usable", () => {
+  const bad = finished();
+  const verdict = { level: "unusable", reasons: ["The model lies across the scan."] };
+  expect(nextStep({ ...bad, fit: { ...bad.fit!, result: { ...bad.fit!.result!, verdict } } as Session["fit"] })).toEqual({ kind: "correct" });
 });

@@ -2,9 +2,9 @@
 import { PlaneGeometry } from "three";
 import { MeshBVH } from "three-mesh-bvh";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { page } from "../fakes";
+import { fakePlans, page } from "../fakes";
 import { ApiError } from "../../src/api/client";
-import type { OwnDrawing, Vector } from "../../src/api/types";
+import type { PlanLine, StoredPlan, Vector } from "../../src/api/types";
 import { fromDrawing, readDrawing, toDrawing, toText, UnreadableDrawing } from "../../src/drawing/files";
 import { drawingKey } from "../../src/drawing/keys";
 import { lengthOf } from "../../src/drawing/lines";
@@ -25,7 +25,7 @@ async function drawing(answers: Parameters<typeof page>[0] = {}) {
   await made.actions.scan.takeExample("standing");
   made.actions.drawing.setSkin(() => skin);
   made.actions.drawing.take("pen");
-  const saved = made.client.saveDrawing as unknown as ReturnType<typeof vi.fn>;
+  const { savePlan: saved } = made.client as unknown as { savePlan: ReturnType<typeof vi.fn> };
   const names = (): string[] => made.store.get().drawn.lines.present.map(({ name }) => name);
   return { ...made, saved, names };
 }
@@ -41,7 +41,7 @@ test("a stroke is a line, saved once after a run of them", async () => {
   expect(store.get().drawn.saving).toBe("unsaved");
   await vi.advanceTimersByTimeAsync(500);
   expect(saved).toHaveBeenCalledTimes(1);
-  expect((saved.mock.calls[0]![1] as OwnDrawing).shapes.map(({ name }) => name)).toEqual(["Line 1", "Line 2"]);
+  expect((saved.mock.calls[0]![1] as PlanLine[]).map(({ name }) => name)).toEqual(["Line 1", "Line 2"]);
   expect(store.get().drawn.saving).toBe("saved");
 });
 
@@ -77,10 +77,11 @@ test("undo and redo go step by step, through the first click too", async () => {
 
 test("a failed request loses nothing: the lines stay, it is said, and the next try saves all", async () => {
   let fails = true;
+  const kept = fakePlans();
   const { actions, store, names } = await drawing({
-    saveDrawing: async (_scan, given) => {
+    savePlan: async (...given) => {
       if (fails) throw new ApiError("The service does not answer.", 0);
-      return given;
+      return kept.savePlan(...given);
     },
   });
   actions.drawing.stroke(stroke(-50, 50));
@@ -127,9 +128,10 @@ test("a line is switched off and on without a step of the history", async () => 
 });
 
 test("what the service keeps of a scan is there when the scan is opened", async () => {
-  const made = page({ ownDrawing: async () => ({ shapes: [{ name: "incision", points: [[0, 0, 0], [10, 0, 0]] }] }) });
+  const items = [{ kind: "line", id: "a", scan: "s1", name: "incision", points: [[0, 0, 0], [10, 0, 0]] }, { kind: "line", id: "b", scan: "s2", name: "other", points: [[0, 0, 0]] }];
+  const made = page({ plan: async () => ({ version: 3, whole: true, items }) as StoredPlan });
   await made.actions.scan.open("s1", null);
-  expect(made.store.get().drawn.lines.present).toMatchObject([{ name: "incision", closed: false, corners: [0, 1] }]);
+  expect(made.store.get().drawn.lines.present).toMatchObject([{ id: "a", name: "incision", closed: false, corners: [0, 1] }]);
   expect(made.store.get().drawn.saving).toBe("saved");
 });
 

@@ -1,6 +1,7 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { FakeEventSource, fitLinks, withScan } from "../fakes";
 import { ApiError } from "../../src/api/client";
+import { outdated } from "../../src/fit/outdated";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {
@@ -157,4 +158,25 @@ test("a fit whose landmarks were moved before the service answered is cancelled 
   expect(client.cancel).toHaveBeenLastCalledWith("/api/fits/f2/cancel");
   FakeEventSource.last!.say("iterated", iterated(0));
   expect(store.get().fit?.id).toBe("f3");
+});
+
+test("a fit that the address names brings its settings back, and is compared with the landmarks of its own result", async () => {
+  const fit = async (id: string) => ({ id, links: fitLinks(id), asked_stance: "supine", preset: "paper", drawing: "mastectomy", refine: false });
+  const landmarks = async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: { nipple_L: [1, 2, 3], umbilicus: [0, 0, 0] } });
+  const { store, actions } = await withScan({ fit, landmarks } as never);
+  await actions.fit.open("f1");
+  expect(store.get()).toMatchObject({ stance: "supine", preset: "paper", refine: false });
+  FakeEventSource.last!.say("done", { result: { ...result, landmarks_picked: { nipple_L: [0.001, 0.002, 0.003] } } });
+  expect(outdated(store.get()), "the umbilicus was placed after the fit").toBe("landmarks");
+  actions.landmarks.remove("umbilicus");
+  expect(outdated(store.get())).toBeNull();
+  actions.fit.chooseRefine(true);
+  expect(outdated(store.get())).toBe("settings");
+});
+
+test("who listens hears the verdict with the number", async () => {
+  const { store, actions } = await withScan();
+  await actions.fit.start();
+  FakeEventSource.last!.say("done", { result: { ...result, verdict: { level: "check", reasons: ["Half of the body is missing."] } } });
+  expect(store.get().announcement).toBe("The fit is done: mean distance 1.2 millimetres. Check this fit. Half of the body is missing.");
 });

@@ -1,4 +1,5 @@
 import { expect, test } from "vitest";
+import shared from "./distance_colours.json" with { type: "json" };
 import { colourOf, distanceWithin, readDistances, SCALE_MM, SCANNER_MM, screenColourOf, summarise } from "../../src/fit/distances";
 
 function bytesOf(values: number[]): ArrayBuffer {
@@ -22,6 +23,10 @@ test("inside a triangle the value is that of the corners by weight, and unknown 
   const distances = new Float32Array([1, 2, 4, NaN]);
   expect(distanceWithin(distances, [0, 1, 2], [0.25, 0.25, 0.5])).toBeCloseTo(2.75, 6);
   expect(distanceWithin(distances, [0, 1, 3], [0.5, 0.5, 0])).toBeNull();
+});
+
+test("the service's pictures and reports colour the same distances in the same way", () => {
+  for (const [mm, rgb] of Object.entries(shared.srgb_by_mm)) expect(screenColourOf(Number(mm)), `${mm} mm`).toEqual(rgb);
 });
 
 const luminance = ([r, g, b]: [number, number, number]): number => 0.2126 * r + 0.7152 * g + 0.0722 * b;

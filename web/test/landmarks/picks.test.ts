@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { Frame, LandmarkDefinition } from "../../src/api/types";
 import { frameFromPicks, nextMissing, onWrongSide, type Picks, sideOf, withoutPick, withPick } from "../../src/landmarks/picks";
-import { leftOf } from "../../src/viewer/frame";
+import { angleBetween, leftOf } from "../../src/viewer/frame";
 
 const names = ["suprasternal_notch", "nipple_L", "nipple_R", "umbilicus"];
 const list = names.map((name) => ({ name, label: name, latin: "", definition: "", easy: true, mirror: name })) as LandmarkDefinition[];
@@ -43,4 +43,13 @@ test("a pair and two points of the midline say how the body stands; fewer say no
   expect(frameFromPicks(withoutPick(askew, "nipple_L"))).toBeNull();
   expect(frameFromPicks(withoutPick(askew, "umbilicus"))).toBeNull();
   expect(frameFromPicks({})).toBeNull();
+});
+
+test("the skin of the midline leans back on an upright body, and is not taken for a plumb line", () => {
+  const atRest: Picks = { umbilicus: [0, 158, 137.3], xiphoid: [0, 279.2, 143], suprasternal_notch: [0, 489.9, 72.1], nipple_L: [95, 300, 180], nipple_R: [-95, 300, 180] };
+  for (const missing of [[], ["umbilicus"], ["suprasternal_notch"]]) {
+    const picks = missing.reduce<Picks>((all, name) => withoutPick(all, name), atRest);
+    const frame = frameFromPicks(picks)!;
+    expect(angleBetween(frame, upright), `without ${missing.join()}`).toBeLessThan(0.01);
+  }
 });

@@ -15,15 +15,29 @@ async function fitted(...rest: Parameters<typeof page>) {
 }
 
 test("a link is made as asked, its address is shown until the dialog closes, and the list follows", async () => {
-  const makeShare = vi.fn(async () => ({ url: "/s#secret" }));
-  const shares = vi.fn().mockResolvedValueOnce({ shares: [] }).mockResolvedValue({ shares: [{ id: "a" }] });
+  const makeShare = vi.fn(async () => ({ id: "a", url: "/s#secret" }));
+  const shares = vi.fn().mockResolvedValueOnce({ shares: [] }).mockResolvedValue({ shares: [{ id: "a", revoked_at: null }] });
   const { store, actions } = await fitted({ makeShare, shares } as never);
   await actions.share.open();
   expect(store.get().share).toMatchObject({ isOpen: true, list: [] });
   await actions.share.make({ expires_in_days: 30, scan: "plain", passcode: "4711" });
   expect(makeShare).toHaveBeenCalledWith("/api/fits/f1/shares", { expires_in_days: 30, scan: "plain", passcode: "4711" });
-  expect(store.get().share).toMatchObject({ made: "/s#secret", list: [{ id: "a" }], isBusy: false });
+  expect(store.get().share).toMatchObject({ made: { url: "/s#secret" }, list: [{ id: "a" }], isBusy: false });
   actions.share.close();
+  expect(store.get().share.made).toBeNull();
+});
+
+test("a revoked link's address is not offered for copying any more; another one's still is", async () => {
+  const makeShare = vi.fn(async () => ({ id: "a", url: "/s#secret" }));
+  const revokeShare = vi.fn(async () => undefined);
+  const list = (...revoked: string[]) => ({ shares: ["a", "b"].map((id) => ({ id, revoked_at: revoked.includes(id) ? "2026-01-01T00:00:00Z" : null })) });
+  const shares = vi.fn().mockResolvedValueOnce(list()).mockResolvedValueOnce(list()).mockResolvedValueOnce(list("b")).mockResolvedValue(list("a", "b"));
+  const { store, actions } = await fitted({ makeShare, revokeShare, shares } as never);
+  await actions.share.open();
+  await actions.share.make({});
+  await actions.share.revoke("/api/fits/f1/shares/b");
+  expect(store.get().share.made).toEqual({ id: "a", url: "/s#secret" });
+  await actions.share.revoke("/api/fits/f1/shares/a");
   expect(store.get().share.made).toBeNull();
 });
 

@@ -2,8 +2,10 @@
 import { Euler, Matrix4, Quaternion, Vector3 } from "three";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { fitLinks, page, scanInfo } from "../fakes";
-import type { CarriedDrawing, Fit, Measure, Vector } from "../../src/api/types";
+import type { Client } from "../../src/api/client";
+import type { Fit, Measure, PlannedShape, PlanOnScan, Vector } from "../../src/api/types";
 import { INK } from "../../src/drawing/lines";
+import { laidOnScan } from "../../src/drawing/state";
 import type { FitState } from "../../src/fit/state";
 import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../../src/stances/cameras";
 import { carriedNote } from "../../src/stances/carry";
@@ -94,17 +96,21 @@ test("the file has the command line's columns and quotes what needs it", () => {
   expect(first).toBe('standing,notch to nipple,along the skin,mm,1.5,,,,,,,,,,,"a ""b"", c"');
 });
 
-const CARRIED: CarriedDrawing = {
-  schema: "breastrig/drawing@1", name: "x", unit: "mm", notice: "", carried_by: "skin",
-  shapes: [{ name: "Line 1", closed: false, color: INK, points: [[0, 0, 0], [1, 0, 0], [2, 0, 0]], bridged: [false, false, true], distance_from_mm: [1, -3, 2], distance_to_mm: [0.5, 0.5, null] }],
+const shape = (part: Partial<PlannedShape>): PlannedShape => ({ name: "Line 1", closed: false, color: INK, points: [[0, 0, 0]], bridged: [false], item: "a", kind: "line", carried: true, ...part });
+const CARRIED: PlanOnScan = {
+  schema: "breastrig/drawing@1", name: "plan", unit: "mm", notice: "", notes: [], missing: [], version: 1, whole: true, fit: "f2", carried_from: [{ scan: "standing", fit: "f1" }],
+  shapes: [
+    shape({ points: [[0, 0, 0], [1, 0, 0], [2, 0, 0]], bridged: [false, false, true], error_mm: [4, null, 9] }),
+    shape({ name: "tumour_L", item: "t", kind: "tumour", error_mm: [5] }),
+    shape({ name: "wise_R", item: "p", kind: "pattern", carried: false, error_mm: [80] }),
+  ],
 };
 
-test("the note says how far both fits are off, and how much lies over holes", () => {
-  const note = carriedNote(CARRIED);
-  expect(note).toMatchObject({ points: 3, bridged: 1, to: { mean: 0.5, p95: 0.5 } });
-  expect(note.from!.mean).toBe(2);
-  expect(note.from!.p95).toBeCloseTo(2.9, 9);
-  expect(carriedNote({ ...CARRIED, shapes: [] })).toEqual({ points: 0, bridged: 0, from: null, to: null });
+test("the note says how far off what was carried may be, and how much lies over holes", () => {
+  const onScan = laidOnScan("standing", [], CARRIED);
+  expect(carriedNote(onScan.carried)).toEqual({ points: 4, bridged: 1, error: { median: 5, most: 9 } });
+  expect(carriedNote({ shapes: [] })).toEqual({ points: 0, bridged: 0, error: null });
+  expect(onScan.patterns.shapes.map(({ name }) => name)).toEqual(["wise_R"]);
 });
 
 beforeEach(() => void vi.useFakeTimers());
@@ -117,13 +123,15 @@ const done = (id: string): FitState => ({
 const LINE = { name: "Line 1", closed: false, color: INK, points: [[0, 0, 0], [2, 0, 0]] as Vector[], corners: [0, 1] };
 
 async function two() {
-  const transfer = vi.fn(async () => CARRIED);
-  const made = page({ transfer, importExample: async (name: string) => scanInfo(name), fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state: "done" }) as unknown as Fit });
+  const planOnFit = vi.fn<Client["planOnFit"]>(async () => CARRIED);
+  const moveScan = vi.fn<Client["moveScan"]>();
+  const made = page({ planOnFit, moveScan, importExample: async (name: string) => scanInfo(name), fit: async (id: string) => ({ id, links: fitLinks(id), drawing: null, state: "done" }) as unknown as Fit });
   const { store, actions } = made;
   await actions.scan.takeExample("standing");
   store.set((state) => ({ fit: done("f1"), drawn: { ...state.drawn, lines: { past: [], present: [LINE], future: [] } } }));
+  await actions.drawing.saveNow();
   await actions.stances.takeExample("supine");
-  return { ...made, transfer };
+  return { ...made, planOnFit, moveScan };
 }
 
 test("the second scan gets the page, the first waits with all that is its own", async () => {
@@ -159,23 +167,30 @@ test("a scan that cannot be had leaves the page as it was and says why", async (
   expect(store.get().problems.stances).toContain("no");
 });
 
-test("the drawing is carried when both fits are done, and follows what is drawn afterwards", async () => {
-  const { store, actions, transfer } = await two();
-  await actions.stances.carry();
-  expect(transfer).not.toHaveBeenCalled();
+test("both scans are of one patient, and what was planned on the first is not made anew on the second", async () => {
+  const { store, moveScan } = await two();
+  expect(moveScan).toHaveBeenCalledWith("supine", "of-standing");
+  expect(store.get().scan!.info).toMatchObject({ id: "supine", patient: "of-standing", links: { plan: "/api/patients/of-standing/plan" } });
+  expect(store.get().drawing).toBe("");
+  expect(store.get().stances.other!.drawing).toBe("lumpectomy");
+});
+
+test("the whole plan is laid on the other scan when both fits are done, and follows what is drawn afterwards", async () => {
+  const { store, planOnFit, actions } = await two();
+  await vi.advanceTimersByTimeAsync(2000);
+  expect(planOnFit).not.toHaveBeenCalled();
   store.set({ fit: done("f2") });
-  await actions.stances.carry();
-  expect(transfer).toHaveBeenCalledTimes(1);
-  expect(transfer).toHaveBeenCalledWith(expect.objectContaining({ from_fit: "f1", to_fit: "f2" }));
-  expect(store.get().drawn.carried).toMatchObject({ fromFit: "f1", toFit: "f2", drawing: CARRIED });
-  expect(store.get().stances.other!.drawn.carried).toBeNull();
+  await vi.advanceTimersByTimeAsync(2000);
+  expect(planOnFit.mock.calls).toEqual([["/api/fits/f2/plan.json"]]);
+  expect(store.get().drawn.onScan!.carried.shapes.map(({ name }) => name)).toEqual(["Line 1", "tumour_L"]);
+  expect(store.get().stances.other!.drawn.onScan).toBeNull(); // its own drawing came with its fit
   store.set((state) => ({ drawn: { ...state.drawn, lines: { past: [], present: [{ ...LINE, name: "Line 9" }], future: [] } } }));
-  await vi.advanceTimersByTimeAsync(1000);
-  expect(transfer).toHaveBeenCalledTimes(2);
-  expect(transfer).toHaveBeenLastCalledWith(expect.objectContaining({ from_fit: "f2", to_fit: "f1" }));
-  expect(store.get().stances.other!.drawn.carried).toMatchObject({ fromFit: "f2" });
+  await actions.drawing.saveNow();
+  await vi.advanceTimersByTimeAsync(2000);
+  expect(planOnFit.mock.calls.slice(1).map(([link]) => link)).toEqual(["/api/fits/f2/plan.json", "/api/fits/f1/plan.json"]);
+  expect(store.get().stances.other!.drawn.onScan!.from).toBe("standing 2");
   await vi.advanceTimersByTimeAsync(5000);
-  expect(transfer).toHaveBeenCalledTimes(2);
+  expect(planOnFit).toHaveBeenCalledTimes(3);
 });
 
 test("a fit that runs while its scan waits comes to its end there", async () => {

@@ -1,15 +1,14 @@
-"""The surgeon's own drawing on a scan: kept with the scan, to be carried to another stance by a transfer."""
+"""The surgeon's own lines on one scan, as a drawing file: those items of the patient's plan that are lines on it."""
 
 from apiflask import APIBlueprint
 
 from breastrig.api.app_context import app_context
+from breastrig.api.drawing_check import check_near_scan
 from breastrig.api.routes.scans import TAG
-from breastrig.core.errors import BadDrawing
 from breastrig.drawings.drawing_schema import OwnDrawing
-from breastrig.storage.rows.drawings import get_drawing, put_drawing
-from breastrig.storage.rows.scans import ScanRow, get_scan
-
-REACH_M = 0.05  # beyond the scan's bounds: a line may cross a hole at the rim, further out it is of another scan
+from breastrig.drawings.plan_schema import line_item
+from breastrig.storage.rows.patients import get_plan, patient_of_scan, put_items_of_scan
+from breastrig.storage.rows.scans import get_scan
 
 drawings = APIBlueprint("drawings", __name__, url_prefix="/api/scans", tag=TAG)
 
@@ -22,9 +21,7 @@ def show_drawing(scan_id: str) -> OwnDrawing:
 
     No shapes when nothing was drawn yet.
     """
-    storage = app_context().service.storage
-    get_scan(storage, scan_id)
-    return OwnDrawing.model_validate(get_drawing(storage, scan_id) or {"shapes": []})
+    return OwnDrawing.model_validate({"shapes": _lines_on(scan_id)})
 
 
 @drawings.put("/<scan_id>/drawing")
@@ -32,26 +29,26 @@ def show_drawing(scan_id: str) -> OwnDrawing:
 @drawings.output(OwnDrawing)
 @drawings.doc(operation_id="putOwnDrawing", responses={413: "Too large"})
 def replace_drawing(scan_id: str, json_data: OwnDrawing) -> OwnDrawing:
-    """Replace the drawing on the scan, mm
+    """Replace the lines on the scan, mm
 
     At most 500 shapes with 50,000 points together, each shape with a name of its own; points must lie near the scan.
+    They become items of the patient's plan, whose other items stay; a line that keeps its name keeps its id.
     """
     storage = app_context().service.storage
-    _check(json_data, get_scan(storage, scan_id))
-    on_skin = [shape.model_copy(update={"bridged": None}) for shape in json_data.shapes]  # own lines are drawn there
-    kept = json_data.model_copy(update={"shapes": on_skin})
-    put_drawing(storage, scan_id, kept.model_dump(mode="json", by_alias=True))
-    return kept
+    scan = get_scan(storage, scan_id)
+    for shape in json_data.shapes:
+        check_near_scan(shape.name, shape.points, scan)
+    ids = {line["name"]: line["id"] for line in _lines_on(scan_id)}
+    items = [
+        line_item(shape.model_dump(), ids.get(shape.name, f"line-{place}"), scan_id)
+        for place, shape in enumerate(json_data.shapes, 1)
+    ]
+    kept = [item.model_dump(mode="json", exclude={"bridged"}) for item in items]
+    put_items_of_scan(storage, scan_id, "line", kept)
+    return OwnDrawing.model_validate({"shapes": kept})
 
 
-def _check(drawing: OwnDrawing, scan: ScanRow) -> None:
-    """Raises BadDrawing with a sentence."""
-    low, high = scan.facts["bounds_m"]["min"], scan.facts["bounds_m"]["max"]
-    for shape in drawing.shapes:
-        for point in shape.points:
-            outside = max(max(a - x / 1000, x / 1000 - b) for x, a, b in zip(point, low, high, strict=True))
-            if outside > REACH_M:
-                raise BadDrawing(
-                    f'A point of "{shape.name}" lies {outside:.2f} m outside of the scan; drawings are millimetres in '
-                    f"the scan's own frame, and this scan was read in {scan.facts['unit']}."
-                )
+def _lines_on(scan_id: str) -> list[dict[str, str]]:
+    storage = app_context().service.storage
+    plan = get_plan(storage, patient_of_scan(storage, scan_id))
+    return [item for item in plan.items if item["kind"] == "line" and item.get("scan") == scan_id]

@@ -185,8 +185,17 @@ def show_result(fit_id: str) -> Response:
 @fits.get("/<fit_id>/fitted.glb")
 @fits.doc(operation_id="getFittedGlb", responses={200: file_of(GLB, "The posed rig"), 409: "Not done"})
 def show_fitted_glb(fit_id: str) -> Response:
-    """The posed rig with drawing and replay, glTF"""
-    return _result_file(fit_id, "fitted.glb")
+    """The posed rig with the plan or the fit's own drawing, and replay, glTF"""
+    planned = (
+        app_context().service.plans.fitted_glb(fit_id)
+        if get_fit(app_context().service.storage, fit_id).state == "done"
+        else None
+    )
+    if planned is None:
+        return _result_file(fit_id, "fitted.glb")
+    response = bytes_answer(planned, GLB, PERSONAL)
+    response.headers["Content-Disposition"] = "attachment; filename=fitted.glb"
+    return response
 
 
 @fits.get("/<fit_id>/fitted.ply")
@@ -269,6 +278,7 @@ def fit_links(fit_id: str) -> wire.FitLinks:
         drawing=f"{place}/drawing.json",
         distances=f"{place}/distances.bin",
         uncertainty=f"{place}/uncertainty.bin",
+        plan=f"{place}/plan.json",
         report=f"{place}/report.pdf",
         measures=f"{place}/measures.json",
         cancel=f"{place}/cancel",
@@ -285,6 +295,7 @@ def fit_answer(row: FitRow) -> wire.Fit:
         "queue_position": queue_position(app_context().service.storage, row.id) if row.state == "queued" else None,
         "created_at": row.created_at,
         "stance": row.stance,
+        "asked_stance": row.asked_stance,
         "preset": row.preset,
         "drawing": row.drawing,
         "refine": row.refine,

@@ -1,4 +1,4 @@
-"""The report of a fit, as two pages of PDF and as numbers; made when it is first asked for."""
+"""The report of a fit, as pages of PDF and as numbers; made when it is first asked for."""
 
 from apiflask import APIBlueprint
 from flask import Response
@@ -27,7 +27,8 @@ class ReportQuery(BaseModel):
 @reports.get("/<fit_id>/report.pdf")
 @reports.input(ReportQuery, location="query")
 @reports.doc(
-    operation_id="getReport", responses={200: file_of(PDF, "Two pages: pictures, then numbers"), 409: "Not done"}
+    operation_id="getReport",
+    responses={200: file_of(PDF, "Pictures, numbers, and a tape sheet of the drawing"), 409: "Not done"},
 )
 def show_report(fit_id: str, query_data: ReportQuery) -> Response:
     """Pictures, measures and settings, PDF

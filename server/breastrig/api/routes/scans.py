@@ -6,12 +6,13 @@ from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api.access.security import refuse
-from breastrig.api.answers import GLB, PERSONAL, file_answer, file_of
+from breastrig.api.answers import GLB, PERSONAL, PNG, file_answer, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
-from breastrig.storage.files import MESH, OpenedFile, scan_place
+from breastrig.storage.files import MESH, THUMBNAIL, OpenedFile, scan_place
+from breastrig.storage.rows.patients import patient_of_scan
 from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan, put_landmarks
 from breastrig.storage.storage import Storage
 
@@ -37,7 +38,7 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
     suffix = PurePosixPath(files_data.file.filename or "").suffix.lower().lstrip(".")
     if suffix not in FILE_TYPES:
         raise refuse(415, "This is not a scan file; send PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image.")
-    row = app_context().service.add_scan(files_data.file.stream, suffix, files_data.units)
+    row = app_context().service.add_scan(files_data.file.stream, suffix, files_data.units, files_data.patient or None)
     answer = scan_answer(row)
     return answer, 201, {"Location": answer.links.self}
 
@@ -69,6 +70,21 @@ def show_mesh(scan_id: str) -> Response:
     storage = app_context().service.storage
     get_scan(storage, scan_id)
     return file_answer(mesh_file(storage, scan_id), GLB, PERSONAL)
+
+
+@scans.get("/<scan_id>/thumbnail.png")
+@scans.doc(operation_id="getScanThumbnail", responses={200: file_of(PNG, "The scan from the front, 144 x 180")})
+def show_thumbnail(scan_id: str) -> Response:
+    """A small picture of the scan
+
+    Without its colours; 404 for scans of an older version, which have none.
+    """
+    storage = app_context().service.storage
+    get_scan(storage, scan_id)
+    file = storage.files.find(scan_place(scan_id), THUMBNAIL)
+    if file is None:
+        raise NotFound("This scan has no small picture.")
+    return file_answer(file, PNG, PERSONAL)
 
 
 def mesh_file(storage: Storage, scan_id: str) -> OpenedFile:
@@ -131,6 +147,7 @@ def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
 def scan_answer(row: ScanRow) -> wire.Scan:
     """The stored row as the API shows it."""
     place = f"/api/scans/{row.id}"
+    patient = patient_of_scan(app_context().service.storage, row.id)
     links = wire.ScanLinks(
         self=place,
         mesh=f"{place}/mesh.glb",
@@ -138,6 +155,8 @@ def scan_answer(row: ScanRow) -> wire.Scan:
         proposed=f"{place}/landmarks/proposed",
         drawing=f"{place}/drawing",
         fits=f"{place}/fits",
+        patient=f"/api/patients/{patient}",
+        plan=f"/api/patients/{patient}/plan",
     )
     shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
-    return wire.Scan(id=row.id, created_at=row.created_at, links=links, **shown)
+    return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **shown)

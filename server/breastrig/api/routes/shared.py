@@ -18,6 +18,7 @@ from breastrig.api.routes.share_credential import begin_visit, close_visit, cook
 from breastrig.api.routes.shares import SHARES_TAG
 from breastrig.api.wire import files as wire_files
 from breastrig.api.wire import shares as wire_shares
+from breastrig.api.wire.patients import PlanOnScan
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import NotFound
 from breastrig.drawings.drawing_schema import DrawingFile
@@ -110,8 +111,14 @@ def show_result(share_id: str) -> Response:
 @shared.get("/<share_id>/fitted.glb")
 @shared.doc(operation_id="getSharedGlb", responses={200: file_of(GLB, "The posed rig"), 410: ENDED})
 def show_fitted_glb(share_id: str) -> Response:
-    """The shared fit's posed rig"""
-    return _fit_file(share_id, "fitted.glb")
+    """The shared fit's posed rig, with the plan or the fit's own drawing"""
+    share = visited_share(share_id)
+    planned = app_context().service.plans.fitted_glb(share.fit)
+    if planned is None:
+        return _fit_file(share_id, "fitted.glb")
+    response = bytes_answer(planned, GLB, NO_STORE)
+    response.headers["Content-Disposition"] = "attachment; filename=fitted.glb"
+    return response
 
 
 @shared.get("/<share_id>/fitted.ply")
@@ -125,8 +132,22 @@ def show_fitted_ply(share_id: str) -> Response:
 @shared.output(DrawingFile, description="Polylines on the scan")
 @shared.doc(operation_id="getSharedDrawing", responses={401: NOT_OPEN, 410: ENDED})
 def show_drawing(share_id: str) -> Response:
-    """The shared fit's drawing"""
-    return _fit_file(share_id, "drawing.json")
+    """What is drawn on the shared fit's scan: the plan, or the fit's own drawing where there is none"""
+    share = visited_share(share_id)
+    plans = app_context().service.plans
+    if not plans.of_fit(share.fit).plan.is_whole:
+        return _fit_file(share_id, "drawing.json")
+    response = bytes_answer(plans.on_fit(share.fit), JSON, NO_STORE)
+    response.headers["Content-Disposition"] = "attachment; filename=drawing.json"
+    return response
+
+
+@shared.get("/<share_id>/plan.json")
+@shared.output(PlanOnScan, description="The whole plan on the scan of the shared fit")
+@shared.doc(operation_id="getSharedPlan", responses={401: NOT_OPEN, 410: ENDED})
+def show_plan(share_id: str) -> Response:
+    """What is planned on the patient's skin, on the shared fit's scan"""
+    return bytes_answer(app_context().service.plans.on_fit(visited_share(share_id).fit), JSON, NO_STORE)
 
 
 @shared.get("/<share_id>/distances.bin")
@@ -143,7 +164,7 @@ def show_distances(share_id: str) -> Response:
 @shared.doc(
     operation_id="getSharedReport",
     responses={
-        200: file_of(PDF, "Two pages: pictures, then numbers"),
+        200: file_of(PDF, "Pictures, numbers, and a tape sheet of the drawing"),
         403: "The link does not show the scan, which the report pictures",
         410: ENDED,
     },
@@ -220,6 +241,7 @@ def _result(share: ShareRow) -> wire_shares.SharedResult:
             fitted_ply=f"{place}/fitted.ply",
             drawing=f"{place}/drawing.json",
             distances=f"{place}/distances.bin",
+            plan=f"{place}/plan.json",
             report=None if share.scan == "none" else f"{place}/report.pdf",
             mesh=None if share.scan == "none" else f"{place}/mesh.glb",
             close=f"{place}/close",

@@ -38,6 +38,9 @@ class ScanUpload(Wire):
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
     file: UploadFile = Field(description="PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image")
     units: Units = Field("auto", description="unit of the file's numbers; auto decides from the size and says so")
+    patient: str | None = Field(
+        None, max_length=64, description="id of the patient whose scan it is; without it she is a new one"
+    )
 
 
 class Bounds(Wire):
@@ -66,10 +69,13 @@ class ScanLinks(Wire):
     proposed: str
     drawing: str
     fits: str
+    patient: str
+    plan: str
 
 
 class Scan(Wire):
     id: str
+    patient: str = Field(description="id of the patient whose scan it is")
     unit: Literal["m", "dm", "cm", "mm", "in"] = Field(description="unit that the file was read in")
     unit_reason: str
     vertices: int
@@ -162,6 +168,7 @@ class FitLinks(Wire):
     drawing: str
     distances: str
     uncertainty: str
+    plan: str
     report: str
     measures: str
     cancel: str
@@ -198,6 +205,7 @@ class Fit(Wire):
     queue_position: int | None = Field(description="1 for the next to run; null when the fit does not wait")
     created_at: str = Field(description="ISO 8601, UTC")
     stance: StanceWish = Field(description="as asked for; once started, as decided")
+    asked_stance: StanceWish = Field(description="as asked for")
     preset: str
     drawing: str | None
     refine: bool

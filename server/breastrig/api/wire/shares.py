@@ -66,6 +66,7 @@ class SharedLinks(Wire):
     fitted_ply: str
     drawing: str
     distances: str
+    plan: str
     report: str | None = Field(description="null when the link does not show the scan, which the report pictures")
     mesh: str | None = Field(description="null when the link does not show the scan")
     close: str

@@ -8,7 +8,6 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.uncertainty.calibration import Calibration, Misfit, calibration
-from breastrig.geometry.normals import vertex_normals
 
 HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three axes share it, 1.52 two, 1.64 one
 FEW = 4  # fewer picks show no scatter
@@ -64,9 +63,12 @@ def _scatter(posterior: Posterior, known: Calibration) -> float:
 def seen_vertices(posterior: Posterior) -> Booleans:
     """(V,) which of the model's vertices lie on skin that the scan shows."""
     target, vertices = posterior.task.target, posterior.state.vertices
-    distance, nearest = target.vertex_tree.query(vertices)
-    facing = np.einsum("vi,vi->v", vertex_normals(vertices, posterior.task.rig.faces), target.normals[nearest])
-    return np.asarray((distance < SEEN_DISTANCE) & (facing > SEEN_COSINE))
+    distance, nearest = target.vertex_tree.query(vertices, distance_upper_bound=SEEN_DISTANCE)
+    near = np.flatnonzero(np.isfinite(distance))
+    facing = np.einsum("vi,vi->v", posterior.state.normals[near], target.normals[np.asarray(nearest)[near]])
+    seen = np.zeros(len(vertices), dtype=np.bool_)
+    seen[near[facing > SEEN_COSINE]] = True
+    return seen
 
 
 def vertex_misfit(posterior: Posterior, known: Calibration, seen: Booleans) -> Array:

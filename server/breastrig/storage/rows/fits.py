@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -237,6 +238,24 @@ def fits_page(storage: Storage, scan_id: str, limit: int, before: int | None = N
     table = schema.fits
     rows, more = newest_first(storage, select(table).where(table.c.scan == scan_id), table.c.place, limit, before)
     return [_fit_row(row) for row in rows], more
+
+
+def newest_done(storage: Storage, scan_id: str) -> FitRow | None:
+    """The fit of the scan that was asked for last among those that are done."""
+    table = schema.fits
+    chosen = select(table).where(table.c.scan == scan_id, table.c.state == "done").order_by(table.c.place.desc())
+    with storage.database.reading() as connection:
+        row = connection.execute(chosen.limit(1)).one_or_none()
+    return None if row is None else _fit_row(row)
+
+
+def newest_fits(storage: Storage, scan_ids: Sequence[str]) -> dict[str, FitRow]:
+    """{scan: its fit that was asked for last}; scans without a fit are not in it."""
+    table = schema.fits
+    last = select(func.max(table.c.place)).where(table.c.scan.in_(scan_ids)).group_by(table.c.scan)
+    with storage.database.reading() as connection:
+        rows = connection.execute(select(table).where(table.c.place.in_(last)))
+        return {row.scan: _fit_row(row) for row in rows}
 
 
 def fit_ids(storage: Storage) -> set[str]:

@@ -1,6 +1,7 @@
 """Rows of scans and of their landmarks."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,8 @@ from breastrig.core.errors import NotFound
 from breastrig.storage import schema
 from breastrig.storage.file_journal import clear_entries
 from breastrig.storage.files import scan_place
+from breastrig.storage.folders import new_id
+from breastrig.storage.rows.patients import put_scan
 from breastrig.storage.storage import Storage
 
 Points = dict[str, list[float]]  # landmark name -> x, y, z in mm, scan frame
@@ -32,8 +35,8 @@ class ScanRow:
     facts: dict[str, Any]  # what reading found: unit, counts, bounds, frame, stance, notes
 
 
-def add_scan(storage: Storage, row: ScanRow) -> None:
-    """Its files have been kept."""
+def add_scan(storage: Storage, row: ScanRow, patient: str | None = None) -> None:
+    """Its files have been kept; it is of that patient, or of a new one.  Raises NotFound when she is gone."""
     with storage.database.writing() as connection:
         values = {
             "id": row.id,
@@ -43,6 +46,7 @@ def add_scan(storage: Storage, row: ScanRow) -> None:
             "facts": json.dumps(row.facts),
         }
         connection.execute(insert(schema.scans).values(values))
+        put_scan(connection, row.id, patient, new_id(), row.created_at)
         clear_entries(connection, [scan_place(row.id)])
 
 
@@ -53,6 +57,14 @@ def get_scan(storage: Storage, scan_id: str) -> ScanRow:
     if row is None:
         raise NotFound("There is no such scan; it may have been deleted.")
     return ScanRow(row.id, row.created_at, row.file_type, row.sha256, json.loads(row.facts))
+
+
+def get_scans(storage: Storage, ids: Sequence[str]) -> list[ScanRow]:
+    """Those of the scans that are there, the first that came first."""
+    table = schema.scans
+    with storage.database.reading() as connection:
+        rows = connection.execute(select(table).where(table.c.id.in_(ids)).order_by(table.c.created_at, table.c.id))
+        return [ScanRow(row.id, row.created_at, row.file_type, row.sha256, json.loads(row.facts)) for row in rows]
 
 
 def scan_ids(storage: Storage) -> set[str]:

@@ -135,9 +135,9 @@ async function close(): Promise<void> {
 
 function fillSide({ expires_at, links }: SharedResult, { fit }: VisitorState): void {
   setText(until, words.until(moment.format(new Date(expires_at))));
-  const names = fit?.drawing?.shapes.map(({ name }) => drawingText.shapeName(name)) ?? [];
+  const names = fit?.drawing?.shapes.map(({ name }) => name) ?? [];
   fill(shapes, names, () =>
-    names.length > 0 ? names.map((name) => el("li", {}, el("span", { class: "stroke", "aria-hidden": "true" }), name)) : [el("li", {}, resultText.noDrawing)],
+    names.length > 0 ? names.map((name) => el("li", { "data-line": name }, el("span", { class: "stroke", "aria-hidden": "true" }), drawingText.shapeName(name))) : [el("li", {}, resultText.noDrawing)],
   );
   const offered = words.files.flatMap(({ key, name, what }) => (links[key] === null ? [] : [{ href: links[key], name, what }]));
   fill(files, offered, () =>

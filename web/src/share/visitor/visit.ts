@@ -2,8 +2,9 @@
 // Read only.  Each opened link has an address of its own, at which it can be loaded again as long as the browser runs.
 import * as text from "../text";
 import { ApiError, ask, askJson } from "../../api/client";
-import type { DrawingFile, Result, Scan, SharedResult } from "../../api/types";
+import type { DrawingFile, PlanOnScan, Result, Scan, SharedResult } from "../../api/types";
 import { readDistances } from "../../fit/distances";
+import { frameOfRig } from "../../fit/upright";
 import { frameFromPicks, picksOf } from "../../landmarks/picks";
 import { tidyFrame } from "../../viewer/frame";
 import { initialVisitor, type VisitorState } from "./state";
@@ -51,22 +52,25 @@ async function bytes(path: string): Promise<ArrayBuffer> {
 /** Everything that the link shows, as the state of a page at rest. */
 export async function readShared(shared: SharedResult): Promise<VisitorState> {
   const { links } = shared;
-  const [result, surface, mesh, distances] = await Promise.all([
+  const [result, surface, mesh, distances, plan] = await Promise.all([
     askJson<Result>(links.result),
     bytes(links.fitted_ply),
     links.mesh === null ? null : bytes(links.mesh),
     bytes(links.distances),
+    askJson<PlanOnScan>(links.plan),
   ]);
-  // A fit without a drawing has none to show.
-  const drawing = await askJson<DrawingFile>(links.drawing).catch(() => null);
-  const frame = frameFromPicks(picksOf({ landmarks: result.landmarks, unit: result.scan.unit })) ?? tidyFrame({ up: [0, 1, 0], front: [0, 0, 1] });
+  // A fit without a drawing has none to show; the plan is all of it, once there is one.
+  const brought = plan.whole ? null : await askJson<DrawingFile>(links.drawing).catch(() => null);
+  const shapes = [...(brought?.shapes ?? []), ...plan.shapes];
+  const drawing: DrawingFile | null = shapes.length > 0 ? { schema: "breastrig/drawing@1", unit: plan.unit, shapes } : null;
+  const frame = frameOfRig(result) ?? frameFromPicks(picksOf({ landmarks: result.landmarks, unit: result.scan.unit })) ?? tidyFrame({ up: [0, 1, 0], front: [0, 0, 1] });
   // Whether it has colours is the mesh's own matter: a plain one brings none.
   const info = { id: "shared", colours: "vertex" } as Scan;
   return {
     ...initialVisitor,
     step: "result",
     overlay: mesh === null ? "model" : "both",
-    scan: { info, title: text.shared.title, mesh, frame, frameFrom: "landmarks", file: null, example: null },
+    scan: { info, title: text.shared.title, mesh, frame, frameFrom: "fit", file: null, example: null },
     fit: {
       id: "shared",
       links: { ...initialLinks, result: links.result, fitted_ply: links.fitted_ply, fitted_glb: links.fitted_glb, drawing: links.drawing },
@@ -89,4 +93,4 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
   };
 }
 
-const initialLinks = { self: "", events: "", result: "", fitted_glb: "", fitted_ply: "", drawing: "", distances: "", uncertainty: "", report: "", measures: "", cancel: "", shares: "" };
+const initialLinks = { self: "", events: "", result: "", fitted_glb: "", fitted_ply: "", drawing: "", distances: "", uncertainty: "", plan: "", report: "", measures: "", cancel: "", shares: "" };

@@ -1,0 +1,230 @@
+"""Patients: the list to work through, whose scan a scan is, and the plan of each."""
+
+import json
+from datetime import datetime, timedelta
+from typing import Any
+
+from apiflask import APIBlueprint
+from flask import Response
+
+from breastrig.api.access.security import refuse
+from breastrig.api.answers import JSON, PERSONAL, bytes_answer
+from breastrig.api.app_context import app_context
+from breastrig.api.drawing_check import check_near_scan
+from breastrig.api.routes.fits import FITS_TAG
+from breastrig.api.wire import patients as wire
+from breastrig.core.errors import BadDrawing
+from breastrig.drawings.patterns import asked_drawing
+from breastrig.drawings.plan_schema import Plan, PlanLine, PlanNote, drawing_text
+from breastrig.storage.rows.fits import newest_fits
+from breastrig.storage.rows.patients import (
+    PatientRow,
+    PlanRow,
+    get_patient,
+    get_plan,
+    move_scan,
+    patients_page,
+    put_plan,
+    rename_patient,
+    scans_of_patient,
+    scans_of_patients,
+)
+from breastrig.storage.rows.scans import ScanRow, get_scans
+from breastrig.storage.storage import iso_utc
+
+TAG = {"name": "patients", "description": "Patients under codes, their scans, and what is planned on their skin."}
+CHANGED = "Somebody has changed this plan since you read it; read it again, take the change over, and send it again."
+MOST = 2**31 - 1  # the databases' integers
+UNSEEN = 'A plan is replaced only by who has seen it; send its ETag as If-Match, "0" for the first.'
+
+patients = APIBlueprint("patients", __name__, url_prefix="/api/patients", tag=TAG)
+owners = APIBlueprint("owners", __name__, url_prefix="/api/scans", tag=TAG)
+plans_of_fits = APIBlueprint("plans_of_fits", __name__, url_prefix="/api/fits", tag=FITS_TAG)
+
+
+@patients.get("")
+@patients.input(wire.PatientQuery, location="query")
+@patients.output(wire.PatientPage)
+@patients.doc(operation_id="listPatients")
+def list_patients(query_data: wire.PatientQuery) -> wire.PatientPage:
+    """The patients, the newest first"""
+    storage = app_context().service.storage
+    rows, before = patients_page(storage, query_data.limit, query_data.before, query_data.search)
+    more = None
+    if before is not None:
+        more = f"/api/patients?before={before}&limit={query_data.limit}"  # the page adds what it searches for
+    return wire.PatientPage(patients=_answers(rows), next=more)
+
+
+@patients.get("/<patient_id>")
+@patients.output(wire.Patient)
+@patients.doc(operation_id="getPatient")
+def show_patient(patient_id: str) -> wire.Patient:
+    """A patient with her scans"""
+    return _answers([get_patient(app_context().service.storage, patient_id)])[0]
+
+
+@patients.patch("/<patient_id>")
+@patients.input(wire.PatientChange)
+@patients.output(wire.Patient)
+@patients.doc(operation_id="renamePatient")
+def change_patient(patient_id: str, json_data: wire.PatientChange) -> wire.Patient:
+    """Give a patient another code
+
+    A code of your own, never a name: it is shown in the list and kept with her scans.
+    """
+    rename_patient(app_context().service.storage, patient_id, " ".join(json_data.code.split()))
+    return _answers([get_patient(app_context().service.storage, patient_id)])[0]
+
+
+@patients.delete("/<patient_id>")
+@patients.output({}, status_code=204)
+@patients.doc(operation_id="deletePatient", responses={500: "Deleted, but files are left; they are tried again"})
+def remove_patient(patient_id: str) -> tuple[str, int]:
+    """Delete a patient: her plan, her scans, and everything made of them
+
+    Deleting who is not there is no error.  204 says that all files are gone.
+    """
+    app_context().service.delete_patient(patient_id)
+    return "", 204
+
+
+@owners.put("/<scan_id>/patient")
+@owners.input(wire.ScanOwner)
+@owners.output(wire.Patient)
+@owners.doc(operation_id="putScanPatient")
+def move(scan_id: str, json_data: wire.ScanOwner) -> wire.Patient:
+    """Say whose scan it is
+
+    What was planned on it goes with it; a patient without scans is not kept.
+    """
+    service = app_context().service
+    move_scan(service.storage, scan_id, json_data.patient)
+    return _answers([get_patient(service.storage, json_data.patient)])[0]
+
+
+@patients.get("/<patient_id>/plan")
+@patients.output(wire.StoredPlan)
+@patients.doc(operation_id="getPlan")
+def show_plan(patient_id: str) -> Response:
+    """Everything that is planned on her skin: lines, patterns, tumours, notes
+
+    Points are mm in the frame of the scan that each item names.  The ETag is what a change has to name.
+    """
+    return _plan_answer(patient_id, get_plan(app_context().service.storage, patient_id))
+
+
+@patients.get("/<patient_id>/plan/versions/<int:version>")
+@patients.output(wire.StoredPlan)
+@patients.doc(operation_id="getPlanVersion")
+def show_version(patient_id: str, version: int) -> Response:
+    """The plan as it was; the last fifty versions are kept"""
+    return _plan_answer(patient_id, get_plan(app_context().service.storage, patient_id, min(version, MOST)))
+
+
+@patients.put("/<patient_id>/plan")
+@patients.input(Plan)
+@patients.input(wire.PlanHeaders, location="headers")
+@patients.output(wire.StoredPlan)
+@patients.doc(
+    operation_id="putPlan",
+    responses={412: "Changed by somebody else meanwhile", 413: "Too large", 428: "If-Match is missing"},
+)
+def replace_plan(patient_id: str, json_data: Plan, headers_data: wire.PlanHeaders) -> Response:
+    """Replace the plan
+
+    At most 500 items, its lines with 50,000 points together; each item names one of the patient's scans, and points
+    lie near that scan.
+    """
+    storage = app_context().service.storage
+    if headers_data.if_match is None:
+        raise refuse(428, UNSEEN)
+    _check(json_data, patient_id)
+    seen = headers_data.if_match.strip().removeprefix("W/").strip('"')
+    items = [item.model_dump(mode="json", exclude={"bridged"}) for item in json_data.items]
+    plan = put_plan(storage, patient_id, items, int(seen)) if seen.isdecimal() and len(seen) < 10 else None
+    if plan is None:
+        now = get_plan(storage, patient_id).version
+        raise refuse(412, CHANGED, {"ETag": f'"{now}"'})
+    return _plan_answer(patient_id, plan)
+
+
+@plans_of_fits.get("/<fit_id>/plan.json")
+@plans_of_fits.output(wire.PlanOnScan, description="The whole plan on the fit's scan")
+@plans_of_fits.doc(operation_id="getPlanOnFit", responses={409: "Not done"})
+def show_plan_on_fit(fit_id: str) -> Response:
+    """The patient's plan on the scan of this fit, in its frame and unit
+
+    What was made on another scan of hers is carried here, with the radius that holds the true place of each point
+    with 90 %; from the newest fit of that scan.
+    """
+    return bytes_answer(app_context().service.plans.on_fit(fit_id), JSON, PERSONAL)
+
+
+def _check(plan: Plan, patient_id: str) -> None:
+    """Raises BadDrawing with a sentence, NotFound when the patient is gone."""
+    context = app_context()
+    scans = {
+        row.id: row for row in get_scans(context.service.storage, scans_of_patient(context.service.storage, patient_id))
+    }
+    for item in plan.items:
+        scan = scans.get(item.scan)
+        if scan is None:
+            raise BadDrawing(f'The item "{item.id}" was made on a scan that is none of this patient; name one of hers.')
+        if isinstance(item, PlanLine):
+            check_near_scan(item.name, item.points, scan)
+        elif isinstance(item, PlanNote):
+            check_near_scan(item.text[:40], [] if item.point is None else [item.point], scan)
+        else:
+            asked_drawing(context.model.rig, drawing_text(item))
+
+
+def _plan_answer(patient_id: str, plan: PlanRow) -> Response:
+    storage = app_context().service.storage
+    named = {item.get("scan") for item in plan.items}
+    rows = get_scans(storage, [scan for scan in scans_of_patient(storage, patient_id) if scan in named])
+    document = {
+        "schema": "breastrig/plan@1",
+        "unit": "mm",
+        "version": plan.version,
+        "whole": plan.is_whole,
+        "scans": [{"id": row.id, "stance": row.facts["stance"]["proposed"], "sha256": row.sha256} for row in rows],
+        "items": list(plan.items),
+    }
+    response = Response(json.dumps(document), mimetype=JSON, headers={"Cache-Control": "no-store"})
+    response.set_etag(str(plan.version))
+    return response
+
+
+def _answers(rows: list[PatientRow]) -> list[wire.Patient]:
+    """The stored rows as the API shows them, by few queries however many they are."""
+    storage = app_context().service.storage
+    of_patient = scans_of_patients(storage, [row.id for row in rows])
+    ids = [scan for scans in of_patient.values() for scan in scans]
+    scans = {scan.id: scan for scan in get_scans(storage, ids)}
+    fits = newest_fits(storage, ids)
+    return [
+        wire.Patient(
+            id=row.id,
+            code=row.code,
+            created_at=row.created_at,
+            plan_version=row.version,
+            scans=[_scan(scans[scan], fits.get(scan)) for scan in of_patient[row.id] if scan in scans],
+            links=wire.PatientLinks(self=f"/api/patients/{row.id}", plan=f"/api/patients/{row.id}/plan"),
+        )
+        for row in rows
+    ]
+
+
+def _scan(row: ScanRow, fit: Any) -> wire.PatientScan:
+    days = app_context().config.keep_days
+    until = None if days is None else datetime.fromisoformat(row.created_at) + timedelta(days=days)
+    fitted = fit.stance if fit is not None and fit.state == "done" else row.facts["stance"]["proposed"]
+    return wire.PatientScan(
+        id=row.id,
+        stance=fitted,
+        created_at=row.created_at,
+        delete_at=None if until is None else iso_utc(until),
+        thumbnail=f"/api/scans/{row.id}/thumbnail.png",
+        fit=None if fit is None else wire.PatientFit(id=fit.id, state=fit.state, created_at=fit.created_at),
+    )

@@ -1,0 +1,125 @@
+"""The JSON shapes of patients and their plans."""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from breastrig.api.wire.common import FitState, Name, PageQuery, StanceName, Wire
+from breastrig.drawings.drawing_schema import Colour, DrawnShape, LineUnit
+from breastrig.drawings.plan_schema import ITEMS, PlanItem, ScanOfPlan
+
+CODE = 60  # characters
+Code = Annotated[str, Field(max_length=CODE, description="a code of your own, never a name or date of birth")]
+
+
+class PatientQuery(PageQuery):
+    search: str = Field("", max_length=CODE, description="a part of the code, in any case")
+
+
+class PatientChange(Wire):
+    code: Code
+
+
+class ScanOwner(Wire):
+    patient: Name = Field(description="id of the patient whose scan it is")
+
+
+class PatientFit(Wire):
+    """The newest fit of a scan."""
+
+    id: str
+    state: FitState
+    created_at: str = Field(description="ISO 8601, UTC")
+
+
+class PatientScan(Wire):
+    id: str
+    stance: StanceName = Field(description="as fitted, else as the service proposes")
+    created_at: str = Field(description="ISO 8601, UTC")
+    delete_at: str | None = Field(description="ISO 8601, UTC: kept until then; null: until it is deleted by hand")
+    thumbnail: str = Field(description="address of a small picture, PNG")
+    fit: PatientFit | None
+
+
+class PatientLinks(Wire):
+    self: str
+    plan: str
+
+
+class Patient(Wire):
+    """One patient with her scans, the first that came first."""
+
+    id: str
+    code: str
+    created_at: str = Field(description="ISO 8601, UTC")
+    plan_version: int = Field(description="0 before anything was planned")
+    scans: list[PatientScan]
+    links: PatientLinks
+
+
+class PatientPage(Wire):
+    patients: list[Patient] = Field(description="the newest first")
+    next: str | None = Field(description="address of the next page, null on the last")
+
+
+class PlanHeaders(BaseModel):
+    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+    if_match: str | None = Field(
+        None, alias="If-Match", description="the ETag of the plan that was changed; without it the plan stays"
+    )
+
+
+class StoredPlan(Wire):
+    """breastrig/plan@1 as it is kept, with its version."""
+
+    schema_: Literal["breastrig/plan@1"] = Field(alias="schema")
+    unit: Literal["mm"]
+    version: int = Field(description="the ETag is this number in quotes")
+    whole: bool = Field(description="whether somebody has written the plan; false: fits' own drawings still count")
+    scans: list[ScanOfPlan]
+    items: list[PlanItem] = Field(max_length=ITEMS)
+
+
+class PlannedShape(DrawnShape):
+    """A line of the plan on a scan."""
+
+    label: str = Field("", exclude_if=lambda label: not label)
+    closed: bool
+    color: Colour
+    bridged: list[bool] = Field(description="true where the scan has no skin to lie on")
+    item: str = Field(description="id of the plan's item")
+    kind: Literal["line", "pattern", "tumour", "note"]
+    carried: bool = Field(description="whether it was made on another scan")
+    depth_mm: float | None = Field(None, description="of a tumour, below the skin")
+
+
+class PlannedNote(Wire):
+    item: str
+    text: str
+    at: str | None = Field(description="name of the shape that is its place; null for a note of the whole")
+
+
+class MissingItem(Wire):
+    item: str
+    reason: str
+
+
+class CarriedFrom(Wire):
+    scan: str
+    fit: str
+
+
+class PlanOnScan(Wire):
+    """breastrig/drawing@1: the whole plan on the scan of one fit."""
+
+    schema_: Literal["breastrig/drawing@1"] = Field(alias="schema")
+    name: str
+    unit: LineUnit = Field(description="of the scan")
+    notice: str
+    shapes: list[PlannedShape]
+    notes: list[PlannedNote]
+    missing: list[MissingItem] = Field(description="items that cannot be shown here, and why")
+    version: int = Field(description="of the plan")
+    whole: bool = Field(description="whether somebody has written the plan; false: the fit's own drawing still counts")
+    fit: str
+    carried_from: list[CarriedFrom] = Field(description="fits of the patient's other scans that were used")

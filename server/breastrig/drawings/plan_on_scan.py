@@ -1,0 +1,139 @@
+"""A plan as it lies on one scan: what was made there, and all else carried there from the scan it was made on.
+
+A pattern is drawn once, on the body on which it was planned, and then carried like a pen's line: on the other stance
+the same skin is meant, not the same construction made again.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from breastrig.core.errors import BadDrawing
+from breastrig.drawings.line_error import with_errors
+from breastrig.drawings.patterns import asked_drawing
+from breastrig.drawings.plan_schema import PlanItem, PlanLine, PlanNote, drawing_text
+from breastrig.drawings.project_drawing import on_scan
+from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.transfer import transferred
+from breastrig.geometry.polyline import Polyline
+from breastrig.rig.model import Rig
+
+NOTE_COLOR = "#2c5282"
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedScan:
+    """A scan with its fit, and the items that were made on it."""
+
+    name: str  # for people: standing, supine
+    scan: FittedScan
+    items: Sequence[PlanItem]
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedLine:
+    """One line of an item on a scan."""
+
+    item: PlanItem
+    line: Polyline  # m; of a note its place alone
+    part: str  # which of a pattern's lines; empty for a pen's
+    is_carried: bool
+
+
+@dataclass(frozen=True)
+class MissingItem:
+    """An item that cannot be shown on this scan, and why."""
+
+    item: PlanItem
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class PlanOnScan:
+    lines: tuple[PlannedLine, ...]
+    missing: tuple[MissingItem, ...]
+
+
+def plan_on_scan(rig: Rig, here: PlannedScan, others: Sequence[PlannedScan]) -> PlanOnScan:
+    """All items on the scan `here`; those of the other scans of the same patient are carried.
+
+    An item that cannot be drawn or carried is missing, with the reason; the others are there all the same.
+    """
+    lines, missing = _drawn(rig, here.scan, here.items)
+    for other in others:
+        drawn, undrawn = _drawn(rig, other.scan, other.items)
+        carried, uncarried = _carried(rig, other.scan, here.scan, drawn)
+        taken = {each.line.name for each in lines}
+        lines += [_named_apart(each, taken, other.name) for each in carried]
+        missing += [*undrawn, *uncarried]
+    return PlanOnScan(_unique(lines), tuple(missing))
+
+
+def _drawn(rig: Rig, scan: FittedScan, items: Sequence[PlanItem]) -> tuple[list[PlannedLine], list[MissingItem]]:
+    """The items on the scan that they were made on."""
+    lines, missing = [], []
+    for item in items:
+        try:
+            lines += [PlannedLine(item, line, part, False) for line, part in _lines(rig, scan, item)]
+        except BadDrawing as error:
+            missing.append(MissingItem(item, str(error)))
+    return lines, missing
+
+
+def _lines(rig: Rig, scan: FittedScan, item: PlanItem) -> list[tuple[Polyline, str]]:
+    if isinstance(item, PlanLine):
+        line = _on_skin(item.name, item.closed, item.color, item.points)
+        error = None if item.error_mm is None else 1e-3 * np.array(item.error_mm, dtype=np.float64)  # null becomes nan
+        return [(replace(line, error=error), "")]
+    if isinstance(item, PlanNote):
+        return [] if item.point is None else [(_on_skin(item.id, False, NOTE_COLOR, [item.point]), "")]
+    drawing = asked_drawing(rig, drawing_text(item)).on_model(rig, scan.vertices)
+    found = with_errors(rig, scan.vertices, scan.radii, on_scan(rig, scan.vertices, drawing, scan.target))
+    return [(line, line.name) for line in found]
+
+
+def _on_skin(name: str, closed: bool, color: str, points: Sequence[Sequence[float]]) -> Polyline:
+    places = 1e-3 * np.array(points, dtype=np.float64)
+    return Polyline(name, closed, color, places, np.zeros(len(places), dtype=np.bool_))
+
+
+def _carried(
+    rig: Rig, a: FittedScan, b: FittedScan, drawn: Sequence[PlannedLine]
+) -> tuple[list[PlannedLine], list[MissingItem]]:
+    """All at once, which costs as much as one; where that fails each by itself, so that one bad line harms no other."""
+    if not drawn:
+        return [], []
+    try:
+        return _carried_together(rig, a, b, drawn), []
+    except BadDrawing:
+        lines, missing = [], []
+        for each in drawn:
+            try:
+                lines += _carried_together(rig, a, b, [each])
+            except BadDrawing as error:
+                missing.append(MissingItem(each.item, str(error)))
+        return lines, missing
+
+
+def _carried_together(rig: Rig, a: FittedScan, b: FittedScan, drawn: Sequence[PlannedLine]) -> list[PlannedLine]:
+    found = transferred(rig, a, b, [each.line for each in drawn])
+    return [replace(each, line=there.line, is_carried=True) for each, there in zip(drawn, found, strict=True)]
+
+
+def _named_apart(each: PlannedLine, taken: set[str], stance: str) -> PlannedLine:
+    if each.line.name not in taken:
+        return each
+    return replace(each, line=replace(each.line, name=f"{each.line.name} ({stance})"))
+
+
+def _unique(lines: Sequence[PlannedLine]) -> tuple[PlannedLine, ...]:
+    """Two tumours of one breast are tumour_L and tumour_L 2."""
+    seen: Counter[str] = Counter()
+    result = []
+    for each in lines:
+        name = each.line.name
+        seen[name] += 1
+        result.append(each if seen[name] == 1 else replace(each, line=replace(each.line, name=f"{name} {seen[name]}")))
+    return tuple(result)

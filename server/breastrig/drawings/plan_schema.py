@@ -1,0 +1,148 @@
+"""The plan (breastrig/plan@1): everything that the surgeon wants on the skin of one patient, in one document.
+
+Each item has an id that stays when it is renamed, moved or carried, and says on which scan it was made.  Lines are
+kept as they were drawn; patterns and tumours as what was asked for, so that they can be changed; what they look like
+on a scan is computed (plan_on_scan.py).  A drawing file is a plan too: its lines become items.
+"""
+
+from collections import Counter
+from collections.abc import Hashable, Sequence
+from typing import Annotated, Any, Literal, Self, TypeVar
+
+from pydantic import Field, FiniteFloat, ValidationError, model_validator
+
+from breastrig.core.errors import BadDrawing
+from breastrig.drawings.drawing_schema import DrawnShape, GivenDrawing, Part, Point
+
+PLAN_SCHEMA: Literal["breastrig/plan@1"] = "breastrig/plan@1"
+ITEMS, POINTS = 500, 50_000  # in one plan; points of all its lines together, as in a drawing
+TEXT = 2_000  # characters of a note: a paragraph, not a record
+DEEPEST = 150.0  # mm; a breast is not thicker
+
+Named = TypeVar("Named", bound=Hashable)
+ItemId = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
+ScanId = Annotated[str, Field(max_length=64)]
+Word = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,63}$")]
+
+
+class _Item(Part):
+    id: ItemId = Field(description="stays the same through all changes; unique in the plan")
+    scan: ScanId = Field("", description="of the scan that it was made on; empty: the one that is at hand")
+
+
+class PlanLine(DrawnShape, _Item):
+    """A line that was drawn on the scan's skin, mm."""
+
+    kind: Literal["line"] = "line"
+
+
+class PlanPattern(_Item):
+    """One of the model's own drawings, or a pattern with its parameters."""
+
+    kind: Literal["pattern"] = "pattern"
+    name: Word = Field(description="of the drawing or pattern, for instance lumpectomy or reduction")
+    parameters: dict[Word, FiniteFloat | Annotated[str, Field(pattern=r"^[A-Za-z]{1,20}$")]] = Field(
+        default={}, max_length=20, description="what differs from the pattern's defaults"
+    )
+
+
+class PlanTumour(_Item):
+    """A tumour by the clock of the breast."""
+
+    kind: Literal["tumour"] = "tumour"
+    side: Literal["L", "R"] = Field(description="the patient's side")
+    clock: float = Field(gt=0.0, lt=13.0, description="hour as read by an observer who faces her")
+    distance_mm: float = Field(ge=0.0, le=200.0, description="from the nipple along the skin")
+    radius_mm: float = Field(ge=1.0, le=80.0, description="of the circle along the skin, margin included")
+    depth_mm: float | None = Field(None, ge=0.0, le=DEEPEST, description="below the skin; null where it is not known")
+
+
+class PlanNote(_Item):
+    """A sentence, of the whole or of one place, mm."""
+
+    kind: Literal["note"] = "note"
+    text: str = Field(min_length=1, max_length=TEXT)
+    point: Point | None = None
+
+
+PlanItem = Annotated[PlanLine | PlanPattern | PlanTumour | PlanNote, Field(discriminator="kind")]
+
+
+class ScanOfPlan(Part):
+    """One of the scans that items name."""
+
+    id: ScanId
+    stance: Literal["standing", "supine"] | None = None
+    sha256: str | None = Field(None, max_length=64, description="of the scan that was fitted, as result.json has it")
+
+
+class Plan(Part):
+    """All items of one patient, in the order in which they were made; points are mm in their own scan's frame."""
+
+    schema_: Literal["breastrig/plan@1"] = Field(PLAN_SCHEMA, alias="schema")
+    unit: Literal["mm"] = "mm"
+    scans: list[ScanOfPlan] = Field(default=[], max_length=20, description="that the items name")
+    items: list[PlanItem] = Field(max_length=ITEMS)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        points = sum(len(item.points) for item in self.items if isinstance(item, PlanLine))
+        if points > POINTS:
+            raise BadDrawing(f"This plan has {points} points; at most {POINTS} can be kept.")
+        twice = _twice([item.id for item in self.items])
+        if twice is not None:
+            raise BadDrawing(f'Two items of this plan have the id "{twice}"; give each one of its own.')
+        name = _twice([(item.scan, item.name) for item in self.items if isinstance(item, PlanLine)])
+        if name is not None:
+            raise BadDrawing(f'Two lines of one scan are called "{name[1]}"; give each a name of its own.')
+        return self
+
+    def of_scan(self, scan: str) -> tuple["PlanItem", ...]:
+        """The items that were made on that scan."""
+        return tuple(item for item in self.items if item.scan == scan)
+
+
+def _twice(values: Sequence[Named]) -> Named | None:
+    return next((value for value, count in Counter(values).items() if count > 1), None)
+
+
+def is_plan(document: dict[str, Any]) -> bool:
+    """Whether a document says that it is a plan, and not a drawing."""
+    return document.get("schema") == PLAN_SCHEMA
+
+
+def checked_plan(document: dict[str, Any]) -> Plan:
+    """The plan of a document, also of a drawing file whose lines lie on a scan.  Raises BadDrawing with a sentence."""
+    try:
+        if is_plan(document):
+            return Plan.model_validate(document)
+        drawing = GivenDrawing.model_validate(document)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        where = ".".join(map(str, first["loc"])) or "the whole"
+        raise BadDrawing(f"This is no plan of the form breastrig/plan@1 ({where}: {first['msg']}).") from error
+    except RecursionError as error:
+        raise BadDrawing("This plan is nested too deeply; give a file that BreastRig has written.") from error
+    elsewhere = next((shape.name for shape in drawing.shapes if not shape.points), None)
+    if elsewhere is not None or drawing.unit not in ("mm", None):
+        raise BadDrawing("A drawing becomes a plan where its points lie on a scan, in mm; give a plan or such a file.")
+    return Plan(
+        schema=PLAN_SCHEMA,
+        items=[line_item(shape.model_dump(), f"line-{k}", "") for k, shape in enumerate(drawing.shapes, 1)],
+    )
+
+
+def line_item(shape: dict[str, Any], item_id: str, scan: str) -> PlanLine:
+    """A shape of a drawing file as an item; where it is bridged is computed anew."""
+    fields = ("name", "label", "closed", "color", "points", "error_mm")
+    return PlanLine.model_validate({key: shape[key] for key in fields if key in shape} | {"id": item_id, "scan": scan})
+
+
+def drawing_text(item: PlanPattern | PlanTumour) -> str:
+    """What the item asks for, as patterns.py reads it."""
+    if isinstance(item, PlanTumour):
+        where = f"side={item.side},clock={item.clock:g},distance_mm={item.distance_mm:g}"
+        return f"tumour:{where},radius_mm={item.radius_mm:g}"
+    given = ",".join(f"{key}={value:g}" if isinstance(value, float) else f"{key}={value}"
+                     for key, value in item.parameters.items())  # fmt: skip
+    return f"{item.name}:{given}" if given else item.name

@@ -1,0 +1,152 @@
+"""A patient's plan as it lies on the scan of one of her fits, carried there where it was made on another scan.
+
+Each is made in a process of its own and remembered in memory only, for what was carried from a scan must not outlive
+its deletion.  Which fits belong to the patient's other scans is decided here: of each the newest that is done.
+"""
+
+import json
+import logging
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from breastrig.core.errors import BreastRigError, Conflict, FitFailed, NotFound
+from breastrig.core.indented_json import indented
+from breastrig.drawings.drawing_file import lines_on_scan
+from breastrig.execution.fair_processes import FairProcesses
+from breastrig.gltf.with_lines import with_lines
+from breastrig.report.line_files import rgb
+from breastrig.service.remembered import Remembered
+from breastrig.service.single_flight import SingleFlight
+from breastrig.storage.files import fit_place
+from breastrig.storage.rows.fits import FitRow, get_fit, newest_done
+from breastrig.storage.rows.patients import PlanRow, get_plan, patient_of_scan, scans_of_patient
+from breastrig.storage.rows.scans import get_scan
+from breastrig.storage.storage import Storage
+from breastrig.workflow.plan_on_fit import PlanJob, PlannedFit, empty_plan_document, plan_on_fit
+
+WALL_S = 60.0  # two scans take one to two seconds; a slow machine with huge scans may take many
+REMEMBERED = 32  # plans on scans, of some hundred kilobytes each
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class PlannedFits:
+    """What decides how the plan lies on a scan: another one of these, another answer."""
+
+    plan: PlanRow
+    fit: FitRow
+    others: tuple[FitRow, ...]  # of the patient's other scans on which items were made
+
+    @property
+    def key(self) -> tuple[str, int, tuple[str, ...]]:
+        return self.fit.id, self.plan.version, tuple(other.id for other in self.others)
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """breastrig/plan@1"""
+        return {"schema": "breastrig/plan@1", "unit": "mm", "items": list(self.plan.items)}
+
+
+class Plans:
+    """The plans of all patients.  May be called from any thread."""
+
+    def __init__(self, storage: Storage, processes: FairProcesses, model: Path | None) -> None:
+        self._storage = storage
+        self._processes = processes
+        self._model = model
+        self._flights: SingleFlight[bytes] = SingleFlight()
+        self._remembered = Remembered(REMEMBERED)
+
+    def of_fit(self, fit_id: str) -> PlannedFits:
+        """Raises NotFound, or Conflict when the fit is not done."""
+        fit = get_fit(self._storage, fit_id)
+        if fit.state != "done":
+            raise Conflict(f"The fit {fit.id} is {fit.state}; a plan can be shown on fits that are done.")
+        patient = patient_of_scan(self._storage, fit.scan)
+        plan = get_plan(self._storage, patient)
+        named = {item.get("scan") for item in plan.items}
+        others = [scan for scan in scans_of_patient(self._storage, patient) if scan != fit.scan and scan in named]
+        found = [newest_done(self._storage, scan) for scan in others]
+        return PlannedFits(plan, fit, tuple(other for other in found if other is not None))
+
+    def on_fit(self, fit_id: str) -> bytes:
+        """The plan on the fit's scan: breastrig/drawing@1 with the item of each line.
+
+        Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
+        """
+        planned = self.of_fit(fit_id)
+        kept = self._remembered.get(planned.key)
+        if kept is not None:
+            return kept
+        return self._flights.result(repr(planned.key), lambda: self._made_and_kept(planned))
+
+    def lines_on_fit(self, fit_id: str) -> tuple[dict[str, Any], bool] | None:
+        """The same as a document, and whether it is all that is wanted there; None where nothing was planned yet."""
+        planned = self.of_fit(fit_id)
+        if planned.plan.version == 0:
+            return None
+        document: dict[str, Any] = json.loads(self.on_fit(fit_id))
+        return document, planned.plan.is_whole
+
+    def fitted_glb(self, fit_id: str) -> bytes | None:
+        """The fit's fitted.glb with the plan on it; None where the fit's own drawing is all that there is.
+
+        Raises as `on_fit`, and NotFound when the fit has no such file.
+        """
+        found = self.lines_on_fit(fit_id) if self.of_fit(fit_id).plan.is_whole else None
+        if found is None:
+            return None
+        file = self._storage.files.find(fit_place(fit_id), "fitted.glb")
+        if file is None:
+            raise NotFound("This fit has no fitted.glb.")
+        with file.open() as opened:
+            fitted = opened.read()
+        drawn = lines_on_scan(found[0], "mm")  # the document says its unit
+        return with_lines(fitted, [(line.name, line.points, line.closed, rgb(line.color)) for line in drawn])
+
+    def forget(self) -> None:
+        """Nothing is remembered any more: a scan is deleted."""
+        self._remembered.forget()
+
+    def _made_and_kept(self, planned: PlannedFits) -> bytes:
+        found = self._made(planned) if planned.plan.items else self._empty(planned)
+        known = {
+            "version": planned.plan.version,
+            "whole": planned.plan.is_whole,
+            "fit": planned.fit.id,
+            "carried_from": [{"scan": fit.scan, "fit": fit.id} for fit in planned.others],
+        }
+        content = indented(found | known).encode()
+        self._remembered.put(planned.key, content)
+        try:
+            for fit in (planned.fit, *planned.others):  # one that was deleted meanwhile leaves nothing here
+                get_fit(self._storage, fit.id)
+        except BreastRigError:
+            self.forget()
+            raise
+        return content
+
+    def _made(self, planned: PlannedFits) -> dict[str, Any]:
+        fits = (planned.fit, *planned.others)
+        try:
+            with ExitStack() as stack:
+                reading = self._storage.files.reading
+                folders = [PlannedFit(stack.enter_context(reading(fit_place(fit.id))), fit.scan) for fit in fits]
+                job = PlanJob(planned.document, folders[0], tuple(folders[1:]), self._model)
+                found: dict[str, Any] = self._processes.result(plan_on_fit, (job,), WALL_S)
+        except BreastRigError:
+            for fit in fits:
+                get_fit(self._storage, fit.id)
+            raise
+        except TimeoutError as error:
+            raise FitFailed(f"Carrying this plan took longer than {WALL_S:g} s; give smaller scans.") from error
+        except (OSError, RuntimeError) as error:
+            log.warning("the process that carried a plan died: %r", error)
+            raise FitFailed("Carrying this plan needs more memory than it may use; give smaller scans.") from error
+        return found
+
+    def _empty(self, planned: PlannedFits) -> dict[str, Any]:
+        return empty_plan_document(get_scan(self._storage, planned.fit.scan).facts["unit"])

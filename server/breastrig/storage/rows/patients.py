@@ -1,0 +1,243 @@
+"""Rows of patients, of their scans and their plans.
+
+Every scan is of one patient; a patient goes with her last scan.  A plan is replaced only by somebody who has seen the
+one that is there: each has a version, and earlier ones are kept for undoing.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, delete, exists, func, insert, select, update
+
+from breastrig.core.errors import NotFound
+from breastrig.storage import schema
+from breastrig.storage.rows.paging import newest_first
+from breastrig.storage.storage import Storage
+
+VERSIONS = 50  # of a plan that are kept; nobody undoes more
+
+Document = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class PatientRow:
+    id: str
+    code: str
+    created_at: str
+    version: int  # of her plan; 0: there is none yet
+
+
+@dataclass(frozen=True)
+class PlanRow:
+    version: int
+    items: tuple[Document, ...] = ()  # as breastrig/plan@1 has them
+    is_whole: bool = False  # somebody has written it as a whole: what it does not name is not wanted
+
+
+def put_scan(connection: Connection, scan_id: str, patient_id: str | None, new_id: str, now: str) -> None:
+    """Says whose scan it is: that patient's, or one who is new with it.  Raises NotFound."""
+    if patient_id is None:
+        connection.execute(insert(schema.patients).values(id=new_id, created_at=now))
+    elif not _is_there(connection, patient_id):
+        raise _no_patient()
+    patient = new_id if patient_id is None else patient_id
+    connection.execute(insert(schema.scans_of_patients).values(scan=scan_id, patient=patient))
+
+
+def move_scan(storage: Storage, scan_id: str, patient_id: str) -> None:
+    """The scan is that patient's from now on, and with it the items that were made on it.  Raises NotFound."""
+    table = schema.scans_of_patients
+    with storage.database.writing() as connection:
+        before = _patient_of(connection, scan_id)
+        if not _is_there(connection, patient_id):
+            raise _no_patient()
+        if before == patient_id:
+            return
+        moved = [item for item in _plan(connection, before).items if item.get("scan") == scan_id]
+        connection.execute(update(table).where(table.c.scan == scan_id).values(patient=patient_id))
+        if moved:
+            there = _plan(connection, patient_id)
+            taken = {item["id"] for item in there.items}
+            items = [*there.items, *(_renamed(item, taken) for item in moved)]
+            _write(connection, patient_id, items, there.is_whole)
+        _forget_scan(connection, before, scan_id)
+
+
+def patient_of_scan(storage: Storage, scan_id: str) -> str:
+    """Raises NotFound."""
+    with storage.database.reading() as connection:
+        return _patient_of(connection, scan_id)
+
+
+def scans_of_patient(storage: Storage, patient_id: str) -> list[str]:
+    """Ids, the first that came first.  Raises NotFound."""
+    table, scans = schema.scans_of_patients, schema.scans
+    with storage.database.reading() as connection:
+        if not _is_there(connection, patient_id):
+            raise _no_patient()
+        chosen = select(table.c.scan).join(scans, scans.c.id == table.c.scan).where(table.c.patient == patient_id)
+        return list(connection.execute(chosen.order_by(scans.c.created_at, scans.c.id)).scalars())
+
+
+def scans_of_patients(storage: Storage, patient_ids: Sequence[str]) -> dict[str, list[str]]:
+    """{patient: ids of her scans, the first that came first}"""
+    table, scans = schema.scans_of_patients, schema.scans
+    chosen = select(table).join(scans, scans.c.id == table.c.scan).where(table.c.patient.in_(patient_ids))
+    found: dict[str, list[str]] = {patient: [] for patient in patient_ids}
+    with storage.database.reading() as connection:
+        for row in connection.execute(chosen.order_by(scans.c.created_at, scans.c.id)):
+            found[row.patient].append(row.scan)
+    return found
+
+
+def get_patient(storage: Storage, patient_id: str) -> PatientRow:
+    """Raises NotFound."""
+    table = schema.patients
+    with storage.database.reading() as connection:
+        row = connection.execute(select(table).where(table.c.id == patient_id)).one_or_none()
+    if row is None:
+        raise _no_patient()
+    return PatientRow(row.id, row.code, row.created_at, row.version)
+
+
+def patients_page(
+    storage: Storage, limit: int, before: int | None, search: str = ""
+) -> tuple[list[PatientRow], int | None]:
+    """Patients, the newest first, and where the next page goes on; `search` is a part of a code."""
+    table = schema.patients
+    query = select(table)
+    if search:
+        query = query.where(func.lower(table.c.code).contains(search.lower(), autoescape=True))
+    rows, more = newest_first(storage, query, table.c.position, limit, before)
+    return [PatientRow(row.id, row.code, row.created_at, row.version) for row in rows], more
+
+
+def rename_patient(storage: Storage, patient_id: str, code: str) -> None:
+    """Raises NotFound."""
+    table = schema.patients
+    with storage.database.writing() as connection:
+        if connection.execute(update(table).where(table.c.id == patient_id).values(code=code)).rowcount == 0:
+            raise _no_patient()
+
+
+def get_plan(storage: Storage, patient_id: str, version: int | None = None) -> PlanRow:
+    """The plan as it is, or as it was in a version that is still kept; empty before the first.  Raises NotFound."""
+    table = schema.plans
+    with storage.database.reading() as connection:
+        if not _is_there(connection, patient_id):
+            raise _no_patient()
+        if version is None:
+            return _plan(connection, patient_id)
+        chosen = select(table.c.json).where(table.c.patient == patient_id, table.c.version == version)
+        text = connection.execute(chosen).scalar_one_or_none()
+    if text is None:
+        raise NotFound("This version of the plan is not kept any more.")
+    return _plan_row(version, text)
+
+
+def put_plan(storage: Storage, patient_id: str, items: Sequence[Document], seen: int) -> PlanRow | None:
+    """Replaces the plan that has the version `seen`; None when another one is there by now.  Raises NotFound."""
+    with storage.database.writing() as connection:
+        if not _is_there(connection, patient_id):
+            raise _no_patient()
+        if _version(connection, patient_id) != seen:
+            return None
+        return _write(connection, patient_id, items, is_whole=True)
+
+
+def put_items_of_scan(storage: Storage, scan_id: str, kind: str, items: Sequence[Document]) -> None:
+    """Replaces the items of one kind that were made on the scan, whatever else the plan holds.  Raises NotFound."""
+    with storage.database.writing() as connection:
+        patient = _patient_of(connection, scan_id)
+        plan = _plan(connection, patient)
+        others = [item for item in plan.items if (item.get("scan"), item["kind"]) != (scan_id, kind)]
+        taken = {item["id"] for item in others}
+        _write(connection, patient, [*others, *(_renamed(item, taken) for item in items)], plan.is_whole)
+
+
+def forget_scan(connection: Connection, scan_id: str) -> None:
+    """Before the scan's row is deleted: what was made on it goes too, and the patient when it was her last."""
+    table = schema.scans_of_patients
+    patient = connection.execute(select(table.c.patient).where(table.c.scan == scan_id)).scalar_one_or_none()
+    if patient is None:
+        return
+    connection.execute(delete(table).where(table.c.scan == scan_id))
+    _forget_scan(connection, patient, scan_id)
+
+
+def _forget_scan(connection: Connection, patient_id: str, scan_id: str) -> None:
+    table, plans = schema.scans_of_patients, schema.plans
+    left = connection.execute(select(func.count()).where(table.c.patient == patient_id)).scalar_one()
+    if left == 0:
+        connection.execute(delete(schema.patients).where(schema.patients.c.id == patient_id))
+        return
+    before = _plan(connection, patient_id)
+    for row in connection.execute(select(plans).where(plans.c.patient == patient_id)).all():
+        plan = _plan_row(row.version, row.json)
+        kept = [item for item in plan.items if item.get("scan") != scan_id]
+        if len(kept) != len(plan.items):
+            changed = _text(kept, plan.is_whole)
+            connection.execute(update(plans).where(plans.c.position == row.position).values(json=changed))
+    after = _plan(connection, patient_id)
+    if after != before:  # who has seen the one before must not write it again
+        _write(connection, patient_id, after.items, after.is_whole)
+
+
+def _write(connection: Connection, patient_id: str, items: Sequence[Document], is_whole: bool) -> PlanRow:
+    plans, patients = schema.plans, schema.patients
+    version = _version(connection, patient_id) + 1
+    connection.execute(insert(plans).values(patient=patient_id, version=version, json=_text(items, is_whole)))
+    connection.execute(update(patients).where(patients.c.id == patient_id).values(version=version))
+    old = plans.c.version <= version - VERSIONS
+    connection.execute(delete(plans).where(plans.c.patient == patient_id, old))
+    return PlanRow(version, tuple(items), is_whole)
+
+
+def _plan(connection: Connection, patient_id: str) -> PlanRow:
+    plans = schema.plans
+    newest = select(plans).where(plans.c.patient == patient_id).order_by(plans.c.version.desc()).limit(1)
+    row = connection.execute(newest).one_or_none()
+    return PlanRow(0) if row is None else _plan_row(row.version, row.json)
+
+
+def _plan_row(version: int, text: str) -> PlanRow:
+    plan = json.loads(text)
+    return PlanRow(version, tuple(plan["items"]), plan.get("whole", False))
+
+
+def _renamed(item: Document, taken: set[str]) -> Document:
+    wanted, count = item["id"], 1
+    while item["id"] in taken:
+        count += 1
+        item = item | {"id": f"{wanted[:56]}-{count}"}
+    taken.add(item["id"])
+    return item
+
+
+def _text(items: Sequence[Document], is_whole: bool) -> str:
+    plan = {"schema": "breastrig/plan@1", "unit": "mm", "items": list(items), "whole": is_whole}
+    return json.dumps(plan, separators=(",", ":"))
+
+
+def _version(connection: Connection, patient_id: str) -> int:
+    return int(
+        connection.execute(select(schema.patients.c.version).where(schema.patients.c.id == patient_id)).scalar_one()
+    )
+
+
+def _patient_of(connection: Connection, scan_id: str) -> str:
+    table = schema.scans_of_patients
+    patient = connection.execute(select(table.c.patient).where(table.c.scan == scan_id)).scalar_one_or_none()
+    if patient is None:
+        raise NotFound("There is no such scan; it may have been deleted.")
+    return str(patient)
+
+
+def _is_there(connection: Connection, patient_id: str) -> bool:
+    return bool(connection.execute(select(exists().where(schema.patients.c.id == patient_id))).scalar_one())
+
+
+def _no_patient() -> NotFound:
+    return NotFound("There is no such patient; she goes with her last scan.")

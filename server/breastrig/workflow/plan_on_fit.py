@@ -1,0 +1,115 @@
+"""A plan on the scan of one fit: from folders of fits and a document to a document.
+
+It reads one or more scans, and carries from each of them, so the service runs it in a process of its own.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from breastrig.core.errors import BadInput
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.drawings.drawing_file import shape_document
+from breastrig.drawings.plan_on_scan import PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
+from breastrig.drawings.plan_schema import Plan, PlanItem, PlanNote, PlanTumour, checked_plan
+from breastrig.drawings.transfer import fitted_scan
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
+
+
+@dataclass(frozen=True)
+class PlannedFit:
+    """The fit of a scan that a plan names."""
+
+    folder: Path
+    scan: str = ""  # as the plan's items name it; empty: found by the plan's table of scans, or by the stance
+
+
+@dataclass(frozen=True)
+class PlanJob:
+    """What is needed to lay a plan on a scan, as plain values that travel between processes."""
+
+    plan: dict[str, Any]  # a document breastrig/plan@1, or breastrig/drawing@1
+    fit: PlannedFit
+    others: tuple[PlannedFit, ...] = ()  # of the same patient's other scans, where items were made
+    model: Path | None = None  # None: the torso of the package
+
+
+def plan_on_fit(job: PlanJob) -> dict[str, Any]:
+    """The plan's lines as breastrig/drawing@1 in the scan's frame and unit; each says of which item it is.
+
+    Raises BadInput for what is no plan or no fit.
+    """
+    rig = read_rig(job.model or default_rig_path())
+    plan = checked_plan(job.plan)
+    here, *others = (fit_folder_of(each.folder, rig) for each in (job.fit, *job.others))
+    fits = [(here, job.fit.scan), *zip(others, [other.scan for other in job.others], strict=True)]
+    try:
+        found = plan_on_folders(rig, plan, fits)
+    except MemoryError as error:
+        raise BadInput("Carrying this plan needs more memory than it may use; give smaller scans.") from error
+    return plan_document(plan, here, found)
+
+
+def plan_on_folders(rig: Rig, plan: Plan, fits: Sequence[tuple[FitFolder, str]], home: int = 0) -> PlanOnScan:
+    """The plan on the scan of the first of these fits; with each the name that the plan's items give its scan.
+
+    Items that name no scan were made on that of `fits[home]`.
+    """
+    names = [name or scan_of_plan(plan, fit) for fit, name in fits]
+    here, *others = (
+        PlannedScan(
+            fit.stance,
+            fitted_scan(fit.surface, fit.vertices, fit.landmarks, fit.stance, fit.radii),
+            items_of(plan, name, is_home=place == home),
+        )
+        for place, ((fit, _), name) in enumerate(zip(fits, names, strict=True))
+    )
+    return plan_on_scan(rig, here, [other for other in others if other.items])
+
+
+def scan_of_plan(plan: Plan, fit: FitFolder) -> str:
+    """What the plan calls the fit's scan: by its hash, else by its stance; empty where it names no such scan."""
+    sha256 = fit.result["scan"].get("sha256")
+    table = {scan.id: scan for scan in plan.scans}
+    by_hash = [name for name, scan in table.items() if scan.sha256 is not None and scan.sha256 == sha256]
+    by_stance = [name for name, scan in table.items() if scan.stance == fit.stance]
+    named = [item.scan for item in plan.items if item.scan == fit.stance]
+    return next(iter([*by_hash, *by_stance, *named]), "")
+
+
+def items_of(plan: Plan, name: str, is_home: bool) -> tuple[PlanItem, ...]:
+    """The items of that scan; those that name none belong to the one that is at home."""
+    return tuple(item for item in plan.items if (item.scan == name if item.scan else is_home))
+
+
+def empty_plan_document(unit: str) -> dict[str, Any]:
+    """What `plan_on_fit` gives for a plan without items, without looking at the scan."""
+    nothing: dict[str, Any] = {"shapes": [], "notes": [], "missing": []}
+    return {"schema": "breastrig/drawing@1", "name": "plan", "unit": unit, "notice": LIMITS_OF_USE} | nothing
+
+
+def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan) -> dict[str, Any]:
+    """breastrig/drawing@1 with, beside each line, its item, and with what is missing."""
+    return empty_plan_document(fit.unit) | {
+        "shapes": [_shape(each, fit.metres_per_unit) for each in found.lines],
+        "notes": [
+            {"item": item.id, "text": item.text, "at": item.id if item.point is not None else None}
+            for item in plan.items
+            if isinstance(item, PlanNote)
+        ],
+        "missing": [{"item": each.item.id, "reason": each.reason} for each in found.missing],
+    }
+
+
+def _shape(each: PlannedLine, metres_per_unit: float) -> dict[str, Any]:
+    item = each.item
+    depth = item.depth_mm if isinstance(item, PlanTumour) else None
+    return shape_document(each.line, metres_per_unit) | {
+        "item": item.id,
+        "kind": item.kind,
+        "carried": each.is_carried,
+        **({} if depth is None else {"depth_mm": depth}),
+    }

@@ -1,0 +1,218 @@
+"""Patients: whose scan a scan is, the list to work through, and plans that nobody overwrites unseen."""
+
+import io
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from flask.testing import FlaskClient
+from helpers.on_disk import bytes_below
+from helpers.problems import problem
+from PIL import Image
+
+from breastrig.service.service import Service
+
+LINE = {"kind": "line", "name": "incision", "closed": False, "color": "#b83280", "points": [[70.0, 350.0, 120.0]]}
+TUMOUR = {"kind": "tumour", "side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0, "depth_mm": 20.0}
+
+
+@pytest.fixture
+def add(client: FlaskClient, torso: bytes) -> Iterator[Any]:
+    """Adds scans; what is left of them is deleted at the end."""
+    made: list[str] = []
+
+    def one(patient: str | None = None) -> dict[str, Any]:
+        form: dict[str, Any] = {"file": (io.BytesIO(torso), "torso.ply")}
+        answer = client.post("/api/scans", data=form if patient is None else form | {"patient": patient})
+        assert answer.status_code == 201, answer.json
+        made.append(answer.json["id"])
+        return dict(answer.json)
+
+    yield one
+    for scan in made:
+        client.delete(f"/api/scans/{scan}")
+
+
+def plan_of(scan: dict[str, Any]) -> str:
+    return str(scan["links"]["plan"])
+
+
+def item(scan: dict[str, Any], of: dict[str, Any], name: str) -> dict[str, Any]:
+    return of | {"id": name, "scan": scan["id"]}
+
+
+def put(client: FlaskClient, scan: dict[str, Any], items: list[dict[str, Any]], seen: str) -> Any:
+    return client.put(plan_of(scan), json={"items": items}, headers={"If-Match": seen})
+
+
+def test_each_scan_is_of_a_patient_and_a_second_one_can_be_of_the_same(client: FlaskClient, add: Any) -> None:
+    first = add()
+    second, other = add(first["patient"]), add()
+    assert second["patient"] == first["patient"] != other["patient"]
+    patient = client.get(first["links"]["patient"]).json
+    assert [scan["id"] for scan in patient["scans"]] == [first["id"], second["id"]]
+    assert (patient["code"], patient["plan_version"]) == ("", 0)
+    assert all(scan["delete_at"] > scan["created_at"] for scan in patient["scans"])
+
+
+def test_a_scan_of_an_unknown_patient_is_refused_and_nothing_kept(
+    client: FlaskClient, service: Service, torso: bytes
+) -> None:
+    before = sorted(path.name for path in (service.storage.root / "scans").iterdir())
+    answer = client.post("/api/scans", data={"file": (io.BytesIO(torso), "t.ply"), "patient": "nobody"})
+    assert "no such patient" in problem(answer, 404)
+    assert sorted(path.name for path in (service.storage.root / "scans").iterdir()) == before
+
+
+def test_a_plan_is_kept_whole_with_its_ids_and_versions(client: FlaskClient, add: Any) -> None:
+    scan = add()
+    empty = client.get(plan_of(scan))
+    assert (empty.json["items"], empty.json["version"], empty.json["whole"]) == ([], 0, False)
+    note = item(scan, {"kind": "note", "text": "wants it smaller", "point": None}, "n")
+    pattern = item(scan, {"kind": "pattern", "name": "lumpectomy", "parameters": {}}, "p")
+    items = [item(scan, LINE, "a"), item(scan, TUMOUR, "t"), pattern, note]
+    answer = put(client, scan, items, empty.headers["ETag"])
+    assert answer.status_code == 200, answer.json
+    found = client.get(plan_of(scan))
+    assert found.headers["ETag"] == answer.headers["ETag"] == '"1"'
+    assert found.headers["Cache-Control"] == "no-store"
+    assert [{key: each[key] for key in sent} for each, sent in zip(found.json["items"], items, strict=True)] == items
+    assert found.json["scans"] == [
+        {"id": scan["id"], "stance": scan["stance"]["proposed"], "sha256": found.json["scans"][0]["sha256"]}
+    ]
+    assert put(client, scan, items[:1], '"1"').headers["ETag"] == '"2"'
+    earlier = client.get(f"{plan_of(scan)}/versions/1").json
+    assert [each["id"] for each in earlier["items"]] == ["a", "t", "p", "n"]
+    problem(client.get(f"{plan_of(scan)}/versions/7"), 404)
+
+
+def test_who_has_not_seen_the_plan_does_not_replace_it(client: FlaskClient, add: Any) -> None:
+    scan = add()
+    assert put(client, scan, [item(scan, LINE, "a")], '"0"').status_code == 200
+    late = put(client, scan, [item(scan, LINE, "b")], '"0"')
+    assert "changed this plan" in problem(late, 412)
+    assert late.headers["ETag"] == '"1"'
+    for seen in ("*", "1-1", '"99999999999999999999"', ""):
+        problem(put(client, scan, [], seen), 412)
+    assert "If-Match" in problem(client.put(plan_of(scan), json={"items": []}), 428)
+    assert [each["id"] for each in client.get(plan_of(scan)).json["items"]] == ["a"]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "word"),
+    [
+        (TUMOUR | {"id": "t", "scan": "nobody"}, "none of this patient"),
+        (TUMOUR | {"id": "t", "clock": 14.0}, "clock"),
+        (TUMOUR | {"id": "t", "radius_mm": 0.1}, "radius_mm"),
+        (TUMOUR | {"id": "no spaces"}, "id"),
+        (LINE | {"id": "a", "points": [[70.0, 350.0, 9000.0]]}, "outside of the scan"),
+        (LINE | {"id": "a", "points": []}, "points"),
+        ({"id": "n", "kind": "note", "text": ""}, "text"),
+        ({"id": "n", "kind": "note", "text": "x" * 2001}, "text"),
+        ({"id": "p", "kind": "pattern", "name": "tattoo", "parameters": {}}, "tattoo"),
+        ({"id": "p", "kind": "pattern", "name": "lumpectomy", "parameters": {"size": 1.0}}, "has no parameters"),
+        ({"id": "p", "kind": "pattern", "name": "lumpectomy+tumour:L,1,2", "parameters": {}}, "name"),
+        ({"id": "x", "kind": "spell"}, "items.0"),
+    ],
+)
+def test_what_cannot_be_planned_is_refused(client: FlaskClient, add: Any, wrong: dict[str, Any], word: str) -> None:
+    scan = add()
+    assert word in problem(put(client, scan, [{"scan": scan["id"]} | wrong], '"0"'), 422)
+    assert client.get(plan_of(scan)).json["version"] == 0
+
+
+def test_two_items_of_one_id_or_two_lines_of_one_name_are_refused(client: FlaskClient, add: Any) -> None:
+    scan = add()
+    twice = [item(scan, LINE, "a"), item(scan, LINE | {"name": "other"}, "a")]
+    assert 'have the id "a"' in problem(put(client, scan, twice, '"0"'), 422)
+    named = [item(scan, LINE, "a"), item(scan, LINE, "b")]
+    assert 'are called "incision"' in problem(put(client, scan, named, '"0"'), 422)
+
+
+def test_lines_that_are_sent_as_a_drawing_become_items_and_leave_the_others_alone(
+    client: FlaskClient, add: Any
+) -> None:
+    first = add()
+    second = add(first["patient"])
+    put(client, first, [item(first, TUMOUR, "t"), item(first, LINE, "a"), item(second, LINE, "b")], '"0"')
+    shape = {key: value for key, value in LINE.items() if key != "kind"}
+    answer = client.put(first["links"]["drawing"], json={"shapes": [shape, shape | {"name": "new"}]})
+    assert answer.status_code == 200, answer.json
+    items = client.get(plan_of(first)).json["items"]
+    assert [(each["id"], each["kind"], each["scan"]) for each in items] == [
+        ("t", "tumour", first["id"]),
+        ("b", "line", second["id"]),
+        ("a", "line", first["id"]),  # the name that it had, so the id that it had
+        ("line-2", "line", first["id"]),
+    ]
+    assert [each["name"] for each in client.get(first["links"]["drawing"]).json["shapes"]] == ["incision", "new"]
+
+
+def test_a_scan_moves_to_another_patient_with_what_was_planned_on_it(client: FlaskClient, add: Any) -> None:
+    first, second = add(), add()
+    put(client, first, [item(first, LINE, "a")], '"0"')
+    put(client, second, [item(second, TUMOUR, "a")], '"0"')
+    answer = client.put(f"/api/scans/{second['id']}/patient", json={"patient": first["patient"]})
+    assert [scan["id"] for scan in answer.json["scans"]] == [first["id"], second["id"]]
+    problem(client.get(second["links"]["patient"]), 404)  # she had no other scan
+    items = client.get(plan_of(first)).json["items"]
+    assert [(each["id"], each["kind"]) for each in items] == [("a", "line"), ("a-2", "tumour")]
+    problem(client.put(f"/api/scans/{second['id']}/patient", json={"patient": "nobody"}), 404)
+    problem(client.put("/api/scans/nobody/patient", json={"patient": first["patient"]}), 404)
+
+
+def test_deleting_a_scan_deletes_what_was_planned_on_it_in_every_version(
+    client: FlaskClient, service: Service, add: Any
+) -> None:
+    first = add()
+    second = add(first["patient"])
+    secret = "over_the_third_rib"
+    put(client, first, [item(first, LINE | {"name": secret}, "a"), item(second, LINE, "b")], '"0"')
+    put(client, first, [item(first, LINE | {"name": secret}, "a"), item(second, TUMOUR, "t")], '"1"')
+    assert secret.encode() in bytes_below(service.storage.root)
+    client.delete(f"/api/scans/{first['id']}")
+    assert secret.encode() not in bytes_below(service.storage.root)
+    plan = client.get(plan_of(second))
+    assert [each["id"] for each in plan.json["items"]] == ["t"]
+    assert plan.headers["ETag"] == '"3"'  # who has seen the one with both cannot bring it back
+    problem(put(client, second, [item(second, LINE, "b")], '"2"'), 412)
+
+
+def test_deleting_a_patient_deletes_all(client: FlaskClient, service: Service, add: Any) -> None:
+    first = add()
+    second = add(first["patient"])
+    client.patch(first["links"]["patient"], json={"code": "secret-code-17"})
+    put(client, first, [item(first, LINE, "a"), item(second, LINE, "b")], '"0"')
+    assert client.delete(first["links"]["patient"]).status_code == 204
+    assert client.delete(first["links"]["patient"]).status_code == 204
+    for scan in (first, second):
+        problem(client.get(f"/api/scans/{scan['id']}"), 404)
+    problem(client.get(plan_of(first)), 404)
+    assert b"secret-code-17" not in bytes_below(service.storage.root)
+
+
+def test_the_list_is_paged_the_newest_first_and_searched_by_code(client: FlaskClient, add: Any) -> None:
+    scans = [add() for _ in range(3)]
+    for number, scan in enumerate(scans):
+        answer = client.patch(scan["links"]["patient"], json={"code": f"  Ward 7 /  {number}%_"})
+        assert answer.json["code"] == f"Ward 7 / {number}%_"
+    page = client.get("/api/patients?limit=2&search=WARD 7 /").json
+    assert [each["code"] for each in page["patients"]] == ["Ward 7 / 2%_", "Ward 7 / 1%_"]
+    before = page["next"].partition("before=")[2].partition("&")[0]
+    rest = client.get(f"/api/patients?limit=2&search=ward 7&before={before}").json
+    assert [each["code"] for each in rest["patients"]] == ["Ward 7 / 0%_"]
+    assert rest["next"] is None
+    assert client.get("/api/patients?search=1%25_").json["patients"][0]["id"] == scans[1]["patient"]
+    problem(client.patch(scans[0]["links"]["patient"], json={"code": "x" * 61}), 422)
+    problem(client.patch("/api/patients/nobody", json={"code": "x"}), 404)
+
+
+def test_each_scan_has_a_small_picture_without_names_in_it(client: FlaskClient, add: Any) -> None:
+    scan = add()
+    (listed,) = client.get(scan["links"]["patient"]).json["scans"]
+    answer = client.get(listed["thumbnail"])
+    with Image.open(io.BytesIO(answer.data)) as picture:
+        assert (picture.format, picture.size, picture.info.get("Comment")) == ("PNG", (144, 180), None)
+        shown = picture.convert("RGBA").getchannel("A")
+        assert 0.1 < sum(shown.histogram()[128:]) / (144 * 180) < 0.95
+    problem(client.get("/api/scans/nobody/thumbnail.png"), 404)

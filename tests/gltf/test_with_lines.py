@@ -1,0 +1,42 @@
+"""The plan in a fit's own file: lines where they are on the scan, none of the fit's own drawing beside them."""
+
+import numpy as np
+from helpers.random_pose import random_parameters
+
+from breastrig.core.glb import split_glb
+from breastrig.core.gltf_arrays import GltfArrays
+from breastrig.gltf.replay import fitted_glb
+from breastrig.gltf.with_lines import with_lines
+from breastrig.rig.model import Rig
+
+
+def test_the_plan_stands_beside_the_rig_and_instead_of_the_fits_own_drawing(
+    toy_rig: Rig, rng: np.random.Generator
+) -> None:
+    before = fitted_glb(toy_rig, [random_parameters(toy_rig, rng)], [0.0], toy_rig.drawings[0], {"scan_unit": "mm"})
+    line, ring = rng.normal(size=(7, 3)), rng.normal(size=(5, 3))
+    content = with_lines(before, [("Line 1", line, False, (16, 16, 16)), ("tumour_L", ring, True, (200, 0, 0))])
+    document, binary = split_glb(content)
+    arrays, nodes = GltfArrays(document, binary), document["nodes"]
+    shown = [nodes[k]["name"] for k in document["scenes"][0]["nodes"]]
+    assert shown[-1] == "plan"
+    assert not any(name.startswith("drawing_") for name in shown)
+    children = [nodes[k] for k in nodes[document["scenes"][0]["nodes"][-1]]["children"]]
+    assert [node["name"] for node in children] == ["Line 1", "tumour_L"]
+    for node, points in zip(children, (line, ring), strict=True):
+        primitive = document["meshes"][node["mesh"]]["primitives"][0]
+        np.testing.assert_allclose(arrays.read(primitive["attributes"]["POSITION"]), points, atol=1e-6)
+    rig_before, numbers = split_glb(before)
+    mesh = document["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
+    np.testing.assert_array_equal(
+        arrays.read(mesh),
+        GltfArrays(rig_before, numbers).read(rig_before["meshes"][0]["primitives"][0]["attributes"]["POSITION"]),
+    )
+    assert document["asset"]["extras"] == rig_before["asset"]["extras"]
+
+
+def test_an_empty_plan_takes_the_drawing_out(toy_rig: Rig, rng: np.random.Generator) -> None:
+    before = fitted_glb(toy_rig, [random_parameters(toy_rig, rng)], [0.0], toy_rig.drawings[0], {})
+    document, _ = split_glb(with_lines(before, []))
+    assert [document["nodes"][k]["name"] for k in document["scenes"][0]["nodes"]][-1] != "plan"
+    assert len(document["scenes"][0]["nodes"]) == len(split_glb(before)[0]["scenes"][0]["nodes"]) - 1

@@ -1,0 +1,72 @@
+// Deleting the scan on the page with all that belongs to it.  The service forgets at once and for good; so it is told
+// ten seconds later, or when the page is left, and until then the person can take it back.
+import type { Client } from "../api/client";
+import type { Scan } from "../api/types";
+import type { ScanActions } from "../scan/actions";
+import type { StancesActions } from "../stances/actions";
+import { messageOf, withProblem } from "../store/problems";
+import type { Store } from "../store/store";
+import type { Session } from "./session";
+import * as text from "./text";
+
+export const UNDO_MS = 10_000;
+
+interface Others {
+  readonly scan: Pick<ScanActions, "leave" | "open">;
+  readonly stances: Pick<StancesActions, "swap" | "remove">;
+}
+
+export function deletionActions(store: Store<Session>, client: Client, others: Others) {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+
+  /** Tells the service now what it would be told later. */
+  async function send(): Promise<void> {
+    clearTimeout(timer);
+    const { deletion } = store.get();
+    if (!deletion) return;
+    store.set({ deletion: null });
+    try {
+      await client.deleteScan(deletion.scan);
+      store.set({ announcement: text.deletion.announceDone });
+    } catch (error) {
+      store.set((state) => withProblem(state, "page", messageOf(error)));
+    }
+  }
+
+  function keep(): Scan | null {
+    clearTimeout(timer);
+    const { deletion } = store.get();
+    store.set({ deletion: null });
+    return deletion?.scan ?? null;
+  }
+
+  return {
+    ask: (isAsked: boolean): void => store.set({ isAskingToDelete: isAsked }),
+    send,
+
+    async confirm(): Promise<void> {
+      const { scan } = store.get();
+      store.set({ isAskingToDelete: false });
+      if (!scan) return;
+      await send(); // one at a time
+      if (store.get().stances.other) {
+        await others.stances.swap();
+        others.stances.remove();
+      } else void others.scan.leave();
+      store.set({ deletion: { scan: scan.info, title: scan.title }, announcement: text.deletion.soon(scan.title) });
+      timer = setTimeout(() => void send(), UNDO_MS);
+    },
+
+    async undo(): Promise<void> {
+      const scan = keep();
+      if (scan && store.get().scan === null) await others.scan.open(scan.id, null);
+    },
+
+    /** Somebody opens it again by another way, for instance the browser's Back. */
+    keepIf: (scan: string): void => {
+      if (store.get().deletion?.scan.id === scan) keep();
+    },
+  };
+}
+
+export type DeletionActions = ReturnType<typeof deletionActions>;

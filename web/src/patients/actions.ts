@@ -1,0 +1,93 @@
+// The list of patients: read page by page, searched, renamed; a deletion is sent ten seconds late, or when the page is left.
+import { ApiError, type Client } from "../api/client";
+import type { Patient } from "../api/types";
+import type { PageSlice } from "../store/page";
+import { messageOf, withProblem } from "../store/problems";
+import type { Store } from "../store/store";
+import { initialPatients, type Order, type PatientsSlice, type PatientsState } from "./state";
+import * as text from "./text";
+
+const UNDO_MS = 10_000;
+const PAUSE_MS = 250; // while somebody types
+
+type State = PageSlice & PatientsSlice;
+
+export function patientActions(store: Store<State>, client: Pick<Client, "patients" | "renamePatient" | "deletePatient">) {
+  const going = new Map<string, ReturnType<typeof setTimeout>>();
+  let typing: ReturnType<typeof setTimeout> | undefined;
+  let asked = 0; // the list asked for last wins
+
+  const put = (part: Partial<PatientsState>, more: Partial<State> = {}): void => store.set((state) => ({ ...more, patients: { ...state.patients, ...part } }));
+  const fail = (error: unknown): void => store.set((state) => withProblem(state, "page", messageOf(error)));
+  const nameOf = (id: string): string => store.get().patients.rows.find((row) => row.id === id)?.code ?? "";
+
+  async function read(address: string | null): Promise<void> {
+    const mine = ++asked;
+    put({ isBusy: true });
+    try {
+      const page = await client.patients(address, store.get().patients.search);
+      if (mine !== asked) return;
+      put({ rows: address === null ? page.patients : [...store.get().patients.rows, ...page.patients], next: page.next, isBusy: false, isKnown: true });
+    } catch (error) {
+      if (mine !== asked) return;
+      put({ isBusy: false });
+      if (!(error instanceof ApiError && error.status === 0)) fail(error); // that the service does not answer stands there already
+    }
+  }
+
+  async function send(id: string): Promise<void> {
+    const code = nameOf(id);
+    clearTimeout(going.get(id));
+    if (!going.delete(id)) return;
+    try {
+      await client.deletePatient(id);
+      store.set(({ patients }) => ({
+        patients: { ...patients, rows: patients.rows.filter((row) => row.id !== id), going: patients.going.filter((each) => each !== id) },
+        announcement: text.patients.announceGone(code),
+      }));
+    } catch (error) {
+      put({ going: store.get().patients.going.filter((each) => each !== id) });
+      fail(error);
+    }
+  }
+
+  if (typeof addEventListener === "function") addEventListener("pagehide", () => [...going.keys()].forEach((id) => void send(id)));
+
+  return {
+    /** As the service has it now. */
+    read: (): Promise<void> => read(null),
+    more: (): Promise<void> => read(store.get().patients.next),
+
+    search(search: string): void {
+      put({ search });
+      clearTimeout(typing);
+      typing = setTimeout(() => void read(null), PAUSE_MS);
+    },
+
+    order: (order: Order): void => put({ order }),
+
+    async rename(id: string, code: string): Promise<void> {
+      try {
+        const changed: Patient = await client.renamePatient(id, code);
+        store.set(({ patients }) => ({ patients: { ...patients, rows: patients.rows.map((row) => (row.id === id ? changed : row)) } }));
+      } catch (error) {
+        fail(error);
+      }
+    },
+
+    remove(id: string): void {
+      put({ going: [...store.get().patients.going, id] }, { announcement: text.patients.going(nameOf(id)) });
+      going.set(id, setTimeout(() => void send(id), UNDO_MS));
+    },
+
+    undo(id: string): void {
+      clearTimeout(going.get(id));
+      going.delete(id);
+      put({ going: store.get().patients.going.filter((each) => each !== id) });
+    },
+
+    forget: (): void => put(initialPatients),
+  };
+}
+
+export type PatientActions = ReturnType<typeof patientActions>;

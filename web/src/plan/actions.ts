@@ -1,0 +1,96 @@
+// The plan of the patient on the page: read with each scan, written when a line, a pattern or a tumour changes.
+import type { Client } from "../api/client";
+import type { PlanItem, Scan } from "../api/types";
+import type { OwnLine } from "../drawing/lines";
+import type { DrawingSlice } from "../drawing/state";
+import { type FitSlice, initialFit } from "../fit/state";
+import type { ScanSlice } from "../scan/state";
+import type { PageSlice } from "../store/page";
+import { messageOf, withProblem } from "../store/problems";
+import { only, type Store } from "../store/store";
+import { drawingOn, linesOn, withDrawing, withLines } from "./items";
+import { createPlanKeeper } from "./keeper";
+
+type State = PageSlice & ScanSlice & FitSlice & DrawingSlice;
+
+/** What the plan says about one scan. */
+export interface PlannedOnScan {
+  readonly lines: readonly OwnLine[];
+  /** that its next fit brings along, see fit/requestedDrawing.ts */
+  readonly drawing: string;
+  /** Somebody has planned something; else the drawing is the reference that a first fit brings along. */
+  readonly isWhole: boolean;
+}
+
+export function planActions(store: Store<State>, client: Client) {
+  const keeper = createPlanKeeper(client);
+  const link = (scan: Pick<Scan, "links">): string => scan.links.plan;
+
+  /** Before anybody has planned anything a fit brings the reference drawing along. */
+  const onScan = (items: readonly PlanItem[], isWhole: boolean, scan: string): PlannedOnScan => ({
+    lines: linesOn(items, scan),
+    drawing: isWhole ? drawingOn(items, scan) : referenceOf(store.get().meta?.drawings ?? []),
+    isWhole,
+  });
+
+  async function saveDrawing(scan: Scan, drawing: string): Promise<void> {
+    try {
+      await keeper.save(link(scan), (items) => withDrawing(items, scan.id, drawing));
+      store.set((state) => withProblem(state, "drawing", null));
+    } catch (error) {
+      store.set((state) => withProblem(state, "drawing", messageOf(error)));
+    }
+  }
+
+  /** A pattern or tumour that a person changes is written at once. */
+  store.select(only("scan", "drawing"), ({ scan, drawing }, before) => {
+    if (scan && scan.info.id === before.scan?.info.id && drawing !== before.drawing) void saveDrawing(scan.info, drawing);
+  });
+
+  /** The first fit decides that its drawing is the plan: from then on the plan speaks for all scans. */
+  store.select(only("fit"), ({ fit }, before) => {
+    const { scan, drawing } = store.get();
+    if (!scan || fit?.state !== "running" || fit.id === before.fit?.id) return;
+    if (keeper.seen(link(scan.info))?.whole === false) void saveDrawing(scan.info, drawing);
+  });
+
+  return {
+    async read(scan: Scan): Promise<PlannedOnScan> {
+      const plan = await keeper.read(link(scan));
+      return onScan(plan.items, plan.whole, scan.id);
+    },
+
+    /** The scan's lines as they are kept now: with those that somebody else has drawn meanwhile. */
+    async saveLines(scan: Scan, lines: readonly OwnLine[]): Promise<{ lines: readonly OwnLine[]; isMerged: boolean }> {
+      const kept = await keeper.save(link(scan), (items) => withLines(items, scan.id, lines));
+      return kept.isMerged ? { lines: linesOn(kept.items, scan.id), isMerged: true } : { lines, isMerged: false };
+    },
+
+    /** The scan's lines as they were before, as far back as the service remembers; null when there is nothing earlier. */
+    async earlierLines(scan: Scan, lines: readonly OwnLine[]): Promise<readonly OwnLine[] | null> {
+      await keeper.settled();
+      const now = keeper.seen(link(scan)) ?? (await keeper.read(link(scan)));
+      const asText = (items: readonly PlanItem[]): string => JSON.stringify(items.filter(({ kind, scan: of }) => kind === "line" && of === scan.id));
+      const wanted = asText(withLines(now.items, scan.id, lines));
+      const plan = await keeper.earlier(link(scan), now.version, (items) => asText(items) !== wanted);
+      return plan && linesOn(plan.items, scan.id);
+    },
+
+    /** Whether more of the plan belongs to a scan, or to others of the patient, than its fit has brought along. */
+    isMoreThan(scan: Scan, drawingOfFit: string | null, isOtherFitted: boolean): boolean {
+      const items = keeper.seen(link(scan))?.items ?? [];
+      const beyondLines = items.filter((item) => item.scan === scan.id && item.kind !== "line");
+      const asked = withDrawing([], scan.id, drawingOfFit ?? "");
+      const isAsked = drawingOn(items, scan.id) === (drawingOfFit ?? "") && beyondLines.length === asked.length;
+      return !isAsked || (isOtherFitted && items.some((item) => item.scan !== scan.id));
+    },
+
+    settled: keeper.settled,
+  };
+}
+
+/** The reference drawing that a first fit brings along, where the model has it. */
+export const referenceOf = (drawings: readonly { readonly name: string }[]): string =>
+  drawings.length === 0 || drawings.some(({ name }) => name === initialFit.drawing) ? initialFit.drawing : drawings[0]!.name;
+
+export type PlanActions = ReturnType<typeof planActions>;

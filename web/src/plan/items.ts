@@ -1,0 +1,103 @@
+// The plan as plain values: which of its items are lines, patterns and the tumour of one scan, put back after a change,
+// and brought together with what somebody else has changed meanwhile.
+import type { PlanItem, PlanLine, PlanPattern, PlanTumour, Vector } from "../api/types";
+import { lineAlong } from "../drawing/edits";
+import { roundMm } from "../drawing/files";
+import { INK, newId, type OwnLine } from "../drawing/lines";
+import { type DrawingRequest, readRequest, requestText, type Values } from "../fit/requestedDrawing";
+
+type Items = readonly PlanItem[];
+
+const isLine = (item: PlanItem): item is PlanLine => item.kind === "line";
+const isPattern = (item: PlanItem): item is PlanPattern => item.kind === "pattern";
+const isTumour = (item: PlanItem): item is PlanTumour => item.kind === "tumour";
+
+/** The pen's lines on a scan. */
+export const linesOn = (items: Items, scan: string): OwnLine[] =>
+  items.filter(isLine).filter((item) => item.scan === scan).map(({ id, name, color, points, closed }) => ({ ...lineAlong(name, color ?? INK, points, closed ?? false), id }));
+
+/** What a fit of the scan is asked to bring along: its first pattern and its first tumour, as one text. */
+export function drawingOn(items: Items, scan: string): string {
+  const here = items.filter((item) => item.scan === scan);
+  const pattern = here.find(isPattern);
+  const tumour = here.find(isTumour);
+  const request: DrawingRequest = { base: pattern?.name ?? "", values: pattern ? texts(pattern.parameters ?? {}) : {}, tumour: tumour ? valuesOf(tumour) : null };
+  return requestText(request);
+}
+
+const texts = (parameters: PlanPattern["parameters"]): Values => Object.fromEntries(Object.entries(parameters ?? {}).map(([name, value]) => [name, String(value)]));
+const valuesOf = ({ side, clock, distance_mm, radius_mm }: PlanTumour): Values => ({ side, clock: String(clock), distance_mm: String(distance_mm), radius_mm: String(radius_mm) });
+
+/** The items with these lines on the scan; a line without an id keeps that of the item with its name. */
+export function withLines(items: Items, scan: string, lines: readonly OwnLine[]): PlanItem[] {
+  const before = items.filter(isLine).filter((item) => item.scan === scan);
+  const after = lines.map((line): PlanLine => {
+    const id = line.id ?? before.find(({ name }) => name === line.name)?.id ?? newId();
+    return { kind: "line", id, scan, name: line.name, label: "", closed: line.closed, color: line.color, points: line.points.map((point) => point.map(roundMm) as Vector) };
+  });
+  return [...items.filter((item) => !(isLine(item) && item.scan === scan)), ...after];
+}
+
+/** The items with this pattern and tumour on the scan, instead of the first ones; what they were keeps its id. */
+export function withDrawing(items: Items, scan: string, text: string): PlanItem[] {
+  const { base, values, tumour } = readRequest(text);
+  const here = items.filter((item) => item.scan === scan);
+  const [oldPattern, oldTumour] = [here.find(isPattern), here.find(isTumour)];
+  const rest = items.filter((item) => item !== oldPattern && item !== oldTumour);
+  const parameters = Object.fromEntries(Object.entries(values).map(([name, value]) => [name, numberOr(value)]));
+  const pattern: PlanPattern[] = base === "" ? [] : [{ kind: "pattern", id: oldPattern?.id ?? newId(), scan, name: base, parameters }];
+  const number = (name: string): number => Number(tumour?.[name]);
+  const circle: PlanTumour[] = tumour
+    ? [{ ...oldTumour, kind: "tumour", id: oldTumour?.id ?? newId(), scan, side: tumour.side === "R" ? "R" : "L", clock: number("clock"), distance_mm: number("distance_mm"), radius_mm: number("radius_mm") }]
+    : [];
+  return [...rest, ...pattern, ...circle];
+}
+
+const numberOr = (value: string): number | string => (value.trim() !== "" && Number.isFinite(Number(value)) ? Number(value) : value);
+
+/**
+ * What both wanted: `mine` and `theirs` each began with `base`.  Where both changed one item, mine stays and theirs is kept
+ * beside it under another name, so that nothing anybody drew is lost; where one deleted what the other changed, the change stays.
+ */
+export function merged(base: Items, mine: Items, theirs: Items): PlanItem[] {
+  const find = (items: Items, id: string): PlanItem | undefined => items.find((item) => item.id === id);
+  const same = (a: PlanItem | undefined, b: PlanItem | undefined): boolean => sorted(a) === sorted(b);
+  const found: PlanItem[] = [];
+  for (const item of theirs) {
+    const [before, own] = [find(base, item.id), find(mine, item.id)];
+    if (same(item, before)) {
+      if (own) found.push(own); // they left it alone: as I have it, or gone
+    } else if (same(own, before) || same(own, item)) found.push(item);
+    else if (!own) found.push(item);
+    else found.push(own, beside(item));
+  }
+  for (const item of mine) {
+    const before = find(base, item.id);
+    if (find(theirs, item.id)) continue;
+    if (!before || !same(item, before)) found.push(item); // new, or changed while they deleted it
+  }
+  return named(found);
+}
+
+const beside = (item: PlanItem): PlanItem => ({ ...item, id: newId() });
+
+/** Two lines of one scan may not have one name. */
+function named(items: Items): PlanItem[] {
+  const taken = new Set<string>();
+  return items.map((item) => {
+    if (!isLine(item)) return item;
+    let name = item.name;
+    for (let number = 2; taken.has(`${item.scan ?? ""}/${name}`); number += 1) name = `${item.name} ${number}`;
+    taken.add(`${item.scan ?? ""}/${name}`);
+    return { ...item, name };
+  });
+}
+
+/** A text that is the same for equal values, whatever the order of their parts. */
+function sorted(value: unknown): string {
+  return JSON.stringify(value, (_key, part: unknown) =>
+    part !== null && typeof part === "object" && !Array.isArray(part)
+      ? Object.fromEntries(Object.entries(part).filter(([, each]) => each != null && each !== "").sort(([a], [b]) => (a < b ? -1 : 1)))
+      : part,
+  );
+}

@@ -1,0 +1,40 @@
+import { afterEach, expect, test, vi } from "vitest";
+import { withScan } from "../fakes";
+
+afterEach(() => void vi.unstubAllGlobals());
+
+test("a wanted landmark and a tool in the hand show the scan alone; what was shown before comes back with the last of them", async () => {
+  const { store, actions } = await withScan();
+  actions.view.overlay("swipe");
+  actions.landmarks.want("nipple_L");
+  expect(store.get().overlay).toBe("scan");
+  actions.landmarks.want("nipple_R");
+  actions.landmarks.want(null);
+  expect(store.get().overlay).toBe("swipe");
+  actions.drawing.take("pen");
+  expect(store.get().overlay).toBe("scan");
+  actions.drawing.take("points");
+  expect(store.get().overlay).toBe("scan");
+  actions.page.goTo("result");
+  expect(store.get().overlay).toBe("swipe");
+});
+
+test("from the pen to a landmark it stays so, and the last landmark brings it back", async () => {
+  const { store, actions } = await withScan();
+  actions.view.overlay("beside");
+  actions.drawing.take("pen");
+  actions.landmarks.want("umbilicus");
+  expect(store.get()).toMatchObject({ overlay: "scan", drawn: { tool: "none" } });
+  for (let i = 0; i < 4; i += 1) actions.landmarks.place([i, 0, 0]);
+  expect(store.get()).toMatchObject({ active: null, overlay: "beside", overlayBefore: null });
+});
+
+test("what a person chooses while placing holds, then and afterwards", async () => {
+  const { store, actions } = await withScan();
+  actions.view.overlay("model");
+  actions.landmarks.want("nipple_L");
+  actions.view.overlay("both");
+  expect(store.get().overlay).toBe("both");
+  actions.landmarks.want(null);
+  expect(store.get().overlay).toBe("both");
+});

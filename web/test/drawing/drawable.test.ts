@@ -1,0 +1,118 @@
+// What of a scan a pen draws on, and where a stroke ends: on a body beside a table, on two plates with air between them.
+import { BufferGeometry, Float32BufferAttribute, PlaneGeometry, SphereGeometry } from "three";
+import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
+import { MeshBVH } from "three-mesh-bvh";
+import { expect, test } from "vitest";
+import type { Vector } from "../../src/api/types";
+import { drawableOf } from "../../src/drawing/drawable";
+import { gap } from "../../src/drawing/lines";
+import { type Skin, skinOf } from "../../src/drawing/skin";
+import { BRIDGE_MM, freehand, handStrokes, isJoined, leadsOver } from "../../src/drawing/strokes";
+
+const place = (geometry: BufferGeometry, x: number, y: number, z: number): BufferGeometry => geometry.translate(x, y, z);
+
+/** Only triangles whose centre is kept; metres. */
+function cut(geometry: BufferGeometry, keeps: (x: number, y: number, z: number) => boolean): BufferGeometry {
+  const at = geometry.attributes.position!;
+  const index = [...geometry.index!.array];
+  const kept = index.flatMap((_, i) => {
+    if (i % 3 !== 0) return [];
+    const corners = index.slice(i, i + 3);
+    const middle = (axis: "getX" | "getY" | "getZ"): number => corners.reduce((sum, corner) => sum + at[axis](corner), 0) / 3;
+    return keeps(middle("getX"), middle("getY"), middle("getZ")) ? corners : [];
+  });
+  return new BufferGeometry().setAttribute("position", at).setIndex(kept);
+}
+
+function made(...parts: BufferGeometry[]): BufferGeometry {
+  const bare = parts.map((part) => new BufferGeometry().setAttribute("position", new Float32BufferAttribute(part.attributes.position!.array, 3)).setIndex([...part.index!.array]));
+  const all = mergeGeometries(bare);
+  all.boundsTree = new MeshBVH(all, { indirect: true });
+  return all;
+}
+
+const half = (): BufferGeometry => cut(new SphereGeometry(0.1, 96, 64).rotateX(Math.PI / 2), (_x, _y, z) => z > 0);
+
+/** The upper half of a ball (100 mm) that lies on a table of 0.6 m, scanned from above: the table ends at the body. */
+const onTable = (): BufferGeometry =>
+  made(
+    half(),
+    cut(new PlaneGeometry(0.6, 0.6, 120, 120), (x, y) => Math.hypot(x, y) > 0.097),
+    place(new SphereGeometry(0.008, 12, 8), 0.2, 0.2, 0.1),
+  );
+
+test("the table and a scrap are no skin, the body is, down to where it meets the table", () => {
+  const geometry = onTable();
+  const { isSkin, outwards } = drawableOf(geometry.attributes.position!.array, geometry.index!.array, [0, 0, 1]);
+  const ofBody = half().index!.count / 3;
+  expect(isSkin.slice(0, ofBody).every((is) => is)).toBe(true);
+  expect(isSkin.slice(ofBody).some((is) => is)).toBe(false);
+  expect(isSkin.length - ofBody).toBeGreaterThan(20_000);
+  expect(outwards).toBe(1);
+});
+
+test("without a table in the scan nothing flat is taken for one", () => {
+  const chest = made(new PlaneGeometry(0.4, 0.4, 40, 40));
+  expect(drawableOf(chest.attributes.position!.array, chest.index!.array, null).isSkin.every((is) => is)).toBe(true);
+});
+
+test("a hand may draw on the body's outside, not on the table, and not on the inside of its back", () => {
+  const geometry = onTable();
+  const skin = skinOf(geometry, [0, 0, 1]);
+  const { isSkin } = drawableOf(geometry.attributes.position!.array, geometry.index!.array, [0, 0, 1]);
+  const pointOf = (face: number): Vector => {
+    const corner = geometry.index!.getX(3 * face);
+    return [geometry.attributes.position!.getX(corner), geometry.attributes.position!.getY(corner), geometry.attributes.position!.getZ(corner)].map((value) => 1000 * value) as Vector;
+  };
+  const [body, table] = [isSkin.indexOf(true), isSkin.lastIndexOf(false)];
+  expect(skin.mayDraw({ face: body, point: pointOf(body) }, [0, 0, 2000])).toBe(true);
+  expect(skin.mayDraw({ face: body, point: pointOf(body) }, [0, 0, -2000])).toBe(false);
+  expect(skin.mayDraw({ face: table, point: pointOf(table) }, [0, 0, 2000])).toBe(false);
+  expect(skin.nearest([200, 0, 5]).away, "the nearest skin is the body's and not the table's").toBeGreaterThan(90);
+});
+
+/** Two plates: one at z = 0, the other, from x = 50 on, 63 mm behind it. */
+const step = (): Skin => skinOf(made(place(new PlaneGeometry(0.1, 0.1, 50, 50), 0, 0, 0), place(new PlaneGeometry(0.1, 0.1, 50, 50), 0.1, 0, -0.063)));
+const drawn = (skin: Skin, hits: readonly (Vector | null)[]): Vector[][] => {
+  const hand = handStrokes(skin);
+  for (const hit of hits) hand.add(hit);
+  return hand.strokes();
+};
+const widest = (points: readonly Vector[]): number => Math.max(...points.slice(1).map((point, i) => gap(points[i]!, point)));
+
+test("a stroke that jumps to what lies 63 mm behind ends there and another begins: no line leads through air", () => {
+  const skin = step();
+  const hits = Array.from({ length: 41 }, (_, i): Vector => (i <= 20 ? [-40 + 4.4 * i, 0, 0] : [-40 + 4.4 * i, 0, -63]));
+  const strokes = drawn(skin, hits);
+  expect(strokes).toHaveLength(2);
+  for (const stroke of strokes) {
+    const line = freehand(skin, stroke);
+    expect(widest(line)).toBeLessThan(BRIDGE_MM);
+    expect(new Set(line.map(([, , z]) => Math.round(z)))).toHaveLength(1);
+  }
+});
+
+test("where no skin leads across at all, two places are not joined, however the way between them collapses", () => {
+  const apart = skinOf(made(new SphereGeometry(0.02, 32, 24), place(new SphereGeometry(0.02, 32, 24), 0.12, 0, 0)));
+  expect(isJoined(apart, [20, 0, 0], [100, 0, 0])).toBe(false);
+  expect(leadsOver(apart, [20, 0, 0], [100, 0, 0])).toBe(false);
+});
+
+test("a hand that left the skin and comes back elsewhere begins anew; a pinhole does not end the stroke", () => {
+  const skin = step();
+  const along = (from: number, to: number): Vector[] => Array.from({ length: 6 }, (_, i) => [from + (i * (to - from)) / 5, 0, 0]);
+  expect(drawn(skin, [...along(-45, -30), null, ...along(-5, 10)])).toHaveLength(2);
+  expect(drawn(skin, [...along(-45, -30), null, ...along(-26, -10)])).toHaveLength(1);
+  expect(drawn(skin, [null, ...along(-45, -30), null])).toHaveLength(1);
+  expect(drawn(skin, [[0, 0, 0], null]), "a speck is no line").toHaveLength(0);
+});
+
+test("a quick hand on one skin is one stroke, with gaps of several centimetres", () => {
+  expect(drawn(step(), [[-45, -40, 0], [-10, 20, 0], [40, 30, 0]])).toHaveLength(1);
+});
+
+test("clicks are joined over skin and over a hole as under a breast, not through air", () => {
+  const holed = (half: number): Skin => skinOf(made(cut(new PlaneGeometry(0.2, 0.2, 100, 100), (x, y) => Math.abs(x) > half || Math.abs(y) > half)));
+  expect(leadsOver(holed(0.015), [-60, 0, 0], [60, 0, 0])).toBe(true);
+  expect(leadsOver(step(), [40, 0, 0], [60, 0, -63])).toBe(false);
+});

@@ -1,0 +1,69 @@
+// The list of patients: read, searched, renamed, ordered; a deletion waits ten seconds and can be taken back.
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { page } from "../fakes";
+import type { Patient } from "../../src/api/types";
+import { addressOfPatient, fromHash } from "../../src/app/address";
+import { daysUntil, deletedAt, ordered } from "../../src/patients/state";
+
+const scan = (id: string, part: Partial<Patient["scans"][number]> = {}): Patient["scans"][number] => ({ id, stance: "standing", created_at: "2026-01-01T00:00:00Z", delete_at: null, thumbnail: "", fit: null, ...part });
+const patient = (id: string, part: Partial<Patient> = {}): Patient => ({ id, code: id, created_at: "2026-01-01T00:00:00Z", plan_version: 0, scans: [scan(`${id}1`)], links: { self: "", plan: "" }, ...part });
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => void vi.useRealTimers());
+
+function list(rows: readonly Patient[]) {
+  const patients = vi.fn(async (address: string | null, search: string) => ({ patients: address === null ? rows.filter(({ code }) => code.includes(search)) : [patient("later")], next: address === null ? "/api/patients?before=3" : null }));
+  const deletePatient = vi.fn(async () => undefined);
+  const renamePatient = vi.fn(async (id: string, code: string) => patient(id, { code }));
+  const made = page({ patients, deletePatient, renamePatient });
+  return { ...made, patients, deletePatient, renamePatient, ids: () => made.store.get().patients.rows.map(({ id }) => id) };
+}
+
+test("pages follow each other, and a search begins anew", async () => {
+  const { actions, patients, ids } = list([patient("a"), patient("b")]);
+  await actions.patients.read();
+  await actions.patients.more();
+  expect(ids()).toEqual(["a", "b", "later"]);
+  actions.patients.search("x");
+  actions.patients.search("b");
+  await vi.advanceTimersByTimeAsync(300);
+  expect(ids()).toEqual(["b"]);
+  expect(patients).toHaveBeenCalledTimes(3);
+});
+
+test("a deletion is sent ten seconds later, once, and not when it was taken back", async () => {
+  const { actions, store, deletePatient, ids } = list([patient("a"), patient("b")]);
+  await actions.patients.read();
+  actions.patients.remove("a");
+  actions.patients.remove("b");
+  await vi.advanceTimersByTimeAsync(5000);
+  actions.patients.undo("a");
+  expect(deletePatient).not.toHaveBeenCalled();
+  await vi.advanceTimersByTimeAsync(6000);
+  expect(deletePatient.mock.calls).toEqual([["b"]]);
+  expect(ids()).toEqual(["a"]);
+  expect(store.get().patients.going).toEqual([]);
+});
+
+test("a code is the service's answer", async () => {
+  const { actions, store, renamePatient } = list([patient("a")]);
+  await actions.patients.read();
+  await actions.patients.rename("a", "Ward 7");
+  expect(renamePatient).toHaveBeenCalledWith("a", "Ward 7");
+  expect(store.get().patients.rows[0]!.code).toBe("Ward 7");
+});
+
+test("rows are ordered by code or by the day on which the first scan goes", () => {
+  const rows = [patient("p10"), patient("p9", { scans: [scan("x", { delete_at: "2026-02-03T00:00:00Z" }), scan("y", { delete_at: "2026-02-01T00:00:00Z" })] }), patient("none", { code: "" })];
+  expect(ordered(rows, "code").map(({ id }) => id)).toEqual(["p9", "p10", "none"]);
+  expect(ordered(rows, "deleted first")[0]!.id).toBe("p9");
+  expect(deletedAt(rows[1]!)).toBe("2026-02-01T00:00:00Z");
+  expect(daysUntil("2026-02-01T00:00:00Z", new Date("2026-01-30T12:00:00Z"))).toBe(1);
+  expect(daysUntil("2026-01-01T00:00:00Z", new Date("2026-01-30T12:00:00Z"))).toBe(0);
+});
+
+test("a patient's address opens both of her scans with the fits that are done", () => {
+  const both = patient("a", { scans: [scan("s1", { fit: { id: "f1", state: "done", created_at: "" } }), scan("s2", { fit: { id: "f2", state: "failed", created_at: "" } })] });
+  expect(fromHash(addressOfPatient(both))).toMatchObject({ scan: "s1", fit: "f1", step: "result", other: { scan: "s2", fit: null }, isSecond: false });
+  expect(fromHash(addressOfPatient(patient("b")))).toMatchObject({ scan: "b1", fit: null, other: null });
+});

@@ -1,0 +1,130 @@
+// The plan: which items are of which scan, changes put back without losing ids, and two tabs that write at the same time.
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { fakePlans, fitLinks, page, scanInfo } from "../fakes";
+import { ApiError } from "../../src/api/client";
+import type { Fit, PlanItem } from "../../src/api/types";
+import { lineAlong } from "../../src/drawing/edits";
+import { drawingOn, linesOn, merged, withDrawing, withLines } from "../../src/plan/items";
+import { createPlanKeeper } from "../../src/plan/keeper";
+
+const line = (id: string, name: string, scan = "s1", x = 0): PlanItem => ({ kind: "line", id, scan, name, label: "", closed: false, color: "#101010", points: [[x, 0, 0], [x + 10, 0, 0]] });
+const note = (id: string, text: string): PlanItem => ({ kind: "note", id, scan: "s1", text });
+const ITEMS: PlanItem[] = [
+  line("a", "Line 1"),
+  { kind: "pattern", id: "p", scan: "s1", name: "reduction", parameters: { side: "L", areola_mm: 40 } },
+  { kind: "tumour", id: "t", scan: "s1", side: "L", clock: 10.5, distance_mm: 45, radius_mm: 12, depth_mm: 20 },
+  note("n", "smaller"),
+  line("b", "Line 1", "s2"),
+];
+const TEXT = "reduction:side=L,areola_mm=40+tumour:side=L,clock=10.5,distance_mm=45,radius_mm=12";
+const ids = (items: readonly PlanItem[]): string[] => items.map(({ id }) => id);
+
+test("a scan has its lines and the text that its fit is asked with", () => {
+  expect(linesOn(ITEMS, "s2").map(({ id, name }) => [id, name])).toEqual([["b", "Line 1"]]);
+  expect(drawingOn(ITEMS, "s1")).toBe(TEXT);
+  expect(drawingOn(ITEMS, "s2")).toBe("");
+});
+
+test("what is put back keeps its ids, and what the page does not edit stays", () => {
+  const lines = [...linesOn(ITEMS, "s1").map((each) => ({ ...each, name: "incision" })), lineAlong("new", "#101010", [[0, 0, 0]], false)];
+  const after = withLines(ITEMS, "s1", lines);
+  expect(ids(after).slice(0, 5)).toEqual(["p", "t", "n", "b", "a"]);
+  expect(after.at(-1)!.id).toMatch(/^[A-Za-z0-9_-]{8,64}$/);
+  const changed = withDrawing(ITEMS, "s1", TEXT.replace("clock=10.5", "clock=9").replace("reduction:side=L,", "reduction:side=R,"));
+  expect(changed.find(({ id }) => id === "t")).toMatchObject({ clock: 9, depth_mm: 20 });
+  expect(changed.find(({ id }) => id === "p")).toMatchObject({ parameters: { side: "R", areola_mm: 40 } });
+  expect(withDrawing(ITEMS, "s1", TEXT).map((item) => ITEMS.includes(item) || item.id)).toEqual([true, true, true, "p", "t"]);
+  expect(ids(withDrawing(ITEMS, "s1", ""))).toEqual(["a", "n", "b"]);
+  expect(ids(withDrawing([], "s2", "lumpectomy"))).toHaveLength(1);
+});
+
+test("two who change different things get both; one thing changed twice is kept twice; nothing that was changed is deleted", () => {
+  const mine = [line("a", "mine"), ...ITEMS.slice(1, 3), line("c", "Line 2")]; // changed a, deleted n and b, added c
+  const theirs = [ITEMS[0]!, ITEMS[1]!, ITEMS[2]!, note("n", "larger"), line("b", "Line 1", "s2"), line("d", "Line 2")];
+  expect(merged(ITEMS, mine, theirs).map(({ id, ...rest }) => [id, "name" in rest ? rest.name : "text" in rest ? rest.text : rest.kind])).toEqual([
+    ["a", "mine"], ["p", "reduction"], ["t", "tumour"], ["n", "larger"], ["d", "Line 2"], ["c", "Line 2 2"],
+  ]);
+  const both = merged([line("a", "x")], [line("a", "x", "s1", 5)], [line("a", "x", "s1", 7)]);
+  expect(both.map((item) => (item.kind === "line" ? [item.name, item.points[0]![0]] : null))).toEqual([["x", 5], ["x 2", 7]]);
+  expect(merged(ITEMS, ITEMS, [])).toEqual([]);
+  expect(merged(ITEMS, [], ITEMS)).toEqual([]);
+  expect(ids(merged([note("n", "a")], [note("n", "b")], []))).toEqual(["n"]);
+});
+
+test("two tabs: the second reads the plan again and takes its change over", async () => {
+  const client = fakePlans();
+  const [one, other] = [createPlanKeeper(client), createPlanKeeper(client)];
+  await Promise.all([one.read("p"), other.read("p")]);
+  expect(await one.save("p", (items) => [...items, note("a", "first")])).toMatchObject({ isMerged: false });
+  const kept = await other.save("p", (items) => [...items, note("b", "second")]);
+  expect(kept.isMerged).toBe(true);
+  expect(ids(kept.items)).toEqual(["a", "b"]);
+  expect((await client.plan("p")).version).toBe(2);
+});
+
+test("changes are written one after the other, a failed one stops no later one, and nothing is written for nothing", async () => {
+  const client = fakePlans();
+  const keeper = createPlanKeeper(client);
+  client.savePlan.mockImplementationOnce(async () => {
+    throw new ApiError("no disk", 507);
+  });
+  const failed = keeper.save("p", (items) => [...items, note("a", "lost")]);
+  const first = keeper.save("p", (items) => [...items, note("b", "b")]);
+  const second = keeper.save("p", (items) => [...items, note("c", "c")]);
+  await expect(failed).rejects.toThrow("no disk");
+  expect(ids((await first).items)).toEqual(["b"]);
+  expect(ids((await second).items)).toEqual(["b", "c"]);
+  const calls = client.savePlan.mock.calls.length;
+  await keeper.save("p", (items) => [...items]);
+  expect(client.savePlan).toHaveBeenCalledTimes(calls);
+});
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => void vi.useRealTimers());
+
+test("a reload brings back pattern and tumour, and how the fit was asked for: a nudge changes nothing else", async () => {
+  const startFit = vi.fn(async () => ({ id: "f2", links: fitLinks("f2") }));
+  const fit = { id: "f1", links: fitLinks("f1"), drawing: TEXT, state: "done", asked_stance: "supine", preset: "paper", refine: false } as unknown as Fit;
+  const savePlan = vi.fn();
+  const made = page({ startFit, savePlan, plan: async () => ({ schema: "breastrig/plan@1", unit: "mm", version: 4, whole: true, scans: [], items: ITEMS }), fit: async () => fit });
+  await made.actions.scan.open("s1", null);
+  await made.actions.fit.open("f1");
+  expect(made.store.get()).toMatchObject({ drawing: TEXT, stance: "supine", preset: "paper", refine: false });
+  await made.actions.fit.start();
+  expect(startFit).toHaveBeenCalledWith(expect.objectContaining({ drawing: TEXT, stance: "supine", preset: "paper", refine: false }));
+  expect(savePlan).not.toHaveBeenCalled();
+});
+
+test("the first fit makes its reference drawing the plan; a pattern that is chosen is written at once", async () => {
+  const made = page();
+  await made.actions.scan.open("s1", null);
+  const plan = async () => (await made.client.plan("/api/patients/of-s1/plan")).items.map((item) => (item.kind === "pattern" ? [item.scan, item.name] : item.kind));
+  expect(await plan()).toEqual([]);
+  await made.actions.fit.start();
+  await vi.advanceTimersByTimeAsync(10);
+  expect(await plan()).toEqual([["s1", "lumpectomy"]]);
+  made.actions.fit.chooseDrawing("reduction+tumour:side=R,clock=3,distance_mm=30,radius_mm=10");
+  await vi.advanceTimersByTimeAsync(10);
+  expect(await plan()).toEqual([["s1", "reduction"], "tumour"]);
+  void made.actions.scan.leave();
+  await vi.advanceTimersByTimeAsync(10);
+  expect(await plan()).toEqual([["s1", "reduction"], "tumour"]);
+});
+
+test("undoing goes back beyond the opening of the page", async () => {
+  const made = page();
+  const link = scanInfo("s1").links.plan;
+  await made.client.savePlan(link, [line("a", "Line 1")], 0);
+  await made.client.savePlan(link, [line("a", "Line 1"), line("b", "Line 2")], 1);
+  await made.client.savePlan(link, [line("a", "Line 1"), line("b", "Line 2"), note("n", "of something else")], 2);
+  await made.actions.scan.open("s1", null);
+  const names = () => made.store.get().drawn.lines.present.map(({ name }) => name);
+  expect(names()).toEqual(["Line 1", "Line 2"]);
+  made.actions.drawing.undo();
+  await vi.advanceTimersByTimeAsync(10);
+  expect(names()).toEqual(["Line 1"]);
+  made.actions.drawing.redo();
+  expect(names()).toEqual(["Line 1", "Line 2"]);
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(ids((await made.client.plan(link)).items)).toEqual(["n", "a", "b"]);
+});
