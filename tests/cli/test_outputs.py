@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from helpers.blank_pictures import blank_pictures
 from helpers.cohort import write_patient
+from helpers.example_fits import write_example_fits
 
 from breastrig.cli import fit_command, landmarks_command, report_command
 from breastrig.cli.main import main
@@ -33,9 +34,7 @@ def open_umask() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def fits(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("fits")
-    for name in ("standing", "supine"):
-        scan, landmarks = EXAMPLE / name / "scan.ply", EXAMPLE / name / "landmarks.json"
-        assert main(["fit", str(scan), "--landmarks", str(landmarks), "-o", str(folder / name)]) == 0
+    write_example_fits(folder)
     return folder
 
 

@@ -10,6 +10,7 @@ import pypdf
 import pytest
 import trimesh
 from helpers.blank_pictures import blank_pictures, coarse_pictures
+from helpers.example_fits import STANCES, write_example_fits
 
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
@@ -21,16 +22,11 @@ from breastrig.report.stance import Stance
 from breastrig.report.table import Row
 from breastrig.workflow import report as report_module
 
-STANCES = ("standing", "supine")
-
 
 @pytest.fixture(scope="module")
 def fits(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("fits")
-    for stance in STANCES:
-        example = asset_folder("example") / stance
-        scan, landmarks = str(example / "scan.ply"), str(example / "landmarks.json")
-        assert main(["fit", scan, "--landmarks", landmarks, "-o", str(folder / stance)]) == 0
+    write_example_fits(folder)
     return {stance: folder / stance for stance in STANCES}
 
 

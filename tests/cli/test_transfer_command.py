@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.blank_pictures import coarse_pictures
+from helpers.example_fits import write_example_fits
 from PIL import Image
 
 from breastrig.cli.main import main
-from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.drawing_file import parsed_drawing
 from breastrig.drawings.superimposition import gaps
@@ -20,10 +20,7 @@ from breastrig.workflow.fit_folder import FitFolder, read_fit_folder
 @pytest.fixture(scope="module")
 def fits(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("fits")
-    for name in ("standing", "supine"):
-        example = asset_folder("example") / name
-        scan, landmarks = str(example / "scan.ply"), str(example / "landmarks.json")
-        assert main(["fit", scan, "--landmarks", landmarks, "-o", str(out / name)]) == 0
+    write_example_fits(out)
     return out
 
 

@@ -32,12 +32,23 @@ def test_a_task_runs_alone_within_its_limits_and_with_one_thread(processes: Proc
     assert first["threads"] == [1]
 
 
-def test_a_task_finds_imported_what_was_named_before_the_first_pool() -> None:
+def imported_by_a_task(*named: str) -> set[str]:
+    """The modules that a task finds, in a program that has imported breastrig.core.round_robin."""
     program = Path(in_worker.__file__).with_name("preload.py")
-    words = [sys.executable, str(program), "colorsys", "breastrig.core.units", "no_such_module"]
+    words = [sys.executable, str(program), *named]
     answer = subprocess.run(words, capture_output=True, text=True, check=False, timeout=120)
     assert (answer.returncode, answer.stderr) == (0, "")
-    assert {"colorsys", "breastrig.core.units"} <= set(json.loads(answer.stdout))
+    return set(json.loads(answer.stdout))
+
+
+def test_a_task_finds_imported_what_was_named_before_the_first_pool_and_nothing_else_of_the_program() -> None:
+    found = imported_by_a_task("colorsys", "breastrig.core.units", "no_such_module")
+    assert {"colorsys", "breastrig.core.units"} <= found
+    assert "breastrig.core.round_robin" not in found
+
+
+def test_a_task_finds_imported_all_that_the_program_has_when_nothing_was_named() -> None:
+    assert "breastrig.core.round_robin" in imported_by_a_task()
 
 
 def test_a_task_that_burns_the_processor_is_stopped_and_the_next_one_runs(processes: Processes) -> None:

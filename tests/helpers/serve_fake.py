@@ -1,14 +1,15 @@
-"""`breastrig serve` with fits that need no numerics: run as a program by the tests of the real server."""
+"""`breastrig serve` with fits that need no numerics: run as a program by the tests of the real server.
+
+Processes of tasks import this file too, so that what the server alone needs is imported where the program begins.
+"""
 
 import argparse
 import os
 import sys
 from datetime import timedelta
 
-from breastrig.cli import serve_command, serve_options
 from breastrig.core import wall_clock
 from helpers import fake_fit
-from helpers.remembered_uploads import remember_uploads
 
 
 def set_clock_ahead(days: float) -> None:
@@ -18,6 +19,9 @@ def set_clock_ahead(days: float) -> None:
 
 
 if __name__ == "__main__":
+    from breastrig.cli import serve_command, serve_options
+    from helpers.remembered_uploads import remember_uploads
+
     set_clock_ahead(float(os.environ.get("FAKE_DAYS_AHEAD", "0")))
     remember_uploads()
     parser = argparse.ArgumentParser()

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.example_fits import write_example_fits
 from helpers.same_files import assert_same_files
 
 import breastrig
@@ -21,8 +22,7 @@ PICKS = [EXAMPLE / name / "landmarks.json" for name in ("standing", "supine")]
 def folders(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """Fits of the command, standing and supine."""
     folder = tmp_path_factory.mktemp("fits")
-    for scan, picks in zip(SCANS, PICKS, strict=True):
-        assert main(["fit", str(scan), "--landmarks", str(picks), "-o", str(folder / scan.parent.name)]) == 0
+    write_example_fits(folder)
     return folder / "standing", folder / "supine"
 
 

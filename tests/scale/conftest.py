@@ -1,4 +1,7 @@
-"""The two installations, each started once, with services around them."""
+"""The two installations, each started once for a file of tests, with services around them.
+
+Each file has its own: what nobody asks anything any more takes a twelfth of a core all the same, to the end of the run.
+"""
 
 import logging
 from collections.abc import Iterator
@@ -22,13 +25,13 @@ def no_upload_read_twice() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def postgres() -> Iterator[PostgresServer]:
     with postgres_server() as server:
         yield server
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def large(postgres: PostgresServer, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Large]:
     """PostgreSQL, the S3 stand-in with its bucket, a Dask scheduler with two workers."""
     logging.getLogger("werkzeug").setLevel(logging.ERROR)  # the stand-in tells of each request
@@ -41,7 +44,7 @@ def large(postgres: PostgresServer, tmp_path_factory: pytest.TempPathFactory) ->
         yield Large(postgres, stack.enter_context(two_workers(tmp_path_factory.mktemp("dask"), environment)))
 
 
-@pytest.fixture(scope="session", params=["sqlite_disk_local", "postgres_s3_dask"])
+@pytest.fixture(scope="module", params=["sqlite_disk_local", "postgres_s3_dask"])
 def installation(request: pytest.FixtureRequest) -> Installation:
     return Small() if request.param == "sqlite_disk_local" else request.getfixturevalue("large")
 
@@ -58,7 +61,7 @@ def torso() -> bytes:
     return torso_ply()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def running(installation: Installation, model: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     """The service that most tests share."""
     location = installation.location(tmp_path_factory.mktemp(installation.name))

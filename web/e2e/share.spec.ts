@@ -122,8 +122,9 @@ test("signing out leaves nothing of patients in the browser", async ({ page }) =
 
 test("the browser's history does not list the secret, and after it was started again nothing is open", async () => {
   const profile = mkdtempSync(join(tmpdir(), "breastrig-profile-"));
-  const { executablePath, args } = test.info().project.use.launchOptions!;
-  const start = (): Promise<BrowserContext> => chromium.launchPersistentContext(profile, { executablePath: executablePath!, args: args! });
+  const { args } = test.info().project.use.launchOptions!;
+  const executablePath = (test.info().config.metadata as { chromium: string }).chromium; // a headless shell lists no history
+  const start = (): Promise<BrowserContext> => chromium.launchPersistentContext(profile, { executablePath, args: args! });
   try {
     const link = await owner.share(fit);
     const before = await start();
@@ -179,8 +180,10 @@ test("wrong passcodes make one wait and are counted for the owner, and the right
   expect(seen.wrong_passcodes).toBeGreaterThanOrEqual(3);
   expect(seen.is_open).toBe(true);
   await expect(async () => {
-    await page.getByLabel("Passcode").fill("the right one");
-    await page.getByRole("button", { name: "Open" }).click();
-    await expect(page.getByText("fitted.glb")).toBeVisible({ timeout: 3000 });
+    if (await page.getByLabel("Passcode").isVisible()) {
+      await page.getByLabel("Passcode").fill("the right one", { timeout: 3000 });
+      await page.getByRole("button", { name: "Open" }).click({ timeout: 3000 });
+    }
+    await expect(page.getByText("fitted.glb")).toBeVisible({ timeout: 3000 }); // on a busy machine the next look sees it
   }).toPass();
 });

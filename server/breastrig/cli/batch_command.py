@@ -70,6 +70,7 @@ def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow]) -> None
 def _executor(options: argparse.Namespace, rows: Sequence[BatchRow]) -> Executor:
     limits = FitLimits()
     if options.scheduler is None:
+        preload(["breastrig.batch.task", "breastrig.workflow.run_fit"])
         if any(row.scan.suffix.lower() != ".ply" for row in rows):
             preload(["breastrig.scan.formats.ply_obj_stl"])  # else each worker loads it with its first scan
         processes = Processes(options.jobs or limits.workers, memory_bytes=limits.memory_bytes)

@@ -14,21 +14,22 @@ import sys
 from collections.abc import Iterable
 from multiprocessing import forkserver, resource_tracker
 
-_modules = ["__main__"]
+ALWAYS = ("__main__", "breastrig.execution.processes")  # what every child looks for first
+_named: list[str] = []
 
 
 def preload(modules: Iterable[str]) -> None:
     """Has the server import these modules; to be called before the first pool.  What is not installed is left out."""
-    _modules.extend(name for name in modules if name not in _modules)
+    _named.extend(name for name in modules if name not in _named)
 
 
 def modules_to_preload() -> list[str]:
-    """What callers have named, and all of ours that the program has imported.
+    """Those that callers have named; while nobody has named any, all of ours that the program has imported.
 
-    Each process first imports what the program's main module imports, which for `breastrig serve` is Flask and all
-    the rest: 0.4 s of work before each task, unless the fork server has done it already.
+    A program's own modules are not all wanted: those of `breastrig serve` bring Flask, which no task needs, and would
+    make its start a fifth longer.
     """
-    return [*_modules, *sorted(name for name in sys.modules if name.startswith("breastrig."))]
+    return [*ALWAYS, *(_named or sorted(name for name in sys.modules if name.startswith("breastrig.")))]
 
 
 def start_fork_server() -> None:

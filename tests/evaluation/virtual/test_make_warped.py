@@ -26,9 +26,9 @@ FILES = ("scan.ply", "truth.ply", "landmarks.json", "case.json")
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few views and large voxels: the files are looked at here, not the scan."""
-    monkeypatch.setattr(captures_module, "EVERY", 4)
-    monkeypatch.setattr(captures_module, "VOXEL", 0.010)
-    monkeypatch.setattr(captures_module, "POOR_VOXEL", 0.012)
+    monkeypatch.setattr(captures_module, "EVERY", 12)
+    monkeypatch.setattr(captures_module, "VOXEL", 0.015)
+    monkeypatch.setattr(captures_module, "POOR_VOXEL", 0.018)
 
 
 @pytest.mark.usefixtures("quick")
