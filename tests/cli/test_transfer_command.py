@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pypdf
 import pytest
 from helpers.blank_pictures import coarse_pictures
 from helpers.example_fits import write_example_fits
@@ -137,3 +138,78 @@ def test_a_drawing_of_another_scan_cannot_be_compared(
     files = [str(fits / name / "drawing.json") for name in ("supine", "standing")]
     assert main(["compare", *files, "--on", str(fits / "supine"), "-o", str(tmp_path / "cmp")]) == 2
     assert "must be in the scan's frame" in capsys.readouterr().err
+
+
+PLAN = {
+    "schema": "breastrig/plan@1",
+    "items": [
+        {"kind": "tumour", "id": "t", "scan": "standing", "side": "L", "clock": 10, "distance_mm": 45, "radius_mm": 12},
+        {"kind": "pattern", "id": "p", "scan": "standing", "name": "reduction", "parameters": {"side": "R"}},
+        {"kind": "note", "id": "n", "text": "wants it smaller"},
+    ],
+}
+
+
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("plan") / "plan.json"
+    file.write_text(json.dumps(PLAN))
+    return file
+
+
+def test_a_plan_is_carried_as_the_lines_that_it_makes_on_the_scan_that_it_names(
+    fits: Path, plan: Path, tmp_path: Path
+) -> None:
+    there = transfer(fits, "standing", "supine", tmp_path / "there.json", "--drawing", str(plan))
+    assert {(shape["item"], shape["carried"]) for shape in there["shapes"]} == {("t", True), ("p", True)}
+    assert there["missing"] == []
+    assert there["notes"] == [{"item": "n", "text": "wants it smaller", "at": None}]
+    here = transfer(fits, "supine", "standing", tmp_path / "here.json", "--drawing", str(plan))
+    assert {shape["carried"] for shape in here["shapes"]} == {False}
+    lines = tmp_path / "lines.json"
+    keys = ("name", "closed", "color", "points", "bridged")
+    shapes = [{key: shape[key] for key in keys} for shape in here["shapes"]]
+    lines.write_text(json.dumps({"schema": "breastrig/drawing@1", "unit": here["unit"], "shapes": shapes}))
+    carried = transfer(fits, "standing", "supine", tmp_path / "lines_there.json", "--drawing", str(lines))
+    folder = read_fit_folder(fits / "supine")
+    for found, shape in zip(there["shapes"], carried["shapes"], strict=True):
+        gap = np.linalg.norm(np.subtract(found["points"], shape["points"]), axis=1)
+        assert 1e3 * folder.metres_per_unit * gap.max() < 0.05  # files round to a thousandth of a millimetre or less
+
+
+def test_report_and_export_show_the_plan_instead_of_the_fits_own_drawing(
+    fits: Path, plan: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    coarse_pictures(monkeypatch)
+    standing, supine = str(fits / "standing"), str(fits / "supine")
+    assert main(["report", supine, "--with", standing, "--plan", str(plan), "-o", str(tmp_path / "report")]) == 0
+    text = "".join(page.extract_text() for page in pypdf.PdfReader(tmp_path / "report" / "report.pdf").pages[2:])
+    assert all(word in text for word in ("tumour, left", "wise, right", "wants it smaller"))
+    assert "sternum upper" not in text
+    assert main(["export", supine, "--with", standing, "--plan", str(plan), "-o", str(tmp_path / "files")]) == 0
+    content = (tmp_path / "files" / "drawing.obj").read_text()
+    assert "tumour_L" in content
+    assert "wise_R" in content
+    assert main(["export", standing, "--plan", str(plan), "-o", str(tmp_path / "alone")]) == 0
+    assert "tumour_L" in (tmp_path / "alone" / "drawing.obj").read_text()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "word"),
+    [
+        ({"items": [{"kind": "spell"}]}, "items.0"),
+        ({"items": [PLAN["items"][0]] * 2}, 'have the id "t"'),
+        ({}, "items"),
+    ],
+)
+def test_what_is_no_plan_is_one_sentence(
+    fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], wrong: dict, word: str
+) -> None:
+    file = tmp_path / "plan.json"
+    file.write_text(json.dumps({"schema": "breastrig/plan@1"} | wrong))
+    ends = ["--from", str(fits / "standing"), "--to", str(fits / "supine")]
+    assert main(["transfer", *ends, "--drawing", str(file), "-o", str(tmp_path / "out.json")]) == 2
+    said = capsys.readouterr().err
+    assert word in said
+    assert said.count("\n") == 1
+    assert main(["transfer", *ends, "--drawing", str(file), "--other-patient", "-o", str(tmp_path / "out.json")]) == 2
