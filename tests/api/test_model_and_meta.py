@@ -30,14 +30,17 @@ def test_meta_names_version_limits_and_model(client: FlaskClient, config: Config
     assert [landmark["name"] for landmark in meta["landmarks"]] == list(toy_rig().landmark_names)
     assert all(set(one) == {"name", "label", "latin", "definition", "easy", "mirror"} for one in meta["landmarks"])
     assert meta["presets"] == ["default", "paper"]
-    assert meta["drawings"] == [{"name": "lumpectomy", "label": "Lumpectomy (toy)"}]
-    assert [pattern["name"] for pattern in meta["patterns"]] == ["tumour", "tumour_at"]  # the toy has no fold
+    assert meta["drawings"][0] == {"name": "lumpectomy", "label": "Lumpectomy (toy)"}
+    assert [drawing["name"] for drawing in meta["drawings"]] == ["lumpectomy", "periareolar", "ellipse"]
+    assert [pattern["name"] for pattern in meta["patterns"]] == [
+        "periareolar", "ellipse", "tumour", "tumour_at",
+    ]  # fmt: skip  # the toy has no fold
 
 
 def test_meta_names_the_patterns_of_the_packaged_torso(client_for, config: Config) -> None:
     meta = client_for(replace(config, model=None)).get("/api/meta").json
     patterns = {pattern["name"]: pattern for pattern in meta["patterns"]}
-    assert list(patterns) == ["reduction", "tumour", "tumour_at"]
+    assert list(patterns) == ["reduction", "vertical", "periareolar", "ellipse", "tumour", "tumour_at"]
     assert patterns["reduction"]["label"] == "Reduction (Wise pattern)"
     assert {"reduction"} & {drawing["name"] for drawing in meta["drawings"]}
     shown = {one["name"]: one for one in patterns["reduction"]["parameters"]}

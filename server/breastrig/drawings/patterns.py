@@ -20,8 +20,11 @@ from pydantic import BaseModel, ValidationError
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing, unknown_name
 from breastrig.drawings.clock import FittedSkin
+from breastrig.drawings.ellipse import MastectomyEllipse
+from breastrig.drawings.periareolar import Periareolar
 from breastrig.drawings.reduction import Reduction
 from breastrig.drawings.tumour import PickedTumour, Tumour
+from breastrig.drawings.vertical import Vertical
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 
@@ -32,10 +35,27 @@ class Pattern(Protocol):
         """The lines on one patient's fitted skin; BadDrawing when they do not fit there."""
 
 
-PATTERNS: dict[str, type[BaseModel]] = {"reduction": Reduction, "tumour": Tumour, "tumour_at": PickedTumour}
-LABELS = {"reduction": "Reduction (Wise pattern)", "tumour": "Tumour", "tumour_at": "Tumour"}
+PATTERNS: dict[str, type[BaseModel]] = {
+    "reduction": Reduction,
+    "vertical": Vertical,
+    "periareolar": Periareolar,
+    "ellipse": MastectomyEllipse,
+    "tumour": Tumour,
+    "tumour_at": PickedTumour,
+}
+LABELS = {
+    "reduction": "Reduction (Wise pattern)",
+    "vertical": "Reduction (vertical pattern)",
+    "periareolar": "Lift or reduction around the areola",
+    "ellipse": "Mastectomy (ellipse)",
+    "tumour": "Tumour",
+    "tumour_at": "Tumour",
+}
 NEEDED_MARKS: dict[str, set[str]] = {  # landmarks of each side
     "reduction": {"nipple", "midclavicle", "inframammary_fold"},
+    "vertical": {"nipple", "midclavicle", "inframammary_fold"},
+    "periareolar": {"nipple"},
+    "ellipse": {"nipple"},
     "tumour": {"nipple"},
     "tumour_at": set(),
 }
@@ -153,11 +173,18 @@ def _parameters(name: str, values: str) -> Pattern:
             raise BadDrawing(f"The drawing {name} also needs {', '.join(missing)}.") from error
         reason = first["msg"].removeprefix("Value error, ")
         reason = reason[:1].lower() + reason[1:]
+        if key not in given:  # numbers that are right one by one, and not together
+            raise BadDrawing(f"The drawing {name} cannot be made so: {reason}.") from error
         raise BadDrawing(f"{key} of {name} cannot be {given[key]}: {reason}.") from error
 
 
 def _example(kind: type[BaseModel]) -> str:
-    return {Reduction: "areola_mm=42", Tumour: "side=L", PickedTumour: "radius_mm=12"}[kind]
+    examples: dict[type[BaseModel], str] = {
+        Tumour: "side=L",
+        PickedTumour: "radius_mm=12",
+        MastectomyEllipse: "width_mm=70",
+    }
+    return examples.get(kind, "areola_mm=42")
 
 
 def _unique(shapes: list[DrawnShape]) -> tuple[DrawnShape, ...]:

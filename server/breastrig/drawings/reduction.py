@@ -70,10 +70,10 @@ class Reduction(BaseModel):
         folds = {side: _on_observers_left(skin, fold_line(skin, side)) for side in sides}
         meridians = skin.geodesics.paths(joined(clavicles), joined(list(nipples.values())))
         new = {
-            side: self._new_nipple(skin, side, nipples[side], way) for side, way in zip(sides, meridians, strict=True)
+            side: self.new_nipple(skin, side, nipples[side], way) for side, way in zip(sides, meridians, strict=True)
         }
         skin.geodesics.look_from(joined([*nipples.values(), *new.values()]), WIDEST * rim)
-        arcs = {side: self._keyhole(skin, new[side]) for side in sides}
+        arcs = {side: self.keyhole(skin, new[side]) for side in sides}
         skin.geodesics.look_from(joined([ends(arc) for arc in arcs.values()]), MARGIN * (1e-3 * self._limbs[0]))
         lower = {side: self._limb_ends(skin, side, arcs[side], skin.at(folds[side])) for side in sides}
         outer = skin.geodesics.paths(joined([ends(folds[side]) for side in sides]), joined([*lower.values()]))
@@ -100,7 +100,7 @@ class Reduction(BaseModel):
         """mm, the lengths that are tried."""
         return LIMBS if self.limb_mm is None else (self.limb_mm,)
 
-    def _keyhole(self, skin: FittedSkin, new: SurfacePoints) -> SurfacePoints:
+    def keyhole(self, skin: FittedSkin, new: SurfacePoints) -> SurfacePoints:
         """Clockwise for the observer, as long as the new areola's rim, which will be sewn to it."""
         gap = np.radians(self.opening_deg) / 2.0
         angles = np.linspace(np.pi + gap, 3.0 * np.pi - gap, ARC_STEPS + 1)
@@ -143,7 +143,7 @@ class Reduction(BaseModel):
             "(limb_mm), a narrower angle (limb_angle_deg) or a smaller areola (areola_mm)."
         )
 
-    def _new_nipple(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
+    def new_nipple(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
         """Where the (M, 3) m meridian, from the collarbone to the nipple, comes down to the fold's height."""
         heights: Array = meridian @ skin.axes[:, 1]
         fold = skin.at(skin.landmark(f"inframammary_fold_{side}"))[0] @ skin.axes[:, 1]

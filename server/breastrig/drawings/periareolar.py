@@ -1,0 +1,64 @@
+"""The periareolar pattern of a small lift or reduction (Benelli, Aesthet. Plast. Surg. 14, 1990): two rings.
+
+The inner one is the areola that is kept.  The outer one is an ellipse whose upper rim lies as high above the nipple as
+the nipple shall rise, and which takes the skin between the two; both are measured along the skin.
+"""
+
+from typing import Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from breastrig.drawings.clock import SIDES, FittedSkin, circle_around, on_clock
+from breastrig.geometry.geodesic import MARGIN
+from breastrig.geometry.surface_points import joined
+from breastrig.rig.model import DrawnShape
+
+CUT = "#2c5282"
+STEPS = 36  # points of the outer ring
+
+
+class Periareolar(BaseModel):
+    """The rings' dimensions."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+    side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
+    areola_mm: float = Field(
+        42.0, title="New areola", ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual"
+    )
+    outer_mm: float = Field(
+        80.0, title="Outer ring", ge=35.0, le=140.0, description="width of the outer ring; over 100 scars widen"
+    )
+    lift_mm: float = Field(
+        15.0, title="Lift", ge=0.0, le=50.0, description="of the nipple: the outer ring reaches so much higher"
+    )
+
+    @model_validator(mode="after")
+    def _rings_do_not_meet(self) -> Self:
+        if self.outer_mm <= self.areola_mm:
+            raise ValueError("the outer ring must be wider than the new areola")
+        return self
+
+    def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
+        """Two rings for each side; BadDrawing when the skin ends before."""
+        sides = ("L", "R") if self.side == "both" else (self.side,)
+        nipples = {side: skin.landmark(f"nipple_{side}") for side in sides}
+        half = 0.5e-3 * self.outer_mm
+        skin.geodesics.look_from(joined(list(nipples.values())), MARGIN * (half + 1e-3 * self.lift_mm))
+        angles = 2.0 * np.pi * np.arange(STEPS) / STEPS  # clockwise from 12
+        radii = half + 1e-3 * self.lift_mm * np.clip(np.cos(angles), 0.0, 1.0)
+        shapes = []
+        for side in sides:
+            word = SIDES[side]
+            ring = joined(
+                [
+                    on_clock(skin, nipples[side], float(radius), np.array([angle]))
+                    for radius, angle in zip(radii, angles, strict=True)
+                ]
+            )
+            kept = circle_around(skin, nipples[side], 0.5e-3 * self.areola_mm)
+            shapes += [
+                DrawnShape(f"periareolar_{side}", f"{word} outer ring", True, CUT, ring),
+                DrawnShape(f"areola_{side}", f"{word} areola to keep", True, CUT, kept),
+            ]
+        return tuple(shapes)

@@ -1,0 +1,110 @@
+"""The vertical pattern of a reduction (Lejour, Plast. Reconstr. Surg. 94, 1994): keyhole and two limbs that meet.
+
+The new nipple and its keyhole are those of the Wise pattern.  From the keyhole's ends two limbs run down, `width_mm`
+apart at half their way, and meet above the fold on the breast's meridian: no scar lies in the fold.
+"""
+
+from typing import Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BadDrawing
+from breastrig.drawings.clock import SIDES, FittedSkin, circle_around
+from breastrig.drawings.reduction import CUT, FOLD, MARK, WIDEST, Reduction, ends
+from breastrig.geometry.curves import resampled
+from breastrig.geometry.geodesic import length
+from breastrig.geometry.surface_points import SurfacePoints, joined
+from breastrig.rig.model import DrawnShape
+
+LEAST = 0.01  # m that the limbs are long at least
+
+
+class Vertical(BaseModel):
+    """The pattern's dimensions."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+    side: Literal["both", "L", "R"] = Field("both", title="Side", description="the patient's side")
+    areola_mm: float = Field(
+        42.0, title="New areola", ge=30.0, le=55.0, description="diameter of the new areola; 40 to 45 is usual"
+    )
+    width_mm: float = Field(
+        60.0, title="Width", ge=20.0, le=120.0, description="between the limbs at half their way; what is pinched"
+    )
+    above_fold_mm: float = Field(
+        25.0, title="End above the fold", ge=10.0, le=60.0, description="where the limbs meet; 20 to 40 is usual"
+    )
+    nipple_above_fold_mm: float = Field(
+        0.0, title="New nipple above the fold", ge=-20.0, le=40.0, description="new nipple over the fold's height"
+    )
+
+    def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
+        """Three lines for each side; BadDrawing when the pattern does not fit on the breast."""
+        sides = ("L", "R") if self.side == "both" else (self.side,)
+        wise = Reduction.model_validate(
+            {"areola_mm": self.areola_mm, "nipple_above_fold_mm": self.nipple_above_fold_mm}
+        )
+        rim = 0.5e-3 * self.areola_mm
+        shapes: list[DrawnShape] = []
+        for side in sides:
+            nipple = skin.landmark(f"nipple_{side}")
+            (meridian,) = skin.geodesics.paths(skin.landmark(f"midclavicle_{side}"), nipple)
+            new = wise.new_nipple(skin, side, nipple, meridian)
+            skin.geodesics.look_from(joined([nipple, new]), WIDEST * rim)
+            arc = wise.keyhole(skin, new)
+            cut, corners = self._cut(skin, arc, self._lowest(skin, side, nipple))
+            kept, mark = circle_around(skin, nipple, rim), circle_around(skin, new, MARK)
+            word = SIDES[side]
+            shapes += [
+                DrawnShape(f"vertical_{side}", f"{word} keyhole and limbs", True, CUT, cut, corners),
+                DrawnShape(f"areola_{side}", f"{word} areola to keep", True, CUT, kept),
+                DrawnShape(f"new_nipple_{side}", f"new place of the {word} nipple", True, FOLD, mark),
+            ]
+        return tuple(shapes)
+
+    def _lowest(self, skin: FittedSkin, side: str, nipple: SurfacePoints) -> SurfacePoints:
+        """Where the limbs meet: on the way from the fold to the nipple."""
+        (way,) = skin.geodesics.paths(skin.landmark(f"inframammary_fold_{side}"), nipple)
+        along = 1e-3 * self.above_fold_mm
+        if length(way) < along + LEAST:
+            raise BadDrawing(
+                f"The {SIDES[side]} fold is only {1e3 * length(way):.0f} mm below the nipple; let the limbs meet "
+                "nearer to the fold (above_fold_mm), or take the periareolar pattern."
+            )
+        return skin.nearest(_at(way, along)[None])
+
+    def _cut(
+        self, skin: FittedSkin, arc: SurfacePoints, lowest: SurfacePoints
+    ) -> tuple[SurfacePoints, tuple[int, ...]]:
+        """The closed outline: keyhole, one limb down, the other one up; and its corners."""
+        first, last = (skin.at(ends(arc))[[k]] for k in (0, 1))
+        bottom = skin.at(lowest)
+        across = (first - last)[0] / np.linalg.norm(first - last)
+        half = 0.5e-3 * self.width_mm
+        # the observer sees the arc's first end on his left: limb by limb through a point beside the middle
+        limbs = []
+        for end, out in ((first, across), (last, -across)):
+            middle = 0.5 * (0.5 * (first + last) + bottom) + half * out
+            beside = skin.nearest(middle)
+            upper, lower = skin.geodesics.paths(joined([skin.nearest(end), beside]), joined([beside, lowest]))
+            limbs.append(_rounded(np.concatenate([upper, lower[1:]])))
+        down, up = limbs[1], limbs[0][::-1]
+        outline = np.concatenate([skin.at(arc), down[1:], up[1:-1]])
+        corners = (0, len(skin.at(arc)) - 1, len(skin.at(arc)) - 2 + len(down))
+        return skin.nearest(outline), corners
+
+
+def _at(way: Array, along: float) -> Array:
+    """(3,) m: the point of a (M, 3) m way after so many metres."""
+    gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+    return np.array([np.interp(along, gone, way[:, axis]) for axis in range(3)])
+
+
+def _rounded(way: Array) -> Array:
+    """The (M, 3) m way through three points without the bend in its middle: a curve of the second degree along it."""
+    even = resampled(way, 0.002, False)
+    share = np.linspace(0.0, 1.0, len(even))[:, None]
+    middle = _at(way, 0.5 * float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum()))
+    control = 2.0 * middle - 0.5 * (way[0] + way[-1])
+    return np.asarray((1 - share) ** 2 * way[0] + 2 * share * (1 - share) * control + share**2 * way[-1])
