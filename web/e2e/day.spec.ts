@@ -94,6 +94,10 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await pattern.locator("[data-parameter=clock]").fill("10");
     await pattern.locator("[data-parameter=clock]").press("Tab");
     expect((await state(page)).drawing).toBe(PATTERN);
+    await pattern.locator("[data-parameter=depth_mm]").fill("20");
+    await pattern.locator("[data-parameter=depth_mm]").press("Tab");
+    await pattern.getByLabel("Notes").fill("wants it smaller");
+    await pattern.getByLabel("Notes").press("Tab");
     await expect(page.locator(`[data-layer=reference] [data-line="wise_L"]`)).toHaveCount(1, { timeout: 20_000 });
     await expect(page.getByText("To see the drawing on the standing and on the supine body, add the other scan.")).toBeVisible();
   });
@@ -154,7 +158,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
 
   await test.step("the picture holds both stances, as they stand beside each other", async () => {
     const panes = await Promise.all([page.locator(".other-stage").boundingBox(), page.locator("main.stage").boundingBox()]);
-    await page.getByRole("button", { name: "Export" }).click();
+    await page.getByRole("banner").getByRole("button", { name: "Export" }).click();
     const [picture] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: /^Picture of this view/ }).click()]);
     const png = readFileSync(await picture.path());
     expect(Math.abs(png.readUInt32BE(16) - 2 * (panes[0]!.width + panes[1]!.width))).toBeLessThanOrEqual(4);
@@ -222,6 +226,10 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     expect((await other(page))!.picture.colours).toBeGreaterThan(100);
     await expect(page.locator(".stances-bar .segmented button")).toHaveText(["Standing", "Supine"]);
     expect(now.drawing).toBe(PATTERN);
+    expect(now.drawn).toMatchObject({ note: "wants it smaller", depthMm: 20 });
+    const plan = (await (await page.request.get(`${base}/api/fits/${supine}/plan.json`)).json()) as PlanOnScan;
+    expect(plan.shapes.find(({ name }) => name === "tumour_L")).toMatchObject({ carried: true, depth_mm: 20 });
+    expect(plan.notes.map(({ text }) => text)).toEqual(["wants it smaller"]);
     await expect.poll(async () => (await state(page)).stances.other!.drawn.onScan?.carried.shapes.filter(({ kind }) => kind === "line").length, { timeout: 30_000 }).toBe(2);
   });
 

@@ -82,7 +82,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const landmarks = createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks"));
   const fit = createFitPanel(actions.fit, () => dismiss("fit"));
   const carry = createDrawingCarry(actions.stances);
-  const drawing = createDrawingPanel(actions.drawing, actions.fit, () => dismiss("drawing"), () => dismiss("fit"), carry.element);
+  const drawing = createDrawingPanel(actions.drawing, actions.fit, actions.plan, () => dismiss("drawing"), () => dismiss("fit"), carry.element);
   const result = createResultPanel(actions.handPose);
   const next = createNextButton(actions);
   const bodies = { scan: scan.element, landmarks: landmarks.element, fit: fit.element, drawing: drawing.element, result: result.element };

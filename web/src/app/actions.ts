@@ -44,6 +44,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     deletion,
     landmarks,
     drawing,
+    plan,
     stances,
     patients,
     share: shareActions(store, client),

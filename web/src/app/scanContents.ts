@@ -14,9 +14,9 @@ import type { Session } from "./session";
 export function scanContents(client: Client, plan: Pick<PlanActions, "read">, stop: () => void): ScanContents {
   return {
     async read(info) {
-      const [saved, { lines, drawing }] = await Promise.all([client.landmarks(info).catch(() => null), plan.read(info)]);
+      const [saved, { lines, drawing, ...words }] = await Promise.all([client.landmarks(info).catch(() => null), plan.read(info)]);
       const picks = saved ? picksOf(saved) : {};
-      const state: Partial<Session> = { ...startLandmarks(picks, saved?.certain), drawn: startDrawn(lines), drawing, fit: null, isStarting: false, stance: "auto" };
+      const state: Partial<Session> = { ...startLandmarks(picks, saved?.certain), drawn: startDrawn(lines, words), drawing, fit: null, isStarting: false, stance: "auto" };
       return { state, stands: standing(info.frame, picks) };
     },
     none: (): Partial<Session> => ({

@@ -8,7 +8,7 @@ import { el, saveFile, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { DrawingActions } from "./actions";
 import { createDrawingLayers } from "./DrawingLayers";
-import { createDrawingPattern } from "./DrawingPattern";
+import { createDrawingPattern, type PlanWords } from "./DrawingPattern";
 import { toText } from "./files";
 import { type DrawingSlice, lineNamed, type Tool, TOOLS } from "./state";
 import * as text from "./text";
@@ -18,7 +18,7 @@ const words = text.drawing;
 type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "problems" | "drawing" | "fit" | "isStarting" | "drawn">;
 
 /** `more`: what other features have to say about the drawing, below the rest. */
-export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, dismiss: () => void, dismissFit: () => void, more: HTMLElement): Panel<Shown> {
+export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, plan: PlanWords, dismiss: () => void, dismissFit: () => void, more: HTMLElement): Panel<Shown> {
   let state: Shown | null = null;
   const tools = segmented<Tool>(
     words.tools,
@@ -42,7 +42,7 @@ export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, dis
   const wrong = problem(dismiss);
   const corners = createCorners(drawing);
   const layers = createDrawingLayers(drawing);
-  const pattern = createDrawingPattern(fit, dismissFit);
+  const pattern = createDrawingPattern(fit, plan, dismissFit);
   const element = el(
     "div",
     { class: "panel drawing" },

@@ -14,10 +14,17 @@ import type { DrawingSlice } from "./state";
 import * as text from "./text";
 
 const words = text.drawing.pattern;
+const DEEPEST_MM = 150; // as the service takes it
 
 type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "problems" | "drawing" | "fit" | "drawn">;
 
-export function createDrawingPattern(fit: FitActions, dismiss: () => void): Panel<Shown> {
+/** What is kept of the plan in words and numbers, see plan/actions.ts. */
+export interface PlanWords {
+  note(text: string): void;
+  depth(mm: number | null): void;
+}
+
+export function createDrawingPattern(fit: FitActions, plan: PlanWords, dismiss: () => void): Panel<Shown> {
   let state: Shown | null = null;
   const choose = (change: Partial<DrawingRequest>): void => {
     if (state) fit.chooseDrawing(requestText({ ...readRequest(state.drawing), ...change }));
@@ -27,9 +34,20 @@ export function createDrawingPattern(fit: FitActions, dismiss: () => void): Pane
   const box = el("input", { type: "checkbox", onchange: () => choose({ tumour: box.checked ? startValues(tumourOf(state)!) : null }) });
   const hasTumour = el("label", { class: "check" }, box, el("span", {}, words.tumour));
   const tumour = el("div", { class: "parameters" });
+  const depth = el("input", {
+    type: "number",
+    min: 0,
+    max: DEEPEST_MM,
+    step: 1,
+    inputmode: "numeric",
+    "data-parameter": "depth_mm",
+    onchange: () => depth.reportValidity() && plan.depth(depth.value === "" ? null : depth.valueAsNumber),
+  });
+  const depthField = el("label", { class: "field", title: words.depthHint, hidden: true }, el("span", {}, words.depth, el("span", { class: "unit" }, " mm")), depth);
+  const sayings = el("textarea", { rows: 2, maxlength: 2000, placeholder: words.noteHint, "aria-label": words.note, onchange: () => plan.note(sayings.value) });
   const note = el("p", { class: "muted small" });
   const wrong = problem(dismiss);
-  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, base.element, parameters, hasTumour, tumour, wrong.element, note));
+  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, base.element, parameters, hasTumour, tumour, depthField, el("label", { class: "field wide" }, el("span", {}, words.note), sayings), wrong.element, note));
 
   function field(parameter: PatternParameter, value: string, changed: (value: string) => void): HTMLElement {
     const hint = [parameter.about, parameter.min !== null && parameter.max !== null ? words.range(parameter.min, parameter.max, parameter.unit) : ""].filter((each) => each !== "").join("; ");
@@ -79,6 +97,9 @@ export function createDrawingPattern(fit: FitActions, dismiss: () => void): Pane
         clock && request.tumour ? fields(clock, request.tumour, (name, value) => state && choose({ tumour: { ...readRequest(state.drawing).tumour, [name]: value } })) : [],
       );
       show(tumour, request.tumour !== null);
+      show(depthField, request.tumour !== null);
+      if (document.activeElement !== depth) depth.value = session.drawn.depthMm === null ? "" : String(session.drawn.depthMm);
+      if (document.activeElement !== sayings) sayings.value = session.drawn.note;
       const missing = session.drawn.onScan?.plan.missing.map(({ reason }) => reason) ?? [];
       wrong.set(session.problems.fit ?? (missing.length > 0 ? missing.join(" ") : undefined));
       setText(note, session.fit?.state === "done" ? words.follows : words.needsFit);

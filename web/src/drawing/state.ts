@@ -41,6 +41,8 @@ export interface DrawnState {
   readonly chosen: string | null; // the line whose points are shown
   readonly corner: number | null; // which of its corners: index into corners
   readonly radiusMm: number; // of the next tumour circle
+  readonly note: string; // what the surgeon says about it in words
+  readonly depthMm: number | null; // of the tumour by the clock, below the skin
   readonly hidden: ReadonlySet<string>; // layerKey of lines that are switched off
   readonly onScan: OnScan | null;
 }
@@ -55,7 +57,7 @@ export interface DrawingSlice {
   readonly drawn: DrawnState;
 }
 
-export function startDrawn(lines: readonly OwnLine[] = []): DrawnState {
+export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnState, "note" | "depthMm"> = { note: "", depthMm: null }): DrawnState {
   return {
     lines: startHistory(lines),
     saving: "saved",
@@ -65,6 +67,7 @@ export function startDrawn(lines: readonly OwnLine[] = []): DrawnState {
     chosen: null,
     corner: null,
     radiusMm: 15,
+    ...words,
     hidden: new Set(),
     onScan: null,
   };

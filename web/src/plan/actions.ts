@@ -8,7 +8,7 @@ import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
-import { drawingOn, linesOn, withDrawing, withLines } from "./items";
+import { depthOn, drawingOn, linesOn, noteOn, withDepth, withDrawing, withLines, withNote } from "./items";
 import { createPlanKeeper } from "./keeper";
 
 type State = PageSlice & ScanSlice & FitSlice & DrawingSlice;
@@ -20,6 +20,8 @@ export interface PlannedOnScan {
   readonly drawing: string;
   /** Somebody has planned something; else the drawing is the reference that a first fit brings along. */
   readonly isWhole: boolean;
+  readonly note: string;
+  readonly depthMm: number | null;
 }
 
 export function planActions(store: Store<State>, client: Client) {
@@ -31,16 +33,20 @@ export function planActions(store: Store<State>, client: Client) {
     lines: linesOn(items, scan),
     drawing: isWhole ? drawingOn(items, scan) : referenceOf(store.get().meta?.drawings ?? []),
     isWhole,
+    note: noteOn(items, scan),
+    depthMm: depthOn(items, scan),
   });
 
-  async function saveDrawing(scan: Scan, drawing: string): Promise<void> {
+  async function change(scan: Scan, what: (items: readonly PlanItem[]) => PlanItem[]): Promise<void> {
     try {
-      await keeper.save(link(scan), (items) => withDrawing(items, scan.id, drawing));
+      await keeper.save(link(scan), what);
       store.set((state) => withProblem(state, "drawing", null));
     } catch (error) {
       store.set((state) => withProblem(state, "drawing", messageOf(error)));
     }
   }
+
+  const saveDrawing = (scan: Scan, drawing: string): Promise<void> => change(scan, (items) => withDrawing(items, scan.id, drawing));
 
   /** A pattern or tumour that a person changes is written at once. */
   store.select(only("scan", "drawing"), ({ scan, drawing }, before) => {
@@ -83,6 +89,20 @@ export function planActions(store: Store<State>, client: Client) {
       const asked = withDrawing([], scan.id, drawingOfFit ?? "");
       const isAsked = drawingOn(items, scan.id) === (drawingOfFit ?? "") && beyondLines.length === asked.length;
       return !isAsked || (isOtherFitted && items.some((item) => item.scan !== scan.id));
+    },
+
+    note(text: string): void {
+      const { scan, drawn } = store.get();
+      if (!scan || text.trim() === drawn.note) return;
+      store.set((state) => ({ drawn: { ...state.drawn, note: text.trim() } }));
+      void change(scan.info, (items) => withNote(items, scan.info.id, text));
+    },
+
+    depth(mm: number | null): void {
+      const { scan } = store.get();
+      if (!scan) return;
+      store.set((state) => ({ drawn: { ...state.drawn, depthMm: mm } }));
+      void change(scan.info, (items) => withDepth(items, scan.info.id, mm));
     },
 
     settled: keeper.settled,

@@ -1,6 +1,6 @@
 // The plan as plain values: which of its items are lines, patterns and the tumour of one scan, put back after a change,
 // and brought together with what somebody else has changed meanwhile.
-import type { PlanItem, PlanLine, PlanPattern, PlanTumour, Vector } from "../api/types";
+import type { PlanItem, PlanLine, PlanNote, PlanPattern, PlanTumour, Vector } from "../api/types";
 import { lineAlong } from "../drawing/edits";
 import { roundMm } from "../drawing/files";
 import { INK, newId, type OwnLine } from "../drawing/lines";
@@ -51,6 +51,26 @@ export function withDrawing(items: Items, scan: string, text: string): PlanItem[
     ? [{ ...oldTumour, kind: "tumour", id: oldTumour?.id ?? newId(), scan, side: tumour.side === "R" ? "R" : "L", clock: number("clock"), distance_mm: number("distance_mm"), radius_mm: number("radius_mm") }]
     : [];
   return [...rest, ...pattern, ...circle];
+}
+
+/** What is said about the scan's plan as a whole; notes with a place of their own are others. */
+export const noteOn = (items: Items, scan: string): string => {
+  const note = items.find((item): item is PlanNote => item.kind === "note" && item.scan === scan && item.point == null);
+  return note?.text ?? "";
+};
+
+export function withNote(items: Items, scan: string, text: string): PlanItem[] {
+  const old = items.find((item) => item.kind === "note" && item.scan === scan && item.point == null);
+  const rest = items.filter((item) => item !== old);
+  return text.trim() === "" ? rest : [...rest, { kind: "note", id: old?.id ?? newId(), scan, text: text.trim() }];
+}
+
+/** mm below the skin, of the tumour that `drawingOn` names; null where it is not known. */
+export const depthOn = (items: Items, scan: string): number | null => items.filter(isTumour).find((item) => item.scan === scan)?.depth_mm ?? null;
+
+export function withDepth(items: Items, scan: string, mm: number | null): PlanItem[] {
+  const tumour = items.filter(isTumour).find((item) => item.scan === scan);
+  return items.map((item) => (item === tumour ? { ...tumour, depth_mm: mm } : item));
 }
 
 const numberOr = (value: string): number | string => (value.trim() !== "" && Number.isFinite(Number(value)) ? Number(value) : value);

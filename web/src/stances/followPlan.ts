@@ -5,7 +5,7 @@ import type { PlanActions } from "../plan/actions";
 import { only, type Store } from "../store/store";
 import { stanceNames, type StancesSlice, type Workspace, workspaceOf } from "./state";
 
-const CALM_MS = 700; // after the last stroke
+const CALM_MS = 300; // after the last stroke
 
 type State = Workspace & StancesSlice;
 

@@ -66,7 +66,7 @@ export async function loadWorkspace(client: Client, plan: Pick<PlanActions, "rea
     scan: { info, title: uploaded, mesh, file: null, example: info.example_landmarks ?? null, ...stands },
     picks: startHistory(picks),
     certain: certainAt(picks, saved.certain),
-    drawn: startDrawn(planned.lines),
+    drawn: startDrawn(planned.lines, planned),
     proposals: null,
     skipped: new Set(),
     saving: "saved",

@@ -4,7 +4,7 @@ import { fakePlans, fitLinks, page, scanInfo } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { Fit, PlanItem } from "../../src/api/types";
 import { lineAlong } from "../../src/drawing/edits";
-import { drawingOn, linesOn, merged, withDrawing, withLines } from "../../src/plan/items";
+import { depthOn, drawingOn, linesOn, merged, noteOn, withDepth, withDrawing, withLines, withNote } from "../../src/plan/items";
 import { createPlanKeeper } from "../../src/plan/keeper";
 
 const line = (id: string, name: string, scan = "s1", x = 0): PlanItem => ({ kind: "line", id, scan, name, label: "", closed: false, color: "#101010", points: [[x, 0, 0], [x + 10, 0, 0]] });
@@ -36,6 +36,16 @@ test("what is put back keeps its ids, and what the page does not edit stays", ()
   expect(withDrawing(ITEMS, "s1", TEXT).map((item) => ITEMS.includes(item) || item.id)).toEqual([true, true, true, "p", "t"]);
   expect(ids(withDrawing(ITEMS, "s1", ""))).toEqual(["a", "n", "b"]);
   expect(ids(withDrawing([], "s2", "lumpectomy"))).toHaveLength(1);
+});
+
+test("note and depth belong to one scan, and go when they are emptied", () => {
+  expect([noteOn(ITEMS, "s1"), noteOn(ITEMS, "s2"), depthOn(ITEMS, "s1"), depthOn(ITEMS, "s2")]).toEqual(["smaller", "", 20, null]);
+  expect(withNote(ITEMS, "s1", " larger ").at(-1)).toEqual(note("n", "larger"));
+  expect(ids(withNote(ITEMS, "s1", " "))).toEqual(["a", "p", "t", "b"]);
+  const placed: PlanItem = { ...note("q", "here"), kind: "note", text: "here", point: [1, 2, 3] };
+  expect(noteOn([placed], "s1")).toBe("");
+  expect(depthOn(withDepth(ITEMS, "s1", 31), "s1")).toBe(31);
+  expect(withDepth(ITEMS, "s2", 31)).toEqual(ITEMS);
 });
 
 test("two who change different things get both; one thing changed twice is kept twice; nothing that was changed is deleted", () => {
@@ -109,6 +119,19 @@ test("the first fit makes its reference drawing the plan; a pattern that is chos
   void made.actions.scan.leave();
   await vi.advanceTimersByTimeAsync(10);
   expect(await plan()).toEqual([["s1", "reduction"], "tumour"]);
+});
+
+test("what is said about the plan is kept with it, and there again", async () => {
+  const made = page();
+  await made.actions.scan.open("s1", null);
+  made.actions.fit.chooseDrawing("lumpectomy+tumour:side=R,clock=3,distance_mm=30,radius_mm=10");
+  made.actions.plan.depth(25);
+  made.actions.plan.note("wants it smaller");
+  await vi.advanceTimersByTimeAsync(10);
+  await made.actions.scan.leave();
+  expect(made.store.get().drawn).toMatchObject({ note: "", depthMm: null });
+  await made.actions.scan.open("s1", null);
+  expect(made.store.get().drawn).toMatchObject({ note: "wants it smaller", depthMm: 25 });
 });
 
 test("undoing goes back beyond the opening of the page", async () => {
