@@ -37,9 +37,9 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Real]:
         yield service, client, scans, fits
 
 
-def text_of(content: bytes) -> str:
+def text_of(content: bytes, stances: int = 1) -> str:
     pages = pypdf.PdfReader(io.BytesIO(content)).pages
-    assert len(pages) == 2
+    assert len(pages) == 2 + stances  # a tape sheet each
     return "\n".join(page.extract_text() for page in pages)
 
 
@@ -92,7 +92,7 @@ def test_two_stances_in_one_report_which_is_not_kept(real: Real) -> None:
     service, client, _, fits = real
     answer = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
     assert answer.status_code == 200
-    assert "change, supine to standing" in text_of(answer.data)
+    assert "change, supine to standing" in text_of(answer.data, stances=2)
     assert not (service.storage.folders.fit(fits["supine"]) / "report.pdf").exists()
 
 
@@ -153,6 +153,34 @@ def test_a_fit_without_the_files_of_one_is_a_sentence_without_folders(client: Fl
     answer = client.get(f"/api/fits/{fit_id}/report.pdf")
     assert answer.status_code == 422
     assert "/" not in answer.json["detail"].replace("/result.json", "")
+
+
+def test_a_report_with_a_plan_is_remembered_and_not_kept_on_the_disk(real: Real) -> None:
+    """It may hold what was carried from another scan, and must not outlive that scan's deletion."""
+    service, client, scans, fits = real
+    folder = service.storage.folders.fit(fits["standing"])
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    plan = client.get(f"/api/scans/{scans['standing']}").json["links"]["plan"]
+    seen = client.get(plan).headers["ETag"]
+    note = {"kind": "note", "id": "n", "scan": scans["standing"], "text": "wants it smaller"}
+    tumour = {"kind": "tumour", "id": "t", "scan": scans["standing"], "side": "L", "clock": 3.0, "distance_mm": 30.0}
+    items = [note, tumour | {"radius_mm": 10.0, "depth_mm": 15.0}]
+    stored = client.put(plan, json={"items": items}, headers={"If-Match": seen})
+    assert stored.status_code == 200, stored.json
+    address = f"/api/fits/{fits['standing']}/report.pdf"
+    first = client.get(address).data
+    text = text_of(first)
+    assert all(words in text for words in ("tumour, left", "wants it smaller", "tumour_L lies 15 mm below the skin"))
+    assert "sternum upper" not in text  # the plan speaks for the fit's own drawing
+    assert client.get(address).data == first
+    token = client.post(f"/api/fits/{fits['standing']}/shares", json={"scan": "plain"}).json["url"].removeprefix("/s#")
+    visitor = client.application.test_client()
+    link = visitor.post("/api/shared/open", json={"token": token}).json["links"]["report"]
+    with visitor.get(link) as answer:
+        assert answer.data == first
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    client.put(plan, json={"items": []}, headers={"If-Match": stored.headers["ETag"]})
+    assert "wants it smaller" not in text_of(client.get(address).data, stances=0)
 
 
 def test_deleting_the_scan_deletes_the_report(real: Real) -> None:

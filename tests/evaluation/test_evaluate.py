@@ -279,8 +279,9 @@ def test_figures_are_pictures_in_two_looks(whole: Path) -> None:
     with Image.open(whole / "figures" / "fit_independent_best.png") as picture:
         colours = np.asarray(picture.convert("RGB"), dtype=float)
     assert colours.shape[1] > 1000
-    coloured = np.abs(colours[..., 0] - colours[..., 2]) > 30  # blue or orange
-    assert coloured.mean() > 0.01  # the colour bar: this model is all but on its scan
+    warmth = colours[..., 0] - colours[..., 2]
+    for shown in (warmth > 30, warmth < -30):  # orange and blue, each in its half of the colour bar
+        assert shown.mean() > 0.003  # this model is all but on its scan, and the bar is pale up to 2 mm
     page = (whole / "index.html").read_text()
     charts = [name for name in names if not name.startswith("fit_")]
     assert page.count('(prefers-color-scheme: dark)"><img') == len(charts)
