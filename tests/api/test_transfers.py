@@ -182,6 +182,10 @@ def plan_on(client: FlaskClient, fit: str) -> dict[str, Any]:
     return dict(answer.json)
 
 
+def stored_tag(answer: Any) -> dict[str, str]:
+    return {"If-Match": answer.headers["ETag"]}
+
+
 def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_body(
     real: tuple[Service, FlaskClient, dict[str, str]],
 ) -> None:
@@ -232,10 +236,19 @@ def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_bod
         np.testing.assert_allclose(np.array(found["error_mm"], float), np.array(shape["error_mm"], float), atol=0.01)
     assert next(each for each in carried["shapes"] if each["item"] == "t")["depth_mm"] == 20.0
 
+    # an item that was made on a scan without a fit is said to be missing
+    third = client.post("/api/examples/supine").json
+    client.put(f"/api/scans/{third['id']}/patient", json={"patient": standing["patient"]})
+    more = [*items, {"kind": "line", "id": "z", "scan": third["id"], "name": "Line 9", "points": [there]}]
+    stored = client.put(standing["links"]["plan"], json={"items": more}, headers=stored_tag(stored))
+    missing = plan_on(client, fits["standing"])["missing"]
+    assert [each["item"] for each in missing] == ["off", "z"]
+    assert "not fitted yet" in missing[1]["reason"]
+
     # the report shows the plan and not what the fit itself had drawn; a tumour that is taken back is gone at once
     whole = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
     assert whole.status_code == 200
-    client.put(standing["links"]["plan"], json={"items": []}, headers={"If-Match": stored.headers["ETag"]})
+    client.put(standing["links"]["plan"], json={"items": []}, headers=stored_tag(stored))
     assert plan_on(client, fits["supine"])["shapes"] == []
     bare = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
     assert bare.status_code == 200

@@ -26,6 +26,7 @@ from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.plan_on_fit import PlanJob, PlannedFit, empty_plan_document, plan_on_fit
 
+UNFITTED = "It was made on a scan that is not fitted yet; fit that one to see it here."
 WALL_S = 60.0  # two scans take one to two seconds; a slow machine with huge scans may take many
 REMEMBERED = 32  # plans on scans, of some hundred kilobytes each
 
@@ -39,6 +40,7 @@ class PlannedFits:
     plan: PlanRow
     fit: FitRow
     others: tuple[FitRow, ...]  # of the patient's other scans on which items were made
+    unfitted: tuple[str, ...] = ()  # ids of items that were made on scans without a fit that is done
 
     @property
     def key(self) -> tuple[str, int, tuple[str, ...]]:
@@ -69,8 +71,9 @@ class Plans:
         plan = get_plan(self._storage, patient)
         named = {item.get("scan") for item in plan.items}
         others = [scan for scan in scans_of_patient(self._storage, patient) if scan != fit.scan and scan in named]
-        found = [newest_done(self._storage, scan) for scan in others]
-        return PlannedFits(plan, fit, tuple(other for other in found if other is not None))
+        found = {scan: newest_done(self._storage, scan) for scan in others}
+        unfitted = tuple(str(item["id"]) for item in plan.items if found.get(str(item.get("scan")), fit) is None)
+        return PlannedFits(plan, fit, tuple(other for other in found.values() if other is not None), unfitted)
 
     def on_fit(self, fit_id: str) -> bytes:
         """The plan on the fit's scan: breastrig/drawing@1 with the item of each line.
@@ -119,7 +122,8 @@ class Plans:
             "fit": planned.fit.id,
             "carried_from": [{"scan": fit.scan, "fit": fit.id} for fit in planned.others],
         }
-        content = indented(found | known).encode()
+        missing = [*found["missing"], *({"item": item, "reason": UNFITTED} for item in planned.unfitted)]
+        content = indented(found | {"missing": missing} | known).encode()
         self._remembered.put(planned.key, content)
         try:
             for fit in (planned.fit, *planned.others):  # one that was deleted meanwhile leaves nothing here

@@ -604,8 +604,9 @@ export type PlanOnScan = {
   version: number;
   /** whether somebody has written the plan; false: the fit's own drawing still counts */
   whole: boolean;
+  /** id; behind a share link empty */
   fit: string;
-  /** fits of the patient's other scans that were used */
+  /** fits of the patient's other scans that were used; behind a share link none */
   carried_from: CarriedFrom[];
 };
 

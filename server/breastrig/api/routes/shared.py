@@ -5,6 +5,8 @@ nothing in common: no cookie, no cached answer, no address of the page.  What ca
 row: one fit, and its scan only when the owner said so.
 """
 
+import json
+
 from apiflask import APIBlueprint
 from flask import Response, render_template
 
@@ -137,7 +139,7 @@ def show_drawing(share_id: str) -> Response:
     plans = app_context().service.plans
     if not plans.of_fit(share.fit).plan.is_whole:
         return _fit_file(share_id, "drawing.json")
-    response = bytes_answer(plans.on_fit(share.fit), JSON, NO_STORE)
+    response = bytes_answer(_plan_of(share), JSON, NO_STORE)
     response.headers["Content-Disposition"] = "attachment; filename=drawing.json"
     return response
 
@@ -147,7 +149,7 @@ def show_drawing(share_id: str) -> Response:
 @shared.doc(operation_id="getSharedPlan", responses={401: NOT_OPEN, 410: ENDED})
 def show_plan(share_id: str) -> Response:
     """What is planned on the patient's skin, on the shared fit's scan"""
-    return bytes_answer(app_context().service.plans.on_fit(visited_share(share_id).fit), JSON, NO_STORE)
+    return bytes_answer(_plan_of(visited_share(share_id)), JSON, NO_STORE)
 
 
 @shared.get("/<share_id>/distances.bin")
@@ -213,6 +215,12 @@ def page(share_id: str = "") -> Response:
 @share_page.get("/s/share.js")
 def script() -> Response:
     return bytes_answer(render_template("share.js").encode(), "text/javascript", CHECK_AGAIN)
+
+
+def _plan_of(share: ShareRow) -> bytes:
+    """The plan on the shared fit's scan without the ids of fits and scans, which are the owner's alone."""
+    document = json.loads(app_context().service.plans.on_fit(share.fit))
+    return json.dumps(document | {"fit": "", "carried_from": []}).encode()
 
 
 def _fit_file(share_id: str, name: str) -> Response:

@@ -121,5 +121,7 @@ class PlanOnScan(Wire):
     missing: list[MissingItem] = Field(description="items that cannot be shown here, and why")
     version: int = Field(description="of the plan")
     whole: bool = Field(description="whether somebody has written the plan; false: the fit's own drawing still counts")
-    fit: str
-    carried_from: list[CarriedFrom] = Field(description="fits of the patient's other scans that were used")
+    fit: str = Field(description="id; behind a share link empty")
+    carried_from: list[CarriedFrom] = Field(
+        description="fits of the patient's other scans that were used; behind a share link none"
+    )
