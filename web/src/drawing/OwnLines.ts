@@ -1,5 +1,5 @@
 // The surgeon's lines on the scan: black with a white outline; dashed over holes.  What was carried here from the other
-// stance is drawn the same way, since it is the same hand's.
+// stance is drawn the same way: lines in ink, patterns in theirs.
 import type { Vector } from "../api/types";
 import { type FitSlice, isPosedByHand } from "../fit/state";
 import { isUnit, mmFrom } from "../ui/units";
@@ -17,6 +17,7 @@ type Shown = Pick<ViewSlice & FitSlice & DrawingSlice, "overlay" | "fit" | "hand
 export class OwnLines implements Part<Shown> {
   private readonly own = new FatLines();
   private readonly carried = new FatLines();
+  private readonly patterns = new FatLines(); // carried too, in the colour of patterns
   private readonly live = new FatLines(); // apart, so that a moving hand writes one line and not all
   private drawn: unknown[] = [];
   private state: DrawnState | null = null;
@@ -27,15 +28,16 @@ export class OwnLines implements Part<Shown> {
     private readonly viewer: Viewer,
     private readonly scan: Pick<Surface, "mesh">,
   ) {
-    viewer.body.add(this.own.group, this.carried.group, this.live.group);
+    viewer.body.add(this.own.group, this.carried.group, this.patterns.group, this.live.group);
     viewer.beforeFrame.add(() => {
-      for (const each of [this.own, this.carried, this.live]) each.approach(viewer.depthUnits);
+      for (const each of [this.own, this.carried, this.patterns, this.live]) each.approach(viewer.depthUnits);
     });
   }
 
   update(state: Shown): void {
     const { palette } = this.viewer;
     for (const each of [this.own, this.carried, this.live]) each.paint(palette.ink, palette["ink-outline"]);
+    this.patterns.paint(palette.line, palette["line-outline"]);
     this.state = state.drawn;
     this.isShown = this.scan.mesh !== null && !(state.overlay === "model" && isPosedByHand(state)); // the fitted model lies on the same skin
     const { lines, hidden, onScan } = state.drawn;
@@ -68,9 +70,9 @@ export class OwnLines implements Part<Shown> {
     this.own.set(this.isShown ? own.map(laid) : []);
     const unit = state.onScan?.carried.unit;
     const carried = state.onScan?.carried.shapes.filter(({ name }) => isOn("carried", name)) ?? [];
-    this.carried.set(
-      this.isShown && isUnit(unit) ? carried.map((shape) => polyline(shape, mmFrom(1, unit))) : [],
-    );
+    const laidHere = (isLine: boolean): Polyline[] => (this.isShown && isUnit(unit) ? carried.filter(({ kind }) => (kind === "line") === isLine).map((shape) => polyline(shape, mmFrom(1, unit))) : []);
+    this.carried.set(laidHere(true));
+    this.patterns.set(laidHere(false));
     this.viewer.invalidate();
   }
 }
