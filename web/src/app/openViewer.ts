@@ -7,6 +7,7 @@ import { listenToPenKeys } from "../drawing/penKeys";
 import { listenToPen } from "../drawing/PenTool";
 import { ReferenceLines } from "../drawing/ReferenceLines";
 import { skinFrom } from "../drawing/skin";
+import { TapeLines } from "../drawing/TapeLines";
 import { FittedSurface } from "../fit/FittedSurface";
 import { HoverValue } from "../fit/HoverValue";
 import { hasModelShown } from "../fit/state";
@@ -88,6 +89,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     new ErrorBands(viewer, scan, fitted, stage.canvas),
     own,
     corners,
+    new TapeLines(viewer, scan),
     { update: (state) => pins.update(state, isFree(state)) },
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),

@@ -15,6 +15,7 @@ import { freeName, gap, INK, newId, nextName, type OwnLine, TUMOUR_INK, withLine
 import type { Skin } from "./skin";
 import { type DrawingSlice, type DrawnState, type Layer, layerKey, lineNamed, type Tool } from "./state";
 import { circle, freehand } from "./strokes";
+import { tapeBack, tapeFrom, tapeTo } from "./tape";
 import * as text from "./text";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & DrawingSlice;
@@ -100,7 +101,7 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
         step: tool === "none" ? state.step : "drawing",
         active: null,
         overlay: tool !== "none" && (state.overlay === "model" || state.overlay === "swipe" || state.overlay === "beside") ? "scan" : state.overlay,
-        drawn: { ...state.drawn, tool, start: null, open: null, chosen, corner: null },
+        drawn: { ...state.drawn, tool, start: null, open: null, tape: null, chosen, corner: null },
         announcement: words.hints[tool],
       }));
     },
@@ -148,6 +149,23 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
       const radius = drawn().radiusMm;
       const name = freeName(lines(), words.tumourName(formatMmWhole(radius)));
       add(lineAlong(name, TUMOUR_INK, circle(on, at, radius), true), words.announceDrawn(name));
+    },
+
+    /** The tape goes on to here; the first click, and the one after its end, begins another one. */
+    measure(at: Vector): void {
+      const on = skin();
+      if (!on) return;
+      const { tape } = drawn();
+      if (!tape || tape.isEnded) return put({ tape: tapeFrom(at) }, { announcement: text.tape.says(tapeFrom(at)) });
+      if (gap(tape.places.at(-1)!, at) < 1) return;
+      const next = tapeTo(on, tape, at);
+      put({ tape: next }, { announcement: text.tape.says(next) });
+    },
+
+    /** It stays to be read until the next one is begun or the tool is put down. */
+    endTape(): void {
+      const { tape } = drawn();
+      if (tape) put({ tape: tape.legs.length > 0 ? { ...tape, isEnded: true, isRefused: false } : null });
     },
 
     radius(mm: number): void {
@@ -200,7 +218,9 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     },
 
     undo(): void {
-      if (drawn().start) return put({ start: null });
+      const { tape, start } = drawn();
+      if (tape) return put({ tape: tapeBack(tape) });
+      if (start) return put({ start: null });
       if (drawn().lines.past.length === 0) return void this.undoKept();
       put({ lines: undo(drawn().lines), corner: null }, { announcement: landmarkText.announceUndone });
       this.tidy();
