@@ -2,12 +2,12 @@
 // and changed there; the fit stays.
 import type { PatternInfo, PatternParameter } from "../api/types";
 import type { FitActions } from "../fit/actions";
-import { checked, type DrawingRequest, readRequest, requestText, startValue, startValues, TUMOUR, type Values } from "../fit/requestedDrawing";
+import { checked, type DrawingRequest, mirroredValues, readRequest, requestText, startValue, startValues, TUMOUR, type Values } from "../fit/requestedDrawing";
 import type { FitSlice } from "../fit/state";
 import { fit as fitText } from "../fit/text";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
-import { problem, select } from "../ui/controls";
+import { button, problem, select } from "../ui/controls";
 import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { DrawingSlice } from "./state";
@@ -27,9 +27,17 @@ export function createDrawingPattern(fit: FitActions, dismiss: () => void): Pane
   const box = el("input", { type: "checkbox", onchange: () => choose({ tumour: box.checked ? startValues(tumourOf(state)!) : null }) });
   const hasTumour = el("label", { class: "check" }, box, el("span", {}, words.tumour));
   const tumour = el("div", { class: "parameters" });
+  let mirrorings = 0; // the fields are written anew after each
+  const mirror = (part: "values" | "tumour"): void => {
+    const other = state && mirroredValues(readRequest(state.drawing)[part] ?? {});
+    mirrorings += 1;
+    if (other) choose({ [part]: other });
+  };
+  const mirrorPattern = button(words.mirror, () => mirror("values"), "quiet outlined", "mirror");
+  const mirrorTumour = button(words.mirror, () => mirror("tumour"), "quiet outlined", "mirror");
   const note = el("p", { class: "muted small" });
   const wrong = problem(dismiss);
-  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, base.element, parameters, hasTumour, tumour, wrong.element, note));
+  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, base.element, parameters, mirrorPattern, hasTumour, tumour, mirrorTumour, wrong.element, note));
 
   function field(parameter: PatternParameter, value: string, changed: (value: string) => void): HTMLElement {
     const hint = [parameter.about, parameter.min !== null && parameter.max !== null ? words.range(parameter.min, parameter.max, parameter.unit) : ""].filter((each) => each !== "").join("; ");
@@ -70,15 +78,17 @@ export function createDrawingPattern(fit: FitActions, dismiss: () => void): Pane
       const request = readRequest(drawing);
       base.set([{ value: "", label: fitText.noDrawing }, ...meta.drawings.map(({ name, label }) => ({ value: name, label }))], request.base);
       const pattern = meta.patterns.find(({ name }) => name === request.base && name !== TUMOUR);
-      fill(parameters, [request.base, Boolean(pattern)], () => (pattern ? fields(pattern, request.values, (name, value) => state && choose({ values: { ...readRequest(state.drawing).values, [name]: value } })) : []));
+      fill(parameters, [request.base, Boolean(pattern), mirrorings], () => (pattern ? fields(pattern, request.values, (name, value) => state && choose({ values: { ...readRequest(state.drawing).values, [name]: value } })) : []));
       show(parameters, pattern !== undefined);
+      show(mirrorPattern, pattern !== undefined && mirroredValues(request.values) !== null);
       const clock = tumourOf(session);
       show(hasTumour, clock !== null);
       box.checked = request.tumour !== null;
-      fill(tumour, request.tumour !== null, () =>
+      fill(tumour, [request.tumour !== null, mirrorings], () =>
         clock && request.tumour ? fields(clock, request.tumour, (name, value) => state && choose({ tumour: { ...readRequest(state.drawing).tumour, [name]: value } })) : [],
       );
       show(tumour, request.tumour !== null);
+      show(mirrorTumour, mirroredValues(request.tumour ?? {}) !== null);
       const missing = session.drawn.onScan?.plan.missing.map(({ reason }) => reason) ?? [];
       wrong.set(session.problems.fit ?? (missing.length > 0 ? missing.join(" ") : undefined));
       setText(note, session.fit?.state === "done" ? words.follows : words.needsFit);

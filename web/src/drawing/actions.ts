@@ -1,5 +1,6 @@
 // Drawing on the scan: each change is one step of the undo history and is saved with the scan soon after.
 import type { Scan, Vector } from "../api/types";
+import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
 import { landmarks as landmarkText } from "../landmarks/text";
 import type { ScanSlice } from "../scan/state";
@@ -12,13 +13,14 @@ import type { ViewSlice } from "../viewer/state";
 import { closedUp, cornerAdded, cornerMoved, cornerRemoved, extended, lineAlong, lineThrough, openedUp } from "./edits";
 import { readDrawing, UnreadableDrawing } from "./files";
 import { freeName, gap, INK, newId, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines";
+import { mirroredLine, mirrorPlane } from "./mirror";
 import type { Skin } from "./skin";
 import { type DrawingSlice, type DrawnState, type Layer, layerKey, lineNamed, type Tool } from "./state";
 import { circle, freehand } from "./strokes";
 import { tapeBack, tapeFrom, tapeTo } from "./tape";
 import * as text from "./text";
 
-type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & DrawingSlice;
+type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice;
 
 const PAUSE_MS = 400; // a run of quick strokes is one save
 const CLOSES_MM = 8; // a click, or a stroke's end, so near to the line's start closes it
@@ -140,6 +142,18 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
 
     close(name: string): void {
       edit(name, (line, on) => (line.closed ? openedUp(line) : closedUp(on, line)), words.announceClosed(name), { open: null, corner: null });
+    },
+
+    /** A copy on the patient's other side, by the fitted model's plane of symmetry. */
+    mirror(name: string): void {
+      const line = lineNamed(drawn(), name);
+      const on = skin();
+      const result = store.get().fit?.result;
+      const plane = result && mirrorPlane(result);
+      if (!line || !on || !plane) return;
+      const other = mirroredLine(on, plane, line);
+      store.set((state) => withProblem(state, "drawing", other ? null : words.noOtherSide(name)));
+      if (other) add({ ...other, name: freeName(lines(), words.mirrored(name)) }, words.announceDrawn(words.mirrored(name)));
     },
 
     /** A circle of true radius along the skin. */
