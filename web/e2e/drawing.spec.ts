@@ -343,11 +343,14 @@ test("one finger draws, two turn the body and draw nothing", async ({ browser, b
   await context.close();
 });
 
-test("on a table the pen draws nothing, and a stroke that runs off the patient ends where her skin ends", async ({ page, base, troubles }) => {
+test("a table is hidden and, when it is shown, the pen draws nothing on it, and a stroke that runs off the patient ends where her skin ends", async ({ page, base, troubles }) => {
   await page.goto(base);
   await page.locator("#scan-file").setInputFiles(SCAN_FILE.replace("standing", "supine"));
   await hook.ready(page);
   await untilStill(page);
+  const loose = page.getByRole("button", { name: "Table and loose pieces" });
+  await expect(loose).toHaveAttribute("aria-pressed", "false");
+  await loose.click();
   await page.keyboard.press("4");
   await page.getByRole("button", { name: "Pen", exact: true }).click();
   const canvas = (await page.locator("main canvas.view").boundingBox())!;
@@ -376,5 +379,8 @@ test("on a table the pen draws nothing, and a stroke that runs off the patient e
   await page.mouse.click(outside, row);
   expect((await drawn(page)).start).toBeNull();
   expect(await lines(page)).toHaveLength(before);
+  await loose.click();
+  expect(await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!), [outside, row]), "hidden it is not there for a click").toBeNull();
+  expect(await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!), [middle, row])).not.toBeNull();
   expect(troubles).toEqual([]);
 });

@@ -30,7 +30,7 @@ import { follow, type Panel } from "../ui/Panel";
 import { notice } from "../ui/text";
 import { createSwipe } from "../viewer/Swipe";
 import { errors, view as viewText } from "../viewer/text";
-import { createViewBar } from "../viewer/ViewBar";
+import { createViewBar, type ViewBarShown } from "../viewer/ViewBar";
 import type { Stage } from "../viewer/Viewer";
 import type { Actions } from "./actions";
 import { addressOfPatient } from "./address";
@@ -63,7 +63,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const canvas = el("canvas", { class: "view", role: "application", "aria-label": viewText.canvas, tabindex: 0 });
   const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
   const guide = createGuideCard(actions.landmarks);
-  const viewBar = createViewBar(actions.view, actions.fit.showDistances, viewBarShown);
+  const viewBar = createViewBar(actions.view, { showDistances: actions.fit.showDistances, showLoose: actions.scan.showLoose }, shownInViewBar);
   const colourBar = createColourBar();
   const swipe = createSwipe(actions.view.swipe, hasBoth);
   const empty = createEmptyState(actions.scan, dismiss);
@@ -162,6 +162,12 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     },
   };
 }
+
+/** The buttons below the body; a table beside either of two stances can be shown. */
+const shownInViewBar = (state: Session): ViewBarShown => {
+  const shown = viewBarShown(state);
+  return { ...shown, hasLoose: shown.hasLoose || (isComparing(state) && (state.stances.other?.scan?.hasLoose ?? false)) };
+};
 
 /** A scan may be dropped anywhere on the canvas, also over one that is already there. */
 function acceptDrops(host: HTMLElement, veil: HTMLElement, actions: Actions): void {

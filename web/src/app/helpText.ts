@@ -11,7 +11,7 @@ export const help = {
     ["C", "Take the proposed point"],
     ["Z · Shift+Z", "Undo · redo"],
     ["Esc", "Stop placing"],
-    ["P · E · T", "In the step Drawing: pen, points of a line, tumour; Enter ends a line, Delete takes away a point or a line"],
+    ["P · E · T · M", "In the step Drawing: pen, points of a line, tumour, tape measure; Enter ends a line or the tape, Delete takes away a point or a line"],
     ["F", "View from the front"],
     ["O", "Scan, both, model, beside, swipe"],
     ["D", "Distances in colour"],

@@ -7,6 +7,7 @@ import { listenToPenKeys } from "../drawing/penKeys";
 import { listenToPen } from "../drawing/PenTool";
 import { ReferenceLines } from "../drawing/ReferenceLines";
 import { skinFrom } from "../drawing/skin";
+import { TapeLines } from "../drawing/TapeLines";
 import { FittedSurface } from "../fit/FittedSurface";
 import { HoverValue } from "../fit/HoverValue";
 import { hasModelShown } from "../fit/state";
@@ -20,7 +21,9 @@ import { LandmarkPins } from "../landmarks/LandmarkPins";
 import { ModelPicture } from "../landmarks/ModelPicture";
 import { ProposalPins } from "../landmarks/ProposalPins";
 import { Ruler } from "../scan/Ruler";
+import { tableNormalOf } from "../scan/body";
 import { ScanMesh } from "../scan/ScanMesh";
+import { withLoose } from "../scan/state";
 import { errors as scanErrors } from "../scan/text";
 import { openOtherView } from "../stances/OtherView";
 import { isComparing, stanceNames } from "../stances/state";
@@ -44,7 +47,7 @@ import type { Session } from "./session";
 
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
-  ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours"] as const),
+  ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose"] as const),
   ...(["picks", "certain", "proposals", "active", "fit", "handPose", "showDistances", "drawn"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
@@ -62,7 +65,12 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     if (error !== null) store.set((state) => withProblem(state, place, words));
     else updateAll(store.get());
   };
-  const scan = new ScanMesh(viewer, ready("scan", scanErrors.mesh));
+  const foundLoose = (file: ArrayBuffer): void =>
+    store.set((state) => {
+      const { other } = state.stances;
+      return { ...withLoose(state, file), stances: other ? { ...state.stances, other: { ...other, ...withLoose(other, file) } } : state.stances };
+    });
+  const scan = new ScanMesh(viewer, ready("scan", scanErrors.mesh), foundLoose);
   const torso = new TorsoModel(viewer, ready("model", fitErrors.model));
   const fitted = new FittedSurface(viewer, ready("distances", fitErrors.surface));
   const pins = new LandmarkPins(viewer, scan);
@@ -81,6 +89,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     new ErrorBands(viewer, scan, fitted, stage.canvas),
     own,
     corners,
+    new TapeLines(viewer, scan),
     { update: (state) => pins.update(state, isFree(state)) },
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),
@@ -120,12 +129,11 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     updateAll(store.get());
   });
 
-  // A patient who lies faces as her table does; without a table the service calls no scan lying.
   const tableNormal = (): Vector | null => {
     const info = store.get().scan?.info;
-    return info?.stance.proposed === "supine" ? info.frame.front : null;
+    return info ? tableNormalOf(info) : null;
   };
-  actions.drawing.setSkin(skinFrom(() => scan.mesh?.geometry ?? null, tableNormal));
+  actions.drawing.setSkin(skinFrom(() => scan.parts, tableNormal));
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
   listenToDrags(stage.canvas, viewer, scan, pins, () => store.get().active === null && isFree(store.get()), actions.landmarks);
@@ -149,7 +157,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     actions.view.graphics("ok");
     viewer.invalidate();
   });
-  const other = openOtherView(store, viewer, stages.other, prefersStill, (error) => store.set((state) => withProblem(state, "stances", messageOf(error))));
+  const other = openOtherView(store, viewer, stages.other, prefersStill, foundLoose, (error) => store.set((state) => withProblem(state, "stances", messageOf(error))));
   actions.files.setPicture(() => exportPicture(panesOf(viewer, other.viewer(), store.get()), store.get()));
   offerTestHook(() => ({ ...store.get(), model: null }), viewer, scan, fitted, other);
 }

@@ -1,4 +1,5 @@
-// The corners of the chosen line as marks over the picture, and the first click of a line that has no second one yet.
+// The corners of the chosen line as marks over the picture, the first click of a line that has no second one yet, and the
+// places of the tape.
 import { Vector3 } from "three";
 import type { Vector } from "../api/types";
 import type { PageSlice } from "../store/page";
@@ -34,11 +35,11 @@ export class CornerPins implements Part<Shown> {
   update(state: Shown): void {
     const { drawn } = state;
     const line = drawn.tool === "points" ? lineNamed(drawn, drawn.chosen) : drawn.tool === "pen" ? lineNamed(drawn, drawn.open) : null;
-    const source = state.step === "drawing" ? (line ?? drawn.start) : null;
+    const source = state.step === "drawing" ? (drawn.tape ?? line ?? drawn.start) : null;
     if (source !== this.drawn) {
       this.drawn = source;
       for (const pin of this.pins) pin.element.remove();
-      const points = source === null ? [] : line ? line.corners.map((_, i) => cornerAt(line, i)) : [drawn.start!];
+      const points = source === null ? [] : drawn.tape ? drawn.tape.places : line ? line.corners.map((_, i) => cornerAt(line, i)) : [drawn.start!];
       this.pins = points.map((point, i) => {
         const element = el("div", { class: "corner", "data-corner": i });
         this.viewer.overlay.append(element);

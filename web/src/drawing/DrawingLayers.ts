@@ -8,6 +8,7 @@ import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { DrawingActions } from "./actions";
 import { lengthOf, type OwnLine } from "./lines";
+import { mirrorPlane } from "./mirror";
 import { ALL_BANDS, BANDS, type DrawingSlice, type Layer, layerKey, shownPatterns } from "./state";
 import * as text from "./text";
 
@@ -62,7 +63,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
     }
   }
 
-  function ownRow(line: OwnLine): HTMLElement {
+  function ownRow(line: OwnLine, mayMirror: boolean): HTMLElement {
     const { name } = line;
     const field = el("input", {
       type: "text",
@@ -83,7 +84,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
     close.setAttribute("aria-label", line.closed ? words.open(name) : words.close(name));
     const length = line.closed ? null : el("span", { class: "muted small" }, words.length(cm(lengthOf(line))));
     field.title = name;
-    return el("li", { "data-line": name }, toggle("own", name, null), field, length, close, iconButton("close", words.erase(name), () => drawing.erase(name)));
+    return el("li", { "data-line": name }, toggle("own", name, null), field, length, close, mayMirror ? iconButton("mirror", words.mirror(name), () => drawing.mirror(name)) : null, iconButton("close", words.erase(name), () => drawing.erase(name)));
   }
 
   return {
@@ -92,7 +93,8 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
     update(state: Shown): void {
       const { lines, hidden, chosen } = state.drawn;
       show(none, lines.present.length === 0);
-      fill(own, lines.present.map((line) => [line.name, line.closed, Math.round(lengthOf(line))]), () => lines.present.map(ownRow));
+      const mayMirror = state.fit?.result ? mirrorPlane(state.fit.result) !== null : false;
+      fill(own, [mayMirror, lines.present.map((line) => [line.name, line.closed, Math.round(lengthOf(line))])], () => lines.present.map((line) => ownRow(line, mayMirror)));
       check(own, "own", hidden);
       for (const row of own.querySelectorAll<HTMLElement>("li")) row.classList.toggle("is-chosen", row.dataset.line === chosen);
       const { fit, model } = state;

@@ -29,6 +29,8 @@ export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, pla
   const radius = el("input", { type: "number", min: 1, max: 80, step: 1, inputmode: "numeric", onchange: () => drawing.radius(radius.valueAsNumber) });
   const size = el("label", { class: "field inline short", hidden: true }, el("span", {}, words.radius), radius);
   const finish = button(words.finish, () => drawing.finish(), "quiet outlined");
+  const measured = el("p", { class: "tape-length", hidden: true });
+  const endTape = button(text.tape.end, () => drawing.endTape(), "quiet outlined");
   const undo = iconButton("undo", words.undo, () => drawing.undo());
   const redo = iconButton("redo", words.redo, () => drawing.redo());
   const saved = el("span", { class: "drawing-saved muted small" });
@@ -51,6 +53,8 @@ export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, pla
     hint,
     size,
     finish,
+    measured,
+    endTape,
     corners.element,
     el("div", { class: "toolbar" }, undo, redo, el("span", { class: "spring" }), saved, again, file, save),
     layers.element,
@@ -68,6 +72,10 @@ export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, pla
       show(size, drawn.tool === "tumour");
       if (document.activeElement !== radius && radius.valueAsNumber !== drawn.radiusMm) radius.valueAsNumber = drawn.radiusMm;
       show(finish, drawn.tool === "pen" && (drawn.open !== null || drawn.start !== null));
+      const { tape } = drawn;
+      show(measured, tape !== null);
+      setText(measured, tape ? text.tape.says(tape) : "");
+      show(endTape, tape !== null && !tape.isEnded);
       undo.disabled = false; // what was drawn before the page was opened can be taken back too
       redo.disabled = drawn.lines.future.length === 0;
       save.disabled = drawn.lines.present.length === 0;

@@ -2,12 +2,12 @@
 // and changed there; the fit stays.
 import type { PatternInfo, PatternParameter } from "../api/types";
 import type { FitActions } from "../fit/actions";
-import { checked, type DrawingRequest, readRequest, requestText, startValue, startValues, TUMOUR, type Values } from "../fit/requestedDrawing";
+import { checked, type DrawingRequest, mirroredValues, readRequest, requestText, startValue, startValues, TUMOUR, type Values } from "../fit/requestedDrawing";
 import type { FitSlice } from "../fit/state";
 import { fit as fitText } from "../fit/text";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
-import { problem, select } from "../ui/controls";
+import { button, problem, select } from "../ui/controls";
 import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { DrawingSlice } from "./state";
@@ -45,9 +45,17 @@ export function createDrawingPattern(fit: FitActions, plan: PlanWords, dismiss: 
   });
   const depthField = el("label", { class: "field", title: words.depthHint, hidden: true }, el("span", {}, words.depth, el("span", { class: "unit" }, " mm")), depth);
   const sayings = el("textarea", { rows: 2, maxlength: 2000, placeholder: words.noteHint, "aria-label": words.note, onchange: () => plan.note(sayings.value) });
+  let mirrorings = 0; // the fields are written anew after each
+  const mirror = (part: "values" | "tumour"): void => {
+    const other = state && mirroredValues(readRequest(state.drawing)[part] ?? {});
+    mirrorings += 1;
+    if (other) choose({ [part]: other });
+  };
+  const mirrorPattern = button(words.mirror, () => mirror("values"), "quiet outlined", "mirror");
+  const mirrorTumour = button(words.mirror, () => mirror("tumour"), "quiet outlined", "mirror");
   const note = el("p", { class: "muted small" });
   const wrong = problem(dismiss);
-  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, base.element, parameters, hasTumour, tumour, depthField, el("label", { class: "field wide" }, el("span", {}, words.note), sayings), wrong.element, note));
+  const element = el("details", { class: "pattern" }, el("summary", {}, words.title), el("div", { class: "panel" }, base.element, parameters, mirrorPattern, hasTumour, tumour, depthField, mirrorTumour, el("label", { class: "field wide" }, el("span", {}, words.note), sayings), wrong.element, note));
 
   function field(parameter: PatternParameter, value: string, changed: (value: string) => void): HTMLElement {
     const hint = [parameter.about, parameter.min !== null && parameter.max !== null ? words.range(parameter.min, parameter.max, parameter.unit) : ""].filter((each) => each !== "").join("; ");
@@ -88,18 +96,20 @@ export function createDrawingPattern(fit: FitActions, plan: PlanWords, dismiss: 
       const request = readRequest(drawing);
       base.set([{ value: "", label: fitText.noDrawing }, ...meta.drawings.map(({ name, label }) => ({ value: name, label }))], request.base);
       const pattern = meta.patterns.find(({ name }) => name === request.base && name !== TUMOUR);
-      fill(parameters, [request.base, Boolean(pattern)], () => (pattern ? fields(pattern, request.values, (name, value) => state && choose({ values: { ...readRequest(state.drawing).values, [name]: value } })) : []));
+      fill(parameters, [request.base, Boolean(pattern), mirrorings], () => (pattern ? fields(pattern, request.values, (name, value) => state && choose({ values: { ...readRequest(state.drawing).values, [name]: value } })) : []));
       show(parameters, pattern !== undefined);
+      show(mirrorPattern, pattern !== undefined && mirroredValues(request.values) !== null);
       const clock = tumourOf(session);
       show(hasTumour, clock !== null);
       box.checked = request.tumour !== null;
-      fill(tumour, request.tumour !== null, () =>
+      fill(tumour, [request.tumour !== null, mirrorings], () =>
         clock && request.tumour ? fields(clock, request.tumour, (name, value) => state && choose({ tumour: { ...readRequest(state.drawing).tumour, [name]: value } })) : [],
       );
       show(tumour, request.tumour !== null);
       show(depthField, request.tumour !== null);
       if (document.activeElement !== depth) depth.value = session.drawn.depthMm === null ? "" : String(session.drawn.depthMm);
       if (document.activeElement !== sayings) sayings.value = session.drawn.note;
+      show(mirrorTumour, mirroredValues(request.tumour ?? {}) !== null);
       const missing = session.drawn.onScan?.plan.missing.map(({ reason }) => reason) ?? [];
       wrong.set(session.problems.fit ?? (missing.length > 0 ? missing.join(" ") : undefined));
       setText(note, session.fit?.state === "done" ? words.follows : words.needsFit);

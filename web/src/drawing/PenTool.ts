@@ -64,6 +64,7 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, 
       else drawing.addCorner(line.name, line.at);
     } else if (at && tool === "pen") clickPen(at, store.get().drawn, drawing);
     else if (at && tool === "tumour") drawing.tumour(at);
+    else if (at && tool === "tape") drawing.measure(at);
   }
 
   function move(event: PointerEvent, now: Held): void {

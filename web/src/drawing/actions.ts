@@ -1,5 +1,6 @@
 // Drawing on the scan: each change is one step of the undo history and is saved with the scan soon after.
 import type { Scan, Vector } from "../api/types";
+import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
 import { landmarks as landmarkText } from "../landmarks/text";
 import type { ScanSlice } from "../scan/state";
@@ -12,12 +13,14 @@ import type { ViewSlice } from "../viewer/state";
 import { closedUp, cornerAdded, cornerMoved, cornerRemoved, extended, lineAlong, lineThrough, openedUp } from "./edits";
 import { readDrawing, UnreadableDrawing } from "./files";
 import { freeName, gap, INK, newId, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines";
+import { mirroredLine, mirrorPlane } from "./mirror";
 import type { Skin } from "./skin";
 import { type DrawingSlice, type DrawnState, type Layer, layerKey, lineNamed, type Tool } from "./state";
 import { circle, freehand } from "./strokes";
+import { tapeBack, tapeFrom, tapeTo } from "./tape";
 import * as text from "./text";
 
-type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & DrawingSlice;
+type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice;
 
 const PAUSE_MS = 400; // a run of quick strokes is one save
 const CLOSES_MM = 8; // a click, or a stroke's end, so near to the line's start closes it
@@ -100,7 +103,7 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
         step: tool === "none" ? state.step : "drawing",
         active: null,
         overlay: tool !== "none" && (state.overlay === "model" || state.overlay === "swipe" || state.overlay === "beside") ? "scan" : state.overlay,
-        drawn: { ...state.drawn, tool, start: null, open: null, chosen, corner: null },
+        drawn: { ...state.drawn, tool, start: null, open: null, tape: null, chosen, corner: null },
         announcement: words.hints[tool],
       }));
     },
@@ -141,6 +144,18 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
       edit(name, (line, on) => (line.closed ? openedUp(line) : closedUp(on, line)), words.announceClosed(name), { open: null, corner: null });
     },
 
+    /** A copy on the patient's other side, by the fitted model's plane of symmetry. */
+    mirror(name: string): void {
+      const line = lineNamed(drawn(), name);
+      const on = skin();
+      const result = store.get().fit?.result;
+      const plane = result && mirrorPlane(result);
+      if (!line || !on || !plane) return;
+      const other = mirroredLine(on, plane, line);
+      store.set((state) => withProblem(state, "drawing", other ? null : words.noOtherSide(name)));
+      if (other) add({ ...other, name: freeName(lines(), words.mirrored(name)) }, words.announceDrawn(words.mirrored(name)));
+    },
+
     /** A circle of true radius along the skin. */
     tumour(at: Vector): void {
       const on = skin();
@@ -148,6 +163,23 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
       const radius = drawn().radiusMm;
       const name = freeName(lines(), words.tumourName(formatMmWhole(radius)));
       add(lineAlong(name, TUMOUR_INK, circle(on, at, radius), true), words.announceDrawn(name));
+    },
+
+    /** The tape goes on to here; the first click, and the one after its end, begins another one. */
+    measure(at: Vector): void {
+      const on = skin();
+      if (!on) return;
+      const { tape } = drawn();
+      if (!tape || tape.isEnded) return put({ tape: tapeFrom(at) }, { announcement: text.tape.says(tapeFrom(at)) });
+      if (gap(tape.places.at(-1)!, at) < 1) return;
+      const next = tapeTo(on, tape, at);
+      put({ tape: next }, { announcement: text.tape.says(next) });
+    },
+
+    /** It stays to be read until the next one is begun or the tool is put down. */
+    endTape(): void {
+      const { tape } = drawn();
+      if (tape) put({ tape: tape.legs.length > 0 ? { ...tape, isEnded: true, isRefused: false } : null });
     },
 
     radius(mm: number): void {
@@ -200,7 +232,9 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     },
 
     undo(): void {
-      if (drawn().start) return put({ start: null });
+      const { tape, start } = drawn();
+      if (tape) return put({ tape: tapeBack(tape) });
+      if (start) return put({ start: null });
       if (drawn().lines.past.length === 0) return void this.undoKept();
       put({ lines: undo(drawn().lines), corner: null }, { announcement: landmarkText.announceUndone });
       this.tidy();

@@ -15,9 +15,13 @@ export function drawingKey(state: Pick<PageSlice & ScanSlice & DrawingSlice, "st
   if (key === "p") return drawing.take(drawn.tool === "pen" ? "none" : "pen"), true;
   if (key === "e") return drawing.take(drawn.tool === "points" ? "none" : "points"), true;
   if (key === "t") return drawing.take(drawn.tool === "tumour" ? "none" : "tumour"), true;
+  if (key === "m") return drawing.take(drawn.tool === "tape" ? "none" : "tape"), true;
+  const isMeasuring = drawn.tool === "tape" && drawn.tape !== null && !drawn.tape.isEnded;
+  if (key === "enter" && isMeasuring && isFree(event)) return drawing.endTape(), true;
   if (key === "enter" && drawn.tool === "pen" && (drawn.open || drawn.start) && isFree(event)) return drawing.finish(), true;
   if (key === "escape") {
-    if (drawn.open || drawn.start) drawing.finish();
+    if (isMeasuring) drawing.endTape();
+    else if (drawn.open || drawn.start) drawing.finish();
     else if (drawn.corner !== null) drawing.chooseCorner(null);
     else drawing.take("none");
     return true;

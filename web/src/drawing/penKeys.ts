@@ -1,5 +1,6 @@
 // Drawing without a pointer, while the view has the focus: arrows move a cross on the body and Enter is the click there;
 // with a point chosen they move the point along the skin.
+import type { Vector } from "../api/types";
 import { landmarks as landmarkText } from "../landmarks/text";
 import type { PageSlice } from "../store/page";
 import type { Store } from "../store/store";
@@ -22,11 +23,19 @@ export function listenToPenKeys(canvas: HTMLElement, viewer: Viewer, scan: Surfa
     const hit = at && skinAt(viewer, scan, drawing.skin(), at.x, at.y);
     if (!hit) return store.set({ announcement: landmarkText.noSkin }), true;
     const { drawn } = store.get();
+    if (drawn.tool === "tape") return measure(hit), true;
     const last = lineNamed(drawn, drawn.open)?.points.at(-1) ?? drawn.start;
     if (drawn.tool === "tumour") drawing.tumour(hit);
     else if (last && gap(last, hit) < SAME_MM) drawing.finish();
     else clickPen(hit, drawn, drawing);
     return true;
+  }
+
+  function measure(hit: Vector): void {
+    const { tape } = store.get().drawn;
+    const last = tape?.isEnded ? undefined : tape?.places.at(-1);
+    if (last && gap(last, hit) < SAME_MM) drawing.endTape();
+    else drawing.measure(hit);
   }
 
   /** True when the key meant something here. */

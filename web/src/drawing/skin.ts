@@ -1,10 +1,11 @@
 // The scan's surface as the pen needs it: the nearest place on it, and where a needle would meet it.
 // In millimetres outside, in the metres of the mesh within.
-import { BufferGeometry, DoubleSide, Ray, Vector3 } from "three";
-import { MeshBVH } from "three-mesh-bvh";
+import { type BufferGeometry, DoubleSide, Ray, Vector3 } from "three";
+import type { MeshBVH } from "three-mesh-bvh";
 import type { Vector } from "../api/types";
+import { type BodyQuestion, bodyOf, partOf, type ScanParts } from "../scan/body";
+import type { Drawable } from "../scan/drawable";
 import { metresFromMm, mmFromMetres } from "../ui/units";
-import { drawableOf } from "./drawable";
 
 export interface OnSkin {
   readonly point: Vector;
@@ -20,24 +21,30 @@ export interface Skin {
   mayDraw(hit: { readonly face: number; readonly point: Vector }, eye: Vector): boolean;
 }
 
+type FoundParts = ScanParts & { readonly drawable: Drawable };
+
 const toMetres = (at: Vector): Vector3 => new Vector3(metresFromMm(at[0]), metresFromMm(at[1]), metresFromMm(at[2]));
 const toMm = (at: Vector3): Vector => [mmFromMetres(at.x), mmFromMetres(at.y), mmFromMetres(at.z)];
 const REACH = 0.25; // metres that a needle goes to each side; half a torso
 
-/** The same surface with some of its triangles only. */
-function partOf(geometry: BufferGeometry, isKept: readonly boolean[]): BufferGeometry {
-  const index = geometry.index!.array;
-  const part = new BufferGeometry().setAttribute("position", geometry.attributes.position!);
-  part.setIndex(isKept.flatMap((kept, face) => (kept ? [index[3 * face]!, index[3 * face + 1]!, index[3 * face + 2]!] : [])));
-  part.boundsTree = new MeshBVH(part, { indirect: true });
-  return part;
+const questionOf = (whole: BufferGeometry, tableNormal: Vector | null): BodyQuestion => ({
+  positions: whole.attributes.position!.array as Float32Array,
+  index: Uint32Array.from(whole.index!.array),
+  isSplit: whole.hasAttribute("uv"),
+  tableNormal,
+});
+
+/** The patient in a scan, found here and now. */
+export function partsOf(whole: BufferGeometry, tableNormal: Vector | null): FoundParts {
+  const { drawable, part } = bodyOf(questionOf(whole, tableNormal));
+  return { whole, drawable, body: part && partOf(whole, part) };
 }
 
 /** `whole` has an index and its BVH as `boundsTree`; `tableNormal`: unit, from a table to the body that lies on it. */
-export function skinOf(whole: BufferGeometry, tableNormal: Vector | null = null): Skin {
-  const drawable = drawableOf(whole.attributes.position!.array, whole.index!.array, tableNormal);
-  const isAll = drawable.count === 0 || drawable.count === drawable.isSkin.length;
-  const geometry = isAll ? whole : partOf(whole, drawable.isSkin);
+export const skinOf = (whole: BufferGeometry, tableNormal: Vector | null = null): Skin => skinOn(partsOf(whole, tableNormal));
+
+export function skinOn({ whole, drawable, body }: FoundParts): Skin {
+  const geometry = body ?? whole;
   const bvh = geometry.boundsTree as MeshBVH;
   const index = geometry.index!;
   const position = geometry.attributes.position!;
@@ -71,7 +78,7 @@ export function skinOf(whole: BufferGeometry, tableNormal: Vector | null = null)
       return best;
     },
     mayDraw({ face, point }, eye) {
-      if (!isAll && !drawable.isSkin[face]) return false;
+      if (body !== null && !drawable.isSkin[face]) return false;
       [a, b, c].forEach((corner, k) => corner.fromBufferAttribute(position, whole.index!.getX(3 * face + k)));
       const outwards = new Vector3().crossVectors(b.sub(a), c.sub(a)).multiplyScalar(drawable.outwards[face] ?? 1);
       return outwards.dot(toMetres(eye).sub(toMetres(point))) > 0;
@@ -79,13 +86,15 @@ export function skinOf(whole: BufferGeometry, tableNormal: Vector | null = null)
   };
 }
 
-/** The skin of whatever mesh is on the screen, and the normal of the table that it shows; made once for each. */
-export function skinFrom(geometry: () => BufferGeometry | null, tableNormal: () => Vector | null = () => null): () => Skin | null {
+/** The skin of whatever scan is on the screen, and the normal of the table that it shows; made once for each. */
+export function skinFrom(parts: () => ScanParts | null, tableNormal: () => Vector | null = () => null): () => Skin | null {
   let made: { of: BufferGeometry; skin: Skin } | null = null;
   return () => {
-    const now = geometry();
+    const now = parts();
     if (!now) return null;
-    if (made?.of !== now) made = { of: now, skin: skinOf(now, tableNormal()) };
+    const { whole, drawable, body } = now;
+    // Who draws before the worker has answered does not wait for it.
+    if (made?.of !== whole) made = { of: whole, skin: drawable ? skinOn({ whole, drawable, body }) : skinOf(whole, tableNormal()) };
     return made.skin;
   };
 }

@@ -2,9 +2,10 @@
 import type { DrawingFile, PlannedShape, PlanOnScan, Unit, Vector } from "../api/types";
 import { type History, startHistory } from "../store/history";
 import type { OwnLine } from "./lines";
+import type { Tape } from "./tape";
 
-export type Tool = "none" | "pen" | "points" | "tumour";
-export const TOOLS: readonly Tool[] = ["none", "pen", "points", "tumour"];
+export type Tool = "none" | "pen" | "points" | "tumour" | "tape";
+export const TOOLS: readonly Tool[] = ["none", "pen", "points", "tumour", "tape"];
 
 /** Lines as the service has laid them on a scan, in its unit. */
 export interface Laid {
@@ -40,6 +41,7 @@ export interface DrawnState {
   readonly open: string | null; // the line that the next click continues
   readonly chosen: string | null; // the line whose points are shown
   readonly corner: number | null; // which of its corners: index into corners
+  readonly tape: Tape | null; // as it is laid now; it is never saved
   readonly radiusMm: number; // of the next tumour circle
   readonly note: string; // what the surgeon says about it in words
   readonly depthMm: number | null; // of the tumour by the clock, below the skin
@@ -66,6 +68,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnStat
     open: null,
     chosen: null,
     corner: null,
+    tape: null,
     radiusMm: 15,
     ...words,
     hidden: new Set(),
@@ -76,7 +79,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnStat
 export const initialDrawing: DrawingSlice = { drawn: startDrawn() };
 
 /** With the tool put down and no line begun. */
-export const handsOff = (drawn: DrawnState): DrawnState => ({ ...drawn, tool: "none", start: null, open: null });
+export const handsOff = (drawn: DrawnState): DrawnState => ({ ...drawn, tool: "none", start: null, open: null, tape: null });
 
 export const lineNamed = (state: DrawnState, name: string | null): OwnLine | null =>
   state.lines.present.find((line) => line.name === name) ?? null;

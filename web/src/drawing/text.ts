@@ -1,6 +1,8 @@
 // Drawing on the scan: tools, lines, layers, the model's own drawings.
 import { sideOf } from "../landmarks/picks";
 import { plural } from "../ui/plural";
+import { formatMmWhole } from "../ui/units";
+import { type Tape, tapeHasHole, tapeLength } from "./tape";
 
 export const bands = {
   error: (mm: string) => `±\u00a0${mm} mm`,
@@ -9,22 +11,37 @@ export const bands = {
   legend: "The line's true place lies within the band in 90 of 100 cases; point at it for the millimetres.",
 };
 
+const mm = (length: number, hasHole: boolean): string => `${hasHole ? "≈\u00a0" : ""}${formatMmWhole(length)}\u00a0mm`;
+
+export const tape = {
+  /** a hole is crossed straight: the skin there is longer */
+  length: (length: number, hasHole: boolean) => `${mm(length, hasHole)}${hasHole ? ", over a hole" : ""}`,
+  total: (tape: Tape) => `${mm(tapeLength(tape), tapeHasHole(tape))} in all`,
+  says(tape: Tape): string {
+    if (tape.isRefused) return "No scanned skin leads there: measure around the gap.";
+    return tape.legs.length === 0 ? "The tape begins here." : this.total(tape);
+  },
+  end: "End the tape",
+};
+
 export const drawing = {
   before: "Draw on the skin, show the reference drawing, mark a tumour.",
   summary: (count: number) => (count === 0 ? "" : plural(count, "line", "lines")),
   stem: "Line",
   tools: "Tool",
-  toolNames: { none: "Turn", pen: "Pen", points: "Points", tumour: "Tumour" },
+  toolNames: { none: "Turn", pen: "Pen", points: "Points", tumour: "Tumour", tape: "Tape" },
   toolHints: {
     none: "Put the tool down: dragging turns the body (Esc)",
     pen: "Draw on the skin (P). By keys: arrows on the body move a cross, Enter sets a corner, twice ends the line.",
     points: "Move the points of a line (E); a chosen one also by arrow keys on the body",
     tumour: "Mark a tumour by a circle on the skin (T)",
+    tape: "Measure along the skin (M); nothing is saved",
   },
   hints: {
     none: "Dragging turns the body.",
     pen: "Drag to draw, or click corner after corner; a click on the start closes the line, Enter ends it. The second button or two fingers turn the body.",
     points: "Click a line, then drag its points; click on the line for a new one, Delete takes one away. The second button or two fingers turn the body.",
+    tape: "Click from place to place: each length is along the skin. Escape ends the tape; nothing is saved. The second button or two fingers turn the body.",
     tumour: "Click where the tumour is; the radius is along the skin. The second button or two fingers turn the body.",
   },
   radius: "Radius, mm",
@@ -52,6 +69,9 @@ export const drawing = {
   closeShort: "Close",
   openShort: "Open",
   erase: (name: string) => `Erase ${name}`,
+  mirror: (name: string) => `Mirror ${name} to the other side`,
+  mirrored: (name: string) => `${name.slice(0, 85)}, mirrored`,
+  noOtherSide: (name: string) => `The other side of “${name}” is not on this scan, so it was not mirrored.`,
   corner: (number: number, count: number) => `Point ${number} of ${count}`,
   noCorner: (count: number) => plural(count, "point", "points"),
   previous: "Previous point",
@@ -74,6 +94,7 @@ export const drawing = {
     noteHint: "For the report: what is wanted, in words. No names.",
     follows: "Drawn on the fitted body as you change it; the fit stays as it is.",
     needsFit: "Drawn on the body as soon as the model is fitted.",
+    mirror: "Mirror to the other side",
     byItself: "auto",
     units: { mm: "mm", deg: "°", h: "o'clock" },
     choices: { L: "Patient's left", R: "Patient's right", both: "Both" } as Record<string, string>,

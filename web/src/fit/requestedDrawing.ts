@@ -45,6 +45,19 @@ export function startValue(parameter: PatternParameter): string {
 
 export const startValues = (pattern: PatternInfo): Values => Object.fromEntries(pattern.parameters.filter(({ needed }) => needed).map((each) => [each.name, startValue(each)]));
 
+const OTHER: Readonly<Record<string, string>> = { L: "R", R: "L" };
+
+/** On the patient's other side, the hour exchanged with it; null for what has no side, or both. */
+export function mirroredValues(values: Values): Values | null {
+  const side = OTHER[values.side ?? ""];
+  if (side === undefined) return null;
+  const hour = Number(values.clock);
+  return { ...values, side, ...(values.clock && Number.isFinite(hour) ? { clock: String(mirroredHour(hour)) } : {}) };
+}
+
+/** As read by one who faces her, 0.5 to 12.5: 10 o'clock on one breast lies where 2 o'clock does on the other. */
+const mirroredHour = (hour: number): number => Math.round(100 * (hour > 11.5 ? 24 - hour : 12 - hour)) / 100;
+
 /** A number within its bounds, or null: then the field says what it takes. */
 export function checked(parameter: PatternParameter, written: string): string | null {
   const text = written.trim().replace(",", ".");

@@ -89,12 +89,14 @@ const hasFittedSurface = ({ fit, model, showDistances }: Shown): boolean =>
 export const hasBoth = ({ scan, fit }: Pick<ScanSlice & FitSlice, "scan" | "fit">): boolean => scan !== null && fit !== null;
 
 /** What of the page's state the view's buttons show. */
-export const viewBarShown = ({ scan, loading, fit, overlay, showDistances }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "showDistances">): ViewBarShown => ({
+export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showLoose }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "showDistances" | "showLoose">): ViewBarShown => ({
   isShown: scan !== null && loading === null,
   hasOverlays: fit !== null && scan?.mesh !== null,
   overlay,
   hasDistances: fit?.distances != null,
   showDistances,
+  hasLoose: scan?.hasLoose ?? false,
+  showLoose,
 });
 
 /** The coloured surface alone: over the scan the two would fight for each pixel. */

@@ -7,13 +7,15 @@ import type { Surface } from "../viewer/picking";
 import { isBeside, type ViewSlice } from "../viewer/state";
 import { nearestNormal } from "../viewer/surfacePoints";
 import { type Viewer, viewFromScan } from "../viewer/Viewer";
+import { type Body, partOf, type ScanParts, tableNormalOf } from "./body";
+import { findBody, knownBody } from "./bodySearch";
 import { borderEdges } from "./borders";
 import type { ScanSlice } from "./state";
 
 const BEHIND = 0.0025; // metres that the scan steps back for the model: as much as both are sure of
 const INSIDE = 0.5; // brightness of a triangle that is seen from behind
 
-type Shown = Pick<ScanSlice & ViewSlice, "scan" | "showColours" | "overlay">;
+type Shown = Pick<ScanSlice & ViewSlice, "scan" | "showColours" | "showLoose" | "overlay">;
 
 export class ScanMesh implements Surface {
   mesh: Mesh<BufferGeometry, MeshLambertMaterial> | null = null;
@@ -21,11 +23,19 @@ export class ScanMesh implements Surface {
   private wanted: ArrayBuffer | null = null;
   private stands: object | null = null;
   private borders: LineSegments | null = null;
+  private found: Body | null = null;
+  private readonly rims: Record<"whole" | "body", BufferAttribute | null> = { whole: null, body: null };
+  /** null while there is no scan */
+  parts: ScanParts | null = null;
+  /** Nothing of it is still being looked for: it stands where it will stand. */
+  isSettled = false;
 
   constructor(
     private readonly viewer: Viewer,
     /** Called when another scan can be picked on (null), or with the reason why it cannot be drawn. */
     private readonly onReady: (error: unknown) => void,
+    /** Called when this file's scan has a table or loose pieces. */
+    private readonly onLoose: (file: ArrayBuffer) => void,
   ) {
     viewer.beforeFrame.add(() => {
       if (this.mesh) this.mesh.material.polygonOffsetUnits = BEHIND * viewer.depthUnits;
@@ -39,6 +49,10 @@ export class ScanMesh implements Surface {
   /** Unit vector out of the surface nearest to a point (scan's frame, metres); null before the scan is there. */
   normalAt(point: Vector3): Vector3 | null {
     return this.mesh ? nearestNormal(this.mesh.geometry, point) : null;
+  }
+
+  faceOf(face: number): number {
+    return this.mesh && this.mesh.geometry === this.parts?.body ? (this.found?.part?.faces[face] ?? -1) : face;
   }
 
   /** `hasModel`: something of the model is on the stage as well. */
@@ -57,10 +71,16 @@ export class ScanMesh implements Surface {
       this.viewer.inHalf(this.mesh, null);
       disposeTree(this.mesh);
     }
+    this.parts?.whole.dispose();
+    this.parts?.body?.dispose();
+    this.borders?.geometry.dispose();
     this.mesh = null;
     this.texture = null;
     this.borders = null;
     this.stands = null;
+    this.found = null;
+    this.parts = null;
+    this.isSettled = false;
     this.viewer.invalidate();
   }
 
@@ -74,27 +94,64 @@ export class ScanMesh implements Surface {
       this.texture = (read.material as MeshLambertMaterial).map;
       this.mesh = dress(read);
       this.borders = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
-      const { position } = this.mesh.geometry.attributes;
-      const points = borderEdges(position!.array, this.mesh.geometry.index!.array, this.mesh.geometry.hasAttribute("uv"));
-      this.borders.geometry.setAttribute("position", new BufferAttribute(points, 3));
+      const whole = this.mesh.geometry;
+      this.rims.whole = new BufferAttribute(borderEdges(whole.attributes.position!.array, whole.index!.array, whole.hasAttribute("uv")), 3);
+      this.borders.geometry.setAttribute("position", this.rims.whole);
+      this.parts = { whole, drawable: null, body: null };
+      const known = knownBody(bytes);
+      if (known) this.take(known);
       this.borders.raycast = () => undefined;
       this.mesh.add(this.borders);
       this.viewer.body.add(this.mesh);
       this.paint(this.mesh, state, hasModel);
       if (!this.viewer.keepsPose) this.viewer.lookFrom("front", false);
       this.viewer.keepsPose = false;
+      if (known) this.isSettled = true;
       this.onReady(null);
+      if (!known) await this.findPatient(bytes, state, whole);
     } catch (error) {
       this.onReady(error);
     }
   }
 
+  /** The scan is seen and can be worked on meanwhile. */
+  private async findPatient(bytes: ArrayBuffer, { scan }: Shown, whole: BufferGeometry): Promise<void> {
+    const { eye, target } = this.viewer.pose;
+    const body = await findBody(bytes, whole, scan && tableNormalOf(scan.info));
+    if (bytes !== this.wanted) return;
+    if (body) this.take(body);
+    this.isSettled = true;
+    if (!body?.part) return;
+    const now = this.viewer.pose;
+    const isUntouched = now.eye.equals(eye) && now.target.equals(target);
+    if (isUntouched) this.stands = null; // she comes to the middle; who has turned her keeps what he looks at
+    this.onLoose(bytes);
+    this.onReady(null);
+    if (isUntouched) this.viewer.lookFrom("front", false);
+  }
+
+  private take(body: Body): void {
+    const { whole } = this.parts!;
+    this.found = body;
+    this.parts = { whole, drawable: body.drawable, body: body.part && partOf(whole, body.part) };
+    this.rims.body = body.part && new BufferAttribute(body.part.rims, 3);
+  }
+
+  /** Her alone, or all that was scanned. */
+  private showPart(mesh: Mesh<BufferGeometry, MeshLambertMaterial>, showLoose: boolean): void {
+    const { whole, body } = this.parts!;
+    const isHer = body !== null && !showLoose;
+    mesh.geometry = isHer ? body : whole;
+    this.borders?.geometry.setAttribute("position", (isHer ? this.rims.body : this.rims.whole)!);
+  }
+
   private paint(mesh: Mesh<BufferGeometry, MeshLambertMaterial>, state: Shown, hasModel: boolean): void {
     const { palette } = this.viewer;
+    this.showPart(mesh, state.showLoose);
     const frame = state.scan?.frame;
     if (frame && frame !== this.stands) {
       this.stands = frame;
-      this.viewer.stand(frame, extent(mesh.geometry.attributes.position!.array, viewFromScan(frame)));
+      this.viewer.stand(frame, extent(mesh.geometry.attributes.position!.array, viewFromScan(frame), this.found?.part?.index));
     }
     // Beside the clay the scan is grey: skin on skin could not be distinguished.
     const hasColours = this.texture !== null || mesh.geometry.hasAttribute("color");

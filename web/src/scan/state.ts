@@ -9,6 +9,7 @@ export interface ScanState {
   readonly frameFrom: "service" | "landmarks" | "fit" | "person"; // who says so; the last of these wins
   readonly file: File | null; // kept, so that another unit needs no second choosing
   readonly example: LandmarkFile | null;
+  readonly hasLoose?: boolean; // a table or loose pieces are in it, which the view has found
 }
 
 export interface ScanSlice {
@@ -16,7 +17,11 @@ export interface ScanSlice {
   readonly scan: ScanState | null;
   readonly confirmed: string | null; // the scan whose size and direction a person has called right
   readonly showColours: boolean;
+  readonly showLoose: boolean; // the table and loose pieces as well
   readonly units: UnitChoice;
 }
 
-export const initialScan: ScanSlice = { loading: null, scan: null, confirmed: null, showColours: true, units: "auto" };
+export const initialScan: ScanSlice = { loading: null, scan: null, confirmed: null, showColours: true, showLoose: false, units: "auto" };
+
+/** The view has found a table or loose pieces in this file's scan. */
+export const withLoose = ({ scan }: Pick<ScanSlice, "scan">, file: ArrayBuffer): Pick<ScanSlice, "scan"> => ({ scan: scan?.mesh === file ? { ...scan, hasLoose: true } : scan });

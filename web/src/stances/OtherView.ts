@@ -23,10 +23,10 @@ import { isComparing, otherState, type StancesSlice, type Workspace } from "./st
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice & StancesSlice;
 
 /** What of the state the pane shows, or follows; when something else changes it is not drawn again. */
-const SEEN = ["meta", "model", "theme", "step", "overlay", "view", "scan", "showColours", "active", "handPose", "showDistances", "stances"] as const;
+const SEEN = ["meta", "model", "theme", "step", "overlay", "view", "scan", "showColours", "showLoose", "active", "handPose", "showDistances", "stances"] as const;
 type Seen = Pick<State, (typeof SEEN)[number]>;
 
-export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, prefersStill: () => boolean, failed: (error: unknown) => void): OtherPane {
+export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, prefersStill: () => boolean, foundLoose: (file: ArrayBuffer) => void, failed: (error: unknown) => void): OtherPane {
   let viewer: Viewer | null = null;
   let scan: ScanMesh | null = null;
   let parts: Part<Seen & Workspace>[] = [];
@@ -57,7 +57,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
       update(store.get());
       follow(main, made);
     };
-    scan = new ScanMesh(made, ready);
+    scan = new ScanMesh(made, ready, foundLoose);
     const torso = new TorsoModel(made, ready);
     const fitted = new FittedSurface(made, ready);
     const [body, pins] = [scan, new LandmarkPins(made, scan)];
@@ -122,5 +122,5 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
     wasLinked = state.stances.isLinked;
     if (isNew && viewer) requestAnimationFrame(() => viewer && follow(main, viewer)); // after the layout has changed
   });
-  return { isReady: () => scan?.mesh != null, viewer: () => viewer };
+  return { isReady: () => scan?.isSettled ?? false, viewer: () => viewer };
 }

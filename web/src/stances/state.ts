@@ -1,6 +1,6 @@
 // Two stances of one patient: the page works on one, the other one waits with all that belongs to it.
 import type { MeasuresFile } from "../api/types";
-import type { DrawingSlice } from "../drawing/state";
+import { type DrawingSlice, handsOff } from "../drawing/state";
 import type { FitSlice, FitState } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
 import type { ScanSlice } from "../scan/state";
@@ -54,7 +54,7 @@ export const initialStances: StancesState = {
 /** What the page has of its scan, as it may wait: a replay is at its end. */
 export function workspaceOf({ scan, picks, certain, drawn, proposals, skipped, saving, stance, drawing, fit }: Workspace): Workspace {
   const resting = fit && { ...fit, shown: fit.iterations.length - 1, playing: false };
-  return { scan, picks, certain, drawn: { ...drawn, tool: "none", start: null, open: null, corner: null }, proposals, skipped, saving, stance, drawing, fit: resting };
+  return { scan, picks, certain, drawn: { ...handsOff(drawn), corner: null }, proposals, skipped, saving, stance, drawing, fit: resting };
 }
 
 /** standing or supine: as fitted, as asked for, or as the service proposes. */

@@ -62,6 +62,7 @@ const ICONS = {
   system: "M4 5.5h16v10.5H4zM9 19.5h6",
   link: "M10 14a4 4 0 0 0 6 .4l3-3a4 4 0 0 0-5.7-5.7l-1 1M14 10a4 4 0 0 0-6-.4l-3 3a4 4 0 0 0 5.7 5.7l1-1",
   exchange: "M4 9h15m-4-4 4 4-4 4M20 16H5m4-4-4 4 4 4",
+  mirror: "M12 4v16M9 7 4 17h5zM15 7l5 10h-5z",
   alert: "M12 4 3 19.5h18zM12 10v4m0 2.6v.4",
 } as const;
 

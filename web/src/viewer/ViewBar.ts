@@ -13,10 +13,18 @@ export interface ViewBarShown {
   readonly overlay: Overlay;
   readonly hasDistances: boolean;
   readonly showDistances: boolean;
+  /** the scan has more than the patient */
+  readonly hasLoose: boolean;
+  readonly showLoose: boolean;
+}
+
+export interface ViewBarActions {
+  readonly showDistances: (isOn: boolean) => void;
+  readonly showLoose: (isOn: boolean) => void;
 }
 
 /** `select` says what of the page's state it shows. */
-export function createViewBar<State extends object>(view: ViewActions, showDistances: (isOn: boolean) => void, select: (state: State) => ViewBarShown): Panel<ViewBarShown, State> {
+export function createViewBar<State extends object>(view: ViewActions, actions: ViewBarActions, select: (state: State) => ViewBarShown): Panel<ViewBarShown, State> {
   const names = Object.keys(text.view.names) as ViewName[];
   const views = segmented<ViewName>(
     text.view.label,
@@ -29,10 +37,9 @@ export function createViewBar<State extends object>(view: ViewActions, showDista
     view.overlay,
   );
   for (const each of views.element.querySelectorAll("button")) each.removeAttribute("aria-pressed");
-  let isOn = false;
-  const distances = el("button", { type: "button", title: text.view.distancesHint, id: "distances", onclick: () => showDistances(!isOn) }, text.view.distances);
-  const toggle = el("div", { class: "segmented" }, distances);
-  const element = el("div", { class: "view-bar", hidden: true }, el("div", { class: "view-buttons" }, views.element, overlays.element, toggle));
+  const distances = toggle("distances", text.view.distances, text.view.distancesHint, actions.showDistances);
+  const loose = toggle("loose", text.view.loose, text.view.looseHint, actions.showLoose);
+  const element = el("div", { class: "view-bar", hidden: true }, el("div", { class: "view-buttons" }, views.element, overlays.element, distances.element, loose.element));
   return {
     element,
     select,
@@ -40,9 +47,22 @@ export function createViewBar<State extends object>(view: ViewActions, showDista
       show(element, shown.isShown);
       show(overlays.element, shown.hasOverlays);
       overlays.set(shown.overlay);
-      show(toggle, shown.hasDistances);
-      isOn = shown.showDistances;
-      distances.setAttribute("aria-pressed", String(isOn));
+      distances.set(shown.hasDistances, shown.showDistances);
+      loose.set(shown.hasLoose, shown.showLoose);
+    },
+  };
+}
+
+function toggle(id: string, label: string, hint: string, turn: (isOn: boolean) => void) {
+  let isOn = false;
+  const button = el("button", { type: "button", title: hint, id, onclick: () => turn(!isOn) }, label);
+  const element = el("div", { class: "segmented" }, button);
+  return {
+    element,
+    set(isThere: boolean, isNowOn: boolean): void {
+      show(element, isThere);
+      isOn = isNowOn;
+      button.setAttribute("aria-pressed", String(isOn));
     },
   };
 }

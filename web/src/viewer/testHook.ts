@@ -1,6 +1,6 @@
 // For browser tests, and for nobody else: a read-only look at what the page knows and where things are drawn.
 //   window.__breastrig.state()          the session, without its binary parts
-//   window.__breastrig.isReady()        the scan is drawn and can be picked on
+//   window.__breastrig.isReady()        the scan is drawn, can be picked on and stands where it will stand
 //   window.__breastrig.project([x,y,z]) page pixels of a point (scan's frame, mm) and whether the scan hides it
 //   window.__breastrig.pickAt(x, y)     point (scan's frame, mm) and triangle under page pixels, or null
 //   window.__breastrig.surfaceAt(x, y)  corners and weights of the fitted surface's triangle there, while it is shown
@@ -39,10 +39,10 @@ export interface TestHook<State> {
   pose(): Record<"eye" | "target", Vector>;
 }
 
-export function offerTestHook(state: () => unknown, viewer: Viewer, scan: Surface, fitted: Pick<Surface, "mesh">, other?: OtherPane): void {
+export function offerTestHook(state: () => unknown, viewer: Viewer, scan: Surface & { readonly isSettled: boolean }, fitted: Pick<Surface, "mesh">, other?: OtherPane): void {
   const hook: TestHook<unknown> = {
     state,
-    isReady: () => scan.mesh !== null,
+    isReady: () => scan.isSettled,
     frames: () => viewer.frames,
     project(point) {
       const at = new Vector3(...point.map(metresFromMm));

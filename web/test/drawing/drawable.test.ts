@@ -1,59 +1,26 @@
 // What of a scan a pen draws on, and where a stroke ends: on a body beside a table, on two plates with air between them.
-import { BufferGeometry, Float32BufferAttribute, PlaneGeometry, SphereGeometry } from "three";
-import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
-import { MeshBVH } from "three-mesh-bvh";
+import { PlaneGeometry, SphereGeometry } from "three";
 import { expect, test } from "vitest";
 import type { Vector } from "../../src/api/types";
-import { drawableOf } from "../../src/drawing/drawable";
 import { gap } from "../../src/drawing/lines";
 import { type Skin, skinOf } from "../../src/drawing/skin";
 import { BRIDGE_MM, freehand, handStrokes, isJoined, leadsOver } from "../../src/drawing/strokes";
-
-const place = (geometry: BufferGeometry, x: number, y: number, z: number): BufferGeometry => geometry.translate(x, y, z);
-
-/** Only triangles whose centre is kept; metres. */
-function cut(geometry: BufferGeometry, keeps: (x: number, y: number, z: number) => boolean): BufferGeometry {
-  const at = geometry.attributes.position!;
-  const index = [...geometry.index!.array];
-  const kept = index.flatMap((_, i) => {
-    if (i % 3 !== 0) return [];
-    const corners = index.slice(i, i + 3);
-    const middle = (axis: "getX" | "getY" | "getZ"): number => corners.reduce((sum, corner) => sum + at[axis](corner), 0) / 3;
-    return keeps(middle("getX"), middle("getY"), middle("getZ")) ? corners : [];
-  });
-  return new BufferGeometry().setAttribute("position", at).setIndex(kept);
-}
-
-function made(...parts: BufferGeometry[]): BufferGeometry {
-  const bare = parts.map((part) => new BufferGeometry().setAttribute("position", new Float32BufferAttribute(part.attributes.position!.array, 3)).setIndex([...part.index!.array]));
-  const all = mergeGeometries(bare);
-  all.boundsTree = new MeshBVH(all, { indirect: true });
-  return all;
-}
-
-const half = (): BufferGeometry => cut(new SphereGeometry(0.1, 96, 64).rotateX(Math.PI / 2), (_x, _y, z) => z > 0);
-
-/** The upper half of a ball (100 mm) that lies on a table of 0.6 m, scanned from above: the table ends at the body. */
-const onTable = (): BufferGeometry =>
-  made(
-    half(),
-    cut(new PlaneGeometry(0.6, 0.6, 120, 120), (x, y) => Math.hypot(x, y) > 0.097),
-    place(new SphereGeometry(0.008, 12, 8), 0.2, 0.2, 0.1),
-  );
+import { drawableOf } from "../../src/scan/drawable";
+import { cut, half, made, onTable, place } from "../shapes";
 
 test("the table and a scrap are no skin, the body is, down to where it meets the table", () => {
   const geometry = onTable();
   const { isSkin, outwards } = drawableOf(geometry.attributes.position!.array, geometry.index!.array, [0, 0, 1]);
   const ofBody = half().index!.count / 3;
-  expect(isSkin.slice(0, ofBody).every((is) => is)).toBe(true);
-  expect(isSkin.slice(ofBody).some((is) => is)).toBe(false);
+  expect(isSkin.slice(0, ofBody).every((is) => is === 1)).toBe(true);
+  expect(isSkin.slice(ofBody).some((is) => is === 1)).toBe(false);
   expect(isSkin.length - ofBody).toBeGreaterThan(20_000);
   expect([...new Set(outwards.slice(0, ofBody))]).toEqual([1]);
 });
 
 test("without a table in the scan nothing flat is taken for one", () => {
   const chest = made(new PlaneGeometry(0.4, 0.4, 40, 40));
-  expect(drawableOf(chest.attributes.position!.array, chest.index!.array, null).isSkin.every((is) => is)).toBe(true);
+  expect(drawableOf(chest.attributes.position!.array, chest.index!.array, null).isSkin.every((is) => is === 1)).toBe(true);
 });
 
 test("a hand may draw on the body's outside, not on the table, and not on the inside of its back", () => {
@@ -64,7 +31,7 @@ test("a hand may draw on the body's outside, not on the table, and not on the in
     const corner = geometry.index!.getX(3 * face);
     return [geometry.attributes.position!.getX(corner), geometry.attributes.position!.getY(corner), geometry.attributes.position!.getZ(corner)].map((value) => 1000 * value) as Vector;
   };
-  const [body, table] = [isSkin.indexOf(true), isSkin.lastIndexOf(false)];
+  const [body, table] = [isSkin.indexOf(1), isSkin.lastIndexOf(0)];
   expect(skin.mayDraw({ face: body, point: pointOf(body) }, [0, 0, 2000])).toBe(true);
   expect(skin.mayDraw({ face: body, point: pointOf(body) }, [0, 0, -2000])).toBe(false);
   expect(skin.mayDraw({ face: table, point: pointOf(table) }, [0, 0, 2000])).toBe(false);

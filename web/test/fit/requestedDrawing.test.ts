@@ -1,7 +1,7 @@
 // The text that asks the service for a drawing.
 import { expect, test } from "vitest";
 import type { PatternInfo, PatternParameter } from "../../src/api/types";
-import { checked, readRequest, requestLabel, requestText, startValues } from "../../src/fit/requestedDrawing";
+import { checked, mirroredValues, readRequest, requestLabel, requestText, startValues } from "../../src/fit/requestedDrawing";
 
 const parameter = (part: Partial<PatternParameter>): PatternParameter => ({ name: "areola_mm", label: "New areola", about: "", unit: "mm", default: 42, needed: false, min: 30, max: 55, choices: null, ...part });
 
@@ -36,4 +36,13 @@ test("what is needed starts with a value", () => {
 test("people read labels", () => {
   const labels = new Map([["lumpectomy", "Lumpectomy"], ["tumour", "Tumour"]]);
   expect(requestLabel("lumpectomy+tumour:side=L,clock=1,distance_mm=3,radius_mm=4", labels)).toBe("Lumpectomy, Tumour");
+});
+
+test("on the other side a tumour's hour is exchanged as well; what is on both sides has no other", () => {
+  expect(mirroredValues({ side: "L", clock: "10", distance_mm: "45", radius_mm: "12" })).toEqual({ side: "R", clock: "2", distance_mm: "45", radius_mm: "12" });
+  const hour = (clock: string): string => mirroredValues({ side: "R", clock })!.clock!;
+  expect(["12", "6", "3", "0.5", "11.5", "12.5", "11.75", "1.25"].map(hour)).toEqual(["12", "6", "9", "11.5", "0.5", "11.5", "12.25", "10.75"]);
+  expect(mirroredValues({ side: "R", limb_mm: "50" })).toEqual({ side: "L", limb_mm: "50" });
+  expect(mirroredValues({ side: "both" })).toBeNull();
+  expect(mirroredValues({})).toBeNull();
 });

@@ -6,6 +6,7 @@ import { HoverValue } from "../../fit/HoverValue";
 import { hasModelShown } from "../../fit/state";
 import { TorsoModel } from "../../fit/TorsoModel";
 import { ScanMesh } from "../../scan/ScanMesh";
+import { withLoose } from "../../scan/state";
 import type { Store } from "../../store/store";
 import { OrientationCube } from "../../viewer/OrientationCube";
 import { SideLetters } from "../../viewer/SideLetters";
@@ -21,7 +22,7 @@ export function openSharedViewer(store: Store<VisitorState>, stage: Stage, lookF
     if (error !== null) failed();
     else update(store.get());
   };
-  const scan = new ScanMesh(viewer, ready);
+  const scan = new ScanMesh(viewer, ready, (file) => store.set((state) => withLoose(state, file)));
   const torso = new TorsoModel(viewer, ready); // stays empty: the rig is not part of a link
   const fitted = new FittedSurface(viewer, ready);
   const parts: Part<VisitorState>[] = [

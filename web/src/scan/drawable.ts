@@ -1,4 +1,5 @@
-// Which triangles of a scan are the patient's skin: a table under her and pieces that hang loose beside her are not drawn on.
+// Which triangles of a scan are the patient's skin: a table under her and pieces that hang loose beside her are not shown and
+// not drawn on.
 //
 // The service proposes the table's normal; the plane is then laid through what lies near it and faces as it does.  Skin
 // that rests on the table leaves it steeply, so close to the plane the direction decides.  What is left falls into
@@ -17,8 +18,8 @@ const BAND = { least: 0.006, most: 0.012, flat: 0.004 }; // metres: half the thi
 const ROUNDS = 4; // of laying the plane through what lies near it; it rests after two or three
 
 export interface Drawable {
-  /** by triangle */
-  readonly isSkin: readonly boolean[];
+  /** by triangle: 1 or 0 */
+  readonly isSkin: Uint8Array;
   readonly count: number;
   /** by triangle: 1 where the normals of its piece point out of the body, -1 where they point into it */
   readonly outwards: Int8Array;
@@ -191,9 +192,9 @@ export function drawableOf(positions: ArrayLike<number>, index: ArrayLike<number
   }
   const isLow = ({ top }: { top: number }): boolean => table !== null && top < table.band; // the table's edge, the floor
   const largest = Math.max(0, ...[...pieces.values()].filter((piece) => !isLow(piece)).map(({ area }) => area));
-  const isSkin = Array.from(areas, (_, face) => {
+  const isSkin = Uint8Array.from(areas, (_, face) => {
     const piece = table?.isTable[face] ? undefined : pieces.get(rootOf(corners[3 * face]!));
-    return piece !== undefined && !isLow(piece) && piece.area >= PIECE_SHARE * largest;
+    return piece !== undefined && !isLow(piece) && piece.area >= PIECE_SHARE * largest ? 1 : 0;
   });
   let [count, total] = [0, 0];
   const middle: Vector = [0, 0, 0];

@@ -1,0 +1,65 @@
+// The patient apart from the table and the loose pieces of her scan: her triangles with their search tree and their rims.
+// It takes as long as reading the scan does, so a worker makes it; what it hands over are plain buffers, made once for each scan.
+import { BufferAttribute, BufferGeometry } from "three";
+import { MeshBVH, type SerializedBVH } from "three-mesh-bvh";
+import type { Scan, Vector } from "../api/types";
+import { borderEdges } from "./borders";
+import { type Drawable, drawableOf } from "./drawable";
+
+export interface Body {
+  readonly drawable: Drawable;
+  /** null where all of the scan is hers, or nothing is */
+  readonly part: BodyPart | null;
+}
+
+export interface BodyPart {
+  readonly index: Uint32Array; // her triangles, of the scan's vertices
+  readonly faces: Uint32Array; // which of the scan's triangles each of them is
+  readonly tree: SerializedBVH;
+  readonly rims: Float32Array; // as of borderEdges
+}
+
+/** The whole scan, and the patient in it: a surface of her own where there is more than her. */
+export interface ScanParts {
+  readonly whole: BufferGeometry;
+  readonly drawable: Drawable | null; // not known yet
+  readonly body: BufferGeometry | null;
+}
+
+/** What the worker is asked; metres in the scan's own axes. */
+export interface BodyQuestion {
+  readonly positions: Float32Array;
+  readonly index: Uint32Array;
+  readonly isSplit: boolean; // vertices may stand several times at one place
+  readonly tableNormal: Vector | null; // unit, from a table to the body that lies on it
+}
+
+/** A patient who lies faces as her table does; without a table the service calls no scan lying. */
+export const tableNormalOf = (info: Pick<Scan, "stance" | "frame">): Vector | null => (info.stance.proposed === "supine" ? info.frame.front : null);
+
+export function bodyOf({ positions, index, isSplit, tableNormal }: BodyQuestion): Body {
+  const drawable = drawableOf(positions, index, tableNormal);
+  const { isSkin, count } = drawable;
+  if (count === 0 || count === isSkin.length) return { drawable, part: null };
+  const [hers, faces] = [new Uint32Array(3 * count), new Uint32Array(count)];
+  let next = 0;
+  isSkin.forEach((is, face) => {
+    if (!is) return;
+    hers.set(index.subarray(3 * face, 3 * face + 3), 3 * next);
+    faces[next] = face;
+    next += 1;
+  });
+  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3)).setIndex(new BufferAttribute(hers, 1));
+  const tree = MeshBVH.serialize(new MeshBVH(geometry, { indirect: true }), { cloneBuffers: false });
+  tree.index = null; // it is handed over anyway
+  return { drawable, part: { index: hers, faces, tree, rims: borderEdges(positions, hers, isSplit) } };
+}
+
+/** The scan's surface with her triangles only; it shares the vertices of the whole. */
+export function partOf(whole: BufferGeometry, { index, tree }: BodyPart): BufferGeometry {
+  const part = new BufferGeometry();
+  for (const [name, attribute] of Object.entries(whole.attributes)) part.setAttribute(name, attribute);
+  part.setIndex(new BufferAttribute(index, 1));
+  part.boundsTree = MeshBVH.deserialize(tree, part, { setIndex: false });
+  return part;
+}

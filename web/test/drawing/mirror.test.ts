@@ -1,0 +1,103 @@
+// A line on the other side: in the plane between the fitted model's pairs, on the skin that is there.
+import { PlaneGeometry, SphereGeometry } from "three";
+import { expect, test } from "vitest";
+import type { Result, Vector } from "../../src/api/types";
+import { circle } from "../../src/drawing/strokes";
+import { lineAlong } from "../../src/drawing/edits";
+import { gap, INK, lengthOf, type OwnLine } from "../../src/drawing/lines";
+import { mirroredLine, mirroredPoint, mirrorPlane } from "../../src/drawing/mirror";
+import { type Skin, skinOf } from "../../src/drawing/skin";
+import type { FitState } from "../../src/fit/state";
+import { withScan } from "../fakes";
+import { cut, made, place } from "../shapes";
+
+type Landmarks = Result["landmarks"];
+const result = (landmarks: Landmarks, unit = "mm"): Pick<Result, "landmarks" | "scan"> => ({ landmarks, scan: { unit } as Result["scan"] });
+const PAIRS: Landmarks = { nipple_L: [110, 0, 0], nipple_R: [-90, 0, 0], acromion_L: [190, 200, 0], acromion_R: [-170, 200, 0], xiphoid: [3, 0, 0] };
+
+const fitted = (landmarks: Landmarks): FitState => ({ id: "f1", state: "running", iterations: [], result: result(landmarks) }) as unknown as FitState;
+
+/** Two balls (80 mm) beside x = 10. */
+const breasts = (): Skin => skinOf(made(place(new SphereGeometry(0.08, 96, 64), 0.11, 0, 0), place(new SphereGeometry(0.08, 96, 64), -0.09, 0, 0)));
+const onBall = (points: readonly Vector[], x: number): number => Math.max(...points.map((point) => Math.abs(gap(point, [x, 0, 0]) - 80)));
+
+const arc = (): OwnLine => {
+  const points = Array.from({ length: 41 }, (_, i): Vector => {
+    const angle = ((i - 5) * Math.PI) / 60;
+    return [110 + 80 * Math.sin(angle), 0, 80 * Math.cos(angle)];
+  });
+  return lineAlong("Fold", INK, points, false);
+};
+
+test("the plane stands between the pairs, in any unit, and without a pair there is none", () => {
+  expect(mirrorPlane(result(PAIRS))).toEqual({ normal: [1, 0, 0], offset: 10 });
+  const metres = Object.fromEntries(Object.entries(PAIRS).map(([name, at]) => [name, at.map((mm) => mm / 1000)])) as Landmarks;
+  expect(mirrorPlane(result(metres, "m"))!.offset).toBeCloseTo(10, 9);
+  expect(mirrorPlane(result({ nipple_L: [110, 0, 0], xiphoid: [0, 0, 0] }))).toBeNull();
+});
+
+test("mirrored twice a point is where it was, and each of a pair lies where the other is", () => {
+  const plane = mirrorPlane(result({ nipple_L: [80, 40, 10], nipple_R: [-70, 90, 30] }))!;
+  expect(gap(mirroredPoint(plane, [80, 40, 10]), [-70, 90, 30])).toBeLessThan(1e-9);
+  expect(gap(mirroredPoint(plane, mirroredPoint(plane, [13, -4, 250])), [13, -4, 250])).toBeLessThan(1e-9);
+});
+
+test("on an even body a line lies on the other side as it lies on this one", () => {
+  const plane = mirrorPlane(result(PAIRS))!;
+  const line = arc();
+  const other = mirroredLine(breasts(), plane, line)!;
+  expect(onBall(other.points, -90)).toBeLessThan(0.2);
+  expect(gap(other.points[0]!, mirroredPoint(plane, line.points[0]!))).toBeLessThan(0.2);
+  expect(gap(other.points.at(-1)!, mirroredPoint(plane, line.points.at(-1)!))).toBeLessThan(0.2);
+  expect(lengthOf(other) / lengthOf(line)).toBeCloseTo(1, 2);
+});
+
+test("a closed line stays closed, its points even", () => {
+  const skin = breasts();
+  const line = lineAlong("Tumour", INK, circle(skin, [110, 0, 80], 20), true);
+  const other = mirroredLine(skin, mirrorPlane(result(PAIRS))!, line)!;
+  expect(other.closed).toBe(true);
+  expect(lengthOf(other) / lengthOf(line)).toBeCloseTo(1, 2);
+  const steps = other.points.map((point, i) => gap(point, other.points[(i + 1) % other.points.length]!));
+  expect(Math.max(...steps)).toBeLessThan(3);
+  expect(Math.min(...steps)).toBeGreaterThan(0.4);
+});
+
+test("on a smaller breast it comes down on that breast's skin", () => {
+  const uneven = skinOf(made(place(new SphereGeometry(0.08, 96, 64), 0.11, 0, 0), place(new SphereGeometry(0.05, 96, 64), -0.09, 0, 0)));
+  const other = mirroredLine(uneven, mirrorPlane(result(PAIRS))!, arc())!;
+  for (const point of other.points) expect(Math.abs(gap(point, [-90, 0, 0]) - 50)).toBeLessThan(0.3);
+});
+
+test("where the other side was not scanned there is no line", () => {
+  const chest = skinOf(made(cut(new PlaneGeometry(0.4, 0.4, 80, 80), (x) => x > -0.03)));
+  const across = (from: number, to: number): OwnLine => lineAlong("Line", INK, Array.from({ length: 21 }, (_, i): Vector => [from + ((to - from) * i) / 20, 0, 0]), false);
+  const plane = { normal: [1, 0, 0] as Vector, offset: 0 };
+  expect(mirroredLine(chest, plane, across(60, 120))).toBeNull();
+  expect(mirroredLine(chest, plane, across(-20, 20))).not.toBeNull();
+});
+
+test("the copy is a line of its own, named after the first; a missing side is said", async () => {
+  const { store, actions } = await withScan();
+  const skin = breasts();
+  actions.drawing.setSkin(() => skin);
+  const fold = arc();
+  actions.drawing.stroke(fold.points);
+  actions.drawing.rename("Line 1", "Fold");
+  const lines = (): readonly OwnLine[] => store.get().drawn.lines.present;
+  actions.drawing.mirror("Fold");
+  expect(lines(), "without a fit there is no plane").toHaveLength(1);
+  store.set({ fit: fitted(PAIRS) });
+  actions.drawing.mirror("Fold");
+  actions.drawing.mirror("Fold");
+  expect(lines().map(({ name }) => name)).toEqual(["Fold", "Fold, mirrored", "Fold, mirrored 2"]);
+  expect(new Set(lines().map(({ id }) => id)).size).toBe(3);
+  actions.drawing.undo();
+  expect(lines()).toHaveLength(2);
+  const half = skinOf(made(place(new SphereGeometry(0.08, 96, 64), 0.11, 0, 0)));
+  actions.drawing.setSkin(() => half);
+  store.set({ fit: fitted(PAIRS) });
+  actions.drawing.mirror("Fold");
+  expect(lines()).toHaveLength(2);
+  expect(store.get().problems.drawing).toBe("The other side of “Fold” is not on this scan, so it was not mirrored.");
+});

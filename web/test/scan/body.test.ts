@@ -1,0 +1,99 @@
+// The patient apart from the table and the loose pieces of her scan: what is shown, picked, framed; nothing is lost.
+import { type BufferGeometry, Matrix4, Mesh, MeshBasicMaterial, Raycaster, SphereGeometry, Vector3 } from "three";
+import { acceleratedRaycast } from "three-mesh-bvh";
+import { expect, test } from "vitest";
+import type { Scan, Vector } from "../../src/api/types";
+import { type Body, type BodyQuestion, bodyOf, partOf, tableNormalOf } from "../../src/scan/body";
+import { borderEdges } from "../../src/scan/borders";
+import { withLoose } from "../../src/scan/state";
+import { extent } from "../../src/viewer/extent";
+import { withScan } from "../fakes";
+import { half, made, onTable } from "../shapes";
+
+const question = (whole: BufferGeometry, tableNormal: Vector | null): BodyQuestion => ({
+  positions: whole.attributes.position!.array as Float32Array,
+  index: Uint32Array.from(whole.index!.array),
+  isSplit: false,
+  tableNormal,
+});
+
+/** As the worker hands it over. */
+const found = (whole: BufferGeometry, tableNormal: Vector | null): Body => structuredClone(bodyOf(question(whole, tableNormal)));
+
+function below(geometry: BufferGeometry, x: number, y: number): { point: Vector3; face: number } | null {
+  const mesh = new Mesh(geometry, new MeshBasicMaterial());
+  mesh.raycast = acceleratedRaycast;
+  const ray = new Raycaster(new Vector3(x, y, 1), new Vector3(0, 0, -1));
+  ray.firstHitOnly = true;
+  const hit = ray.intersectObject(mesh, false)[0];
+  return hit ? { point: hit.point, face: hit.faceIndex! } : null;
+}
+
+test("the body alone has exactly the triangles that are skin, and each knows which one of the scan it is", () => {
+  const whole = onTable();
+  const { drawable, part } = found(whole, [0, 0, 1]);
+  expect(part!.faces).toEqual(Uint32Array.from({ length: half().index!.count / 3 }, (_, face) => face));
+  expect(part!.faces).toHaveLength(drawable.count);
+  const index = whole.index!.array;
+  part!.faces.forEach((face, i) => expect([...part!.index.subarray(3 * i, 3 * i + 3)]).toEqual([...index.slice(3 * face, 3 * face + 3)]));
+});
+
+test("hidden pieces cannot be picked, the body can, at the same place as before", () => {
+  const whole = onTable();
+  const body = partOf(whole, found(whole, [0, 0, 1]).part!);
+  expect(below(whole, 0.25, 0), "the table is there").not.toBeNull();
+  expect(below(body, 0.25, 0)).toBeNull();
+  expect(below(whole, 0.2, 0.2), "the ball beside her is there").not.toBeNull();
+  expect(below(body, 0.2, 0.2)).toBeNull();
+  const [before, now] = [below(whole, 0.03, 0.02)!, below(body, 0.03, 0.02)!];
+  expect(now.point.distanceTo(before.point)).toBeLessThan(1e-9);
+  expect(now.face).toBe(before.face); // the ball comes first in this scan
+});
+
+test("the scan itself stays whole", () => {
+  const whole = onTable();
+  const [positions, index] = [whole.attributes.position!.array.slice(), whole.index!.array.slice()];
+  const body = partOf(whole, found(whole, [0, 0, 1]).part!);
+  expect(whole.attributes.position!.array).toEqual(positions);
+  expect(whole.index!.array).toEqual(index);
+  expect(body.attributes.position, "no vertex is held twice").toBe(whole.attributes.position);
+});
+
+test("what is hidden does not count for the picture's frame", () => {
+  const whole = onTable();
+  const positions = whole.attributes.position!.array;
+  const { part } = found(whole, [0, 0, 1]);
+  const width = (used: ArrayLike<number> | null): number => extent(positions, new Matrix4(), used).getSize(new Vector3()).x;
+  expect(width(null)).toBeGreaterThan(0.5);
+  expect(width(part!.index)).toBeGreaterThan(0.19);
+  expect(width(part!.index)).toBeLessThanOrEqual(0.2 + 1e-6);
+});
+
+test("the rims are those of the body alone", () => {
+  const whole = onTable();
+  const { part } = found(whole, [0, 0, 1]);
+  const alone = half();
+  expect(part!.rims).toEqual(borderEdges(alone.attributes.position!.array, alone.index!.array, false));
+});
+
+test("a scan of nothing but the patient is left as it is", () => {
+  const body = found(made(new SphereGeometry(0.1, 32, 24)), null);
+  expect(body.part).toBeNull();
+  expect(body.drawable.count).toBe(body.drawable.isSkin.length);
+});
+
+test("only a patient who lies has a table", () => {
+  const frame = { up: [0, 1, 0], front: [0, 0, 1] };
+  expect(tableNormalOf({ stance: { proposed: "supine" }, frame } as unknown as Scan)).toEqual([0, 0, 1]);
+  expect(tableNormalOf({ stance: { proposed: "standing" }, frame } as unknown as Scan)).toBeNull();
+});
+
+test("loose pieces are hidden until somebody asks for them, and what was found belongs to its own scan", async () => {
+  const { store, actions } = await withScan();
+  expect(store.get().showLoose).toBe(false);
+  const file = store.get().scan!.mesh!;
+  expect(withLoose(store.get(), file).scan?.hasLoose).toBe(true);
+  expect(withLoose(store.get(), new ArrayBuffer(1)).scan).toBe(store.get().scan);
+  actions.scan.showLoose(true);
+  expect(store.get().showLoose).toBe(true);
+});

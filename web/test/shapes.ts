@@ -1,0 +1,36 @@
+// Scans made of plain shapes: a ball on a table, plates with air between them.
+import { BufferGeometry, Float32BufferAttribute, PlaneGeometry, SphereGeometry } from "three";
+import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
+import { MeshBVH } from "three-mesh-bvh";
+
+export const place = (geometry: BufferGeometry, x: number, y: number, z: number): BufferGeometry => geometry.translate(x, y, z);
+
+/** Only triangles whose centre is kept; metres. */
+export function cut(geometry: BufferGeometry, keeps: (x: number, y: number, z: number) => boolean): BufferGeometry {
+  const at = geometry.attributes.position!;
+  const index = [...geometry.index!.array];
+  const kept = index.flatMap((_, i) => {
+    if (i % 3 !== 0) return [];
+    const corners = index.slice(i, i + 3);
+    const middle = (axis: "getX" | "getY" | "getZ"): number => corners.reduce((sum, corner) => sum + at[axis](corner), 0) / 3;
+    return keeps(middle("getX"), middle("getY"), middle("getZ")) ? corners : [];
+  });
+  return new BufferGeometry().setAttribute("position", at).setIndex(kept);
+}
+
+export function made(...parts: BufferGeometry[]): BufferGeometry {
+  const bare = parts.map((part) => new BufferGeometry().setAttribute("position", new Float32BufferAttribute(part.attributes.position!.array, 3)).setIndex([...part.index!.array]));
+  const all = mergeGeometries(bare);
+  all.boundsTree = new MeshBVH(all, { indirect: true });
+  return all;
+}
+
+export const half = (): BufferGeometry => cut(new SphereGeometry(0.1, 96, 64).rotateX(Math.PI / 2), (_x, _y, z) => z > 0);
+
+/** The upper half of a ball (100 mm) that lies on a table of 0.6 m, scanned from above: the table ends at the body. */
+export const onTable = (): BufferGeometry =>
+  made(
+    half(),
+    cut(new PlaneGeometry(0.6, 0.6, 120, 120), (x, y) => Math.hypot(x, y) > 0.097),
+    place(new SphereGeometry(0.008, 12, 8), 0.2, 0.2, 0.1),
+  );
