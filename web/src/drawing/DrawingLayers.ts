@@ -84,7 +84,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
     close.setAttribute("aria-label", line.closed ? words.open(name) : words.close(name));
     const length = line.closed ? null : el("span", { class: "muted small" }, words.length(cm(lengthOf(line))));
     field.title = name;
-    return el("li", { "data-line": name }, toggle("own", name, null), field, length, close, mayMirror ? iconButton("mirror", words.mirror(name), () => drawing.mirror(name)) : null, iconButton("close", words.erase(name), () => drawing.erase(name)));
+    return el("li", { "data-line": name }, toggle("own", name, null), el("div", { class: "line-words" }, field, length), close, mayMirror ? iconButton("mirror", words.mirror(name), () => drawing.mirror(name)) : null, iconButton("close", words.erase(name), () => drawing.erase(name)));
   }
 
   return {

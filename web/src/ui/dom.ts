@@ -63,6 +63,7 @@ const ICONS = {
   link: "M10 14a4 4 0 0 0 6 .4l3-3a4 4 0 0 0-5.7-5.7l-1 1M14 10a4 4 0 0 0-6-.4l-3 3a4 4 0 0 0 5.7 5.7l1-1",
   exchange: "M4 9h15m-4-4 4 4-4 4M20 16H5m4-4-4 4 4 4",
   mirror: "M12 4v16M9 7 4 17h5zM15 7l5 10h-5z",
+  table: "M3 13h18M6 13v6M18 13v6M8 9l2-4 2 4zM15.5 6.5h3v2.5h-3z",
   alert: "M12 4 3 19.5h18zM12 10v4m0 2.6v.4",
 } as const;
 

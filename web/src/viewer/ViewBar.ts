@@ -1,6 +1,6 @@
 // Under the body: from which side it is seen, what of scan and model is shown, and whether distances colour it.
 import { segmented } from "../ui/controls";
-import { el, show } from "../ui/dom";
+import { el, icon, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { ViewActions } from "./actions";
 import { type Overlay, OVERLAYS, type ViewName } from "./state";
@@ -38,7 +38,7 @@ export function createViewBar<State extends object>(view: ViewActions, actions: 
   );
   for (const each of views.element.querySelectorAll("button")) each.removeAttribute("aria-pressed");
   const distances = toggle("distances", text.view.distances, text.view.distancesHint, actions.showDistances);
-  const loose = toggle("loose", text.view.loose, text.view.looseHint, actions.showLoose);
+  const loose = toggle("loose", icon("table"), text.view.looseHint, actions.showLoose, text.view.loose); // a picture: with all buttons the words would need a second row
   const element = el("div", { class: "view-bar", hidden: true }, el("div", { class: "view-buttons" }, views.element, overlays.element, distances.element, loose.element));
   return {
     element,
@@ -53,9 +53,9 @@ export function createViewBar<State extends object>(view: ViewActions, actions: 
   };
 }
 
-function toggle(id: string, label: string, hint: string, turn: (isOn: boolean) => void) {
+function toggle(id: string, label: string | SVGElement, hint: string, turn: (isOn: boolean) => void, name: string | null = null) {
   let isOn = false;
-  const button = el("button", { type: "button", title: hint, id, onclick: () => turn(!isOn) }, label);
+  const button = el("button", { type: "button", title: hint, "aria-label": name, id, onclick: () => turn(!isOn) }, label);
   const element = el("div", { class: "segmented" }, button);
   return {
     element,

@@ -25,7 +25,7 @@ export const view = {
   distances: "Distances",
   distancesHint: "Colour the model by its distance to the scan, in millimetres (D)",
   loose: "Table and loose pieces",
-  looseHint: "Show what was scanned besides the patient; it cannot be drawn on, and stays in all files",
+  looseHint: "Table and loose pieces: show what was scanned besides the patient; it cannot be drawn on, and stays in all files",
   swipe: "Line between scan and model",
   panes: { scan: "Scan", model: "Model" },
   canvas: "3D view of the scan. Arrow keys turn it, plus and minus zoom; while a landmark is wanted they move a cross, and Enter places it.",
