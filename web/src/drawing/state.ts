@@ -70,7 +70,8 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnStat
     corner: null,
     tape: null,
     radiusMm: 15,
-    ...words,
+    note: words.note,
+    depthMm: words.depthMm,
     hidden: new Set(),
     onScan: null,
   };

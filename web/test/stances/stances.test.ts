@@ -157,6 +157,21 @@ test("changing over and back is where one was", async () => {
   expect(workspaceOf(store.get())).toEqual(before);
 });
 
+test("from the address the stance that waits comes back with its lines, its note and the depth of its tumour", async () => {
+  const items = [
+    { kind: "line", id: "a", scan: "supine", name: "Line 1", points: [[0, 0, 0], [9, 0, 0]] },
+    { kind: "tumour", id: "t", scan: "supine", side: "L", clock: 3, distance_mm: 30, radius_mm: 10, depth_mm: 25 },
+    { kind: "note", id: "n", scan: "supine", text: "smaller" },
+  ];
+  const { store, actions } = page({ plan: async () => ({ version: 1, whole: true, items }) as never });
+  await actions.scan.open("standing", null);
+  await actions.stances.restore("supine", null, null, { isSecond: false, isComparing: false });
+  const { drawn, drawing } = store.get().stances.other!;
+  expect(drawn.lines.present.map(({ id }) => id)).toEqual(["a"]);
+  expect(drawn).toMatchObject({ note: "smaller", depthMm: 25 });
+  expect(drawing).toBe("tumour:side=L,clock=3,distance_mm=30,radius_mm=10");
+});
+
 test("a scan that cannot be had leaves the page as it was and says why", async () => {
   const { store, actions } = page({ importExample: async (name: string) => { if (name === "gone") throw new Error("no"); return scanInfo(name); } });
   await actions.scan.takeExample("standing");

@@ -65,7 +65,7 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
   const drawing: DrawingFile | null = shapes.length > 0 ? { schema: "breastrig/drawing@1", unit: plan.unit, shapes } : null;
   const frame = frameOfRig(result) ?? frameFromPicks(picksOf({ landmarks: result.landmarks, unit: result.scan.unit })) ?? tidyFrame({ up: [0, 1, 0], front: [0, 0, 1] });
   // Whether it has colours is the mesh's own matter: a plain one brings none.
-  const info = { id: "shared", colours: "vertex" } as Scan;
+  const info = { id: "shared", colours: "vertex", stance: { proposed: result.stance, reason: "" }, frame: { ...frame, confidence: 1, reason: "" } } as Scan;
   return {
     ...initialVisitor,
     step: "result",
