@@ -198,8 +198,7 @@ def test_the_list_is_paged_the_newest_first_and_searched_by_code(client: FlaskCl
         assert answer.json["code"] == f"Ward 7 / {number}%_"
     page = client.get("/api/patients?limit=2&search=WARD 7 /").json
     assert [each["code"] for each in page["patients"]] == ["Ward 7 / 2%_", "Ward 7 / 1%_"]
-    before = page["next"].partition("before=")[2].partition("&")[0]
-    rest = client.get(f"/api/patients?limit=2&search=ward 7&before={before}").json
+    rest = client.get(page["next"]).json
     assert [each["code"] for each in rest["patients"]] == ["Ward 7 / 0%_"]
     assert rest["next"] is None
     assert client.get("/api/patients?search=1%25_").json["patients"][0]["id"] == scans[1]["patient"]

@@ -3,6 +3,7 @@
 import json
 from datetime import datetime, timedelta
 from typing import Any
+from urllib.parse import quote
 
 from apiflask import APIBlueprint
 from flask import Response
@@ -12,6 +13,7 @@ from breastrig.api.answers import JSON, PERSONAL, bytes_answer
 from breastrig.api.app_context import app_context
 from breastrig.api.drawing_check import check_near_scan
 from breastrig.api.routes.fits import FITS_TAG
+from breastrig.api.routes.paging import next_page
 from breastrig.api.wire import patients as wire
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.patterns import asked_drawing
@@ -50,9 +52,9 @@ def list_patients(query_data: wire.PatientQuery) -> wire.PatientPage:
     """The patients, the newest first"""
     storage = app_context().service.storage
     rows, before = patients_page(storage, query_data.limit, query_data.before, query_data.search)
-    more = None
-    if before is not None:
-        more = f"/api/patients?before={before}&limit={query_data.limit}"  # the page adds what it searches for
+    more = next_page("/api/patients", before, query_data)
+    if more is not None and query_data.search:
+        more += f"&search={quote(query_data.search, safe='')}"
     return wire.PatientPage(patients=_answers(rows), next=more)
 
 
