@@ -37,6 +37,7 @@ def test_a_fit_is_accepted_executed_and_described(client: FlaskClient, service: 
         "queue_position": None,
         "created_at": fit["created_at"],
         "stance": "supine",
+        "asked_stance": "supine",
         "preset": "default",
         "drawing": "lumpectomy",
         "refine": True,
@@ -102,7 +103,8 @@ def test_a_fit_follows_the_skin_unless_it_is_asked_not_to(client: FlaskClient, s
         ({"drawing": "lumpectomy+tumour:L,13,45,12"}, "clock of tumour cannot be 13: an hour of the clock"),
         (
             {"drawing": "mona_lisa"},
-            '"mona_lisa" is not a drawing of this model; known are: lumpectomy, reduction, tumour, tumour_at.',
+            '"mona_lisa" is not a drawing of this model; known are: lumpectomy, reduction, vertical, periareolar, '
+            "ellipse, tumour, tumour_at.",
         ),
         ({"stance": "sitting"}, "stance: Input should be 'auto', 'standing' or 'supine'."),
         ({"landmarks": {"elbow": [0, 0, 0]}}, '"elbow" is not a landmark'),

@@ -47,6 +47,7 @@ def storage(url: str, tmp_path: Path) -> Iterator[Storage]:
     storage.prepare()
     with storage.database.writing() as connection:
         connection.execute(schema.scans.delete())
+        connection.execute(schema.patients.delete())
     add_scan(storage, ScanRow("scan-1", "2026-01-01T00:00:00.000Z", "ply", "ab" * 32, FACTS))
     yield storage
     storage.close()

@@ -13,7 +13,7 @@ from breastrig.core import wall_clock
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.service.sweep import Retention, Sweep
-from breastrig.storage.expiring_scans import aged_scans, announce
+from breastrig.storage.rows.expiring_scans import aged_scans, announce
 from breastrig.storage.rows.scans import ScanRow, add_scan, scan_ids
 from breastrig.storage.storage import Storage, iso_utc
 

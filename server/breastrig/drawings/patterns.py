@@ -20,11 +20,11 @@ from pydantic import BaseModel, ValidationError
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing, unknown_name
 from breastrig.drawings.clock import FittedSkin
-from breastrig.drawings.ellipse import MastectomyEllipse
-from breastrig.drawings.periareolar import Periareolar
-from breastrig.drawings.reduction import Reduction
-from breastrig.drawings.tumour import PickedTumour, Tumour
-from breastrig.drawings.vertical import Vertical
+from breastrig.drawings.constructions.ellipse import MastectomyEllipse
+from breastrig.drawings.constructions.periareolar import Periareolar
+from breastrig.drawings.constructions.reduction import Reduction
+from breastrig.drawings.constructions.tumour import PickedTumour, Tumour
+from breastrig.drawings.constructions.vertical import Vertical
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 

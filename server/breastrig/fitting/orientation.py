@@ -14,9 +14,9 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.rigid_search import rest_place
-from breastrig.fitting.similarity import Similarity, similar_parameters, umeyama
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
+from breastrig.rig.similarity import Similarity, similar_parameters, umeyama
 from breastrig.rig.skinning import pose
 
 TRUST = 0.04  # m; patients' landmarks lie within about 3 cm of a similarity of the model's

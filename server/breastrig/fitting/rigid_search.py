@@ -21,11 +21,11 @@ from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.similarity import Similarities, Similarity, nearest_similarities
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import Similarities, Similarity, nearest_similarities
 
 SCALE = (0.85, 1.15)  # of the rest pose; the fit itself may go further
 NORMAL_LENGTH = 0.06  # m a unit of normal counts as: skin facing away by 60 degrees is as far as skin 6 cm off

@@ -12,10 +12,10 @@ import numpy as np
 from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.similarity import Similarity, similar_parameters
 from breastrig.fitting.stance import found_stance
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import Similarity, similar_parameters
 from breastrig.scan.orient import Frame
 
 SURE_MARGIN = 0.3  # of start_from_scan; whole scans have 0.28 to 1.1

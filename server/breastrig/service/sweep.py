@@ -17,7 +17,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from breastrig.core import wall_clock
 from breastrig.core.errors import NotRemoved
 from breastrig.storage.deletion import remove_files
-from breastrig.storage.expiring_scans import AgedScan, aged_scans, announce, withdraw
+from breastrig.storage.rows.expiring_scans import AgedScan, aged_scans, announce, withdraw
 from breastrig.storage.rows.scans import scans_before
 from breastrig.storage.storage import Storage, iso_utc
 

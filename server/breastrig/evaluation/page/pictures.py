@@ -18,13 +18,13 @@ from breastrig.drawings.project_drawing import on_scan
 from breastrig.evaluation.studies.case import Scene, read_scene
 from breastrig.evaluation.studies.result_cache import Record
 from breastrig.evaluation.tables.accuracy import of, value
-from breastrig.fitting.similarity import umeyama
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.polyline import Polyline
 from breastrig.rendering.picture import Layer, Line, camera, diverging_colours
 from breastrig.rendering.picture import Scene as Meshes
 from breastrig.report.distances import ACCEPTED
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
 
 DRAWING = "lumpectomy"  # where the rig has it, else its first one
 LIMIT_MM = 5.0  # ends of the colours

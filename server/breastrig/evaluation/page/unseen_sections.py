@@ -13,9 +13,9 @@ from breastrig.evaluation.studies.unseen import CUTS, cut_fit, whole_fit
 from breastrig.evaluation.tables.accuracy import FAMILIES, of
 from breastrig.evaluation.tables.table import mean
 from breastrig.evaluation.tables.unseen import WORDS
-from breastrig.fitting.similarity import umeyama
 from breastrig.rendering.picture import Layer, camera, render
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
 
 SIZE = (250, 300)  # pixels a picture
 

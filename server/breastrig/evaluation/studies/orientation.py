@@ -18,8 +18,8 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.studies.case import Scene, ready
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.similarity import umeyama
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
 from breastrig.scan.clean import Surface, compact
 
 BODY = 0.015  # m from the true surface; farther triangles are table or noise

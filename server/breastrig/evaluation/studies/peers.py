@@ -15,9 +15,9 @@ from breastrig.core.errors import FitFailed
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.evaluation.studies.case import Scene
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.similarity import umeyama
 from breastrig.geometry.normals import vertex_normals
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
 from breastrig.rig.skinning import pose
 
 RIGID_STEPS = 100  # at most

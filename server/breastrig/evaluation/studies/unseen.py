@@ -13,8 +13,8 @@ from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.studies.case import Fitted, Scene, ready
 from breastrig.fitting.recipe import Recipe
-from breastrig.fitting.similarity import umeyama
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
 
 CUTS = {"navel": "umbilicus", "nipples": "nipple_L", "half": "xiphoid"}  # where each cut runs
 MARGIN = 0.005  # m, so that the landmark of the cut itself stays

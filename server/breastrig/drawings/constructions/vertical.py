@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import SIDES, FittedSkin, circle_around
-from breastrig.drawings.reduction import CUT, FOLD, MARK, WIDEST, Reduction, ends
+from breastrig.drawings.constructions.reduction import CUT, FOLD, MARK, WIDEST, Reduction, ends
 from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import length
 from breastrig.geometry.surface_points import SurfacePoints, joined

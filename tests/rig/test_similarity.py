@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from breastrig.fitting.similarity import Similarities, Similarity, nearest_similarities, umeyama
 from breastrig.geometry.rotations import exp_so3
+from breastrig.rig.similarity import Similarities, Similarity, nearest_similarities, umeyama
 
 
 def test_each_is_what_umeyama_finds_over_its_own_pairs() -> None:
