@@ -37,14 +37,16 @@ log = logging.getLogger(__name__)
 class PlannedFits:
     """What decides how the plan lies on a scan: another one of these, another answer."""
 
+    patient: str
     plan: PlanRow
     fit: FitRow
     others: tuple[FitRow, ...]  # of the patient's other scans on which items were made
     unfitted: tuple[str, ...] = ()  # ids of items that were made on scans without a fit that is done
 
     @property
-    def key(self) -> tuple[str, int, tuple[str, ...]]:
-        return self.fit.id, self.plan.version, tuple(other.id for other in self.others)
+    def key(self) -> tuple[str, str, int, tuple[str, ...]]:
+        """A scan may become another patient's, whose plan has versions of its own."""
+        return self.patient, self.fit.id, self.plan.version, tuple(other.id for other in self.others)
 
     @property
     def document(self) -> dict[str, Any]:
@@ -73,7 +75,7 @@ class Plans:
         others = [scan for scan in scans_of_patient(self._storage, patient) if scan != fit.scan and scan in named]
         found = {scan: newest_done(self._storage, scan) for scan in others}
         unfitted = tuple(str(item["id"]) for item in plan.items if found.get(str(item.get("scan")), fit) is None)
-        return PlannedFits(plan, fit, tuple(other for other in found.values() if other is not None), unfitted)
+        return PlannedFits(patient, plan, fit, tuple(other for other in found.values() if other is not None), unfitted)
 
     def on_fit(self, fit_id: str) -> bytes:
         """The plan on the fit's scan: breastrig/drawing@1 with the item of each line.

@@ -24,6 +24,7 @@ from breastrig.storage.storage import Storage
 from breastrig.workflow.report import ReportJob, measures_json_of, report_pdf_of
 
 MAKERS: dict[str, Callable[[ReportJob], bytes]] = {"report.pdf": report_pdf_of, "measures.json": measures_json_of}
+PLANNED = ("report.pdf",)  # what shows the plan; measures are those of the body
 REMEMBERED = 8  # of half a megabyte
 WALL_S = 60.0  # two stances take about four seconds; a slow machine with huge scans may take many
 
@@ -73,15 +74,19 @@ class Reports:
         return self._kept_or_made("measures.json", fit_id, other_id)
 
     def _kept_or_made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
-        planned = [self._plans.of_fit(one) for one in (fit_id, other_id) if one is not None]
-        if planned[0].plan.version > 0:
+        planned = [self._plans.of_fit(one) for one in (fit_id, other_id) if one is not None and name in PLANNED]
+        if planned and planned[0].plan.version > 0:
             key = (name, *(one.key for one in planned))
             content = self._remembered.get(key)
             if content is None:
                 content = self._flights.result(repr(key), lambda: self._made(name, fit_id, other_id))
                 self._remembered.put(key, content)
-                for one in planned:
-                    self._plans.of_fit(one.fit.id)  # one that was deleted meanwhile leaves nothing here
+                try:
+                    for one in planned:  # one that was deleted meanwhile leaves nothing here
+                        get_fit(self._storage, one.fit.id)
+                except NotFound:
+                    self.forget()
+                    raise
             return content
         if other_id is not None:
             return self._made(name, fit_id, other_id)
@@ -120,7 +125,8 @@ class Reports:
             with ExitStack() as stack:
                 places = [fit_place(one) for one in (fit_id, other_id) if one is not None]
                 folders = [stack.enter_context(self._storage.files.reading(place)) for place in places]
-                plans = tuple(self._plans.lines_on_fit(one) for one in (fit_id, other_id) if one is not None)
+                fits = (fit_id, other_id) if name in PLANNED else ()
+                plans = tuple(self._plans.lines_on_fit(one) for one in fits if one is not None)
                 job = ReportJob(folders[0], None if other_id is None else folders[1], self._model, plans)
                 content: bytes = self._processes.result(MAKERS[name], (job,), WALL_S)
         except BreastRigError:
