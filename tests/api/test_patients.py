@@ -113,6 +113,11 @@ def test_who_has_not_seen_the_plan_does_not_replace_it(client: FlaskClient, add:
         ({"id": "p", "kind": "pattern", "name": "lumpectomy", "parameters": {"size": 1.0}}, "has no parameters"),
         ({"id": "p", "kind": "pattern", "name": "lumpectomy+tumour:L,1,2", "parameters": {}}, "name"),
         ({"id": "x", "kind": "spell"}, "items.0"),
+        (TUMOUR | {"id": "t", "distance_mm": 1e20}, "distance_mm"),
+        (
+            {"id": "p", "kind": "pattern", "name": "periareolar", "parameters": {"outer_mm": 1e20}},
+            "outer_mm of periareolar cannot be 1e20",
+        ),
     ],
 )
 def test_what_cannot_be_planned_is_refused(client: FlaskClient, add: Any, wrong: dict[str, Any], word: str) -> None:
@@ -203,6 +208,8 @@ def test_the_list_is_paged_the_newest_first_and_searched_by_code(client: FlaskCl
     assert rest["next"] is None
     assert client.get("/api/patients?search=1%25_").json["patients"][0]["id"] == scans[1]["patient"]
     problem(client.patch(scans[0]["links"]["patient"], json={"code": "x" * 61}), 422)
+    problem(client.patch(scans[0]["links"]["patient"], json={"code": "a\x00b"}), 422)
+    problem(client.get("/api/patients", query_string={"search": "\x00"}), 422)
     problem(client.patch("/api/patients/nobody", json={"code": "x"}), 404)
 
 

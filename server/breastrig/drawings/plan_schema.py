@@ -6,7 +6,7 @@ on a scan is computed (plan_on_scan.py).  A drawing file is a plan too: its line
 """
 
 from collections import Counter
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
@@ -141,8 +141,14 @@ def line_item(shape: dict[str, Any], item_id: str, scan: str) -> PlanLine:
 def drawing_text(item: PlanPattern | PlanTumour) -> str:
     """What the item asks for, as patterns.py reads it."""
     if isinstance(item, PlanTumour):
-        where = f"side={item.side},clock={item.clock:g},distance_mm={item.distance_mm:g}"
-        return f"tumour:{where},radius_mm={item.radius_mm:g}"
-    given = ",".join(f"{key}={value:g}" if isinstance(value, float) else f"{key}={value}"
-                     for key, value in item.parameters.items())  # fmt: skip
-    return f"{item.name}:{given}" if given else item.name
+        given = {"side": item.side, "clock": item.clock, "distance_mm": item.distance_mm, "radius_mm": item.radius_mm}
+        return f"tumour:{_pairs(given)}"
+    return f"{item.name}:{_pairs(item.parameters)}" if item.parameters else item.name
+
+
+def _pairs(values: Mapping[str, float | str]) -> str:
+    """name=value,...; a plus sign, as in 1e+20, would begin another drawing."""
+    words = {
+        key: f"{value:.12g}".replace("+", "") if isinstance(value, float) else value for key, value in values.items()
+    }
+    return ",".join(f"{key}={word}" for key, word in words.items())

@@ -9,11 +9,14 @@ from breastrig.drawings.drawing_schema import Colour, DrawnShape, LineUnit
 from breastrig.drawings.plan_schema import ITEMS, PlanItem, ScanOfPlan
 
 CODE = 60  # characters
-Code = Annotated[str, Field(max_length=CODE, description="a code of your own, never a name or date of birth")]
+PLAIN = r"^[^\x00-\x1f\x7f]*$"  # no control characters: not every database takes them
+Code = Annotated[
+    str, Field(max_length=CODE, pattern=PLAIN, description="a code of your own, never a name or date of birth")
+]
 
 
 class PatientQuery(PageQuery):
-    search: str = Field("", max_length=CODE, description="a part of the code, in any case")
+    search: str = Field("", max_length=CODE, pattern=PLAIN, description="a part of the code, in any case")
 
 
 class PatientChange(Wire):
