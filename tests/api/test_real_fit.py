@@ -101,6 +101,8 @@ def test_the_packaged_example_is_fitted(real: tuple[Service, FlaskClient], name:
     assert result["surface_distance_mm"]["mean"] < 0.5
     assert result["model_alone"]["surface_distance_mm"]["mean"] < 2.4
     assert result["landmark_distance_mm"]["mean"] < 6.0
+    row = client.get(scan["links"]["patient"]).json["scans"][0]
+    assert (row["fit"]["state"], row["fit"]["verdict"], row["stance"]) == ("done", result["verdict"]["level"], name)
     plain = fitted(service, client, scan, picked, refine=False)
     assert not plain["refined"]
     distances = ("surface_distance_mm", "scan_to_model_mm", "landmark_distance_mm")

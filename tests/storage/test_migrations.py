@@ -18,7 +18,7 @@ from breastrig.storage import schema
 from breastrig.storage.migrate import alembic_config, known_revisions
 from breastrig.storage.rows.events import append, events_after
 from breastrig.storage.rows.fits import get_fit, next_queued
-from breastrig.storage.rows.patients import get_plan, patient_of_scan
+from breastrig.storage.rows.patients import get_plan, patient_of_scan, patients_page
 from breastrig.storage.rows.scans import Picks, get_landmarks, get_scan
 from breastrig.storage.storage import Storage
 
@@ -67,6 +67,22 @@ def test_a_drawing_of_an_older_version_becomes_the_plan_of_a_patient(old: Storag
     plan = get_plan(old, "scan-1")
     assert (plan.version, plan.is_whole) == (1, False)
     assert plan.items == (line | {"id": "line-1", "scan": "scan-1", "kind": "line"},)
+    old.close()
+
+
+def test_what_was_done_and_named_before_is_judged_and_sorted_like_what_comes(old: Storage) -> None:
+    done = {"kind": "done", "result": {"verdict": {"level": "check", "reasons": ["look"]}}}
+    with old.database.writing() as connection:
+        command.upgrade(alembic_config(connection), "0010")
+        connection.exec_driver_sql("UPDATE patients SET code = 'Ward 12' WHERE id = 'scan-1'")
+        connection.exec_driver_sql("INSERT INTO patients (id, code, created_at) VALUES ('other', 'ward 9', '2026')")
+        connection.exec_driver_sql(
+            "INSERT INTO events (fit, number, kind, json) VALUES ('fit-1', 2, 'done', ?)", (json.dumps(done),)
+        )
+    old.prepare()
+    assert get_fit(old, "fit-1").verdict == "check"
+    rows, more = patients_page(old, 10, None, sort="code")
+    assert ([row.id for row in rows], more) == (["other", "scan-1"], None)
     old.close()
 
 

@@ -93,7 +93,8 @@ export const client = {
     await ask(scan.links.self, { method: "DELETE", keepalive: true });
   },
   /** The newest first; `address` is that of a further page. */
-  patients: (address: string | null, search: string) => askJson<PatientPage>(address ?? `/api/patients?limit=50${search === "" ? "" : `&search=${id(search)}`}`),
+  patients: (address: string | null, search: string, order: "newest" | "code" | "deletion") =>
+    askJson<PatientPage>(address ?? `/api/patients?limit=50&sort=${order}${search === "" ? "" : `&search=${id(search)}`}`),
   renamePatient: (patient: string, code: string) => askJson<Patient>(`/api/patients/${id(patient)}`, "PATCH", { code }),
   deletePatient: async (patient: string): Promise<void> => {
     await ask(`/api/patients/${id(patient)}`, { method: "DELETE", keepalive: true });

@@ -499,6 +499,8 @@ export type PatientFit = {
   state: "queued" | "running" | "done" | "failed" | "cancelled";
   /** ISO 8601, UTC */
   created_at: string;
+  /** whether to trust it; null before the end, and of versions before */
+  verdict: "good" | "check" | "unusable" | null;
 };
 
 export type PatientLinks = {
@@ -507,7 +509,7 @@ export type PatientLinks = {
 };
 
 export type PatientPage = {
-  /** the newest first */
+  /** in the order asked for */
   patients: Patient[];
   /** address of the next page, null on the last */
   next: string | null;
