@@ -232,10 +232,12 @@ def test_the_list_is_sorted_by_the_service_over_all_its_pages(client: FlaskClien
     ordered = [each["code"] for each in pages("sort=code&search=zz")]
     assert ordered == ["zz", "ZZ 9", "zz 9 b", "zz 010", "zz 10"]
     everybody = pages("sort=code")
-    assert everybody[-1]["code"] == "" and without in [each["id"] for each in everybody]
+    assert everybody[-1]["code"] == ""
+    assert without in [each["id"] for each in everybody]
     assert len({each["id"] for each in everybody}) == len(everybody)
     soonest = [each["scans"][0]["delete_at"] for each in pages("sort=deletion")]
-    assert soonest == sorted(soonest) and len(soonest) == len(everybody)
+    assert soonest == sorted(soonest)
+    assert len(soonest) == len(everybody)
     problem(client.get("/api/patients?sort=colour"), 422)
 
 

@@ -12,7 +12,7 @@ beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
 
 function list(rows: readonly Patient[]) {
-  const patients = vi.fn(async (address: string | null, search: string, _order: string) => ({ patients: address === null ? rows.filter(({ code }) => code.includes(search)) : [patient("later")], next: address === null ? "/api/patients?before=3" : null }));
+  const patients = vi.fn(async (...[address, search]: [string | null, string, string]) => ({ patients: address === null ? rows.filter(({ code }) => code.includes(search)) : [patient("later")], next: address === null ? "/api/patients?before=3" : null }));
   const deletePatient = vi.fn(async () => undefined);
   const renamePatient = vi.fn(async (id: string, code: string) => patient(id, { code }));
   const made = page({ patients, deletePatient, renamePatient });

@@ -224,17 +224,16 @@ def _scan(row: ScanRow, fit: FitRow | None) -> wire.PatientScan:
     days = app_context().config.keep_days
     until = None if days is None else datetime.fromisoformat(row.created_at) + timedelta(days=days)
     fitted = fit.stance if fit is not None and fit.state == "done" else row.facts["stance"]["proposed"]
-    return wire.PatientScan(
-        id=row.id,
-        stance=fitted,
-        created_at=row.created_at,
-        delete_at=None if until is None else iso_utc(until),
-        thumbnail=f"/api/scans/{row.id}/thumbnail.png",
-        fit=None if fit is None else _fit(fit),
-    )
+    values = {
+        "id": row.id,
+        "stance": fitted,
+        "created_at": row.created_at,
+        "delete_at": None if until is None else iso_utc(until),
+        "thumbnail": f"/api/scans/{row.id}/thumbnail.png",
+        "fit": None if fit is None else _fit(fit),
+    }
+    return wire.PatientScan.model_validate(values)
 
 
-def _fit(row: FitRow) -> wire.PatientFit:
-    return wire.PatientFit.model_validate(
-        {"id": row.id, "state": row.state, "created_at": row.created_at, "verdict": row.verdict}
-    )
+def _fit(row: FitRow) -> dict[str, str | None]:
+    return {"id": row.id, "state": row.state, "created_at": row.created_at, "verdict": row.verdict}

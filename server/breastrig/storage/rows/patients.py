@@ -132,12 +132,8 @@ def rename_patient(storage: Storage, patient_id: str, code: str) -> None:
     """Raises NotFound."""
     table = schema.patients
     with storage.database.writing() as connection:
-        if (
-            connection.execute(
-                update(table).where(table.c.id == patient_id).values(code=code, code_key=code_key(code))
-            ).rowcount
-            == 0
-        ):
+        named = update(table).where(table.c.id == patient_id).values(code=code, code_key=code_key(code))
+        if connection.execute(named).rowcount == 0:
             raise _no_patient()
 
 

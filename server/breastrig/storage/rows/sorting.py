@@ -1,4 +1,4 @@
-"""What codes are sorted by, the same on every database: numbers in them by their value, patients without a code last."""
+"""What codes are sorted by, on every database the same: numbers in them by their value, patients without one last."""
 
 import re
 
