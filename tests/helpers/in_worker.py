@@ -4,6 +4,7 @@ import os
 import resource
 import sys
 import time
+from collections.abc import Callable
 
 from threadpoolctl import threadpool_info
 
@@ -71,3 +72,20 @@ def note(file: str, text: str) -> None:
     """Adds a line to the file."""
     with open(file, "a", encoding="utf-8") as lines:
         lines.write(f"{text}\n")
+
+
+def open_sum(begin: int | None) -> Callable[[bytes], bytes]:
+    """For warm processes: answers with the process's number, the sum of all numbers so far, and its memory limit."""
+    if begin is None:
+        raise BadScan("nothing to begin with.")
+    numbers = [begin]
+
+    def answer(question: bytes) -> bytes:
+        if question == b"sleep":
+            time.sleep(600.0)
+        if not question.isdigit():
+            raise BadScan("no number.")
+        numbers.append(int(question))
+        return f"{os.getpid()} {sum(numbers)} {resource.getrlimit(resource.RLIMIT_AS)[0]}".encode()
+
+    return answer

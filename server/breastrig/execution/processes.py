@@ -91,7 +91,9 @@ class Processes:
         self._unfinished -= 1
 
     def _new_pool(self) -> ProcessPool:
-        return ProcessPool(self.workers, max_tasks=1, initializer=_limit, initargs=self._limits, context=self._context)
+        return ProcessPool(
+            self.workers, max_tasks=1, initializer=limit_process, initargs=self._limits, context=self._context
+        )
 
     def _end_pool(self) -> None:
         self._pool.stop()
@@ -120,8 +122,8 @@ class _LockKeepingContext:
         return getattr(self._server, name)
 
 
-def _limit(memory_bytes: int, cpu_s: int | None) -> None:
-    """In the child, before its task."""
+def limit_process(memory_bytes: int, cpu_s: int | None) -> None:
+    """In the child, before its task: memory in bytes of address space, CPU time in s."""
     resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a core dump would hold a patient's scan
     if cpu_s is not None:

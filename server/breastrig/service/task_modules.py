@@ -8,6 +8,7 @@ TASK_MODULES = (
     "breastrig.scan.formats.ply_obj_stl",
     "breastrig.service.fit_worker",
     "breastrig.workflow.plan_on_fit",
+    "breastrig.workflow.moved_landmarks",
     "breastrig.workflow.propose_on_scan",
     "breastrig.workflow.read_upload",
     "breastrig.workflow.report",

@@ -46,7 +46,7 @@ class FitRecorder:
 
     def record(self, iterate: FitIterate) -> RecordedIterate:
         """Keeps the iterate; FitFailed when the fit broke down."""
-        if iterate.status is Status.NOT_FINITE or not np.isfinite(iterate.mean_distance):
+        if not iterate.is_finite:
             raise FitFailed(_why_failed(iterate))
         self._recorded.append(RecordedIterate(iterate, _iterated(self.ready.task.rig, iterate)))
         return self._recorded[-1]
