@@ -7,12 +7,14 @@ import type {
   Example,
   ExampleScan,
   Fit,
+  FitLinks,
   FitRequest,
   LandmarkFile,
   MeasuresFile,
   Meta,
   ModelSide,
   Patient,
+  MovedModel,
   PatientPage,
   PlanItem,
   PlanOnScan,
@@ -26,6 +28,7 @@ import type {
   ShareRequest,
   StoredPlan,
   UnitChoice,
+  Vector,
 } from "./types";
 
 export class ApiError extends Error {
@@ -108,6 +111,8 @@ export const client = {
     if (answer.status !== 202) return (await answer.json()) as ProposedLandmarks;
     return { retryAfterS: Number(answer.headers.get("Retry-After")) || 1 };
   },
+  /** Where the model of a fit lies with these picks (mm): for a drag, kept nowhere. */
+  moved: (links: FitLinks, landmarks: Record<string, Vector>) => askJson<MovedModel>(links.moved, "POST", { landmarks }),
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links">>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
   cancel: (link: string) => askJson<Fit>(link, "POST"),

@@ -197,6 +197,7 @@ export type FitLinks = {
   report: string;
   measures: string;
   cancel: string;
+  moved: string;
   shares: string;
 };
 
@@ -443,6 +444,24 @@ export type ModelSummary = {
   vertices: number;
   bones: number;
   blendshapes: number;
+};
+
+/** Picks of a finished fit, some of them elsewhere. */
+export type MovedLandmarks = {
+  /** all of them; mm, the scan's own frame */
+  landmarks: Record<string, [number, number, number]>;
+};
+
+/** The model at moved landmarks. */
+export type MovedModel = {
+  nodes: NodePose[];
+  /** mean distance of matched model vertices to the scan */
+  mean_distance_mm: number;
+  /** mean over the picked landmarks */
+  landmark_distance_mm: number | null;
+  /** share of the model's vertices with an accepted match */
+  coverage: number;
+  elapsed_s: number;
 };
 
 /** One glTF node by name; absent fields stay as they are. */
