@@ -22,6 +22,7 @@ from breastrig.api.routes.models import models
 from breastrig.api.routes.operations import operations
 from breastrig.api.routes.page import PageFile, page
 from breastrig.api.routes.patients import owners, patients, plans_of_fits
+from breastrig.api.routes.patterns import patterns
 from breastrig.api.routes.reports import reports
 from breastrig.api.routes.scans import scans
 from breastrig.api.routes.shared import share_page, shared
@@ -81,6 +82,7 @@ def _bare_app() -> APIFlask:
         patients,
         owners,
         plans_of_fits,
+        patterns,
         fits,
         fits_of_scans,
         events,

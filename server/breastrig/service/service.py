@@ -27,6 +27,7 @@ from breastrig.execution.scratch_sweeper import scratch_swept
 from breastrig.scan.stored_scan import STORED
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
 from breastrig.service.follow import Heartbeat, Notifier, Queued, follow
+from breastrig.service.live_patterns import LivePatterns
 from breastrig.service.plain_meshes import PlainMeshes
 from breastrig.service.plans import Plans
 from breastrig.service.proposals import Proposals, Proposer
@@ -100,6 +101,7 @@ class Service:
         self._model = model
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self.plans = Plans(storage, self._readers, model)
+        self.live_patterns = LivePatterns(storage, model, self._uploads.memory_bytes)
         self.reports = Reports(storage, self._readers, self.plans, model)
         self.plain_meshes = PlainMeshes(storage, self._readers)
         self._notifier = Notifier(storage)
@@ -128,6 +130,7 @@ class Service:
                 self._sweep.stop()
                 self._notifier.stop()
                 self._queue.stop()
+                self.live_patterns.stop()
                 self._readers.stop()
                 self.storage.close()
 
@@ -178,9 +181,11 @@ class Service:
         Raises NotRemoved when files are left; they are tried again from time to time.
         """
         self._proposals.drop(scan_id)
-        self._queue.drop(fits_of_scan(self.storage, scan_id))
+        fits = fits_of_scan(self.storage, scan_id)
+        self._queue.drop(fits)
         gone = delete_rows(self.storage, scan_id)
         self._queue.drop(gone)  # a fit may have been asked for in between
+        self.live_patterns.forget([*fits, *gone])
         self.plans.forget()
         self.reports.forget()
         left = remove_files(self.storage, scan_id)
