@@ -167,11 +167,9 @@ def test_the_model_follows_a_landmark_that_is_dragged_and_nothing_is_kept(real: 
     assert client.post(links["moved"], json={"landmarks": nowhere}).status_code == 200
     again = [client.post(links["moved"], json={"landmarks": moved}).json for _ in range(3)][-1]  # it came back
     assert np.linalg.norm(at(again["nodes"]) - at(live["nodes"]), axis=1).mean() < 0.1
-    (followed,) = service.moved_landmarks._followed.values()
-    assert followed.process is not None
+    kept = len(service.kept_processes)
     client.delete(scan["links"]["self"])
-    assert service.moved_landmarks.count == 0
-    assert not followed.process.is_alive
+    assert len(service.kept_processes) == kept - 1
     problem(client.post(links["moved"], json={"landmarks": picked}), 404)
 
 
@@ -202,3 +200,42 @@ def test_two_stances_are_fitted_together_with_one_body(real: tuple[Service, Flas
     for scan in scans.values():
         client.delete(scan["links"]["self"])
     assert not list(service.storage.root.glob("*/*"))
+
+
+def test_a_pattern_follows_a_hand_and_its_parameters_give_the_same_lines_in_the_plan(
+    real: tuple[Service, FlaskClient],
+) -> None:
+    service, client = real
+    scan = client.post("/api/examples/standing").json
+    fitted(service, client, scan, client.get(scan["links"]["landmarks"]).json["landmarks"])
+    (fit,) = client.get(f"/api/scans/{scan['id']}/fits").json["fits"]
+    place = f"/api/fits/{fit['id']}/pattern"
+    first = client.post(place, json={"name": "vertical", "parameters": {"side": "L"}})
+    assert first.status_code == 200, first.json
+    handle = next(each for each in first.json["handles"] if each["name"] == "end_L")
+    to = [at + 4.0 * step for at, step in zip(handle["at_mm"], handle["grows"], strict=True)]
+    question = {"name": "vertical", "parameters": {"side": "L"}, "drag": {"handle": "end_L", "to": to}}
+    dragged = client.post(place, json=question).json
+    assert dragged["parameters"]["above_fold_mm"] > 26.0
+    assert dragged["limit"] == ""
+    lines = {shape["name"]: shape["points"] for shape in first.json["shapes"]}
+    moved = {shape["name"] for shape in dragged["shapes"] if shape["points"] != lines[shape["name"]]}
+    assert moved == {"vertical_L"}
+    item = {"kind": "pattern", "id": "p", "scan": scan["id"], "name": "vertical", "parameters": dragged["parameters"]}
+    assert client.put(scan["links"]["plan"], json={"items": [item]}, headers={"If-Match": '"0"'}).status_code == 200
+    planned = client.get(f"/api/fits/{fit['id']}/plan.json").json
+    for shape, same in zip(dragged["shapes"], planned["shapes"], strict=True):
+        assert (shape["name"], shape["points"]) == (same["name"], same["points"])
+        assert shape["error_mm"] == same["error_mm"]
+    for wrong, status, sentence in (
+        ({"name": "vertical", "parameters": {"width_mm": 500}}, 422, "width_mm of vertical cannot be 500"),
+        ({"name": "wings"}, 422, '"wings" is not a pattern'),
+        ({"name": "vertical", "drag": {"handle": "end_L", "to": [9e3, 0, 0]}}, 422, "outside of the scan"),
+        ({"name": "vertical", "drag": {"handle": "nose_L", "to": to}}, 422, "handle of vertical"),
+    ):
+        answer = client.post(place, json=wrong)
+        assert (answer.status_code, sentence in answer.json["detail"]) == (status, True), answer.json
+    kept = len(service.kept_processes)
+    assert client.delete(scan["links"]["self"]).status_code == 204
+    assert len(service.kept_processes) == kept - 1
+    assert client.post(place, json={"name": "vertical"}).status_code == 404

@@ -4,7 +4,6 @@ import os
 import resource
 import sys
 import time
-from collections.abc import Callable
 
 from threadpoolctl import threadpool_info
 
@@ -74,18 +73,15 @@ def note(file: str, text: str) -> None:
         lines.write(f"{text}\n")
 
 
-def open_sum(begin: int | None) -> Callable[[bytes], bytes]:
-    """For warm processes: answers with the process's number, the sum of all numbers so far, and its memory limit."""
-    if begin is None:
-        raise BadScan("nothing to begin with.")
-    numbers = [begin]
+_seen: list[str] = []
 
-    def answer(question: bytes) -> bytes:
-        if question == b"sleep":
-            time.sleep(600.0)
-        if not question.isdigit():
-            raise BadScan("no number.")
-        numbers.append(int(question))
-        return f"{os.getpid()} {sum(numbers)} {resource.getrlimit(resource.RLIMIT_AS)[0]}".encode()
 
-    return answer
+def remember(word: str) -> tuple[int, list[str]]:
+    """This process, and all that it was asked to remember."""
+    _seen.append(word)
+    return os.getpid(), list(_seen)
+
+
+def lose() -> None:
+    """Ends the process as if the system had killed it."""
+    os._exit(1)

@@ -21,7 +21,12 @@ from breastrig.rig.model import Rig
 
 def radii_at(rig: Rig, vertices: Array, radii: Array, points: Array) -> Array:
     """(M,) m: the (V,) m radii of the fitted model's (V, 3) m vertices, at (M, 3) m points near it."""
-    nearest = ClosestPointSearch(vertices, rig.faces).query(points)
+    return radii_found(rig, ClosestPointSearch(vertices, rig.faces), radii, points)
+
+
+def radii_found(rig: Rig, model: ClosestPointSearch, radii: Array, points: Array) -> Array:
+    """The same with a search on the fitted model that is there already."""
+    nearest = model.query(points)
     return np.asarray(np.einsum("mc,mc->m", nearest.barycentric, radii[rig.faces[nearest.faces]]))
 
 

@@ -31,5 +31,4 @@ class FitLimits:
     waiting_per_client: int = (
         50  # nearly a minute of work for one core; a script waits for some before it asks for more
     )
-    followed: int = 4  # finished fits that follow dragged landmarks at once; each holds its scan, 0.2 to 1 GB
     grace_s: float = 10.0  # how long a stopping server waits for running fits

@@ -28,8 +28,10 @@ from breastrig.execution.fork_server import modules_to_preload
 class Processes:
     """A pool that survives the loss of any of its processes."""
 
-    def __init__(self, workers: int, *, memory_bytes: int, cpu_s: int | None = None) -> None:
+    def __init__(self, workers: int, *, memory_bytes: int, cpu_s: int | None = None, tasks_each: int = 1) -> None:
+        """`tasks_each` 0: a process is not replaced after its tasks; for one that serves the same data again."""
         self.workers = workers
+        self._tasks_each = tasks_each
         self._limits = (memory_bytes, cpu_s)
         self._lock = threading.Lock()
         self._stopped = False
@@ -92,7 +94,11 @@ class Processes:
 
     def _new_pool(self) -> ProcessPool:
         return ProcessPool(
-            self.workers, max_tasks=1, initializer=limit_process, initargs=self._limits, context=self._context
+            self.workers,
+            max_tasks=self._tasks_each,
+            initializer=_limit,
+            initargs=self._limits,
+            context=self._context,
         )
 
     def _end_pool(self) -> None:
@@ -122,8 +128,8 @@ class _LockKeepingContext:
         return getattr(self._server, name)
 
 
-def limit_process(memory_bytes: int, cpu_s: int | None) -> None:
-    """In the child, before its task: memory in bytes of address space, CPU time in s."""
+def _limit(memory_bytes: int, cpu_s: int | None) -> None:
+    """In the child, before its task."""
     resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a core dump would hold a patient's scan
     if cpu_s is not None:

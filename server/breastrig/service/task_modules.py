@@ -7,8 +7,9 @@ TASK_MODULES = (
     "breastrig.report.pdf",  # this one and the next are imported only where they are used, for they take long
     "breastrig.scan.formats.ply_obj_stl",
     "breastrig.service.fit_worker",
+    "breastrig.workflow.moving.live_pattern",
     "breastrig.workflow.plan_on_fit",
-    "breastrig.workflow.moved_landmarks",
+    "breastrig.workflow.moving.moved_landmarks",
     "breastrig.workflow.propose_on_scan",
     "breastrig.workflow.read_upload",
     "breastrig.workflow.report",

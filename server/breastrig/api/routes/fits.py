@@ -163,7 +163,7 @@ def cancel_fit(fit_id: str) -> tuple[wire.Fit, int]:
 @fits.input(wire.MovedLandmarks)
 @fits.output(wire.MovedModel, description="The model at these landmarks")
 @fits.doc(operation_id="moveLandmarks", responses={409: "Not done", 429: "Too many fits are being moved"})
-def move_landmarks(fit_id: str, json_data: wire.MovedLandmarks) -> Response:
+def move_landmarks(fit_id: str, json_data: wire.MovedLandmarks) -> wire.MovedModel:
     """Where the model lies when landmarks are dragged
 
     An answer takes some hundredths of a second, the first one of a fit as long as reading its scan.  It starts where
@@ -173,7 +173,8 @@ def move_landmarks(fit_id: str, json_data: wire.MovedLandmarks) -> Response:
     context = app_context()
     scan = get_scan(context.service.storage, get_fit(context.service.storage, fit_id).scan)
     check_landmarks(json_data.landmarks, (), scan, context.model)
-    return bytes_answer(context.service.moved_landmarks.moved(fit_id, json_data.landmarks), JSON, PERSONAL)
+    moved = context.service.moved_landmarks.moved(fit_id, json_data.landmarks)
+    return wire.MovedModel.model_validate(moved)
 
 
 @fits.get("/<fit_id>/iterations/<int:iteration>.gltf")
