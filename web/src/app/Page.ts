@@ -1,4 +1,5 @@
 // Puts the panels in their places.
+import { createCanvasBar } from "../drawing/CanvasBar";
 import { createDrawingPanel } from "../drawing/DrawingPanel";
 import { createColourBar } from "../fit/ColourBar";
 import { createFitPanel } from "../fit/FitPanel";
@@ -74,6 +75,8 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const distances = problem(() => dismiss("distances"));
   const graphics = el("p", { class: "no-graphics", role: "alert", hidden: true });
   const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, empty.element, page.element, model.element, distances.element, graphics);
+  const canvasBar = createCanvasBar(actions.drawing, actions.view.from, () => dismiss("drawing"));
+  host.append(canvasBar.element);
   const veil = el("div", { class: "drop-veil", hidden: true }, el("p", {}, emptyText.drop));
   host.append(veil);
   acceptDrops(host, veil, actions);
@@ -129,6 +132,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(landmarks);
       on(fit);
       on(drawing);
+      on(canvasBar);
       on(carry);
       on(result);
       on(next);

@@ -25,6 +25,8 @@ export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, pla
     TOOLS.map((value) => ({ value, label: words.toolNames[value], hint: words.toolHints[value] })),
     drawing.take,
   );
+  const full = iconButton("expand", text.canvas.openHint, () => drawing.fullCanvas(true));
+  full.id = "full-canvas";
   const hint = el("p", { class: "tool-hint muted small", id: "tool-hint" });
   const radius = el("input", { type: "number", min: 1, max: 80, step: 1, inputmode: "numeric", onchange: () => drawing.radius(radius.valueAsNumber) });
   const size = el("label", { class: "field inline short", hidden: true }, el("span", {}, words.radius), radius);
@@ -49,7 +51,7 @@ export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, pla
     "div",
     { class: "panel drawing" },
     wrong.element,
-    el("div", { class: "tool-row" }, tools.element),
+    el("div", { class: "tool-row" }, tools.element, full),
     hint,
     size,
     finish,
@@ -90,8 +92,8 @@ export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, pla
 }
 
 /** The points of the chosen line without a pointer: one after the other, moved by arrow keys, deleted. */
-function createCorners(drawing: DrawingActions): Panel<DrawingSlice> {
-  let state: DrawingSlice | null = null;
+function createCorners(drawing: DrawingActions): Panel<Pick<DrawingSlice, "drawn">> {
+  let state: Pick<DrawingSlice, "drawn"> | null = null;
   const words = text.drawing;
   const where = el("span", { class: "small" });
   function step(by: number): void {
