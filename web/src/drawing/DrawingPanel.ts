@@ -25,8 +25,9 @@ export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, pla
     TOOLS.map((value) => ({ value, label: words.toolNames[value], hint: words.toolHints[value] })),
     drawing.take,
   );
-  const full = iconButton("expand", text.canvas.openHint, () => drawing.fullCanvas(true));
+  const full = button(text.canvas.open, () => drawing.fullCanvas(true), "quiet outlined", "expand");
   full.id = "full-canvas";
+  full.title = text.canvas.openHint;
   const hint = el("p", { class: "tool-hint muted small", id: "tool-hint" });
   const radius = el("input", { type: "number", min: 1, max: 80, step: 1, inputmode: "numeric", onchange: () => drawing.radius(radius.valueAsNumber) });
   const size = el("label", { class: "field inline short", hidden: true }, el("span", {}, words.radius), radius);
@@ -51,8 +52,9 @@ export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, pla
     "div",
     { class: "panel drawing" },
     wrong.element,
-    el("div", { class: "tool-row" }, tools.element, full),
+    el("div", { class: "tool-row" }, tools.element),
     hint,
+    full,
     size,
     finish,
     measured,

@@ -32,6 +32,7 @@ const questionOf = (whole: BufferGeometry, tableNormal: Vector | null): BodyQues
   index: Uint32Array.from(whole.index!.array),
   isSplit: whole.hasAttribute("uv"),
   tableNormal,
+  wantsRelief: false,
 });
 
 /** The patient in a scan, found here and now. */

@@ -25,7 +25,7 @@ export const tape = {
 };
 
 export const canvas = {
-  open: "Full screen",
+  open: "Draw on the full screen",
   openHint: "The body alone with floating tools: for a tablet and a stylus",
   done: "Done",
   doneHint: "Back to the page (Esc)",

@@ -89,7 +89,7 @@ const hasFittedSurface = ({ fit, model, showDistances }: Shown): boolean =>
 export const hasBoth = ({ scan, fit }: Pick<ScanSlice & FitSlice, "scan" | "fit">): boolean => scan !== null && fit !== null;
 
 /** What of the page's state the view's buttons show. */
-export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showLoose }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "showDistances" | "showLoose">): ViewBarShown => ({
+export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showLoose, showRelief }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "showDistances" | "showLoose" | "showRelief">): ViewBarShown => ({
   isShown: scan !== null && loading === null,
   hasOverlays: fit !== null && scan?.mesh !== null,
   overlay,
@@ -97,6 +97,8 @@ export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showL
   showDistances,
   hasLoose: scan?.hasLoose ?? false,
   showLoose,
+  hasRelief: scan?.info.colours === "none" && scan.mesh !== null && overlay !== "model",
+  showRelief,
 });
 
 /** The coloured surface alone: over the scan the two would fight for each pixel. */

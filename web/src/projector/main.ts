@@ -16,6 +16,7 @@ import { CARD_MM, initialProjector, nextWanted, projectionOf, type ProjectorStat
 import * as text from "./text";
 import { createTools } from "./Tools";
 
+const RULER_MM = 100; // to check the screen with a ruler of one's own
 const LOOK_MS = 4000; // how often is asked whether the plan has changed
 const words = text.projector;
 const id = new URLSearchParams(location.hash.replace(/^#projector&?/, "")).get("fit");
@@ -28,6 +29,7 @@ const canvas = el("canvas", { class: "projector-picture", tabindex: 0, role: "im
 const cross = el("div", { class: "projector-cross", hidden: true }, el("div", {}), el("div", {}));
 const mark = el("p", { class: "projector-mark" }, `${words.experimental} ${notice}`);
 const hint = el("p", { class: "projector-hint" }, words.hidden);
+const ruler = el("div", { class: "projector-ruler", hidden: true }, el("span", {}, words.scale.ruler(RULER_MM)));
 const waiting = el("p", { class: "projector-waiting" }, words.opening);
 const picture = new Picture(canvas);
 const fail = (error: unknown): void => store.set({ problem: messageOf(error) });
@@ -56,7 +58,7 @@ const tools = createTools({
 
 document.title = `${words.title} · ${program}`;
 document.body.className = "is-projector";
-document.body.append(canvas, cross, mark, hint, waiting, tools.element);
+document.body.append(canvas, cross, ruler, mark, hint, waiting, tools.element);
 follow(store, tools);
 store.subscribe((state) => {
   show(hint, state.areToolsHidden);
@@ -124,6 +126,8 @@ function cameraOf(state: ProjectorState): { camera: Camera | null; direction: un
 function draw(state: ProjectorState): void {
   const { camera, direction } = cameraOf(state);
   picture.draw(opened?.bodies ?? null, { lines: state.lines ?? [], camera, hasOutline: state.hasOutline, hasColours: state.hasColours }, direction);
+  show(ruler, state.mode === "scale" && state.pixelsPerMm !== null && !state.areToolsHidden);
+  ruler.style.width = `${RULER_MM * (state.pixelsPerMm ?? 0)}px`;
   show(cross, state.mode === "projector" && state.wanted !== null && !state.areToolsHidden);
 }
 

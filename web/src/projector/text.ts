@@ -27,6 +27,7 @@ export const projector = {
     wider: "Wider",
     done: "The bar is as wide as the card",
     is: (pixels: string) => `This screen: ${pixels} pixels are 1 mm.`,
+    ruler: (mm: number) => `${mm} mm`,
     anew: "Measure the screen again",
     sides: { front: "Front", left: "Left", right: "Right" },
     side: "Seen from",

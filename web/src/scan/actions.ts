@@ -123,6 +123,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     },
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),
+    showRelief: (showRelief: boolean): void => store.set({ showRelief }),
     showLoose: (showLoose: boolean): void => store.set({ showLoose }),
     showColours: (showColours: boolean): void => store.set({ showColours }),
   };

@@ -5,11 +5,14 @@ import { MeshBVH, type SerializedBVH } from "three-mesh-bvh";
 import type { Scan, Vector } from "../api/types";
 import { borderEdges } from "./borders";
 import { type Drawable, drawableOf } from "./drawable";
+import { reliefOf } from "./relief";
 
 export interface Body {
   readonly drawable: Drawable;
   /** null where all of the scan is hers, or nothing is */
   readonly part: BodyPart | null;
+  /** by vertex, see relief.ts; null: not asked for */
+  readonly relief: Uint8Array | null;
 }
 
 export interface BodyPart {
@@ -32,15 +35,17 @@ export interface BodyQuestion {
   readonly index: Uint32Array;
   readonly isSplit: boolean; // vertices may stand several times at one place
   readonly tableNormal: Vector | null; // unit, from a table to the body that lies on it
+  readonly wantsRelief: boolean; // nothing but its shape is there to see
 }
 
 /** A patient who lies faces as her table does; without a table the service calls no scan lying. */
 export const tableNormalOf = (info: Pick<Scan, "stance" | "frame">): Vector | null => (info.stance.proposed === "supine" ? info.frame.front : null);
 
-export function bodyOf({ positions, index, isSplit, tableNormal }: BodyQuestion): Body {
+export function bodyOf({ positions, index, isSplit, tableNormal, wantsRelief }: BodyQuestion): Body {
+  const relief = wantsRelief ? reliefOf(positions, index) : null;
   const drawable = drawableOf(positions, index, tableNormal);
   const { isSkin, count } = drawable;
-  if (count === 0 || count === isSkin.length) return { drawable, part: null };
+  if (count === 0 || count === isSkin.length) return { drawable, relief, part: null };
   const [hers, faces] = [new Uint32Array(3 * count), new Uint32Array(count)];
   let next = 0;
   isSkin.forEach((is, face) => {
@@ -52,7 +57,7 @@ export function bodyOf({ positions, index, isSplit, tableNormal }: BodyQuestion)
   const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3)).setIndex(new BufferAttribute(hers, 1));
   const tree = MeshBVH.serialize(new MeshBVH(geometry, { indirect: true }), { cloneBuffers: false });
   tree.index = null; // it is handed over anyway
-  return { drawable, part: { index: hers, faces, tree, rims: borderEdges(positions, hers, isSplit) } };
+  return { drawable, relief, part: { index: hers, faces, tree, rims: borderEdges(positions, hers, isSplit) } };
 }
 
 /** The scan's surface with her triangles only; it shares the vertices of the whole. */

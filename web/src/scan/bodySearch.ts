@@ -25,6 +25,7 @@ export function findBody(file: ArrayBuffer, whole: BufferGeometry, tableNormal: 
       index: Uint32Array.from(whole.index!.array),
       isSplit: whole.hasAttribute("uv"),
       tableNormal,
+      wantsRelief: !whole.hasAttribute("uv") && !whole.hasAttribute("color"),
     };
     const worker = open();
     if (!worker) return done(null);

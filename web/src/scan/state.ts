@@ -18,10 +18,11 @@ export interface ScanSlice {
   readonly confirmed: string | null; // the scan whose size and direction a person has called right
   readonly showColours: boolean;
   readonly showLoose: boolean; // the table and loose pieces as well
+  readonly showRelief: boolean; // folds darker where a scan has no colours
   readonly units: UnitChoice;
 }
 
-export const initialScan: ScanSlice = { loading: null, scan: null, confirmed: null, showColours: true, showLoose: false, units: "auto" };
+export const initialScan: ScanSlice = { loading: null, scan: null, confirmed: null, showColours: true, showLoose: false, showRelief: true, units: "auto" };
 
 /** The view has found a table or loose pieces in this file's scan. */
 export const withLoose = ({ scan }: Pick<ScanSlice, "scan">, file: ArrayBuffer): Pick<ScanSlice, "scan"> => ({ scan: scan?.mesh === file ? { ...scan, hasLoose: true } : scan });

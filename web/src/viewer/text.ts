@@ -24,6 +24,8 @@ export const view = {
   } satisfies Record<Overlay, string>,
   distances: "Distances",
   distancesHint: "Colour the model by its distance to the scan, in millimetres (D)",
+  relief: "Folds darker",
+  reliefHint: "Folds darker, what stands out brighter: for a scan without colours",
   loose: "Table and loose pieces",
   looseHint: "Table and loose pieces: show what was scanned besides the patient; it cannot be drawn on, and stays in all files",
   swipe: "Line between scan and model",

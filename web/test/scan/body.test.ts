@@ -15,6 +15,7 @@ const question = (whole: BufferGeometry, tableNormal: Vector | null): BodyQuesti
   index: Uint32Array.from(whole.index!.array),
   isSplit: false,
   tableNormal,
+  wantsRelief: false,
 });
 
 /** As the worker hands it over. */
