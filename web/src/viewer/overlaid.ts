@@ -27,7 +27,7 @@ export function bringNearer(nearer: readonly Material[], isOver: boolean, depthU
 export function wipesDepth(thing: Object3D): void {
   thing.frustumCulled = false; // it must be drawn to wipe
   thing.onBeforeRender = (renderer) => {
-    const { state } = renderer as WebGLRenderer;
+    const { state } = renderer;
     state.buffers.depth.setMask(true);
     renderer.clearDepth();
   };

@@ -1,5 +1,6 @@
 // The shading of scans without colours, on shapes whose curvature is known.
-import { BufferGeometry, PlaneGeometry, SphereGeometry } from "three";
+import type { BufferGeometry} from "three";
+import { PlaneGeometry, SphereGeometry } from "three";
 import { expect, test } from "vitest";
 import { bodyOf } from "../../src/scan/body";
 import { reliefOf } from "../../src/scan/relief";
