@@ -4,7 +4,7 @@
 // The order of a picture: the scan; the model's depth alone, drawn REACH nearer to the eye than it is; the model's clay at
 // the same depth, so that each pixel is one and the same share of it; then the depth of both as it is (order RESTORE), for
 // lines and pins.  What of the model lies farther behind the scan than REACH stays hidden: an arm before the trunk is an arm.
-import { FrontSide, type Material, MeshBasicMaterial, type Object3D, type Side, type WebGLRenderer } from "three";
+import { FrontSide, type Material, MeshBasicMaterial, type Object3D, type Side } from "three";
 
 const REACH = 0.03; // metres: more than a fit is off where it is one
 export const MODEL_SHARE = 0.55; // of each pixel
