@@ -22,6 +22,7 @@ import { ModelPicture } from "../landmarks/ModelPicture";
 import { ProposalPins } from "../landmarks/ProposalPins";
 import { Ruler } from "../scan/Ruler";
 import { tableNormalOf } from "../scan/body";
+import { listenToLasso } from "../scan/CropTool";
 import { ScanMesh } from "../scan/ScanMesh";
 import { withLoose } from "../scan/state";
 import { errors as scanErrors } from "../scan/text";
@@ -134,9 +135,10 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     return info ? tableNormalOf(info) : null;
   };
   actions.drawing.setSkin(skinFrom(() => scan.parts, tableNormal));
+  listenToLasso(stage.canvas, viewer, scan, store, actions.scan); // before the pen, which says last what turns the body
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
-  listenToDrags(stage.canvas, viewer, scan, pins, () => store.get().active === null && isFree(store.get()), actions.landmarks);
+  listenToDrags(stage.canvas, viewer, scan, pins, () => store.get().active === null && !store.get().isCropping && isFree(store.get()), actions.landmarks);
   followWanted(viewer, scan, store); // before the keys, whose cross stands where the eye then is
   listenToLandmarkKeys(stage.canvas, viewer, scan, cross, store, actions.landmarks);
   listenToViewKeys(stage.canvas, viewer, () => store.get().scan !== null);

@@ -1,6 +1,7 @@
 // A fit on the page: what was asked for, its iterations as they came, its result, and how the model is shown.
 import type { DrawingFile, FitLinks, Iterated, NodePose, Result, StanceChoice, Started } from "../api/types";
 import type { Picks } from "../landmarks/picks";
+import { cropsOf } from "../scan/crop";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import type { ViewSlice } from "../viewer/state";
@@ -95,7 +96,7 @@ export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showL
   overlay,
   hasDistances: fit?.distances != null,
   showDistances,
-  hasLoose: scan?.hasLoose ?? false,
+  hasLoose: (scan?.hasLoose ?? false) || cropsOf(scan).length > 0,
   showLoose,
   hasRelief: scan?.info.colours === "none" && scan.mesh !== null && overlay !== "model",
   showRelief,

@@ -11,6 +11,7 @@ import { type Viewer, viewFromScan } from "../viewer/Viewer";
 import { type Body, partOf, type ScanParts, tableNormalOf } from "./body";
 import { findBody, knownBody } from "./bodySearch";
 import { borderEdges } from "./borders";
+import { type Crops, cropsOf, NO_CROPS } from "./crop";
 import type { ScanSlice } from "./state";
 
 const BEHIND = 0.0025; // metres that the scan steps back for the model: as much as both are sure of
@@ -24,6 +25,7 @@ export class ScanMesh implements Surface {
   private texture: Texture | null = null; // its own, whether it is shown or not
   private wanted: ArrayBuffer | null = null;
   private stands: object | null = null;
+  private crops: Crops = NO_CROPS;
   private borders: LineSegments | null = null;
   private depth: Mesh | null = null; // again, after a model that lies over it
   private found: Body | null = null;
@@ -64,8 +66,13 @@ export class ScanMesh implements Surface {
     const bytes = state.scan?.mesh ?? null;
     if (bytes !== this.wanted) {
       this.wanted = bytes;
+      this.crops = cropsOf(state.scan);
       this.clear();
       if (bytes) void this.load(bytes, state, hasModel);
+    }
+    if (this.mesh && bytes && cropsOf(state.scan) !== this.crops) {
+      this.crops = cropsOf(state.scan);
+      void this.findPatient(bytes, state, this.parts!.whole);
     }
     if (this.mesh) this.paint(this.mesh, state, hasModel);
   }
@@ -103,7 +110,7 @@ export class ScanMesh implements Surface {
       this.rims.whole = new BufferAttribute(borderEdges(whole.attributes.position!.array, whole.index!.array, whole.hasAttribute("uv")), 3);
       this.borders.geometry.setAttribute("position", this.rims.whole);
       this.parts = { whole, drawable: null, body: null };
-      const known = knownBody(bytes);
+      const known = knownBody(bytes, this.crops);
       if (known) this.take(known);
       this.borders.raycast = () => undefined;
       this.depth = new Mesh(whole, depthMaterial(true, DoubleSide));
@@ -125,11 +132,18 @@ export class ScanMesh implements Surface {
 
   /** The scan is seen and can be worked on meanwhile. */
   private async findPatient(bytes: ArrayBuffer, { scan }: Shown, whole: BufferGeometry): Promise<void> {
+    const { crops } = this;
+    const wasKnown = this.found !== null; // she stands already
+    this.isSettled = false;
     const { eye, target } = this.viewer.pose;
-    const body = await findBody(bytes, whole, scan && tableNormalOf(scan.info));
-    if (bytes !== this.wanted) return;
+    const body = knownBody(bytes, crops) ?? (await findBody(bytes, whole, scan && tableNormalOf(scan.info), crops));
+    if (bytes !== this.wanted || crops !== this.crops) return;
     if (body) this.take(body);
     this.isSettled = true;
+    if (wasKnown || crops.length > 0) {
+      queueMicrotask(() => this.onReady(null)); // what is known already is found while the view is being brought up to date
+      return;
+    }
     if (!body?.part) {
       if (body?.relief) this.onReady(null);
       return;
@@ -143,7 +157,8 @@ export class ScanMesh implements Surface {
   }
 
   private take(body: Body): void {
-    const { whole } = this.parts!;
+    const { whole, body: before } = this.parts!;
+    before?.dispose();
     this.found = body;
     if (body.relief) whole.setAttribute("relief", new BufferAttribute(body.relief, 1, true)); // before her part, which shares it
     this.parts = { whole, drawable: body.drawable, body: body.part && partOf(whole, body.part) };

@@ -4,6 +4,7 @@ import { BufferAttribute, BufferGeometry } from "three";
 import { MeshBVH, type SerializedBVH } from "three-mesh-bvh";
 import type { Scan, Vector } from "../api/types";
 import { borderEdges } from "./borders";
+import { croppedFaces, type Crops } from "./crop";
 import { type Drawable, drawableOf } from "./drawable";
 import { reliefOf } from "./relief";
 
@@ -35,15 +36,23 @@ export interface BodyQuestion {
   readonly index: Uint32Array;
   readonly isSplit: boolean; // vertices may stand several times at one place
   readonly tableNormal: Vector | null; // unit, from a table to the body that lies on it
+  readonly crops: Crops; // hidden by hand
   readonly wantsRelief: boolean; // nothing but its shape is there to see
 }
 
 /** A patient who lies faces as her table does; without a table the service calls no scan lying. */
 export const tableNormalOf = (info: Pick<Scan, "stance" | "frame">): Vector | null => (info.stance.proposed === "supine" ? info.frame.front : null);
 
-export function bodyOf({ positions, index, isSplit, tableNormal, wantsRelief }: BodyQuestion): Body {
+/** What is hidden by hand is no skin either, unless that were all of it. */
+function without(hidden: Uint8Array, drawable: Drawable): Drawable {
+  const isSkin = drawable.isSkin.map((is, face) => (hidden[face] ? 0 : is));
+  const count = isSkin.reduce((sum, is) => sum + is, 0);
+  return count === 0 ? drawable : { ...drawable, isSkin, count };
+}
+
+export function bodyOf({ positions, index, isSplit, tableNormal, crops, wantsRelief }: BodyQuestion): Body {
   const relief = wantsRelief ? reliefOf(positions, index) : null;
-  const drawable = drawableOf(positions, index, tableNormal);
+  const drawable = without(croppedFaces(positions, index, crops), drawableOf(positions, index, tableNormal));
   const { isSkin, count } = drawable;
   if (count === 0 || count === isSkin.length) return { drawable, relief, part: null };
   const [hers, faces] = [new Uint32Array(3 * count), new Uint32Array(count)];

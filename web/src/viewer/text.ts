@@ -27,7 +27,7 @@ export const view = {
   relief: "Folds darker",
   reliefHint: "Folds darker, what stands out brighter: for a scan without colours",
   loose: "Table and loose pieces",
-  looseHint: "Table and loose pieces: show what was scanned besides the patient; it cannot be drawn on, and stays in all files",
+  looseHint: "Table, loose pieces and what was hidden: show all that was scanned; it cannot be drawn on, and stays in all files",
   swipe: "Line between scan and model",
   panes: { scan: "Scan", model: "Model" },
   canvas: "3D view of the scan. Arrow keys turn it, plus and minus zoom; while a landmark is wanted they move a cross, and Enter places it.",
