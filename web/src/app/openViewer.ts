@@ -2,6 +2,7 @@
 import type { Vector } from "../api/types";
 import { CornerPins } from "../drawing/CornerPins";
 import { ErrorBands } from "../drawing/ErrorBands";
+import { MirrorOverlay } from "../drawing/MirrorOverlay";
 import { OwnLines } from "../drawing/OwnLines";
 import { listenToPenKeys } from "../drawing/penKeys";
 import { listenToPen } from "../drawing/PenTool";
@@ -48,7 +49,7 @@ import type { Session } from "./session";
 
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
-  ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief"] as const),
+  ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror"] as const),
   ...(["picks", "certain", "proposals", "active", "fit", "handPose", "showDistances", "drawn"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
@@ -86,6 +87,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     { update: (state) => scan.update(state, hasModelShown(state)) },
     torso,
     fitted,
+    new MirrorOverlay(viewer, fitted, (asymmetry) => queueMicrotask(() => store.set({ asymmetry }))), // a listener may not set
     new ReferenceLines(viewer, scan, torso, fitted),
     new ErrorBands(viewer, scan, fitted, stage.canvas),
     own,

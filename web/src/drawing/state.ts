@@ -2,6 +2,7 @@
 import type { DrawingFile, PlannedShape, PlanOnScan, Unit, Vector } from "../api/types";
 import { type History, startHistory } from "../store/history";
 import { INK, type OwnLine } from "./lines";
+import type { Asymmetry } from "./mirroredBreast";
 import type { Tape } from "./tape";
 
 export type Tool = "none" | "pen" | "points" | "tumour" | "tape" | "erase";
@@ -60,6 +61,7 @@ export const BANDS = layerKey("band", ALL_BANDS);
 export interface DrawingSlice {
   readonly drawn: DrawnState;
   readonly isCanvasFull: boolean; // the body alone, with floating tools
+  readonly asymmetry: Asymmetry | null; // of the mirrored breast that was made last
 }
 
 export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnState, "note" | "depthMm"> = { note: "", depthMm: null }): DrawnState {
@@ -81,7 +83,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnStat
   };
 }
 
-export const initialDrawing: DrawingSlice = { drawn: startDrawn(), isCanvasFull: false };
+export const initialDrawing: DrawingSlice = { drawn: startDrawn(), isCanvasFull: false, asymmetry: null };
 
 /** Without a scan to draw on, and in another step, there is no full canvas. */
 export const withoutCanvas = <State extends Pick<DrawingSlice, "isCanvasFull"> & { readonly step: string; readonly scan: object | null }>(state: State): State =>

@@ -24,6 +24,13 @@ export const tape = {
   end: "End the tape",
 };
 
+export const mirrored = {
+  title: "Left breast, mirrored onto the right",
+  deeper: (mm: number) => `${mm} mm deeper`,
+  farther: (mm: number) => `${mm} mm farther out`,
+  numbers: (median: string, most: string) => `Differs by ${median} mm (median), 95 % by less than ${most} mm. Nearly everybody is asymmetric.`,
+};
+
 export const canvas = {
   open: "Draw on the full screen",
   openHint: "The body alone with floating tools: for a tablet and a stylus",

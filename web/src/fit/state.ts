@@ -46,6 +46,7 @@ export interface FitSlice {
   readonly handPose: HandPose | null;
   readonly isStarting: boolean; // the request for a fit is under way
   readonly showDistances: boolean;
+  readonly showMirror: boolean; // the left breast on the right one
 }
 
 export const initialFit: FitSlice = {
@@ -57,6 +58,7 @@ export const initialFit: FitSlice = {
   handPose: null,
   isStarting: false,
   showDistances: false,
+  showMirror: false,
 };
 
 export const isFitting = (state: Pick<FitSlice, "isStarting" | "fit">): boolean => state.isStarting || state.fit?.state === "running";
@@ -90,7 +92,7 @@ const hasFittedSurface = ({ fit, model, showDistances }: Shown): boolean =>
 export const hasBoth = ({ scan, fit }: Pick<ScanSlice & FitSlice, "scan" | "fit">): boolean => scan !== null && fit !== null;
 
 /** What of the page's state the view's buttons show. */
-export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showLoose, showRelief }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "showDistances" | "showLoose" | "showRelief">): ViewBarShown => ({
+export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showLoose, showRelief, showMirror }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "showDistances" | "showLoose" | "showRelief" | "showMirror">): ViewBarShown => ({
   isShown: scan !== null && loading === null,
   hasOverlays: fit !== null && scan?.mesh !== null,
   overlay,
@@ -100,6 +102,8 @@ export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showL
   showLoose,
   hasRelief: scan?.info.colours === "none" && scan.mesh !== null && overlay !== "model",
   showRelief,
+  hasMirror: false, // who can mirror says so
+  showMirror,
 });
 
 /** The coloured surface alone: over the scan the two would fight for each pixel. */

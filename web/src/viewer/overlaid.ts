@@ -8,7 +8,7 @@ import { FrontSide, type Material, MeshBasicMaterial, type Object3D, type Side }
 
 const REACH = 0.03; // metres: more than a fit is off where it is one
 export const MODEL_SHARE = 0.55; // of each pixel
-export const ORDER = { scan: 0, modelDepth: 1, model: 2, restore: 3, restoreModel: 4 } as const;
+export const ORDER = { scan: 0, modelDepth: 1, model: 2, mirrored: 2.5, restore: 3, restoreModel: 4 } as const;
 
 /** Fills the depth and nothing else; with `isLate` after what is translucent. */
 export function depthMaterial(isLate: boolean, side: Side = FrontSide): MeshBasicMaterial {

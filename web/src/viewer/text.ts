@@ -24,6 +24,8 @@ export const view = {
   } satisfies Record<Overlay, string>,
   distances: "Distances",
   distancesHint: "Colour the model by its distance to the scan, in millimetres (D)",
+  mirror: "Left on right",
+  mirrorHint: "Left on right: the left breast mirrored onto the right one, coloured by the difference",
   relief: "Folds darker",
   reliefHint: "Folds darker, what stands out brighter: for a scan without colours",
   loose: "Table and loose pieces",

@@ -83,7 +83,8 @@ test("the pen goes by what is hidden now, not by what was", () => {
 });
 
 test("hiding is undone and redone step by step, belongs to its scan, and never reaches the service", async () => {
-  const { store, actions, client } = await withScan();
+  const savePlan = vi.fn();
+  const { store, actions } = await withScan({ savePlan });
   actions.scan.takeLasso(true);
   expect(store.get()).toMatchObject({ isCropping: true, overlay: "scan" });
   const press = (key: string, shiftKey = false) => cropKey(store.get(), { key, shiftKey } as KeyboardEvent, actions.scan);
@@ -102,7 +103,7 @@ test("hiding is undone and redone step by step, belongs to its scan, and never r
   expect(count()).toBe(2);
   press("Escape");
   expect([store.get().isCropping, press("z")]).toEqual([false, false]);
-  expect(client.savePlan).not.toHaveBeenCalled();
+  expect(savePlan).not.toHaveBeenCalled();
   await actions.scan.open("s2", null);
   expect(count()).toBe(0);
 });
