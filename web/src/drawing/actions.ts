@@ -12,7 +12,7 @@ import { formatMmWhole } from "../ui/units";
 import type { ViewSlice } from "../viewer/state";
 import { closedUp, cornerAdded, cornerMoved, cornerRemoved, extended, lineAlong, lineThrough, openedUp } from "./edits";
 import { readDrawing, UnreadableDrawing } from "./files";
-import { freeName, gap, INK, newId, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines";
+import { freeName, gap, newId, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines";
 import { mirroredLine, mirrorPlane } from "./mirror";
 import type { Skin } from "./skin";
 import { type DrawingSlice, type DrawnState, type Layer, layerKey, lineNamed, type Tool } from "./state";
@@ -121,7 +121,7 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
       } else if (start) {
         if (gap(start, at) < 1) return;
         const name = nextName(lines(), words.stem);
-        add(lineThrough(on, name, INK, start, at), words.announceCorner(2), { open: name });
+        add(lineThrough(on, name, drawn().ink, start, at), words.announceCorner(2), { open: name });
       } else put({ start: at, chosen: null, corner: null }, { announcement: words.announceCorner(1) });
     },
 
@@ -134,7 +134,21 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
       const isClosed = points.length > 12 && gap(points[0]!, points.at(-1)!) < CLOSES_MM;
       if (isClosed) points = freehand(on, [...points, points[0]!]).slice(0, -1);
       const name = nextName(lines(), words.stem);
-      add(lineAlong(name, INK, points, isClosed), words.announceDrawn(name));
+      add(lineAlong(name, drawn().ink, points, isClosed), words.announceDrawn(name));
+    },
+
+    /** The body alone with floating tools, the pen in the hand; or back to the page. */
+    fullCanvas(isCanvasFull: boolean): void {
+      if (isCanvasFull === store.get().isCanvasFull) return;
+      this.take(isCanvasFull ? "pen" : "none");
+      store.set({ isCanvasFull, announcement: isCanvasFull ? text.canvas.opened : text.canvas.closed });
+    },
+
+    /** What the next line is drawn with. */
+    ink: (ink: string): void => put({ ink }),
+
+    recolour(name: string, color: string): void {
+      change(withLine(lines(), name, (line) => ({ ...line, color })), {}, words.announceRecoloured(name));
     },
 
     /** The clicked line is complete. */

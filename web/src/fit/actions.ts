@@ -259,6 +259,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
     chooseRefine: (refine: boolean): void => store.set({ refine }),
     chooseDrawing: (drawing: string): void => store.set({ drawing }),
 
+    showMirror: (showMirror: boolean): void => store.set({ showMirror }),
     showDistances: (isOn: boolean): void => store.set((state) => withDistances(state, isOn)),
   };
 }

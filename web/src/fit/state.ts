@@ -1,6 +1,7 @@
 // A fit on the page: what was asked for, its iterations as they came, its result, and how the model is shown.
 import type { DrawingFile, FitLinks, Iterated, NodePose, Result, StanceChoice, Started } from "../api/types";
 import type { Picks } from "../landmarks/picks";
+import { cropsOf } from "../scan/crop";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import type { ViewSlice } from "../viewer/state";
@@ -46,6 +47,7 @@ export interface FitSlice {
   readonly followed: HandPose | null; // where the model lies while a landmark is dragged
   readonly isStarting: boolean; // the request for a fit is under way
   readonly showDistances: boolean;
+  readonly showMirror: boolean; // the left breast on the right one
 }
 
 export const initialFit: FitSlice = {
@@ -58,6 +60,7 @@ export const initialFit: FitSlice = {
   followed: null,
   isStarting: false,
   showDistances: false,
+  showMirror: false,
 };
 
 export const isFitting = (state: Pick<FitSlice, "isStarting" | "fit">): boolean => state.isStarting || state.fit?.state === "running";
@@ -94,14 +97,18 @@ const hasFittedSurface = ({ fit, model, showDistances }: Shown): boolean =>
 export const hasBoth = ({ scan, fit }: Pick<ScanSlice & FitSlice, "scan" | "fit">): boolean => scan !== null && fit !== null;
 
 /** What of the page's state the view's buttons show. */
-export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showLoose }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "showDistances" | "showLoose">): ViewBarShown => ({
+export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showLoose, showRelief, showMirror }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "showDistances" | "showLoose" | "showRelief" | "showMirror">): ViewBarShown => ({
   isShown: scan !== null && loading === null,
   hasOverlays: fit !== null && scan?.mesh !== null,
   overlay,
   hasDistances: fit?.distances != null,
   showDistances,
-  hasLoose: scan?.hasLoose ?? false,
+  hasLoose: (scan?.hasLoose ?? false) || cropsOf(scan).length > 0,
   showLoose,
+  hasRelief: scan?.info.colours === "none" && scan.mesh !== null && overlay !== "model",
+  showRelief,
+  hasMirror: false, // who can mirror says so
+  showMirror,
 });
 
 /** The coloured surface alone: over the scan the two would fight for each pixel. */
