@@ -1,6 +1,6 @@
 """Buffers, views and accessors: numpy arrays in, glTF bytes out.
 
-pygltflib holds the document (document.py); the bytes are laid out here.  One view per accessor, each aligned to four
+document.py holds the document; the bytes are laid out here.  One view per accessor, each aligned to four
 bytes, no interleaving, no sparse accessors (some viewers flicker with them).  The same input gives the same bytes: no
 dates, keys in one order.
 """

@@ -75,6 +75,13 @@ def add_skinned_rig(document: Document, buffer: BufferWriter, rig: Rig) -> Skinn
     return SkinnedNodes(append(document.skins, skin), nodes)
 
 
+def mesh_of(document: Document, skinned: SkinnedNodes, name: str) -> Mesh:
+    """The mesh of the node of that name, which has one."""
+    number = document.nodes[skinned.nodes[name]].mesh
+    assert number is not None
+    return document.meshes[number]
+
+
 def set_pose(document: Document, skinned: SkinnedNodes, rig: Rig, x: RigParameters) -> None:
     """Poses the nodes of the document; every other node that shares the mesh's shapes takes its weights too."""
     for pose in node_poses(rig, x):
