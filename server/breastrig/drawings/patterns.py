@@ -71,6 +71,8 @@ class AskedDrawing:
 
     def on_model(self, rig: Rig, vertices: Array) -> ModelDrawing:
         """All of it as surface points, for (V, 3) m fitted vertices in the scan's frame."""
+        if len(self.fixed) == 1 and not self.patterns:
+            return self.fixed[0]  # the rig's own, of which more is known already
         skin = FittedSkin(rig, vertices)
         shapes = [shape for drawing in self.fixed for shape in drawing.shapes]
         shapes += [shape for _, pattern in self.patterns for shape in pattern.drawn(skin)]

@@ -29,7 +29,7 @@ displacements expected to be larger on the breasts than on the chest 3.5 / 5.5 a
 3.2 / 5.7 and 5.4 / 7.1.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -58,6 +58,13 @@ class FittedScan:
     landmarks: dict[str, Array]  # picked and not doubted, (3,)
     stance: str  # standing | supine
     radii: Array | None = None  # (V,) m, each holds the vertex's true place with 90 %; None: not known
+    _searches: dict[Rig, ClosestPointSearch] = field(default_factory=dict, init=False, repr=False)
+
+    def search(self, rig: Rig) -> ClosestPointSearch:
+        """On the fitted model, built once."""
+        if rig not in self._searches:
+            self._searches[rig] = ClosestPointSearch(self.vertices, rig.faces)
+        return self._searches[rig]
 
 
 class SkinMap:

@@ -5,8 +5,9 @@ They are named, not imported, because a worker of a cluster needs them in its ch
 
 TASK_MODULES = (
     "breastrig.report.pdf",  # this one and the next are imported only where they are used, for they take long
-    "breastrig.scan.formats.ply_obj_stl",
+    "breastrig.scan.formats.library_meshes",
     "breastrig.service.fit_worker",
+    "breastrig.workflow.default_model",
     "breastrig.workflow.plan_on_fit",
     "breastrig.workflow.propose_on_scan",
     "breastrig.workflow.read_upload",
