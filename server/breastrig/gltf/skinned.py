@@ -81,7 +81,9 @@ def skinned_document(rig: Rig, extras: dict[str, Any]) -> tuple[Document, Buffer
     document, buffer, skinned = _only_the_rig(rig)
     document = replace(
         document,
-        **{entry: [*getattr(document, entry)] for entry in ("accessors", "bufferViews", "materials")},
+        accessors=[*document.accessors],
+        bufferViews=[*document.bufferViews],
+        materials=[*document.materials],
         asset=new_document(extras).asset,
         buffers=[replace(each) for each in document.buffers],
         meshes=[_own_targets(each) for each in document.meshes],

@@ -89,7 +89,8 @@ class Comparison:
         near, distances = self.search.distances(points)
         rim = boundary_vertices(self.faces, len(self.vertices))
         inside = np.ones(len(points), dtype=np.bool_)
-        at_rim = np.flatnonzero(rim[self.faces].any(axis=1)[near])  # only there one has to know where on the triangle
+        of_rim: Booleans = rim[self.faces].any(axis=1)
+        at_rim = np.flatnonzero(of_rim[near])  # only there one has to know where on the triangle
         corners = self.faces[near[at_rim]]
         barycentric = closest_barycentric(points[at_rim], self.vertices[corners])
         inside[at_rim] = (barycentric * rim[corners]).sum(axis=1) < 0.999

@@ -16,7 +16,6 @@ TASK_MODULES = (
     "breastrig.workflow.run_pair",
     "breastrig.workflow.transfer",
     "breastrig.workflow.write_plain_mesh",
-    "scipy.interpolate",  # of reports
 )
 # For rows or files on another machine: half a second to import.
 REMOTE_MODULES = ("breastrig.storage.postgres", "psycopg", "breastrig.storage.store_files", "s3fs")
