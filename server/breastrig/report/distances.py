@@ -89,7 +89,7 @@ class Comparison:
         near, distances = self.search.distances(points)
         rim = boundary_vertices(self.faces, len(self.vertices))
         inside = np.ones(len(points), dtype=np.bool_)
-        of_rim: Booleans = rim[self.faces].any(axis=1)
+        of_rim = np.asarray(rim[self.faces].any(axis=1))
         at_rim = np.flatnonzero(of_rim[near])  # only there one has to know where on the triangle
         corners = self.faces[near[at_rim]]
         barycentric = closest_barycentric(points[at_rim], self.vertices[corners])
