@@ -63,7 +63,7 @@ def ordinary(rig: Rig, scan: FittedScan, name: str, parameters: Parameters) -> d
     text = f"{name}:{','.join(f'{key}={value}' for key, value in parameters.items())}" if parameters else name
     drawing = asked_drawing(rig, text).on_model(rig, scan.vertices)
     found = on_scan(rig, scan.vertices, drawing, scan.target)
-    return {line.name: line for line in with_errors(rig, scan.vertices, scan.radii, found)}
+    return {line.name: line for line in with_errors(rig, scan.search(rig), scan.radii, found)}
 
 
 def assert_same(found: LivePattern, expected: dict[str, Polyline]) -> None:
