@@ -3,6 +3,7 @@ import type { Vector } from "../api/types";
 import { CornerPins } from "../drawing/CornerPins";
 import { ErrorBands } from "../drawing/ErrorBands";
 import { OwnLines } from "../drawing/OwnLines";
+import { PatternHandles } from "../drawing/PatternHandles";
 import { listenToPenKeys } from "../drawing/penKeys";
 import { listenToPen } from "../drawing/PenTool";
 import { ReferenceLines } from "../drawing/ReferenceLines";
@@ -89,6 +90,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     new ErrorBands(viewer, scan, fitted, stage.canvas),
     own,
     corners,
+    new PatternHandles(viewer, scan, actions.drawing, actions.handles),
     new TapeLines(viewer, scan),
     { update: (state) => pins.update(state, isFree(state)) },
     new HoverValue(viewer, fitted, stage.canvas),
