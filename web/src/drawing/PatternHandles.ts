@@ -35,6 +35,7 @@ export class PatternHandles implements Part<Shown> {
   private readonly marks = new Map<string, Mark>();
   private readonly element = el("div", { class: "handles" }, el("p", { class: "visually-hidden", id: "handle-keys" }, words.keys));
   private isShown = false;
+  private start: { readonly id: number; readonly x: number; readonly y: number; readonly dx: number; readonly dy: number; moved: boolean } | null = null; // of the drag
 
   constructor(
     private readonly viewer: Viewer,
@@ -53,6 +54,7 @@ export class PatternHandles implements Part<Shown> {
     const ids = new Set(now.map(({ id }) => id));
     for (const [id, mark] of this.marks) {
       if (ids.has(id)) continue;
+      if (this.start && mark.element.hasPointerCapture(this.start.id)) this.start = null; // its end will not be heard of
       mark.element.remove();
       this.marks.delete(id);
     }
@@ -85,30 +87,43 @@ export class PatternHandles implements Part<Shown> {
 
   private listen(mark: Mark): void {
     const { element } = mark;
-    let start: { id: number; x: number; y: number; dx: number; dy: number; moved: boolean } | null = null;
     element.addEventListener("pointerdown", (event) => {
       event.stopPropagation();
-      if (start || event.button !== 0 || !event.isPrimary || !this.handles.grab(mark.handle.id)) return;
-      const at = this.viewer.toScreen(mark.point);
-      const box = this.viewer.host.getBoundingClientRect();
-      start = { id: event.pointerId, x: event.clientX, y: event.clientY, dx: at.x + box.left - event.clientX, dy: at.y + box.top - event.clientY, moved: false };
-      element.setPointerCapture(event.pointerId);
+      const own = this.nearest(event.clientX, event.clientY) ?? mark; // where targets overlap, the one that is meant
+      if (this.start || event.button !== 0 || !event.isPrimary || !this.handles.grab(own.handle.id)) return;
+      event.preventDefault(); // the focus goes to the one that is meant, too
+      own.element.focus({ preventScroll: true });
+      const at = this.viewer.toPage(own.handle.at_mm);
+      this.start = { id: event.pointerId, x: event.clientX, y: event.clientY, dx: at.x - event.clientX, dy: at.y - event.clientY, moved: false };
+      own.element.setPointerCapture(event.pointerId);
     });
     element.addEventListener("pointermove", (event) => {
+      const { start } = this;
       if (event.pointerId !== start?.id) return;
       start.moved ||= Math.hypot(event.clientX - start.x, event.clientY - start.y) >= MOVED;
       const to = start.moved ? skinAt(this.viewer, this.scan, this.drawing.skin(), event.clientX + start.dx, event.clientY + start.dy) : null;
       if (to) this.handles.drag(to); // beside the body it stays where it was
     });
     const end = (event: PointerEvent): void => {
-      if (event.pointerId !== start?.id) return;
-      start = null;
+      if (event.pointerId !== this.start?.id) return;
+      this.start = null;
       void this.handles.release();
     };
     element.addEventListener("pointerup", end);
     element.addEventListener("pointercancel", end);
     element.addEventListener("keydown", (event) => this.press(event, mark));
-    element.addEventListener("blur", () => start === null && void this.handles.release());
+    element.addEventListener("blur", () => this.start === null && void this.handles.release());
+  }
+
+  /** The visible handle whose middle is next to page pixels. */
+  private nearest(clientX: number, clientY: number): Mark | null {
+    let best: { mark: Mark; away: number } | null = null;
+    for (const mark of this.marks.values()) {
+      const { x, y } = this.viewer.toPage(mark.handle.at_mm);
+      const away = mark.element.classList.contains("is-hidden") ? Infinity : Math.hypot(x - clientX, y - clientY);
+      if (away < (best?.away ?? Infinity)) best = { mark, away };
+    }
+    return (best as { mark: Mark } | null)?.mark ?? null;
   }
 
   private press(event: KeyboardEvent, mark: Mark): void {

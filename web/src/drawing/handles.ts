@@ -197,7 +197,7 @@ export function handleActions(store: Store<State>, client: Pick<Client, "pattern
       held = null;
       wanted = null;
       asked = "";
-      put({ held: null, values: null, limit: "", key: "", handles: [], dragged: null });
+      put({ held: null, values: null, limit: "", key: "", dragged: null }); // the handles come anew
     },
 
     isHeld,

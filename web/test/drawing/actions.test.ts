@@ -45,6 +45,16 @@ test("a stroke is a line, saved once after a run of them", async () => {
   expect(store.get().drawn.saving).toBe("saved");
 });
 
+test("a stroke that is cut where it leaves the skin is as many lines and one step to undo", async () => {
+  const { actions, names } = await drawing();
+  actions.drawing.strokes([stroke(-50, -10), [[0, 0, 0]], stroke(10, 50)]);
+  expect(names()).toEqual(["Line 1", "Line 2"]);
+  actions.drawing.undo();
+  expect(names()).toEqual([]);
+  actions.drawing.redo();
+  expect(names()).toEqual(["Line 1", "Line 2"]);
+});
+
 test("clicks go on from the last corner until the line is ended, and its start closes it", async () => {
   const { actions, store } = await drawing();
   const line = () => store.get().drawn.lines.present[0]!;
