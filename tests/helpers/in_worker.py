@@ -71,3 +71,17 @@ def note(file: str, text: str) -> None:
     """Adds a line to the file."""
     with open(file, "a", encoding="utf-8") as lines:
         lines.write(f"{text}\n")
+
+
+_seen: list[str] = []
+
+
+def remember(word: str) -> tuple[int, list[str]]:
+    """This process, and all that it was asked to remember."""
+    _seen.append(word)
+    return os.getpid(), list(_seen)
+
+
+def lose() -> None:
+    """Ends the process as if the system had killed it."""
+    os._exit(1)

@@ -6,21 +6,27 @@ tape on the skin.  The clock's face is the plane that the circle of that distanc
 which follows a breast that points sideways or down.
 """
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadDrawing
+from breastrig.core.last_used import LastUsed
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
 
 ROUND = 48  # points of a drawn circle: its chords are off by 0.2 % of the radius
 SIDES = {"L": "left", "R": "right"}
+KEPT_CONSTRUCTIONS = 4  # the pattern that a drag began with, and the last ones that it became
+SAME = 1e-12  # m: radii that differ by less are one circle, of which each costs some milliseconds
+NO_DIRECTION = 1e-4  # m from the centre, under which a place has no hour
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +35,11 @@ class FittedSkin:
 
     rig: Rig
     vertices: Array
+
+    @cached_property
+    def constructions(self) -> LastUsed[Hashable, Any]:
+        """What patterns have constructed here, by pattern: its lines need it, and so do its handles."""
+        return LastUsed(KEPT_CONSTRUCTIONS)
 
     @cached_property
     def geodesics(self) -> Geodesics:
@@ -58,7 +69,7 @@ class FittedSkin:
         """(3, 3): columns are the patient's left, up and front, by all landmarks together."""
         points = self.rig.landmark_points()
         here, rest = self.at(points), points.positions(self.rig.template, self.rig.faces)
-        return Rotation.align_vectors(here - here.mean(axis=0), rest - rest.mean(axis=0))[0].as_matrix()
+        return umeyama(rest, here).rotation
 
 
 def circle_around(skin: FittedSkin, centre: SurfacePoints, radius: float) -> SurfacePoints:
@@ -76,26 +87,64 @@ def angle_of(hour: float) -> float:
     return float(np.radians(30.0 * hour))
 
 
-def on_clock(skin: FittedSkin, centre: SurfacePoints, distance: float, angles: Array) -> SurfacePoints:
+def on_clock(skin: FittedSkin, centre: SurfacePoints, distance: float | Array, angles: Array) -> SurfacePoints:
     """Points at `distance` (m) along the skin from a surface point, under (A,) angles (rad, clockwise from 12).
 
-    BadDrawing when the skin ends before.
+    The distance is one number or (A,), one for each angle.  BadDrawing when the skin ends before.
     """
-    circle = skin.geodesics.circle_points(int(centre.faces[0]), centre.barycentric[0], distance)
-    rim, middle = skin.at(circle), skin.at(centre)[0]
-    arms = rim - middle
+    radii, which = _different(np.broadcast_to(np.asarray(distance, dtype=np.float64), angles.shape))
+    places = np.zeros((len(angles), 3))
+    for number, radius in enumerate(radii):
+        here = np.flatnonzero(which == number)
+        places[here] = _seen_on_circle(skin, centre, float(radius), angles[here])
+    return skin.nearest(places)
+
+
+def clock_place(skin: FittedSkin, centre: SurfacePoints, place: SurfacePoints) -> tuple[float, float]:
+    """(m along the skin, rad clockwise from 12) of a surface point as seen from another: the inverse of `on_clock`.
+
+    BadDrawing when the skin ends nearer than the place.
+    """
+    distance = skin.geodesics.distance(centre, place)
+    if distance < NO_DIRECTION:
+        return distance, 0.0
+    rim, middle = _circle(skin, centre, distance)
+    arm = skin.at(place)[0] - middle
+    return distance, float(_seen(skin, rim - middle, arm[None])[0])
+
+
+def _different(values: Array) -> tuple[Array, Integers]:
+    """Numbers that differ by more than rounding, and for each of the (A,) values which it is."""
+    _, first, which = np.unique(np.round(values / SAME), return_index=True, return_inverse=True)
+    return values[first], which.reshape(values.shape)
+
+
+def _circle(skin: FittedSkin, centre: SurfacePoints, radius: float) -> tuple[Array, Array]:
+    """(M, 3) m of the rim and (3,) m of its centre."""
+    circle = skin.geodesics.circle_points(int(centre.faces[0]), centre.barycentric[0], radius)
+    return skin.at(circle), skin.at(centre)[0]
+
+
+def _seen(skin: FittedSkin, arms: Array, directions: Array) -> Array:
+    """(D,) rad clockwise from 12, of (D, 3) directions on the clock's face of a circle with (M, 3) m arms."""
     facing = np.cross(arms, np.roll(arms, -1, axis=0)).sum(axis=0)
     facing /= np.linalg.norm(facing)
     up = skin.axes[:, 1] - (skin.axes[:, 1] @ facing) * facing
     up /= np.linalg.norm(up)
-    seen = np.arctan2(arms @ np.cross(up, facing), arms @ up)
-    places = np.zeros((len(angles), 3))
-    for row, angle in enumerate(angles):
-        gaps = np.angle(np.exp(1j * (seen - angle)))
-        after = np.roll(gaps, -1)
-        crossing = np.flatnonzero((np.sign(gaps) != np.sign(after)) & (np.abs(gaps - after) < np.pi))
-        # where the rim crosses that direction more than once, the outermost crossing is the one that is seen
-        k = int(crossing[np.linalg.norm(arms[crossing], axis=1).argmax()])
-        share = float(gaps[k] / (gaps[k] - after[k]))
-        places[row] = (1.0 - share) * rim[k] + share * np.roll(rim, -1, axis=0)[k]
-    return skin.nearest(places)
+    return np.asarray(np.arctan2(directions @ np.cross(up, facing), directions @ up))
+
+
+def _seen_on_circle(skin: FittedSkin, centre: SurfacePoints, radius: float, angles: Array) -> Array:
+    """(A, 3) m"""
+    rim, middle = _circle(skin, centre, radius)
+    arms = rim - middle
+    gaps = np.angle(np.exp(1j * (_seen(skin, arms, arms) - angles[:, None])))
+    after = np.roll(gaps, -1, axis=1)
+    crossing = (np.sign(gaps) != np.sign(after)) & (np.abs(gaps - after) < np.pi)
+    if not crossing.any(axis=1).all():
+        raise BadDrawing("The skin is folded here and shows no such direction; choose another place or check the fit.")
+    # where the rim crosses that direction more than once, the outermost crossing is the one that is seen
+    k = np.where(crossing, np.linalg.norm(arms, axis=1), -1.0).argmax(axis=1)
+    rows = np.arange(len(angles))
+    share = (gaps[rows, k] / (gaps[rows, k] - after[rows, k]))[:, None]
+    return np.asarray((1.0 - share) * rim[k] + share * np.roll(rim, -1, axis=0)[k])

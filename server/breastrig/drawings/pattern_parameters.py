@@ -4,7 +4,10 @@ All of it is read from the classes that check the values, so what is offered and
 """
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
+
+from pydantic import BaseModel
 
 from breastrig.drawings.patterns import LABELS, PATTERNS, able_patterns
 from breastrig.rig.model import Rig
@@ -38,10 +41,17 @@ def pattern_forms(rig: Rig) -> tuple[PatternForm, ...]:
 
 
 def _parameters(name: str) -> tuple[Parameter, ...]:
-    schema = PATTERNS[name].model_json_schema()
-    return tuple(
-        _parameter(word, shape, word in schema.get("required", ())) for word, shape in schema["properties"].items()
-    )
+    return tuple(parameters_of(PATTERNS[name]).values())
+
+
+@cache
+def parameters_of(kind: type[BaseModel]) -> dict[str, Parameter]:
+    """The parameters of a class of patterns, by name; reading them from its schema takes some milliseconds."""
+    schema = kind.model_json_schema()
+    return {
+        word: _parameter(word, shape, word in schema.get("required", ()))
+        for word, shape in schema["properties"].items()
+    }
 
 
 def _parameter(name: str, shape: dict[str, Any], needed: bool) -> Parameter:

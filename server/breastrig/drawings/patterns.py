@@ -12,6 +12,7 @@ itself on this patient's skin.  The text is checked before a fit begins, the pat
 """
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -71,7 +72,12 @@ class AskedDrawing:
 
     def on_model(self, rig: Rig, vertices: Array) -> ModelDrawing:
         """All of it as surface points, for (V, 3) m fitted vertices in the scan's frame."""
-        skin = FittedSkin(rig, vertices)
+        if len(self.fixed) == 1 and not self.patterns:
+            return self.fixed[0]  # the rig's own, of which more is known already
+        return self.on_skin(FittedSkin(rig, vertices))
+
+    def on_skin(self, skin: FittedSkin) -> ModelDrawing:
+        """The same on a skin that has been measured before, and remembers it."""
         shapes = [shape for drawing in self.fixed for shape in drawing.shapes]
         shapes += [shape for _, pattern in self.patterns for shape in pattern.drawn(skin)]
         names = [drawing.name for drawing in self.fixed] + [name for name, _ in self.patterns]
@@ -121,6 +127,29 @@ def asked_drawing(rig: Rig, text: str) -> AskedDrawing:
     return AskedDrawing(text, tuple(fixed), tuple(patterns))
 
 
+def pattern_of(name: str, given: Mapping[str, float | str]) -> Pattern:
+    """The pattern of this name with these parameters; BadDrawing says which of them is wrong."""
+    if name not in PATTERNS:
+        raise BadDrawing(unknown_name("pattern", name, tuple(PATTERNS)))
+    kind = PATTERNS[name]
+    unknown = next((key for key in given if key not in kind.model_fields), None)
+    if unknown is not None:
+        raise BadDrawing(unknown_name(f"parameter of {name}", unknown, tuple(kind.model_fields)))
+    try:
+        return kind.model_validate(given)  # type: ignore[return-value]  # each class of PATTERNS is a Pattern
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = str(first["loc"][0]) if first["loc"] else ""
+        if first["type"] == "missing":
+            missing = [str(one["loc"][0]) for one in error.errors() if one["type"] == "missing"]
+            raise BadDrawing(f"The drawing {name} also needs {', '.join(missing)}.") from error
+        reason = first["msg"].removeprefix("Value error, ")
+        reason = reason[:1].lower() + reason[1:]
+        if key not in given:  # numbers that are right one by one, and not together
+            raise BadDrawing(f"The drawing {name} cannot be made so: {reason}.") from error
+        raise BadDrawing(f"{key} of {name} cannot be {given[key]}: {reason}.") from error
+
+
 def tumour_text(short: str) -> str:
     """`L:10,45,12` (side: hour, distance mm, radius mm) or `at:X,Y,Z,12` (mm) as a part of a drawing's text."""
     side, colon, rest = short.partition(":")
@@ -163,19 +192,7 @@ def _parameters(name: str, values: str) -> Pattern:
         if key in given:
             raise BadDrawing(f"The parameter {key} of {name} is given twice.")
         given[key] = value
-    try:
-        return kind.model_validate(given)  # type: ignore[return-value]  # each class of PATTERNS is a Pattern
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = str(first["loc"][0]) if first["loc"] else ""
-        if first["type"] == "missing":
-            missing = [str(one["loc"][0]) for one in error.errors() if one["type"] == "missing"]
-            raise BadDrawing(f"The drawing {name} also needs {', '.join(missing)}.") from error
-        reason = first["msg"].removeprefix("Value error, ")
-        reason = reason[:1].lower() + reason[1:]
-        if key not in given:  # numbers that are right one by one, and not together
-            raise BadDrawing(f"The drawing {name} cannot be made so: {reason}.") from error
-        raise BadDrawing(f"{key} of {name} cannot be {given[key]}: {reason}.") from error
+    return pattern_of(name, given)
 
 
 def _example(kind: type[BaseModel]) -> str:

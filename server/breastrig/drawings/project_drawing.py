@@ -29,6 +29,7 @@ from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 SPACING = 0.003  # m; finer than a pen, coarser than the noise
 FEWEST = 24  # points of a closed line, however small: a marked nipple is a circle, not a hexagon
+ROUNDED_UP = 1.0 + 1e-9  # or the last digit decides whether a small circle has one point more
 ON_SKIN = (
     MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3),
     MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3),
@@ -43,26 +44,43 @@ SLIP = 0.004  # m, the farthest that a smoothed point may be snapped; farther is
 def on_scan(rig: Rig, vertices: Array, drawing: ModelDrawing, target: ScanTarget) -> tuple[Polyline, ...]:
     """The drawing on the scan, for (V, 3) m posed vertices in the target's frame."""
     normals = vertex_normals(vertices, rig.faces)
-    return tuple(_projected(rig, vertices, normals, shape, target) for shape in drawing.shapes)
+    return shapes_on_scan(rig, vertices, normals, drawing.shapes, target)
 
 
-def _projected(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape, target: ScanTarget) -> Polyline:
+def shapes_on_scan(
+    rig: Rig, vertices: Array, normals: Array, shapes: Sequence[DrawnShape], target: ScanTarget
+) -> tuple[Polyline, ...]:
+    """The same for some shapes, with the posed vertices' (V, 3) unit normals.
+
+    All shapes go together: asking for the skin below them once costs less than shape by shape.
+    """
+    lines = [_near_skin(rig, vertices, normals, shape, target) for shape in shapes]
+    found = smoothed_on_skin(target, lines) if lines else []
+    # on the scan the spacing is no longer quite even
+    again = [
+        _resampled(
+            np.concatenate([points, line.directions, ~known[:, None]], axis=1),
+            tuple(np.flatnonzero(line.fixed).tolist()),
+            line.closed,
+        )
+        for line, (points, known) in zip(lines, found, strict=True)
+    ]
+    return tuple(
+        _drawn(shape, fixed, *_snapped(target, even[:, :3], unit_vectors(even[:, 3:6]), even[:, 6] < 1e-9))
+        for shape, (even, fixed) in zip(shapes, again, strict=True)
+    )
+
+
+def _near_skin(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape, target: ScanTarget) -> "LineNearSkin":
     at = shape.points.positions(vertices, rig.faces)
     facing = shape.points.positions(normals, rig.faces)
     even, fixed = _resampled(np.concatenate([at, facing], axis=1), shape.corners, shape.closed)
-    base = even[:, :3]
-    directions = unit_vectors(even[:, 3:])
+    base, directions = even[:, :3], unit_vectors(even[:, 3:])
     gaps, known = _gaps(target, base, directions)
-    ((points, known),) = smoothed_on_skin(target, [LineNearSkin(base, directions, gaps, known, fixed, shape.closed)])
-    gaps = points - base
-    # on the scan the spacing is no longer quite even
-    again, fixed = _resampled(
-        np.concatenate([base + gaps, directions, ~known[:, None]], axis=1),
-        tuple(np.flatnonzero(fixed).tolist()),
-        shape.closed,
-    )
-    directions = unit_vectors(again[:, 3:6])
-    points, known = _snapped(target, again[:, :3], directions, again[:, 6] < 1e-9)
+    return LineNearSkin(base, directions, gaps, known, fixed, shape.closed)
+
+
+def _drawn(shape: DrawnShape, fixed: Booleans, points: Array, known: Booleans) -> Polyline:
     corners = np.flatnonzero(fixed).tolist()
     ends = () if shape.closed else (0, len(points) - 1)
     turning = tuple(corner for corner in corners if corner not in ends)
@@ -108,7 +126,8 @@ def _resampled(line: Array, corners: tuple[int, ...], closed: bool) -> tuple[Arr
     stops = sorted({corner for corner in corners if 0 <= corner < len(line)})
     if closed and not stops:
         around = np.linalg.norm(np.roll(line[:, :3], -1, axis=0) - line[:, :3], axis=1).sum()
-        even = resampled(line, min(SPACING, float(around) / FEWEST), True)
+        fewest = float(around) / FEWEST * ROUNDED_UP
+        even = resampled(line, min(SPACING, fewest), True)
         return even, np.zeros(len(even), dtype=np.bool_)
     if closed:
         line = np.concatenate([line[stops[0] :], line[: stops[0] + 1]])

@@ -28,8 +28,10 @@ from breastrig.execution.fork_server import modules_to_preload
 class Processes:
     """A pool that survives the loss of any of its processes."""
 
-    def __init__(self, workers: int, *, memory_bytes: int, cpu_s: int | None = None) -> None:
+    def __init__(self, workers: int, *, memory_bytes: int, cpu_s: int | None = None, tasks_each: int = 1) -> None:
+        """`tasks_each` 0: a process is not replaced after its tasks; for one that serves the same data again."""
         self.workers = workers
+        self._tasks_each = tasks_each
         self._limits = (memory_bytes, cpu_s)
         self._lock = threading.Lock()
         self._stopped = False
@@ -91,7 +93,13 @@ class Processes:
         self._unfinished -= 1
 
     def _new_pool(self) -> ProcessPool:
-        return ProcessPool(self.workers, max_tasks=1, initializer=_limit, initargs=self._limits, context=self._context)
+        return ProcessPool(
+            self.workers,
+            max_tasks=self._tasks_each,
+            initializer=_limit,
+            initargs=self._limits,
+            context=self._context,
+        )
 
     def _end_pool(self) -> None:
         self._pool.stop()

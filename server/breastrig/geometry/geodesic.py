@@ -3,8 +3,9 @@
 A tape laid on the skin follows the geodesic, and so does a surgeon who draws "45 mm from the nipple".  Distances and
 paths come from geometry/distance_field.py; the heat method would be off by 2 % on the model, and up to 19 mm.  Here
 
-* what was measured from a point is kept, and points that will be asked for can be named together (`look_from`):
-  measuring from eight takes twice as long as measuring from one;
+* what was measured last is kept (distances from a point, paths, circles), so that a pattern of which one number is
+  changed measures little anew; points that will be asked for can be named together (`look_from`): measuring from
+  eight takes twice as long as measuring from one;
 * a path is looked for where one of its length can run, farther and farther until it is found;
 * a circle is measured on the triangles that it may cross, split flat, and crosses their edges where the distance from
   a flat fan's centre takes the radius.
@@ -19,6 +20,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadDrawing
+from breastrig.core.last_used import LastUsed
 from breastrig.geometry.closest_point import closest_barycentric
 from breastrig.geometry.distance_field import DistanceFields
 from breastrig.geometry.half_edges import HalfEdges
@@ -31,6 +33,8 @@ RING = 4  # triangles between a circle's centre and its rim, whose chords are ha
 MARGIN = 1.01 + 1.0 / RING  # of the radius: what is measured around a circle, both ends of each edge that it crosses
 DETOURS = (1.1, 1.4, 2.0, np.inf)  # of the straight line: how long a path may be; the first that is enough counts
 TOUCHING = 1e-9  # m, as far as is looked when both ends are at one place
+KEPT_FIELDS = 24  # points; a pattern on both sides measures from eight or ten, and each takes about a megabyte
+KEPT_LINES = 96  # paths, and as many circles; a pattern has up to forty of either, of some kilobytes each
 Key = tuple[int, bytes]
 
 
@@ -40,7 +44,9 @@ class Geodesics:
     def __init__(self, vertices: Array, faces: Integers) -> None:
         self.vertices = np.ascontiguousarray(vertices, dtype=np.float64)
         self.faces = np.ascontiguousarray(faces, dtype=np.int64)
-        self._fields: dict[Key, tuple[DistanceFields, int]] = {}
+        self._fields: LastUsed[Key, tuple[DistanceFields, int]] = LastUsed(KEPT_FIELDS)
+        self._paths: LastUsed[tuple[Key, Key], Array] = LastUsed(KEPT_LINES)
+        self._circles: LastUsed[tuple[Key, float], SurfacePoints] = LastUsed(KEPT_LINES)
 
     @cached_property
     def _mesh(self) -> HalfEdges:
@@ -52,15 +58,19 @@ class Geodesics:
         if new:
             asked = SurfacePoints(sources.faces[new], sources.barycentric[new])
             fields = DistanceFields(self._mesh, asked, np.full(len(new), reach))
-            self._fields |= {key: (fields, number) for number, key in enumerate(_keys(asked))}
+            for number, key in enumerate(_keys(asked)):
+                self._fields.put(key, (fields, number))
 
     def _known(self, key: Key, reach: float) -> bool:
-        return key in self._fields and self._fields[key][0].reach[self._fields[key][1]] >= reach
+        known = self._fields.get(key)
+        return known is not None and bool(known[0].reach[known[1]] >= reach)
 
     def _from(self, face: int, barycentric: Array, reach: float) -> tuple[DistanceFields, int]:
         source = SurfacePoints(np.array([face]), np.asarray(barycentric, dtype=np.float64)[None])
         self.look_from(source, reach)
-        return self._fields[_keys(source)[0]]
+        found = self._fields.get(_keys(source)[0])
+        assert found is not None
+        return found
 
     def distances(self, face: int, barycentric: Array, reach: float = np.inf) -> Array:
         """(V,) m from a surface point to each vertex; inf where unconnected or farther than `reach` (m)."""
@@ -68,6 +78,17 @@ class Geodesics:
         found = fields.to_vertices(number).copy()
         found[found > reach] = np.inf
         return found
+
+    def distance(self, a: SurfacePoints, b: SurfacePoints) -> float:
+        """m from one surface point to another; inf when no way leads there."""
+        straight = float(
+            np.linalg.norm((b.positions(self.vertices, self.faces) - a.positions(self.vertices, self.faces))[0])
+        )
+        for detour in DETOURS:
+            fields, number = self._from(int(a.faces[0]), a.barycentric[0], detour * straight + TOUCHING)
+            if fields.reaches(number, b):
+                return float(fields.at(number, b)[0])
+        return float("inf")
 
     def path(self, a: SurfacePoints, b: SurfacePoints) -> Array:
         """(M, 3) m: the shortest way along the mesh from one surface point to another, bends included.
@@ -79,10 +100,14 @@ class Geodesics:
     def paths(self, a: SurfacePoints, b: SurfacePoints) -> list[Array]:
         """The same from each of K points to its partner; looked for together, which costs little more than for one."""
         found: dict[int, Array] = {}
-        for k, (start, end) in enumerate(zip(_keys(a), _keys(b), strict=True)):
+        pairs = list(zip(_keys(a), _keys(b), strict=True))
+        for k, (start, end) in enumerate(pairs):
+            kept = self._paths.get((start, end))
+            if kept is not None:
+                found[k] = kept
             for key, goal, way in ((start, _one(b, k), 1), (end, _one(a, k), -1)):
-                fields, number = self._fields.get(key, (None, 0))
-                if k not in found and fields is not None and fields.reaches(number, goal):
+                fields, number = (None, 0) if k in found else self._fields.get(key) or (None, 0)
+                if fields is not None and fields.reaches(number, goal):
                     found[k] = fields.path(number, goal)[::way]
         goals = b.positions(self.vertices, self.faces)
         straight = np.linalg.norm(goals - a.positions(self.vertices, self.faces), axis=1)
@@ -94,6 +119,8 @@ class Geodesics:
                 found |= {k: fields.path(n, _one(b, k)) for n, k in enumerate(left) if fields.reaches(n, _one(b, k))}
         if len(found) < len(a):
             raise BadDrawing("The two points lie on parts of the surface that are not connected; choose others.")
+        for k, pair in enumerate(pairs):
+            self._paths.put(pair, found[k])
         return [found[k] for k in range(len(a))]
 
     def circle(self, face: int, barycentric: Array, radius: float) -> Array:
@@ -102,6 +129,14 @@ class Geodesics:
 
     def circle_points(self, face: int, barycentric: Array, radius: float) -> SurfacePoints:
         """The same line as surface points; BadDrawing when it is cut by the end of the surface."""
+        key = (int(face), np.asarray(barycentric, dtype=np.float64).tobytes()), float(radius)
+        line = self._circles.get(key)
+        if line is None:
+            line = self._measured_circle(face, barycentric, radius)
+            self._circles.put(key, line)
+        return line
+
+    def _measured_circle(self, face: int, barycentric: Array, radius: float) -> SurfacePoints:
         fields, number = self._from(face, barycentric, MARGIN * radius)
         reach = float(fields.reach[number])
         source = barycentric @ self.vertices[self.faces[face]]

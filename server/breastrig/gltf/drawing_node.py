@@ -64,8 +64,7 @@ def add_drawing(
 
 def positions_exact_in(rig: Rig, drawing: ModelDrawing, x: RigParameters) -> list[Array]:
     """Rest positions of the drawing's ribbons, with which they lie on the mesh posed by `x`."""
-    mesh = pose(rig, x)
-    return [exact_in(rig, line, x, mesh) for line in ribbons(rig, drawing)]
+    return exact_in(rig, ribbons(rig, drawing), x, pose(rig, x))
 
 
 def add_positions(buffer: BufferWriter, positions: Array) -> int:

@@ -12,6 +12,7 @@ under the skin.  Every file that is written for a pose therefore gets rest posit
 `exact_in` that pose.  Tried and dropped: least-squares skin weights over random poses, which gain nothing.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -20,8 +21,7 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.normals import vertex_normals
-from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.gltf.skinned import joints_and_weights, normals_of_shapes
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
@@ -69,16 +69,30 @@ def ribbons(rig: Rig, drawing: ModelDrawing) -> tuple[Ribbon, ...]:
     return tuple(ribbon for ribbon in made if ribbon is not None)
 
 
-def exact_in(rig: Rig, ribbon: Ribbon, x: RigParameters, mesh: Array) -> Array:
-    """(2M, 3) m: rest positions such that the ribbon, posed by `x`, lies exactly on the posed mesh (V, 3), lifted."""
-    wanted = ribbon.points.positions(mesh, rig.faces) + LIFT * ribbon.points.directions(
-        vertex_normals(mesh, rig.faces), rig.faces
-    )
+def exact_in(rig: Rig, lines: Sequence[Ribbon], x: RigParameters, mesh: Array) -> list[Array]:
+    """(2M, 3) m each: rest positions such that the ribbons, posed by `x`, lie exactly on the (V, 3) mesh, lifted."""
+    if not lines:
+        return []
+    points = joined([line.points for line in lines])
+    wanted = points.positions(mesh, rig.faces) + LIFT * points.directions(rig.normals_at(mesh), rig.faces)
     linear, offset = bone_matrices(rig, x)
-    blend = np.einsum("mi,miab->mab", ribbon.weights, linear[ribbon.joints])
-    moved = np.einsum("mi,mia->ma", ribbon.weights, offset[ribbon.joints])
-    shaped = np.einsum("mab,mb->ma", np.linalg.pinv(blend), wanted - moved)
-    return np.asarray(shaped - np.tensordot(x.weights, ribbon.blendshapes, axes=1))
+    weights, joints = (np.concatenate([getattr(line, name) for line in lines]) for name in ("weights", "joints"))
+    blend = np.einsum("mi,miab->mab", weights, linear[joints])
+    moved = np.einsum("mi,mia->ma", weights, offset[joints])
+    shaped = np.einsum("mab,mb->ma", inverses(blend), wanted - moved)
+    ends = np.cumsum([len(line.points) for line in lines])[:-1]
+    return [
+        part - np.tensordot(x.weights, line.blendshapes, axes=1)
+        for part, line in zip(np.split(shaped, ends), lines, strict=True)
+    ]
+
+
+def inverses(matrices: Array) -> Array:
+    """(M, 3, 3) of (M, 3, 3) linear maps; where one of them is flat, what comes nearest to inverses."""
+    try:
+        return np.asarray(np.linalg.inv(matrices), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.pinv(matrices), dtype=np.float64)
 
 
 def _ribbon(rig: Rig, shape: DrawnShape) -> Ribbon | None:

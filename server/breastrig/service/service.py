@@ -21,12 +21,15 @@ from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound, 
 from breastrig.execution.executor import Executor
 from breastrig.execution.fair_processes import FairProcesses
 from breastrig.execution.fork_server import preload
+from breastrig.execution.kept_processes import KeptProcesses
 from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.processes import Processes
 from breastrig.execution.scratch_sweeper import scratch_swept
 from breastrig.scan.stored_scan import STORED
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
 from breastrig.service.follow import Heartbeat, Notifier, Queued, follow
+from breastrig.service.moving.live_patterns import LivePatterns
+from breastrig.service.moving.moved_landmarks import MovedLandmarks
 from breastrig.service.plain_meshes import PlainMeshes
 from breastrig.service.plans import Plans
 from breastrig.service.proposals import Proposals, Proposer
@@ -100,6 +103,9 @@ class Service:
         self._model = model
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self.plans = Plans(storage, self._readers, model)
+        self.kept_processes = KeptProcesses(self._uploads.memory_bytes)
+        self.live_patterns = LivePatterns(storage, self.kept_processes, model)
+        self.moved_landmarks = MovedLandmarks(storage, self.kept_processes, model)
         self.reports = Reports(storage, self._readers, self.plans, model)
         self.plain_meshes = PlainMeshes(storage, self._readers)
         self._notifier = Notifier(storage)
@@ -128,6 +134,7 @@ class Service:
                 self._sweep.stop()
                 self._notifier.stop()
                 self._queue.stop()
+                self.kept_processes.stop()
                 self._readers.stop()
                 self.storage.close()
 
@@ -178,9 +185,12 @@ class Service:
         Raises NotRemoved when files are left; they are tried again from time to time.
         """
         self._proposals.drop(scan_id)
-        self._queue.drop(fits_of_scan(self.storage, scan_id))
+        fits = fits_of_scan(self.storage, scan_id)
+        self._queue.drop(fits)
         gone = delete_rows(self.storage, scan_id)
         self._queue.drop(gone)  # a fit may have been asked for in between
+        for fit_id in (*fits, *gone):
+            self.kept_processes.drop(fit_id)
         self.plans.forget()
         self.reports.forget()
         left = remove_files(self.storage, scan_id)

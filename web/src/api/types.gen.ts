@@ -197,6 +197,7 @@ export type FitLinks = {
   report: string;
   measures: string;
   cancel: string;
+  moved: string;
   shares: string;
 };
 
@@ -264,6 +265,17 @@ export type GivenShape = {
   error_mm?: (number | null)[] | null;
   /** instead of points: places on the model */
   surface_points?: SurfacePoint[] | null;
+};
+
+/** A parameter that the handle stands for. */
+export type HandleNumber = {
+  parameter: string;
+  label: string;
+  unit: "mm" | "deg" | "h";
+  /** as it is now on this body */
+  value: number;
+  min: number | null;
+  max: number | null;
 };
 
 export type Health = {
@@ -454,6 +466,24 @@ export type ModelSummary = {
   blendshapes: number;
 };
 
+/** Picks of a finished fit, some of them elsewhere. */
+export type MovedLandmarks = {
+  /** all of them; mm, the scan's own frame */
+  landmarks: Record<string, [number, number, number]>;
+};
+
+/** The model at moved landmarks. */
+export type MovedModel = {
+  nodes: NodePose[];
+  /** mean distance of matched model vertices to the scan */
+  mean_distance_mm: number;
+  /** mean over the picked landmarks */
+  landmark_distance_mm: number | null;
+  /** share of the model's vertices with an accepted match */
+  coverage: number;
+  elapsed_s: number;
+};
+
 /** One glTF node by name; absent fields stay as they are. */
 export type NodePose = {
   name: string;
@@ -508,6 +538,8 @@ export type PatientFit = {
   state: "queued" | "running" | "done" | "failed" | "cancelled";
   /** ISO 8601, UTC */
   created_at: string;
+  /** whether to trust it; null before the end, and of versions before */
+  verdict: "good" | "check" | "unusable" | null;
 };
 
 export type PatientLinks = {
@@ -516,7 +548,7 @@ export type PatientLinks = {
 };
 
 export type PatientPage = {
-  /** the newest first */
+  /** in the order asked for */
   patients: Patient[];
   /** address of the next page, null on the last */
   next: string | null;
@@ -535,11 +567,44 @@ export type PatientScan = {
   fit: PatientFit | null;
 };
 
+/** A handle of the pattern and the place to which it is dragged. */
+export type PatternDrag = {
+  /** name of the handle */
+  handle: string;
+  /** mm in the scan's frame, on the body */
+  to: [number, number, number];
+};
+
+/** A place of the pattern that can be dragged. */
+export type PatternHandle = {
+  name: string;
+  side: "L" | "R";
+  label: string;
+  /** on the scan's skin, in its frame, mm */
+  at_mm: [number, number, number];
+  /** unit vector: where to the first number grows; zeros: no one direction */
+  grows: number[];
+  numbers: HandleNumber[];
+};
+
 /** A drawing made from numbers: asked for as `name:parameter=value,parameter=value`. */
 export type PatternInfo = {
   name: string;
   label: string;
   parameters: PatternParameter[];
+};
+
+/** The pattern as it is drawn on the fit's scan. */
+export type PatternOnScan = {
+  name: string;
+  /** as asked, or as dragged */
+  parameters: Record<string, number | string>;
+  /** of the points; the scan's */
+  unit: "m" | "dm" | "cm" | "mm" | "in";
+  shapes: PatternShape[];
+  handles: PatternHandle[];
+  /** why the drag went no farther, in words; empty where it did not end */
+  limit: string;
 };
 
 /** A number, or one of some choices. */
@@ -557,6 +622,30 @@ export type PatternParameter = {
   min: number | null;
   max: number | null;
   choices: string[] | null;
+};
+
+export type PatternQuestion = {
+  /** reduction, vertical, periareolar, ellipse or tumour */
+  name: string;
+  /** as in a plan; what is missing has its default */
+  parameters?: Record<string, number | string>;
+  /** that side alone; null: all of it */
+  side?: "L" | "R" | null;
+  /** the parameter of this handle becomes what brings it to that place; draws its side alone */
+  drag?: PatternDrag | null;
+};
+
+export type PatternShape = {
+  name: string;
+  label: string;
+  closed: boolean;
+  color: string;
+  /** on the scan's skin, in its frame and the drawing's unit */
+  points: [number, number, number][];
+  /** true where the scan has no skin to lie on */
+  bridged: boolean[];
+  /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
+  error_mm?: (number | null)[] | null;
 };
 
 /** All items of one patient, in the order in which they were made; points are mm in their own scan's frame. */

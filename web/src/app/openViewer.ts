@@ -50,7 +50,7 @@ import type { Session } from "./session";
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
   ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror"] as const),
-  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "showDistances", "drawn"] as const),
+  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawn"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
 
@@ -140,7 +140,8 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   listenToLasso(stage.canvas, viewer, scan, store, actions.scan); // before the pen, which says last what turns the body
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
-  listenToDrags(stage.canvas, viewer, scan, pins, () => store.get().active === null && !store.get().isCropping && isFree(store.get()), actions.landmarks);
+  const mayDrag = (): boolean => store.get().active === null && !store.get().isCropping && isFree(store.get());
+  listenToDrags(stage.canvas, viewer, scan, pins, mayDrag, actions.landmarks, actions.follower);
   followWanted(viewer, scan, store); // before the keys, whose cross stands where the eye then is
   listenToLandmarkKeys(stage.canvas, viewer, scan, cross, store, actions.landmarks);
   listenToViewKeys(stage.canvas, viewer, () => store.get().scan !== null);

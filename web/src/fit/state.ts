@@ -44,6 +44,7 @@ export interface FitSlice {
   readonly refine: boolean;
   readonly fit: FitState | null;
   readonly handPose: HandPose | null;
+  readonly followed: HandPose | null; // where the model lies while a landmark is dragged
   readonly isStarting: boolean; // the request for a fit is under way
   readonly showDistances: boolean;
   readonly showMirror: boolean; // the left breast on the right one
@@ -56,6 +57,7 @@ export const initialFit: FitSlice = {
   refine: true,
   fit: null,
   handPose: null,
+  followed: null,
   isStarting: false,
   showDistances: false,
   showMirror: false,
@@ -72,18 +74,21 @@ export const isAtRest = (fit: FitState): boolean => fit.state !== "running" && f
 /** Somebody has posed this fit's model by hand, and sees it so. */
 export const isPosedByHand = ({ fit, handPose }: Pick<FitSlice, "fit" | "handPose">): boolean => fit !== null && handPose?.fit === fit.id && isAtRest(fit);
 
-/** How the rig stands on the screen: as posed by hand, else as in the shown iteration. */
-export const shownPoses = (state: Pick<FitSlice, "fit" | "handPose">): readonly NodePose[] | null =>
-  isPosedByHand(state) ? state.handPose!.nodes : (shownIteration(state.fit)?.nodes ?? null);
+/** The model follows a landmark of this fit, or waits for the fit with the landmark where it is now. */
+export const isFollowing = ({ fit, followed }: Pick<FitSlice, "fit" | "followed">): boolean => fit !== null && followed?.fit === fit.id && isAtRest(fit);
+
+/** How the rig stands on the screen: as it follows a landmark, as posed by hand, else as in the shown iteration. */
+export const shownPoses = (state: Pick<FitSlice, "fit" | "handPose" | "followed">): readonly NodePose[] | null =>
+  isFollowing(state) ? state.followed!.nodes : isPosedByHand(state) ? state.handPose!.nodes : (shownIteration(state.fit)?.nodes ?? null);
 
 /** What decides which surface stands for the model. */
-export type Shown = Pick<FitSlice & PageSlice, "fit" | "handPose" | "model" | "showDistances">;
+export type Shown = Pick<FitSlice & PageSlice, "fit" | "handPose" | "followed" | "model" | "showDistances">;
 
 /** Something of the model is on the stage. */
 export const hasModelShown = (state: Shown): boolean => (state.fit !== null && state.fit.shown >= 0) || showsFittedSurface(state);
 
 /** At rest the surface that the service wrote stands for the posed rig: coloured, or bent onto the skin beyond what a rig can show. */
-export const showsFittedSurface = (state: Shown): boolean => !isPosedByHand(state) && hasFittedSurface(state);
+export const showsFittedSurface = (state: Shown): boolean => !isFollowing(state) && !isPosedByHand(state) && hasFittedSurface(state);
 
 const hasFittedSurface = ({ fit, model, showDistances }: Shown): boolean =>
   Boolean(fit?.surface && fit.result && isAtRest(fit) && (!model || fit.result.refined || (showDistances && fit.distances)));

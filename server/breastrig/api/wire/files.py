@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.api.wire.common import ModelSummary, StanceName, Three
+from breastrig.api.wire.common import ModelSummary, StanceName, Three, VerdictLevel
 from breastrig.workflow.events import DoubtedPick
 
 
@@ -53,7 +53,7 @@ class ResultParameters(Document):
 
 
 class Verdict(Document):
-    level: Literal["good", "check", "unusable"]
+    level: VerdictLevel
     reasons: list[str] = Field(description="one sentence each, the strongest first; none when it is good")
 
 

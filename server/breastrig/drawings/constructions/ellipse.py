@@ -47,11 +47,6 @@ class MastectomyEllipse(BaseModel):
             angles = 2.0 * np.pi * np.arange(STEPS) / STEPS
             along, across = np.cos(angles) / self.length_mm, np.sin(angles) / self.width_mm
             radii = 0.5e-3 / np.hypot(along, across)
-            rim = joined(
-                [
-                    on_clock(skin, nipples[side], float(radius), np.array([axis + angle]))
-                    for radius, angle in zip(radii, angles, strict=True)
-                ]
-            )
+            rim = on_clock(skin, nipples[side], radii, axis + angles)
             shapes.append(DrawnShape(f"mastectomy_{side}", f"ellipse of the {SIDES[side]} side", True, COLOR, rim))
         return tuple(shapes)

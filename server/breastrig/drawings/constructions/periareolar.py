@@ -50,12 +50,7 @@ class Periareolar(BaseModel):
         shapes = []
         for side in sides:
             word = SIDES[side]
-            ring = joined(
-                [
-                    on_clock(skin, nipples[side], float(radius), np.array([angle]))
-                    for radius, angle in zip(radii, angles, strict=True)
-                ]
-            )
+            ring = on_clock(skin, nipples[side], radii, angles)
             kept = circle_around(skin, nipples[side], 0.5e-3 * self.areola_mm)
             shapes += [
                 DrawnShape(f"periareolar_{side}", f"{word} outer ring", True, CUT, ring),

@@ -11,14 +11,15 @@ at the drawing board (Wise, Plast. Reconstr. Surg. 17, 1956), each length geodes
 Both sides are drawn each from its own landmarks: real breasts differ.
 """
 
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
-from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
+from breastrig.core.scipy_parts import cKDTree
 from breastrig.drawings.clock import SIDES, FittedSkin, circle_around, on_clock
 from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import MARGIN, length
@@ -62,6 +63,29 @@ class Reduction(BaseModel):
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """Four lines for each side; BadDrawing when the pattern does not fit on the breast."""
+        shapes: list[DrawnShape] = []
+        for side, breast in self.constructed(skin).items():
+            word = SIDES[side]
+            label = f"{word} keyhole and limbs of {1e3 * length(breast.limbs[0]):.1f} mm"
+            rim = 0.5e-3 * self.areola_mm
+            kept, mark = circle_around(skin, breast.nipple, rim), circle_around(skin, breast.new, MARK)
+            shapes += [
+                DrawnShape(f"wise_{side}", label, False, CUT, *breast.cut(skin)),
+                DrawnShape(f"wise_fold_{side}", f"{word} fold", False, FOLD, fold_line(skin, side)),
+                DrawnShape(f"areola_{side}", f"{word} areola to keep", True, CUT, kept),
+                DrawnShape(f"new_nipple_{side}", f"new place of the {word} nipple", True, FOLD, mark),
+            ]
+        return tuple(shapes)
+
+    def constructed(self, skin: FittedSkin) -> dict[str, "WiseBreast"]:
+        """By side; BadDrawing when the pattern does not fit on the breast."""
+        known: dict[str, WiseBreast] | None = skin.constructions.get(self)
+        if known is None:
+            known = self._constructed(skin)
+            skin.constructions.put(self, known)
+        return known
+
+    def _constructed(self, skin: FittedSkin) -> dict[str, "WiseBreast"]:
         sides = ("L", "R") if self.side == "both" else (self.side,)
         # both sides in step, so that what is measured from several places is measured at once
         rim = 0.5e-3 * self.areola_mm
@@ -77,23 +101,14 @@ class Reduction(BaseModel):
         skin.geodesics.look_from(joined([ends(arc) for arc in arcs.values()]), MARGIN * (1e-3 * self._limbs[0]))
         lower = {side: self._limb_ends(skin, side, arcs[side], skin.at(folds[side])) for side in sides}
         outer = skin.geodesics.paths(joined([ends(folds[side]) for side in sides]), joined([*lower.values()]))
-        shapes: list[DrawnShape] = []
-        for number, side in enumerate(sides):
-            word = SIDES[side]
+        found = {}
+        for number, (side, meridian) in enumerate(zip(sides, meridians, strict=True)):
             to_arc, from_arc = skin.geodesics.paths(lower[side], ends(arcs[side]))
             first, last = outer[2 * number : 2 * number + 2]
-            parts = [first, to_arc, skin.at(arcs[side]), from_arc[::-1], last[::-1]]
-            corners = np.cumsum([len(part) - 1 for part in parts])[:-1]
-            cut = skin.nearest(np.concatenate([parts[0], *(part[1:] for part in parts[1:])]))
-            label = f"{word} keyhole and limbs of {1e3 * length(to_arc):.1f} mm"
-            kept, mark = circle_around(skin, nipples[side], rim), circle_around(skin, new[side], MARK)
-            shapes += [
-                DrawnShape(f"wise_{side}", label, False, CUT, cut, tuple(corners.tolist())),
-                DrawnShape(f"wise_fold_{side}", f"{word} fold", False, FOLD, fold_line(skin, side)),
-                DrawnShape(f"areola_{side}", f"{word} areola to keep", True, CUT, kept),
-                DrawnShape(f"new_nipple_{side}", f"new place of the {word} nipple", True, FOLD, mark),
-            ]
-        return tuple(shapes)
+            found[side] = WiseBreast(
+                nipples[side], meridian, new[side], arcs[side], lower[side], (to_arc, from_arc), (first, last)
+            )
+        return found
 
     @property
     def _limbs(self) -> tuple[float, ...]:
@@ -159,6 +174,26 @@ class Reduction(BaseModel):
         k = int(above[-1])  # the last crossing on the way down
         share = (heights[k] - wanted) / max(heights[k] - heights[k + 1], 1e-12)
         return skin.nearest(((1.0 - share) * meridian[k] + share * meridian[k + 1])[None])
+
+
+@dataclass(frozen=True, eq=False)
+class WiseBreast:
+    """The pattern on one breast; ways are (M, 3) m, pairs begin with what the observer sees on his left."""
+
+    nipple: SurfacePoints  # one point
+    meridian: Array  # from the collarbone to the nipple
+    new: SurfacePoints  # one point
+    arc: SurfacePoints  # the keyhole
+    lower: SurfacePoints  # two points: the limbs' lower ends
+    limbs: tuple[Array, Array]  # from the lower ends to the keyhole's
+    outer: tuple[Array, Array]  # from the fold's ends to the limbs' lower ends
+
+    def cut(self, skin: FittedSkin) -> tuple[SurfacePoints, tuple[int, ...]]:
+        """The whole line that is cut, and its corners."""
+        (to_arc, from_arc), (first, last) = self.limbs, self.outer
+        parts = [first, to_arc, skin.at(self.arc), from_arc[::-1], last[::-1]]
+        corners = np.cumsum([len(part) - 1 for part in parts])[:-1]
+        return skin.nearest(np.concatenate([parts[0], *(part[1:] for part in parts[1:])])), tuple(corners.tolist())
 
 
 def ends(line: SurfacePoints) -> SurfacePoints:

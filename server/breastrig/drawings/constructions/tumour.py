@@ -42,6 +42,10 @@ class Tumour(BaseModel):
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """The circle `tumour_L` or `tumour_R`; BadDrawing when it is not on that breast."""
+        return (circle(skin, self.centre(skin), 1e-3 * self.radius_mm, self.side),)
+
+    def centre(self, skin: FittedSkin) -> SurfacePoints:
+        """One point; BadDrawing when it is not on that breast."""
         nipple = skin.landmark(f"nipple_{self.side}")
         centre = nipple
         if self.distance_mm > 0.0:
@@ -54,7 +58,7 @@ class Tumour(BaseModel):
                     f"A tumour at {self.clock:g} o'clock, {self.distance_mm:g} mm from the nipple, would lie "
                     f"{1e3 * gap:.0f} mm beside the {SIDES[self.side]} breast; check side, hour and distance."
                 )
-        return (circle(skin, centre, 1e-3 * self.radius_mm, self.side),)
+        return centre
 
 
 class PickedTumour(BaseModel):

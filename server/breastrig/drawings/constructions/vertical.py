@@ -4,6 +4,7 @@ The new nipple and its keyhole are those of the Wise pattern.  From the keyhole'
 apart at half their way, and meet above the fold on the breast's meridian: no scar lies in the fold.
 """
 
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -41,20 +42,11 @@ class Vertical(BaseModel):
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """Three lines for each side; BadDrawing when the pattern does not fit on the breast."""
-        sides = ("L", "R") if self.side == "both" else (self.side,)
-        wise = Reduction.model_validate(
-            {"areola_mm": self.areola_mm, "nipple_above_fold_mm": self.nipple_above_fold_mm}
-        )
         rim = 0.5e-3 * self.areola_mm
         shapes: list[DrawnShape] = []
-        for side in sides:
-            nipple = skin.landmark(f"nipple_{side}")
-            (meridian,) = skin.geodesics.paths(skin.landmark(f"midclavicle_{side}"), nipple)
-            new = wise.new_nipple(skin, side, nipple, meridian)
-            skin.geodesics.look_from(joined([nipple, new]), WIDEST * rim)
-            arc = wise.keyhole(skin, new)
-            cut, corners = self._cut(skin, arc, self._lowest(skin, side, nipple))
-            kept, mark = circle_around(skin, nipple, rim), circle_around(skin, new, MARK)
+        for side, breast in self.constructed(skin).items():
+            cut, corners = self._cut(skin, breast)
+            kept, mark = circle_around(skin, breast.nipple, rim), circle_around(skin, breast.new, MARK)
             word = SIDES[side]
             shapes += [
                 DrawnShape(f"vertical_{side}", f"{word} keyhole and limbs", True, CUT, cut, corners),
@@ -63,8 +55,32 @@ class Vertical(BaseModel):
             ]
         return tuple(shapes)
 
-    def _lowest(self, skin: FittedSkin, side: str, nipple: SurfacePoints) -> SurfacePoints:
-        """Where the limbs meet: on the way from the fold to the nipple."""
+    def constructed(self, skin: FittedSkin) -> dict[str, "VerticalBreast"]:
+        """By side; BadDrawing when the pattern does not fit on the breast."""
+        known: dict[str, VerticalBreast] | None = skin.constructions.get(self)
+        if known is None:
+            known = self._constructed(skin)
+            skin.constructions.put(self, known)
+        return known
+
+    def _constructed(self, skin: FittedSkin) -> dict[str, "VerticalBreast"]:
+        sides = ("L", "R") if self.side == "both" else (self.side,)
+        wise = Reduction.model_validate(
+            {"areola_mm": self.areola_mm, "nipple_above_fold_mm": self.nipple_above_fold_mm}
+        )
+        found = {}
+        for side in sides:
+            nipple = skin.landmark(f"nipple_{side}")
+            (meridian,) = skin.geodesics.paths(skin.landmark(f"midclavicle_{side}"), nipple)
+            new = wise.new_nipple(skin, side, nipple, meridian)
+            skin.geodesics.look_from(joined([nipple, new]), WIDEST * 0.5e-3 * self.areola_mm)
+            arc = wise.keyhole(skin, new)
+            way, lowest = self._lowest(skin, side, nipple)
+            found[side] = VerticalBreast(nipple, meridian, new, arc, way, lowest)
+        return found
+
+    def _lowest(self, skin: FittedSkin, side: str, nipple: SurfacePoints) -> tuple[Array, SurfacePoints]:
+        """The (M, 3) m way from the fold to the nipple, and where the limbs meet on it."""
         (way,) = skin.geodesics.paths(skin.landmark(f"inframammary_fold_{side}"), nipple)
         along = 1e-3 * self.above_fold_mm
         if length(way) < along + LEAST:
@@ -72,30 +88,49 @@ class Vertical(BaseModel):
                 f"The {SIDES[side]} fold is only {1e3 * length(way):.0f} mm below the nipple; let the limbs meet "
                 "nearer to the fold (above_fold_mm), or take the periareolar pattern."
             )
-        return skin.nearest(_at(way, along)[None])
+        return way, skin.nearest(point_along(way, along)[None])
 
-    def _cut(
-        self, skin: FittedSkin, arc: SurfacePoints, lowest: SurfacePoints
-    ) -> tuple[SurfacePoints, tuple[int, ...]]:
+    def _cut(self, skin: FittedSkin, breast: "VerticalBreast") -> tuple[SurfacePoints, tuple[int, ...]]:
         """The closed outline: keyhole, one limb down, the other one up; and its corners."""
-        first, last = (skin.at(ends(arc))[[k]] for k in (0, 1))
-        bottom = skin.at(lowest)
-        across = (first - last)[0] / np.linalg.norm(first - last)
         half = 0.5e-3 * self.width_mm
+        first, last = (skin.at(ends(breast.arc))[[k]] for k in (0, 1))
+        middle, across = breast.middle(skin), breast.across(skin)
         # the observer sees the arc's first end on his left: limb by limb through a point beside the middle
         limbs = []
         for end, out in ((first, across), (last, -across)):
-            middle = 0.5 * (0.5 * (first + last) + bottom) + half * out
-            beside = skin.nearest(middle)
-            upper, lower = skin.geodesics.paths(joined([skin.nearest(end), beside]), joined([beside, lowest]))
+            beside = skin.nearest((middle + half * out)[None])
+            upper, lower = skin.geodesics.paths(joined([skin.nearest(end), beside]), joined([beside, breast.lowest]))
             limbs.append(_rounded(np.concatenate([upper, lower[1:]])))
         down, up = limbs[1], limbs[0][::-1]
-        outline = np.concatenate([skin.at(arc), down[1:], up[1:-1]])
-        corners = (0, len(skin.at(arc)) - 1, len(skin.at(arc)) - 2 + len(down))
+        arc = skin.at(breast.arc)
+        outline = np.concatenate([arc, down[1:], up[1:-1]])
+        corners = (0, len(arc) - 1, len(arc) - 2 + len(down))
         return skin.nearest(outline), corners
 
 
-def _at(way: Array, along: float) -> Array:
+@dataclass(frozen=True, eq=False)
+class VerticalBreast:
+    """The pattern on one breast, but for the limbs."""
+
+    nipple: SurfacePoints  # one point
+    meridian: Array  # (M, 3) m from the collarbone to the nipple
+    new: SurfacePoints  # one point
+    arc: SurfacePoints  # the keyhole; the observer sees its first end on his left
+    way: Array  # (M, 3) m from the fold to the nipple
+    lowest: SurfacePoints  # one point: where the limbs meet
+
+    def middle(self, skin: FittedSkin) -> Array:
+        """(3,) m between the limbs, at half their way."""
+        first, last = skin.at(ends(self.arc))
+        return np.asarray(0.5 * (0.5 * (first + last) + skin.at(self.lowest)[0]))
+
+    def across(self, skin: FittedSkin) -> Array:
+        """(3,) unit, from the last end of the arc to the first."""
+        first, last = skin.at(ends(self.arc))
+        return np.asarray((first - last) / np.linalg.norm(first - last))
+
+
+def point_along(way: Array, along: float) -> Array:
     """(3,) m: the point of a (M, 3) m way after so many metres."""
     gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
     return np.array([np.interp(along, gone, way[:, axis]) for axis in range(3)])
@@ -105,6 +140,6 @@ def _rounded(way: Array) -> Array:
     """The (M, 3) m way through three points without the bend in its middle: a curve of the second degree along it."""
     even = resampled(way, 0.002, False)
     share = np.linspace(0.0, 1.0, len(even))[:, None]
-    middle = _at(way, 0.5 * float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum()))
+    middle = point_along(way, 0.5 * float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum()))
     control = 2.0 * middle - 0.5 * (way[0] + way[-1])
     return np.asarray((1 - share) ** 2 * way[0] + 2 * share * (1 - share) * control + share**2 * way[-1])

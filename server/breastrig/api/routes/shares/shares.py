@@ -7,7 +7,7 @@ from werkzeug.security import generate_password_hash
 
 from breastrig.api.app_context import app_context
 from breastrig.api.routes.paging import next_page
-from breastrig.api.routes.share_credential import new_token, token_sha256
+from breastrig.api.routes.shares.share_credential import new_token, token_sha256
 from breastrig.api.share_limits import WRONG_PASSCODES
 from breastrig.api.wire import common as wire
 from breastrig.api.wire import shares as wire_shares

@@ -12,7 +12,7 @@ from werkzeug.security import check_password_hash
 
 from breastrig.api.access.security import refuse
 from breastrig.api.app_context import app_context
-from breastrig.api.routes.share_credential import LOCKED
+from breastrig.api.routes.shares.share_credential import LOCKED
 from breastrig.api.share_limits import WRONG_PASSCODES
 from breastrig.api.trusted_proxy import client_of
 from breastrig.storage.rows.shares import ShareRow, note_wrong_passcode

@@ -14,10 +14,16 @@ from breastrig.api.access.security import refuse
 from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.big_answers import big_answer
-from breastrig.api.routes.passcode import check_passcode
 from breastrig.api.routes.scans import mesh_file
-from breastrig.api.routes.share_credential import begin_visit, close_visit, cookie_path, share_of_secret, visited_share
-from breastrig.api.routes.shares import SHARES_TAG
+from breastrig.api.routes.shares.passcode import check_passcode
+from breastrig.api.routes.shares.share_credential import (
+    begin_visit,
+    close_visit,
+    cookie_path,
+    share_of_secret,
+    visited_share,
+)
+from breastrig.api.routes.shares.shares import SHARES_TAG
 from breastrig.api.wire import files as wire_files
 from breastrig.api.wire import shares as wire_shares
 from breastrig.api.wire.patients import PlanOnScan

@@ -1,0 +1,74 @@
+"""The handles of what is drawn around the nipple: the periareolar rings and the mastectomy ellipse."""
+
+import numpy as np
+
+from breastrig.drawings.clock import FittedSkin, clock_place, on_clock
+from breastrig.drawings.constructions.ellipse import MastectomyEllipse
+from breastrig.drawings.constructions.periareolar import Periareolar
+from breastrig.drawings.handles.areola import OUTSIDE, across_handle, areola_handle
+from breastrig.drawings.handles.handle import Handle, towards
+from breastrig.geometry.surface_points import SurfacePoints
+
+ASIDE = np.radians(30.0)  # from the lateral end of the long axis, upwards: where the ellipse is held to be turned
+
+
+def periareolar_handles(pattern: Periareolar, skin: FittedSkin) -> list[Handle]:
+    """Areola, outer ring (laterally and below), lift (above)."""
+    found = []
+    for side in _sides(pattern.side):
+        nipple = skin.landmark(f"nipple_{side}")
+        ring = ("outer_mm", side, nipple, pattern.outer_mm)
+        found += [
+            areola_handle(skin, side, nipple, pattern.areola_mm),
+            across_handle(skin, "outer", *ring, OUTSIDE[side]),
+            across_handle(skin, "outer_below", *ring, np.pi),
+            _lift(pattern, skin, side, nipple),
+        ]
+    return found
+
+
+def _lift(pattern: Periareolar, skin: FittedSkin, side: str, nipple: SurfacePoints) -> Handle:
+    top = 0.5 * pattern.outer_mm + pattern.lift_mm
+    at = skin.at(on_clock(skin, nipple, 1e-3 * top, np.array([0.0])))[0]
+
+    def values_at(place: SurfacePoints) -> dict[str, float]:
+        return {"lift_mm": 1e3 * skin.geodesics.distance(nipple, place) - 0.5 * pattern.outer_mm}
+
+    return Handle(f"lift_{side}", side, {"lift_mm": pattern.lift_mm}, at, towards(skin.at(nipple)[0], at), values_at)
+
+
+def ellipse_handles(pattern: MastectomyEllipse, skin: FittedSkin) -> list[Handle]:
+    """Both ends of both axes, and a place of the rim by which it is turned; its centre is the nipple."""
+    found = []
+    for side in _sides(pattern.side):
+        nipple, out = skin.landmark(f"nipple_{side}"), (1.0 if side == "L" else -1.0)
+        axis = out * (np.pi / 2.0 - np.radians(pattern.axis_deg))
+        long, wide = (
+            ("length_mm", side, nipple, pattern.length_mm),
+            ("width_mm", side, nipple, pattern.width_mm),
+        )
+        found += [
+            across_handle(skin, "length_lateral", *long, axis),
+            across_handle(skin, "length_medial", *long, axis + np.pi),
+            across_handle(skin, "width_upper", *wide, axis - out * np.pi / 2.0),
+            across_handle(skin, "width_lower", *wide, axis + out * np.pi / 2.0),
+            _axis(pattern, skin, side, nipple, axis),
+        ]
+    return found
+
+
+def _axis(pattern: MastectomyEllipse, skin: FittedSkin, side: str, nipple: SurfacePoints, axis: float) -> Handle:
+    out = 1.0 if side == "L" else -1.0
+    radius = 0.5e-3 / np.hypot(np.cos(ASIDE) / pattern.length_mm, np.sin(ASIDE) / pattern.width_mm)
+    at, higher = skin.at(on_clock(skin, nipple, float(radius), axis - out * np.array([ASIDE, ASIDE + 0.05])))
+
+    def values_at(place: SurfacePoints) -> dict[str, float]:
+        _, angle = clock_place(skin, nipple, place)
+        over = 90.0 - float(np.degrees(out * angle + ASIDE))
+        return {"axis_deg": (over + 90.0) % 180.0 - 90.0}
+
+    return Handle(f"axis_{side}", side, {"axis_deg": pattern.axis_deg}, at, towards(at, higher), values_at)
+
+
+def _sides(asked: str) -> tuple[str, ...]:
+    return ("L", "R") if asked == "both" else (asked,)
