@@ -26,6 +26,10 @@ class BodyFrame:
         """(...,) m: how far to her left of the median plane."""
         return np.asarray((points - self.middle) @ self.axes[:, 0])
 
+    def on_plane(self, points: Array) -> Array:
+        """(..., 3) m: the nearest points of the median plane."""
+        return np.asarray(points - self.lateral(points)[..., None] * self.axes[:, 0])
+
     def height(self, points: Array) -> Array:
         """(...,) m: how far towards her head."""
         return np.asarray((points - self.middle) @ self.axes[:, 1])

@@ -373,6 +373,15 @@ export type Measure = {
   /** what it was measured between, each with its source: picked, or the model's */
   landmarks: string;
   method: string;
+  /** what was measured; null for a change between two stances */
+  paths?: MeasuredLines | null;
+};
+
+/** The lines that a measure is of, in the scan's frame, mm: sided, or one for both. */
+export type MeasuredLines = {
+  left?: [number, number, number][] | null;
+  right?: [number, number, number][] | null;
+  value?: [number, number, number][] | null;
 };
 
 /** One fit of the report: its name there, and parts of its result.json. */

@@ -28,6 +28,7 @@ import { listenToLasso } from "../scan/CropTool";
 import { ScanMesh } from "../scan/ScanMesh";
 import { withLoose } from "../scan/state";
 import { errors as scanErrors } from "../scan/text";
+import { MeasureLines } from "../stances/MeasureLines";
 import { openOtherView } from "../stances/OtherView";
 import { isComparing, stanceNames } from "../stances/state";
 import type { Theme } from "../store/page";
@@ -50,7 +51,7 @@ import type { Session } from "./session";
 
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
-  ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror"] as const),
+  ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
   ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawn"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
@@ -95,6 +96,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     corners,
     new PatternHandles(viewer, scan, actions.drawing, actions.handles),
     new TapeLines(viewer, scan),
+    new MeasureLines(viewer, false),
     { update: (state) => pins.update(state, isFree(state)) },
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),

@@ -70,11 +70,12 @@ export function segmentColours(lines: readonly Polyline[], wantBridged: boolean,
   return new Float32Array(out);
 }
 
-function material(width: number, dashed: boolean): LineMaterial {
+function material(width: number, dashed: boolean, isOver: boolean): LineMaterial {
   const made = new LineMaterial({ linewidth: width, dashed, dashSize: 0.006, gapSize: 0.005, worldUnits: false, vertexColors: true });
   made.transparent = true; // drawn after the translucent model, so that its clay does not tint the line
   if (dashed) made.opacity = GUESSED;
   made.depthWrite = false;
+  made.depthTest = !isOver;
   made.polygonOffset = true;
   return made;
 }
@@ -84,10 +85,15 @@ export class FatLines {
   private readonly materials: LineMaterial[] = [];
   private lines: readonly Polyline[] = [];
   private painted: Ink = { ink: new Color(), outline: new Color() };
-  private readonly pairs = [false, true].map((dashed) => ({ dashed, outline: this.strand(dashed, true), ink: this.strand(dashed, false) }));
+  private readonly pairs: readonly { readonly dashed: boolean; readonly outline: LineSegments2; readonly ink: LineSegments2 }[];
+
+  /** `isOver`: seen through everything. */
+  constructor(private readonly isOver = false) {
+    this.pairs = [false, true].map((dashed) => ({ dashed, outline: this.strand(dashed, true), ink: this.strand(dashed, false) }));
+  }
 
   private strand(dashed: boolean, isOutline: boolean): LineSegments2 {
-    const made = material(isOutline ? WIDTH + 2 * OUTLINE : WIDTH, dashed);
+    const made = material(isOutline ? WIDTH + 2 * OUTLINE : WIDTH, dashed, this.isOver);
     this.materials.push(made);
     const strand = new LineSegments2(new LineSegmentsGeometry(), made);
     strand.renderOrder = isOutline ? 10 : 11;
