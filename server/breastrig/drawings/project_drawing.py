@@ -53,9 +53,11 @@ def on_scan(rig: Rig, vertices: Array, drawing: ModelDrawing, target: ScanTarget
     ends = _ends([line for line, _ in even])
     base = np.concatenate([line[:, :3] for line, _ in even])
     directions = unit_vectors(np.concatenate([line[:, 3:] for line, _ in even]))
-    parts = (np.split(each, ends) for each in (base, directions, *_gaps(target, base, directions)))
+    gaps, known = _gaps(target, base, directions)
+    parts = zip(*(np.split(each, ends) for each in (base, directions, gaps)), np.split(known, ends), strict=True)
     lines = [
-        LineNearSkin(*part, fixed, shape.closed) for *part, (_, fixed), shape in zip(*parts, even, shapes, strict=True)
+        LineNearSkin(here, facing, gap, there, fixed, shape.closed)
+        for (here, facing, gap, there), (_, fixed), shape in zip(parts, even, shapes, strict=True)
     ]
     # on the scan the spacing is no longer quite even
     again = [
