@@ -32,5 +32,5 @@ def test_peer_proximity(benchmark: Any, row: Callable[..., None], in_turn: Calla
     found = benchmark.pedantic(
         lambda: trimesh.proximity.closest_point(mesh, points), setup=yardstick, rounds=5, warmup_rounds=1
     )
-    np.testing.assert_allclose(found[1], task.target.search.query(points).distances, atol=1e-6)
+    np.testing.assert_allclose(found[1], task.target.search.query(points).distances, atol=1e-4)  # 0.1 mm
     row("  peer: trimesh.proximity.closest_point", benchmark, f"{yardstick.ratio(benchmark):.2f} of ours")
