@@ -22,6 +22,7 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.curves import resampled
+from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
@@ -48,7 +49,7 @@ def on_scan(rig: Rig, vertices: Array, drawing: ModelDrawing, target: ScanTarget
     shapes = drawing.shapes
     if not shapes:
         return ()
-    normals = rig.normals_at(vertices)
+    normals = vertex_normals(vertices, rig.faces)
     even = [_on_model(rig, vertices, normals, shape) for shape in shapes]
     ends = _ends([line for line, _ in even])
     base = np.concatenate([line[:, :3] for line, _ in even])
