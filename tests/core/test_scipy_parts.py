@@ -36,7 +36,7 @@ def test_a_whole_fit_needs_none_of_it_either(tmp_path: object) -> None:
 
     scan = asset_folder("example") / "standing" / "scan.ply"
     program = f"from breastrig.cli.main import main\nassert main(['fit', {str(scan)!r}, '-o', {str(tmp_path)!r}]) == 0"
-    slow = {"scipy.linalg", "scipy.special", "scipy.spatial", "scipy.sparse.linalg", "trimesh", "networkx"}
+    slow = {"scipy.linalg", "scipy.special", "scipy.spatial", "scipy.sparse.linalg", "trimesh", "networkx", "PIL"}
     assert not slow & loaded_by(program)
 
 
