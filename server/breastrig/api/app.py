@@ -22,7 +22,7 @@ from breastrig.api.routes.models import models
 from breastrig.api.routes.operations import operations
 from breastrig.api.routes.page import PageFile, page
 from breastrig.api.routes.patients import owners, patients, plans_of_fits
-from breastrig.api.routes.patterns import patterns
+from breastrig.api.routes.planning.patterns import patterns
 from breastrig.api.routes.reports import reports
 from breastrig.api.routes.scans import scans
 from breastrig.api.routes.shared import share_page, shared

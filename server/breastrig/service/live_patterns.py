@@ -14,7 +14,7 @@ from breastrig.execution.kept_processes import KeptProcesses
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
-from breastrig.workflow.live_pattern import LiveQuestion, live_pattern, read_and_live_pattern
+from breastrig.workflow.planning.live_pattern import LiveQuestion, live_pattern, read_and_live_pattern
 
 WALL_S = 30.0  # an answer takes a tenth of a second, the first one; huge scans on a slow machine take many
 

@@ -7,7 +7,7 @@ TASK_MODULES = (
     "breastrig.report.pdf",  # this one and the next are imported only where they are used, for they take long
     "breastrig.scan.formats.ply_obj_stl",
     "breastrig.service.fit_worker",
-    "breastrig.workflow.live_pattern",
+    "breastrig.workflow.planning.live_pattern",
     "breastrig.workflow.plan_on_fit",
     "breastrig.workflow.propose_on_scan",
     "breastrig.workflow.read_upload",

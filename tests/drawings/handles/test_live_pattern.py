@@ -9,8 +9,8 @@ from helpers.example_fits import write_example_fits
 from breastrig.core.errors import BadDrawing
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.clock import FittedSkin, angle_of, clock_place, on_clock
+from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePattern, LiveSkin, Parameters
 from breastrig.drawings.line_error import with_errors
-from breastrig.drawings.live_pattern import Drag, HandleOnScan, LivePattern, LiveSkin, Parameters
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_map import FittedScan

@@ -11,7 +11,7 @@ from typing import Any
 
 from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
-from breastrig.drawings.live_pattern import Drag, HandleOnScan, LivePattern, LiveSkin
+from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePattern, LiveSkin
 from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow.fit_folder import fit_folder_of
