@@ -79,20 +79,20 @@ export function handleActions(store: Store<State>, client: Pick<Client, "pattern
     asked = key;
     const parts = partsOf(state);
     const link = state.fit.links.self;
-    let isLate = false; // too many ask just now, or the service is away
+    const late: unknown[] = []; // too many ask just now, or the service is away
     const answers = await Promise.all(
       parts.map(({ part, name, values }) =>
         client.pattern(link, { name, parameters: parametersOf(values) }).then(
           (answer) => handlesOf(part, answer),
           (error: unknown) => {
-            if (!(error instanceof ApiError && error.status === REFUSED)) isLate = true;
+            if (!(error instanceof ApiError && error.status === REFUSED)) late.push(error);
             return []; // the plan says why it cannot be drawn
           },
         ),
       ),
     );
     if (isHeld() || keyOf(store.get()) !== key) return;
-    if (isLate) {
+    if (late.length > 0) {
       setTimeout(() => {
         asked = "";
         void look();
