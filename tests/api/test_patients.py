@@ -213,6 +213,34 @@ def test_the_list_is_paged_the_newest_first_and_searched_by_code(client: FlaskCl
     problem(client.patch("/api/patients/nobody", json={"code": "x"}), 404)
 
 
+def test_the_list_is_sorted_by_the_service_over_all_its_pages(client: FlaskClient, add: Any) -> None:
+    scans = [add() for _ in range(5)]
+    codes = ["zz 10", "ZZ 9", "zz 9 b", "zz 010", "zz"]
+    for scan, code in zip(scans, codes, strict=True):
+        client.patch(scan["links"]["patient"], json={"code": code})
+    add(scans[2]["patient"])
+    without = add()["patient"]
+
+    def pages(query: str) -> list[dict[str, Any]]:
+        found, address = [], f"/api/patients?limit=2&{query}"
+        while address is not None:
+            page = client.get(address).json
+            found += page["patients"]
+            address = page["next"]
+        return found
+
+    ordered = [each["code"] for each in pages("sort=code&search=zz")]
+    assert ordered == ["zz", "ZZ 9", "zz 9 b", "zz 010", "zz 10"]
+    everybody = pages("sort=code")
+    assert everybody[-1]["code"] == ""
+    assert without in [each["id"] for each in everybody]
+    assert len({each["id"] for each in everybody}) == len(everybody)
+    soonest = [each["scans"][0]["delete_at"] for each in pages("sort=deletion")]
+    assert soonest == sorted(soonest)
+    assert len(soonest) == len(everybody)
+    problem(client.get("/api/patients?sort=colour"), 422)
+
+
 def test_each_scan_has_a_small_picture_without_names_in_it(client: FlaskClient, add: Any) -> None:
     scan = add()
     (listed,) = client.get(scan["links"]["patient"]).json["scans"]

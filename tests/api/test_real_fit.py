@@ -8,13 +8,16 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from flask.testing import FlaskClient
+from helpers.problems import problem
 from helpers.scan_files import ply_text
 from helpers.waiting import ended
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
+from breastrig.gltf.pose_nodes import posed_by_nodes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.skinning import pose
 from breastrig.service.service import Service
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
@@ -101,6 +104,8 @@ def test_the_packaged_example_is_fitted(real: tuple[Service, FlaskClient], name:
     assert result["surface_distance_mm"]["mean"] < 0.5
     assert result["model_alone"]["surface_distance_mm"]["mean"] < 2.4
     assert result["landmark_distance_mm"]["mean"] < 6.0
+    row = client.get(scan["links"]["patient"]).json["scans"][0]
+    assert (row["fit"]["state"], row["fit"]["verdict"], row["stance"]) == ("done", result["verdict"]["level"], name)
     plain = fitted(service, client, scan, picked, refine=False)
     assert not plain["refined"]
     distances = ("surface_distance_mm", "scan_to_model_mm", "landmark_distance_mm")
@@ -130,6 +135,42 @@ def test_a_fit_goes_on_from_an_earlier_one_of_its_scan(real: tuple[Service, Flas
         assert np.allclose(node.get("translation", 0.0), start[name].get("translation", 0.0), atol=1e-6)
         assert np.allclose(node.get("weights", 0.0), start[name].get("weights", 0.0), atol=1e-6)
     client.delete(scan["links"]["self"])
+
+
+def test_the_model_follows_a_landmark_that_is_dragged_and_nothing_is_kept(real: tuple[Service, FlaskClient]) -> None:
+    service, client = real
+    scan = client.post("/api/examples/standing").json
+    picked = scan["example_landmarks"]["landmarks"]
+    links = client.post("/api/fits", json={"scan": scan["id"], "landmarks": picked}).json["links"]
+    fit_id = links["self"].rsplit("/", 1)[1]
+    assert ended(service, fit_id).state == "done"
+    before = client.get(links["events"] + ".json").json["events"]
+    rig = read_rig(default_rig_path())
+
+    def at(nodes: list[dict]) -> np.ndarray:
+        return 1e3 * pose(rig, posed_by_nodes(rig, nodes))
+
+    still = client.post(links["moved"], json={"landmarks": picked}).json
+    assert np.linalg.norm(at(still["nodes"]) - at(before[-2]["event"]["nodes"]), axis=1).mean() < 0.1
+    moved = picked | {"nipple_L": np.add(picked["nipple_L"], [8.0, 8.0, 0.0]).tolist()}
+    live = client.post(links["moved"], json={"landmarks": moved}).json
+    fresh = client.post("/api/fits", json={"scan": scan["id"], "landmarks": moved}).json
+    ended(service, fresh["id"])
+    result = client.get(fresh["links"]["events"] + ".json").json["events"][-2]["event"]["nodes"]
+    assert np.linalg.norm(at(live["nodes"]) - at(result), axis=1).mean() < 0.15
+    assert np.linalg.norm(at(live["nodes"]) - at(still["nodes"]), axis=1).max() > 2.0
+
+    assert client.get(links["events"] + ".json").json["events"] == before
+    for wrong, word in (("umbilikus", "umbilikus"), ("xiphoid", "outside of the scan")):
+        assert word in problem(client.post(links["moved"], json={"landmarks": {wrong: [9e3, 0.0, 0.0]}}), 422)
+    nowhere = {name: np.add(place, [0.0, 0.0, 200.0]).tolist() for name, place in picked.items()}
+    assert client.post(links["moved"], json={"landmarks": nowhere}).status_code == 200
+    again = [client.post(links["moved"], json={"landmarks": moved}).json for _ in range(3)][-1]  # it came back
+    assert np.linalg.norm(at(again["nodes"]) - at(live["nodes"]), axis=1).mean() < 0.1
+    kept = len(service.kept_processes)
+    client.delete(scan["links"]["self"])
+    assert len(service.kept_processes) == kept - 1
+    problem(client.post(links["moved"], json={"landmarks": picked}), 404)
 
 
 def test_two_stances_are_fitted_together_with_one_body(real: tuple[Service, FlaskClient]) -> None:
@@ -194,7 +235,7 @@ def test_a_pattern_follows_a_hand_and_its_parameters_give_the_same_lines_in_the_
     ):
         answer = client.post(place, json=wrong)
         assert (answer.status_code, sentence in answer.json["detail"]) == (status, True), answer.json
-    assert service.live_patterns.kept == 1
+    kept = len(service.kept_processes)
     assert client.delete(scan["links"]["self"]).status_code == 204
-    assert service.live_patterns.kept == 0
+    assert len(service.kept_processes) == kept - 1
     assert client.post(place, json={"name": "vertical"}).status_code == 404

@@ -16,7 +16,7 @@ from helpers.shares import expire
 from helpers.waiting import ended
 
 from breastrig.api.config import Config
-from breastrig.api.routes import share_credential
+from breastrig.api.routes.shares import share_credential
 from breastrig.service.service import Service
 
 TOKEN = "a-token-of-more-than-sixteen-characters"

@@ -9,6 +9,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.line_error import carried_errors, radii_at, with_errors
 from breastrig.drawings.skin_map import FittedScan
 from breastrig.drawings.skin_map_settings import skin_map_settings
+from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
@@ -19,16 +20,21 @@ def torso() -> Rig:
     return read_rig(default_rig_path())
 
 
-def test_a_point_over_a_vertex_has_its_radius(torso: Rig) -> None:
+@pytest.fixture(scope="module")
+def fitted(torso: Rig) -> ClosestPointSearch:
+    return ClosestPointSearch(torso.template, torso.faces)
+
+
+def test_a_point_over_a_vertex_has_its_radius(torso: Rig, fitted: ClosestPointSearch) -> None:
     radii = np.random.default_rng(1).uniform(0.002, 0.02, len(torso.template))
     chosen = np.arange(0, len(radii), 50)
-    np.testing.assert_allclose(radii_at(torso, torso.template, radii, torso.template[chosen]), radii[chosen], atol=1e-9)
+    np.testing.assert_allclose(radii_at(torso, fitted, radii, torso.template[chosen]), radii[chosen], atol=1e-9)
 
 
-def test_lines_without_known_radii_stay_as_they_are(torso: Rig) -> None:
+def test_lines_without_known_radii_stay_as_they_are(torso: Rig, fitted: ClosestPointSearch) -> None:
     line = Polyline("a", False, "#101010", torso.template[:4], np.zeros(4, dtype=bool))
-    assert with_errors(torso, torso.template, None, [line]) == (line,)
-    (known,) = with_errors(torso, torso.template, np.full(len(torso.template), 0.004), [line])
+    assert with_errors(torso, fitted, None, [line]) == (line,)
+    (known,) = with_errors(torso, fitted, np.full(len(torso.template), 0.004), [line])
     assert known.error == pytest.approx(np.full(4, 0.004))
 
 

@@ -354,3 +354,17 @@ def test_the_packaged_model_is_written_again_as_it_was_read(tmp_path: Path) -> N
     ):
         assert equal(getattr(again, field), getattr(rig, field)), field
     assert equal(again, rig, tolerance=1e-7)  # rest frames are made exact rotations, which moves their last digit
+
+
+def test_files_that_did_not_change_are_the_same_rig_and_changed_ones_are_another(folder: Path) -> None:
+    first = read_rig(folder / "toy.glb")
+    assert read_rig(folder / "toy.glb") is first
+    drawing = folder / "drawings" / "lumpectomy.json"
+    (folder / "drawings" / "zz.json").write_bytes(drawing.read_bytes().replace(b'"lumpectomy"', b'"another"'))
+    more = read_rig(folder / "toy.glb")
+    assert more.drawing_names == (*first.drawing_names, "another")
+    (folder / "drawings" / "zz.json").unlink()
+    assert read_rig(folder / "toy.glb").drawing_names == first.drawing_names
+    (folder / "toy.json").unlink()
+    with pytest.raises(BadModel):
+        read_rig(folder / "toy.glb")

@@ -7,7 +7,7 @@ import pytest
 
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
-from breastrig.report.table import Row
+from breastrig.report.table import Row, csv_bytes, flat_rows
 from breastrig.rig.model import Rig
 
 LENGTHS = ("notch_nipple", "midclavicle_nipple", "nipple_fold", "nipple_midline", "nipple_nipple", "base_width")
@@ -143,3 +143,44 @@ def test_bands_are_as_wide_as_the_radii_of_the_ends_say(at_rest: Stance) -> None
     assert rows["M1", "ratio"].value.high == 1.0  # a ratio cannot be more
     for row in measures(at_rest):
         assert row.kind == "volume" or all(value is None or value.low is None for value in (row.left, row.value))
+
+
+def test_every_row_has_the_lines_that_were_measured_and_they_are_as_long_as_it_says(asymmetric: Stance) -> None:
+    rows = measures(asymmetric)
+    for row in rows:
+        sides = {"left": row.left, "right": row.right, "value": row.value}
+        if row.unit == "mm":
+            assert set(row.paths) == {name for name, value in sides.items() if value is not None}
+            for name, line in row.paths.items():
+                value = sides[name]
+                assert value is not None
+                walked = 1e3 * np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+                assert walked == pytest.approx(value.value, abs=1e-6), (row.measure, row.kind)
+        elif row.measure == "M1":
+            assert set(row.paths) == {"value"}
+        else:
+            assert set(row.paths) == {"left", "right"}
+
+
+def test_a_straight_line_has_two_ends_and_a_tape_lies_on_the_fitted_skin(asymmetric: Stance) -> None:
+    for row in measures(asymmetric):
+        for line in row.paths.values():
+            if row.kind == "straight":
+                assert line.shape == (2, 3)
+            if row.kind == "along the skin":
+                on = asymmetric.on_model(line).positions(asymmetric.vertices, asymmetric.rig.faces)
+                assert np.abs(on - line).max() < 1e-6
+            if row.kind == "volume":
+                assert np.array_equal(line[0], line[-1])
+
+
+def test_lines_leave_in_millimetres_with_the_row_and_not_with_the_table_or_a_change(asymmetric: Stance) -> None:
+    rows = measures(asymmetric)
+    flat = flat_rows([("standing", rows), ("supine", rows)])
+    for row, cells in zip(rows, flat, strict=False):
+        paths = cells["paths"]
+        assert isinstance(paths, dict)
+        for name, line in row.paths.items():
+            assert np.allclose(paths[name], 1e3 * line, atol=0.051)
+    assert [cells["paths"] for cells in flat if cells["stance"] == "supine - standing"] == [None] * len(rows)
+    assert b"paths" not in csv_bytes(flat)

@@ -22,7 +22,7 @@ import breastrig.scan.read as read
 from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.scan.formats.ply_obj_stl import MISSING
+from breastrig.scan.formats.library_meshes import MISSING
 from breastrig.scan.read import read_scan
 
 FACES = toy_rig().faces

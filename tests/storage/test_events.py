@@ -28,8 +28,8 @@ def test_the_fit_follows_its_events(storage: Storage, fit_id: str) -> None:
     fit = get_fit(storage, fit_id)
     assert (fit.stance, fit.iterations, fit.last_event) == ("supine", 2, 3)
     assert fit.numbers == {"iteration": 1, "energy": 1.5}
-    append(storage, fit_id, {"kind": "done", "result": {}})
-    assert get_fit(storage, fit_id).state == "done"
+    append(storage, fit_id, {"kind": "done", "result": {"verdict": {"level": "check", "reasons": []}}})
+    assert (get_fit(storage, fit_id).state, get_fit(storage, fit_id).verdict) == ("done", "check")
 
 
 def test_nothing_comes_after_the_last_event(storage: Storage, fit_id: str) -> None:

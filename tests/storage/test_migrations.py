@@ -5,6 +5,7 @@ import sqlite3
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from alembic import command
@@ -12,13 +13,14 @@ from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from helpers.first_version import FIRST_VERSION
+from sqlalchemy import inspect
 
 from breastrig.cli.main import main
 from breastrig.storage import schema
 from breastrig.storage.migrate import alembic_config, known_revisions
 from breastrig.storage.rows.events import append, events_after
 from breastrig.storage.rows.fits import get_fit, next_queued
-from breastrig.storage.rows.patients import get_plan, patient_of_scan
+from breastrig.storage.rows.patients import get_plan, patient_of_scan, patients_page
 from breastrig.storage.rows.scans import Picks, get_landmarks, get_scan
 from breastrig.storage.storage import Storage
 
@@ -40,8 +42,37 @@ def assert_tables_of_this_version(storage: Storage) -> None:
         command.check(alembic_config(connection))
 
 
+def tables(storage: Storage) -> dict[str, Any]:
+    """Everything that the database says of its tables."""
+    with storage.database.reading() as connection:
+        seen = inspect(connection)
+        names = seen.get_table_names()
+        lists = (seen.get_columns, seen.get_indexes, seen.get_unique_constraints, seen.get_foreign_keys)
+        found = {name: [seen.get_pk_constraint(name), *(sorted(map(str, of(name))) for of in lists)] for name in names}
+        return found | {"version": connection.exec_driver_sql("SELECT version_num FROM alembic_version").all()}
+
+
 def test_an_empty_database_gets_the_tables_of_this_version(storage: Storage) -> None:
     assert_tables_of_this_version(storage)
+
+
+def test_an_empty_database_gets_the_tables_that_all_revisions_make(storage: Storage, tmp_path: Path) -> None:
+    step_by_step = Storage(tmp_path / "by revisions")
+    step_by_step.root.mkdir()
+    with step_by_step.database.writing() as connection:
+        command.upgrade(alembic_config(connection), "head")
+    assert tables(step_by_step) == tables(storage)
+    step_by_step.close()
+
+
+def test_an_empty_database_is_filled_without_alembic(tmp_path: Path) -> None:
+    program = (
+        "import sys; from pathlib import Path; from breastrig.storage.storage import Storage\n"
+        f"storage = Storage(Path({str(tmp_path / 'new')!r})); storage.prepare(); storage.close()\n"
+        "print('alembic' in sys.modules)"
+    )
+    said = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout
+    assert said == "False\n"
 
 
 def test_a_database_of_the_first_version_gets_the_tables_of_this_one_and_keeps_its_rows(old: Storage) -> None:
@@ -67,6 +98,22 @@ def test_a_drawing_of_an_older_version_becomes_the_plan_of_a_patient(old: Storag
     plan = get_plan(old, "scan-1")
     assert (plan.version, plan.is_whole) == (1, False)
     assert plan.items == (line | {"id": "line-1", "scan": "scan-1", "kind": "line"},)
+    old.close()
+
+
+def test_what_was_done_and_named_before_is_judged_and_sorted_like_what_comes(old: Storage) -> None:
+    done = {"kind": "done", "result": {"verdict": {"level": "check", "reasons": ["look"]}}}
+    with old.database.writing() as connection:
+        command.upgrade(alembic_config(connection), "0010")
+        connection.exec_driver_sql("UPDATE patients SET code = 'Ward 12' WHERE id = 'scan-1'")
+        connection.exec_driver_sql("INSERT INTO patients (id, code, created_at) VALUES ('other', 'ward 9', '2026')")
+        connection.exec_driver_sql(
+            "INSERT INTO events (fit, number, kind, json) VALUES ('fit-1', 2, 'done', ?)", (json.dumps(done),)
+        )
+    old.prepare()
+    assert get_fit(old, "fit-1").verdict == "check"
+    rows, more = patients_page(old, 10, None, sort="code")
+    assert ([row.id for row in rows], more) == (["other", "scan-1"], None)
     old.close()
 
 

@@ -189,12 +189,6 @@ test("the model's shape is read off sliders; they pose the picture, not the fit"
   expect(troubles).toEqual([]);
 });
 
-interface Followed {
-  readonly ms: number;
-  readonly isChanged: boolean;
-}
-type Watched = Window & { followed?: Promise<Followed> };
-
 test("a landmark that is dragged after the fit is fitted again at once, and arrow keys move one along the skin", async ({ page, base, troubles }) => {
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
@@ -209,32 +203,20 @@ test("a landmark that is dragged after the fit is fitted again at once, and arro
   const at = await hook.project(page, before);
   await page.mouse.move(at.x, at.y);
   await page.mouse.down();
+  const before3d = await page.evaluate(() => window.__breastrig!.picture().checksum);
   await page.mouse.move(at.x + 12, at.y + 8, { steps: 3 });
   const wanted = await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!)!.point, [at.x + 12, at.y + 8]);
-  // From the finger's lift to the first picture on which the model is another one, by the page's own clock.  The page has to
-  // be listening before the finger is lifted, so what it hears is asked for afterwards.
-  await page.evaluate(
-    (id) => {
-      (window as Watched).followed = new Promise<Followed>((done) => {
-        const before = window.__breastrig!.picture().checksum;
-        addEventListener("pointerup", () => {
-          const lifted = performance.now();
-          const look = (): void => {
-            const { fit } = window.__breastrig!.state();
-            if (fit?.id === id || (fit?.shown ?? -1) < 0) return void requestAnimationFrame(look);
-            const ms = performance.now() - lifted;
-            done({ ms, isChanged: window.__breastrig!.picture().checksum !== before });
-          };
-          look();
-        }, { once: true, capture: true });
-      });
-    },
-    first.id,
-  );
+  // The model follows while the mark is held, by the service's answers for where it is; the fit waits for its end.
+  await page.waitForFunction(() => window.__breastrig!.state().followed !== null);
+  expect((await page.evaluate(() => window.__breastrig!.state().fit!.id)), "no fit was asked for").toBe(first.id);
+  expect(await page.evaluate(() => window.__breastrig!.picture().checksum)).not.toBe(before3d);
+  const asked = page.waitForRequest((request) => request.url().endsWith("/moved"));
+  await page.mouse.move(at.x + 13, at.y + 8);
+  await asked;
+  await page.mouse.move(at.x + 12, at.y + 8);
   await page.mouse.up();
-  const { ms, isChanged } = await page.evaluate(() => (window as Watched).followed!);
-  expect(isChanged).toBe(true);
-  console.log(`a landmark let go: the model follows after ${ms.toFixed(0)} ms`);
+  await page.waitForFunction((id) => window.__breastrig!.state().fit!.id !== id, first.id);
+  expect(await page.evaluate(() => window.__breastrig!.state().followed)).toBeNull();
   expect(distance((await hook.pick(page, "umbilicus"))!, wanted)).toBeLessThan(0.01);
   await untilFitted(page);
   const second = (await hook.fit(page))!;
@@ -242,8 +224,7 @@ test("a landmark that is dragged after the fit is fitted again at once, and arro
   const picked = result.landmarks_picked!.umbilicus!; // in the scan's unit, metres
   expect(picked.map((value) => 1000 * value)).toEqual(wanted.map((value) => expect.closeTo(value, 0)));
   const { start_from } = (await (await page.request.get(`${base}/api/fits/${second.id}`)).json()) as Fit;
-  expect(start_from).toBe(first.id);
-  expect(second.iterations, "iterations from where the model stood").toBeLessThan(first.iterations);
+  expect(start_from, "as whoever begins with these landmarks would get it").toBeNull();
 
   await page.keyboard.press("2");
   await page.locator(".landmarks [data-landmark=umbilicus] .landmark-name").click();

@@ -31,6 +31,7 @@ export function fitLinks(id: string) {
     plan: at("plan.json"),
     measures: at("measures.json"),
     cancel: at("cancel"),
+    moved: at("moved"),
     shares: at("shares"),
   };
 }
@@ -87,6 +88,7 @@ export function page(answers: Partial<Client> = {}) {
     scan: async (id: string) => scanInfo(id),
     upload: async () => scanInfo("uploaded"),
     startFit: async () => ({ id: "f1", links: fitLinks("f1") }),
+    moved: vi.fn(async () => ({ nodes: [] })),
     fit: async (id: string) => ({ id, links: fitLinks(id), stance: "standing", asked_stance: "auto", preset: "default", drawing: "lumpectomy", refine: true }),
     drawing: async () => ({ schema: "breastrig/drawing@1", unit: "mm", shapes: [] }),
     bytes: async () => new ArrayBuffer(8),

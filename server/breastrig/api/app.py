@@ -22,11 +22,11 @@ from breastrig.api.routes.models import models
 from breastrig.api.routes.operations import operations
 from breastrig.api.routes.page import PageFile, page
 from breastrig.api.routes.patients import owners, patients, plans_of_fits
-from breastrig.api.routes.planning.patterns import patterns
+from breastrig.api.routes.patterns import patterns
 from breastrig.api.routes.reports import reports
 from breastrig.api.routes.scans import scans
-from breastrig.api.routes.shared import share_page, shared
-from breastrig.api.routes.shares import shares
+from breastrig.api.routes.shares.shared import share_page, shared
+from breastrig.api.routes.shares.shares import shares
 from breastrig.api.routes.sign_in import sign_in
 from breastrig.api.routes.transfers import transfers
 from breastrig.api.served_model import serve_model

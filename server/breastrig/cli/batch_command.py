@@ -70,9 +70,9 @@ def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow]) -> None
 def _executor(options: argparse.Namespace, rows: Sequence[BatchRow]) -> Executor:
     limits = FitLimits()
     if options.scheduler is None:
-        preload(["breastrig.batch.task", "breastrig.workflow.run_fit"])
-        if any(row.scan.suffix.lower() != ".ply" for row in rows):
-            preload(["breastrig.scan.formats.ply_obj_stl"])  # else each worker loads it with its first scan
+        preload(["breastrig.batch.task", "breastrig.workflow.default_model", "breastrig.workflow.run_fit"])
+        if any(row.scan.suffix.lower() not in (".ply", ".glb") for row in rows):
+            preload(["breastrig.scan.formats.library_meshes"])  # else each worker loads it with its first scan
         processes = Processes(options.jobs or limits.workers, memory_bytes=limits.memory_bytes)
         start_fork_server()
         return processes

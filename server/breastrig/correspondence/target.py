@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.scipy_parts import cKDTree, csr_array
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_normals, vertex_normals
@@ -38,7 +37,7 @@ class ScanTarget:
         normals = vertex_normals(self.vertices, self.faces)
         i, j = self.faces[:, [0, 1, 2]].ravel(), self.faces[:, [1, 2, 0]].ravel()
         size = len(self.vertices)
-        near = sp.csr_array((np.ones(2 * len(i)), (np.r_[i, j], np.r_[j, i])), shape=(size, size))
+        near = csr_array((np.ones(2 * len(i)), (np.r_[i, j], np.r_[j, i])), shape=(size, size))
         for _ in range(SMOOTHING_ROUNDS):
             normals = normals + near @ normals
             normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)

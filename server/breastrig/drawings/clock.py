@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadDrawing
@@ -21,6 +20,7 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.geodesic import Geodesics
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
 
 ROUND = 48  # points of a drawn circle: its chords are off by 0.2 % of the radius
 SIDES = {"L": "left", "R": "right"}
@@ -69,7 +69,7 @@ class FittedSkin:
         """(3, 3): columns are the patient's left, up and front, by all landmarks together."""
         points = self.rig.landmark_points()
         here, rest = self.at(points), points.positions(self.rig.template, self.rig.faces)
-        return Rotation.align_vectors(here - here.mean(axis=0), rest - rest.mean(axis=0))[0].as_matrix()
+        return umeyama(rest, here).rotation
 
 
 def circle_around(skin: FittedSkin, centre: SurfacePoints, radius: float) -> SurfacePoints:

@@ -19,14 +19,9 @@ from breastrig.geometry.polyline import Polyline, parts
 from breastrig.rig.model import Rig
 
 
-def radii_at(rig: Rig, vertices: Array, radii: Array, points: Array) -> Array:
-    """(M,) m: the (V,) m radii of the fitted model's (V, 3) m vertices, at (M, 3) m points near it."""
-    return radii_found(rig, ClosestPointSearch(vertices, rig.faces), radii, points)
-
-
-def radii_found(rig: Rig, model: ClosestPointSearch, radii: Array, points: Array) -> Array:
-    """The same with a search on the fitted model that is there already."""
-    nearest = model.query(points)
+def radii_at(rig: Rig, fitted: ClosestPointSearch, radii: Array, points: Array) -> Array:
+    """(M,) m: the (V,) m radii of the fitted model's vertices, at (M, 3) m points near it."""
+    nearest = fitted.query(points)
     return np.asarray(np.einsum("mc,mc->m", nearest.barycentric, radii[rig.faces[nearest.faces]]))
 
 
@@ -37,13 +32,15 @@ def carried_errors(rig: Rig, a: FittedScan, b: FittedScan, on_a: Array, on_b: Ar
     for scan, points in ((a, on_a), (b, on_b)):
         if scan.radii is None:
             return None
-        total += (settings.error_share * radii_at(rig, scan.vertices, scan.radii, points)) ** 2
+        total += (settings.error_share * radii_at(rig, scan.search(rig), scan.radii, points)) ** 2
     return np.asarray(np.sqrt(total))
 
 
-def with_errors(rig: Rig, vertices: Array, radii: Array | None, lines: Sequence[Polyline]) -> tuple[Polyline, ...]:
+def with_errors(
+    rig: Rig, fitted: ClosestPointSearch, radii: Array | None, lines: Sequence[Polyline]
+) -> tuple[Polyline, ...]:
     """The lines on the scan of a fitted model, each point with its radius; as they are where none are known."""
     if radii is None or not lines:
         return tuple(lines)
-    errors = radii_at(rig, vertices, radii, np.concatenate([line.points for line in lines]))
+    errors = radii_at(rig, fitted, radii, np.concatenate([line.points for line in lines]))
     return tuple(replace(line, error=errors[part]) for line, part in zip(lines, parts(lines), strict=True))

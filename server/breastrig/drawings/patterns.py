@@ -72,6 +72,8 @@ class AskedDrawing:
 
     def on_model(self, rig: Rig, vertices: Array) -> ModelDrawing:
         """All of it as surface points, for (V, 3) m fitted vertices in the scan's frame."""
+        if len(self.fixed) == 1 and not self.patterns:
+            return self.fixed[0]  # the rig's own, of which more is known already
         return self.on_skin(FittedSkin(rig, vertices))
 
     def on_skin(self, skin: FittedSkin) -> ModelDrawing:

@@ -29,6 +29,7 @@ from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 
 SPACING = 0.003  # m; finer than a pen, coarser than the noise
 FEWEST = 24  # points of a closed line, however small: a marked nipple is a circle, not a hexagon
+ROUNDED_UP = 1.0 + 1e-9  # or the last digit decides whether a small circle has one point more
 ON_SKIN = (
     MatchRules(method="rays", max_distance=0.03, max_angle=np.pi / 3),
     MatchRules(method="tree", max_distance=0.02, max_angle=np.pi / 3),
@@ -125,7 +126,8 @@ def _resampled(line: Array, corners: tuple[int, ...], closed: bool) -> tuple[Arr
     stops = sorted({corner for corner in corners if 0 <= corner < len(line)})
     if closed and not stops:
         around = np.linalg.norm(np.roll(line[:, :3], -1, axis=0) - line[:, :3], axis=1).sum()
-        even = resampled(line, min(SPACING, float(around) / FEWEST), True)
+        fewest = float(around) / FEWEST * ROUNDED_UP
+        even = resampled(line, min(SPACING, fewest), True)
         return even, np.zeros(len(even), dtype=np.bool_)
     if closed:
         line = np.concatenate([line[stops[0] :], line[: stops[0] + 1]])

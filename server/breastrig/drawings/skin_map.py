@@ -29,15 +29,13 @@ displacements expected to be larger on the breasts than on the chest 3.5 / 5.5 a
 3.2 / 5.7 and 5.4 / 7.1.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
-import scipy.linalg as sla
-from scipy.spatial.distance import cdist
-from scipy.spatial.transform import Rotation
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadDrawing
+from breastrig.core.scipy_parts import cholesky, solve_lower
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.skin_map_settings import SkinMapSettings, skin_map_settings
@@ -45,6 +43,7 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
 
 INVERSE_ROUNDS = 8  # each leaves the way's local stretch, at most a third, of the gap
 MIN_SEEN = 30  # vertices of the model that must lie on each scan
@@ -59,6 +58,13 @@ class FittedScan:
     landmarks: dict[str, Array]  # picked and not doubted, (3,)
     stance: str  # standing | supine
     radii: Array | None = None  # (V,) m, each holds the vertex's true place with 90 %; None: not known
+    _searches: dict[Rig, ClosestPointSearch] = field(default_factory=dict, init=False, repr=False)
+
+    def search(self, rig: Rig) -> ClosestPointSearch:
+        """On the fitted model, built once."""
+        if rig not in self._searches:
+            self._searches[rig] = ClosestPointSearch(self.vertices, rig.faces)
+        return self._searches[rig]
 
 
 class SkinMap:
@@ -75,25 +81,23 @@ class SkinMap:
         if min(len(on_a.vertices), len(on_b.vertices)) < MIN_SEEN:
             raise BadDrawing("A fitted model does not lie on its scan; fit it again before carrying points.")
         self._source, self._goal = a.vertices[on_a.vertices].mean(axis=0), b.vertices[on_a.vertices].mean(axis=0)
-        self._turn = Rotation.align_vectors(
-            b.vertices[on_a.vertices] - self._goal, a.vertices[on_a.vertices] - self._source
-        )[0]
+        self._turn = umeyama(a.vertices[on_a.vertices], b.vertices[on_a.vertices]).rotation
         self._centre = on_a.points.mean(axis=0)
         self._kernel_points = on_a.points[spread_out(on_a.points, own.centres)]
-        gram = _matern(cdist(self._kernel_points, self._kernel_points) / own.length)
-        self._factor = sla.cholesky(gram + 1e-9 * np.eye(len(gram)), lower=True)
+        gram = _matern(_gaps(self._kernel_points, self._kernel_points) / own.length)
+        self._factor = cholesky(gram + 1e-9 * np.eye(len(gram)))
         self._weights = self._solved(on_a)
         self._moved_model = ClosestPointSearch(self.moved(a.vertices), rig.faces)
 
     def _motion(self, points: Array) -> Array:
         """The rigid part of the way."""
-        return np.asarray(self._turn.apply(points - self._source) + self._goal)
+        return np.asarray((points - self._source) @ self._turn.T + self._goal)
 
     def _basis(self, points: Array) -> Array:
         """(M, K) the displacements' basis H at (M, 3) points of A."""
         own = self._settings
-        kernel = _matern(cdist(points, self._kernel_points) / own.length)
-        smooth = own.displacement * sla.solve_triangular(self._factor, kernel.T, lower=True).T
+        kernel = _matern(_gaps(points, self._kernel_points) / own.length)
+        smooth = own.displacement * solve_lower(self._factor, kernel.T).T
         shift = np.full((len(points), 1), own.shift_length)
         return np.concatenate([smooth, own.strain * shift, own.strain * (points - self._centre)], axis=1)
 
@@ -115,7 +119,7 @@ class SkinMap:
         )
         placed = np.kron(np.eye(3), rows.T @ rows + np.eye(size))
         pull = (rows.T @ gaps).T.ravel()
-        weights = sla.solve(placed, pull, assume_a="pos").reshape(3, size).T
+        weights = _solution(placed, pull).reshape(3, size).T
         moved = self._motion(a.vertices)
         to_scan = MatchRules("tree", own.to_scan_distance, own.to_scan_angle)
         for _ in range(own.rounds - 1):
@@ -127,7 +131,7 @@ class SkinMap:
             jacobian *= trust[:, None]
             depth = trust * np.einsum("mi,mi->m", found.normals, found.points - start[found.vertices])
             hessian = placed + jacobian.T @ jacobian
-            weights = sla.solve(hessian, pull + jacobian.T @ depth, assume_a="pos").reshape(3, size).T
+            weights = _solution(hessian, pull + jacobian.T @ depth).reshape(3, size).T
         return weights
 
     def moved(self, points: Array) -> Array:
@@ -139,7 +143,7 @@ class SkinMap:
         found = self._moved_model.query(points)
         at = SurfacePoints(found.faces, found.barycentric).positions(self._a.vertices, self._rig.faces)
         for _ in range(INVERSE_ROUNDS):
-            at = at + self._turn.inv().apply(points - self.moved(at))
+            at = at + (points - self.moved(at)) @ self._turn
         return np.asarray(at)
 
     def to_b(self, points: Array) -> Array:
@@ -186,6 +190,18 @@ def _near_the_breasts(rig: Rig, vertices: Array, found: Correspondences, reach: 
     share = np.clip((found.points - left) @ across / (across @ across), 0.0, 1.0)
     near = np.linalg.norm(found.points - left - share[:, None] * across, axis=1) < reach
     return Correspondences(found.vertices[near], found.points[near], found.normals[near], found.distances[near])
+
+
+def _gaps(points: Array, others: Array) -> Array:
+    """(M, K) m between (M, 3) and (K, 3) points."""
+    apart = points[:, None] - others
+    return np.asarray(np.sqrt(np.einsum("mki,mki->mk", apart, apart)))
+
+
+def _solution(matrix: Array, right: Array) -> Array:
+    """(N,) of a symmetric positive definite (N, N) system."""
+    factor = cholesky(matrix)
+    return solve_lower(factor, solve_lower(factor, right), transposed=True)
 
 
 def _matern(distances: Array) -> Array:

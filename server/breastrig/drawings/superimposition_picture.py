@@ -7,13 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 from PIL import Image, ImageDraw
-from scipy.spatial.transform import Rotation
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.drawings.superimposition import ShapeGap
 from breastrig.geometry.polyline import Polyline
 from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera
+from breastrig.rig.similarity import umeyama
 
 SKIN = (0.72, 0.58, 0.50)  # black and white differ from it alike
 PAPER = (0.96, 0.96, 0.95)
@@ -61,8 +61,7 @@ def superimposed(
 
 def body_frame(template: Array, vertices: Array) -> Array:
     """(3, 3): the body's left, up and front in the frame of the (V, 3) posed vertices, as columns."""
-    turn = Rotation.align_vectors(vertices - vertices.mean(axis=0), template - template.mean(axis=0))[0]
-    return np.asarray(turn.as_matrix())
+    return umeyama(template, vertices).rotation
 
 
 def _drawn(shape: Polyline, colour: Colour) -> list[Line]:

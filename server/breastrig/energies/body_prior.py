@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg as sla
 
 from breastrig.core.arrays import Array
+from breastrig.core.scipy_parts import cholesky, solve_lower
 from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations, StructuredTerm
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS
@@ -28,8 +28,7 @@ class BodyPrior(StructuredTerm[BodyState]):
     @cached_property
     def _whitening(self) -> Array:
         """(N, N)"""
-        root = np.linalg.cholesky(self.covariance)
-        return np.asarray(sla.solve_triangular(root, np.eye(len(root)), lower=True))
+        return solve_lower(cholesky(self.covariance), np.eye(len(self.covariance)))
 
     def residual(self, state: BodyState) -> Array:
         """(N,)"""

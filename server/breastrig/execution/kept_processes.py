@@ -18,7 +18,7 @@ from breastrig.core.errors import TooMany
 from breastrig.execution.processes import Processes
 
 KEPT = 4  # processes; each holds a scan and what was measured on it, some hundred megabytes at most on usual scans
-IDLE_S = 300.0  # a surgeon who has not touched a pattern for so long waits the half second again
+IDLE_S = 300.0  # a surgeon who has moved nothing for so long waits the half second again
 LOOK_EVERY_S = 15.0
 WAITING = 4  # questions to one process, of as many tabs or people; a page has one under way
 RETRY_S = 1
@@ -117,7 +117,7 @@ class KeptProcesses:
                     ended = self._kept.pop(self._longest_idle())
                 kept = self._kept[key] = _Kept(self._memory_bytes)
             elif kept.asked >= WAITING:
-                raise TooMany(f"This pattern is being drawn for others already; ask again in {RETRY_S} s.", RETRY_S)
+                raise TooMany(f"Others are moving something on this scan already; ask again in {RETRY_S} s.", RETRY_S)
             kept.asked += 1
             if self._thread is None:
                 self._thread = threading.Thread(target=self._end_idle, name="breastrig-kept", daemon=True)
@@ -130,7 +130,7 @@ class KeptProcesses:
         idle = {key: kept.used_at for key, kept in self._kept.items() if kept.asked == 0}
         if not idle:
             raise TooMany(
-                f"Patterns are being dragged on {self._most} scans, as many as may be at once; "
+                f"Patterns or landmarks are being moved on {self._most} scans, as many as may be at once; "
                 f"ask again in {RETRY_S} s.",
                 RETRY_S,
             )

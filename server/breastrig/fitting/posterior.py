@@ -5,9 +5,9 @@ noise and the priors, not that the model cannot show every body, so whoever uses
 """
 
 import numpy as np
-import scipy.linalg as sla
 
 from breastrig.core.arrays import Array
+from breastrig.core.scipy_parts import cholesky, solve_lower
 from breastrig.energies.landmarks import Landmarks
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.task import FitTask
@@ -29,12 +29,12 @@ class Posterior:
         system = problem.system(terms, self.state)
         held = system.constraint_jacobian
         hessian = system.hessian + held.T @ (held / np.maximum(system.compliance, HARD)[:, None])
-        self._factor = sla.cholesky(hessian + np.diag(FLOOR * problem.scaling), lower=True)
+        self._factor = cholesky(hessian + np.diag(FLOOR * problem.scaling))
         self.picks = next((term for term in terms if isinstance(term, Landmarks)), None)
 
     def whitened(self, rows: Array) -> Array:
         """(N, P) rows of a Jacobian -> (N, P) whose products with each other are the covariances of what they move."""
-        return np.asarray(sla.solve_triangular(self._factor, rows.T, lower=True, check_finite=False).T)
+        return solve_lower(self._factor, rows.T).T
 
     def landmark_variances(self, names: tuple[str, ...]) -> Array:
         """(L,) m², over all three axes, of where the model has these landmarks."""
@@ -56,4 +56,4 @@ class Posterior:
     def sample(self, rng: np.random.Generator) -> Array:
         """(P,) a step drawn from the posterior."""
         draw = rng.standard_normal(len(self._factor))
-        return np.asarray(sla.solve_triangular(self._factor, draw, lower=True, trans="T"))
+        return solve_lower(self._factor, draw, transposed=True)

@@ -16,11 +16,9 @@ layer is held back until it does not.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.linalg import splu
-from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
+from breastrig.core.scipy_parts import cKDTree, coo_array, csc_array, diags_array, symmetric_factor
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.normals import face_normals, vertex_normals
@@ -48,7 +46,7 @@ class Refined:
     displacement: Array  # (V,) m along the fitted model's normals
 
 
-def stiffness_and_area(vertices: Array, faces: Integers) -> tuple[sp.csc_array, Array]:
+def stiffness_and_area(vertices: Array, faces: Integers) -> tuple[csc_array, Array]:
     """((V, V) cotangent stiffness, (V,) m² a third of the area around each vertex)."""
     count = len(vertices)
     rows, columns, values = [], [], []
@@ -65,22 +63,22 @@ def stiffness_and_area(vertices: Array, faces: Integers) -> tuple[sp.csc_array, 
         values += [-cotangent, -cotangent, cotangent, cotangent]
         area += np.bincount(faces[:, k], weights=double / 6.0, minlength=count)
     index = (np.concatenate(rows), np.concatenate(columns))
-    return sp.csc_array(sp.coo_array((np.concatenate(values), index), shape=(count, count))), area
+    return csc_array(coo_array((np.concatenate(values), index), shape=(count, count))), area
 
 
-def _matched_around(stiffness: sp.csc_array, matched: Array) -> Array:
+def _matched_around(stiffness: csc_array, matched: Array) -> Array:
     """(V,) share of each vertex's neighbours that are matched (1.0, else 0.0)."""
-    joined = sp.csc_array((np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), shape=stiffness.shape)
+    joined = csc_array((np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), shape=stiffness.shape)
     return np.asarray((joined @ matched - matched) / (np.diff(joined.indptr) - 1.0))
 
 
-def _weighted(stiffness: sp.csc_array, weights: Array) -> sp.csc_array:
+def _weighted(stiffness: csc_array, weights: Array) -> csc_array:
     """The stiffness with each edge times the mean of its two vertices' (V,) weights."""
-    entries = sp.coo_array(stiffness)
+    entries = coo_array(stiffness)
     apart = entries.row != entries.col
     i, j = entries.row[apart], entries.col[apart]
-    edges = sp.csc_array(sp.coo_array((0.5 * (weights[i] + weights[j]) * entries.data[apart], (i, j)), entries.shape))
-    return sp.csc_array(edges - sp.diags_array(np.asarray(edges.sum(axis=1)).ravel()))
+    edges = csc_array(coo_array((0.5 * (weights[i] + weights[j]) * entries.data[apart], (i, j)), entries.shape))
+    return csc_array(edges - diags_array(np.asarray(edges.sum(axis=1)).ravel()))
 
 
 def _turned(before: Array, vertices: Array, faces: Integers) -> Integers:
@@ -92,7 +90,7 @@ def refined(target: ScanTarget, vertices: Array, faces: Integers) -> Refined:
     """(V, 3) m fitted vertices, moved along their normals onto the scan where it shows skin."""
     normals, facing = vertex_normals(vertices, faces), face_normals(vertices, faces)
     stiffness, area = stiffness_and_area(vertices, faces)
-    bending = stiffness @ sp.diags_array(1.0 / (area * BENDING**2)) @ stiffness
+    bending = stiffness @ diags_array(1.0 / (area * BENDING**2)) @ stiffness
     of_match = area / area.mean() / SIGMA**2
     held = np.zeros(len(vertices))
     heights = np.zeros(len(vertices))
@@ -113,8 +111,8 @@ def refined(target: ScanTarget, vertices: Array, faces: Integers) -> Refined:
         weight += area / DYING**2 * (1.0 + (away / FADE) ** 4)
         for _ in range(HOLDING_TRIES + 1):
             flat = np.where(held > 0.0, 1.0, 1.0 - matched) / SLOPE**2
-            system = sp.diags_array(weight + held * of_match) + bending + _weighted(stiffness, flat)
-            solver = splu(sp.csc_array(system), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+            system = diags_array(weight + held * of_match) + bending + _weighted(stiffness, flat)
+            solver = symmetric_factor(csc_array(system))
             candidate = solver.solve(right)
             turned = _turned(facing, vertices + candidate[:, None] * normals, faces)
             if not len(turned):

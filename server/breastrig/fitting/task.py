@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.doubt import Doubt
@@ -26,6 +28,11 @@ class FitIterate:
     elapsed_s: float
     status: Status  # RUNNING on all but the last
     not_followed: tuple[Doubt, ...] = ()  # picks that were let go
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether there is a model on skin: False where the fit broke down or found none."""
+        return self.status is not Status.NOT_FINITE and bool(np.isfinite(self.mean_distance))
 
 
 @dataclass(frozen=True, eq=False)

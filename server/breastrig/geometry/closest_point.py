@@ -121,6 +121,17 @@ class ClosestPointSearch:
             result.distances[rows] = np.sqrt(((found - points[rows]) ** 2).sum(axis=1))
         return result
 
+    def distances(self, points: Array) -> tuple[Integers, Array]:
+        """((M,) triangle, (M,) m) as `query`, in half of its time: without saying where on the triangle."""
+        points = np.ascontiguousarray(points, dtype=np.float64)
+        faces, distances = np.full(len(points), -1, dtype=np.int64), np.full(len(points), np.inf)
+        asked = np.flatnonzero(_near(points)) if len(self.triangles) else np.zeros(0, dtype=np.int64)
+        for first in range(0, len(asked), PORTION):
+            rows = asked[first : first + PORTION]
+            square, faces[rows], _ = self._tree.squared_distance(self.vertices, self._elements, points[rows])
+            distances[rows] = np.sqrt(square)
+        return faces, distances
+
 
 def _near(points: Array) -> Booleans:
     """(M,) finite and not absurdly far."""

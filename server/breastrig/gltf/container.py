@@ -1,10 +1,11 @@
 """Buffers, views and accessors: numpy arrays in, glTF bytes out.
 
-pygltflib holds the document (document.py); the bytes are laid out here.  One view per accessor, each aligned to four
+document.py holds the document; the bytes are laid out here.  One view per accessor, each aligned to four
 bytes, no interleaving, no sparse accessors (some viewers flicker with them).  The same input gives the same bytes: no
 dates, keys in one order.
 """
 
+import copy
 import hashlib
 from typing import Any
 
@@ -66,6 +67,12 @@ class BufferWriter:
         self._length = 0
         self._known: dict[tuple[Any, ...], int] = {}
         self._buffer = append(document.buffers, Buffer(byteLength=0, uri=uri))
+
+    def going_on(self, document: Document) -> "BufferWriter":
+        """Another writer with what this one holds, for a copy of its document."""
+        other = copy.copy(self)
+        other._document, other._chunks, other._known = document, [*self._chunks], {**self._known}
+        return other
 
     def add_bytes(self, data: bytes, target: int | None = None) -> int:
         """Appends raw bytes (padded to four) and returns the index of their buffer view."""

@@ -13,9 +13,9 @@ from functools import lru_cache
 
 from breastrig.gltf.container import BufferWriter, new_document, to_gltf
 from breastrig.gltf.document import Document
-from breastrig.gltf.drawing_node import add_drawing, add_positions, drawing_node, positions_exact_in
-from breastrig.gltf.ribbon import ribbons
-from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, set_pose
+from breastrig.gltf.lines.drawing_node import add_drawing, add_positions, drawing_node, positions_exact_in
+from breastrig.gltf.lines.ribbon import ribbons
+from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, mesh_of, set_pose
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 
@@ -56,13 +56,10 @@ def _make_exact(document: Document, skinned: SkinnedNodes, rig: Rig, drawing: Mo
     fresh = Document()
     writer = BufferWriter(fresh)
     places = [add_positions(writer, positions) for positions in positions_exact_in(rig, drawing, x)]
-    number = document.nodes[skinned.nodes[drawing_node(drawing.name)]].mesh
-    assert number is not None  # it was added with one
-    mesh = document.meshes[number]
+    mesh = mesh_of(document, skinned, drawing_node(drawing.name))
     document.accessors = list(document.accessors)
     for primitive, place in zip(mesh.primitives, places, strict=True):
-        found, bounds = primitive.attributes.POSITION, fresh.accessors[place]
-        assert found is not None
+        found, bounds = primitive.attributes["POSITION"], fresh.accessors[place]
         document.accessors[found] = replace(document.accessors[found], min=bounds.min, max=bounds.max)
     content = base64.b64encode(writer.content()).decode()
     document.buffers[-1].uri = f"data:application/octet-stream;base64,{content}"

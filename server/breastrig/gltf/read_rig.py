@@ -9,6 +9,7 @@ layout, see pose_nodes.py); any other joint node is the bone itself.  This check
 
 import hashlib
 import json
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -40,10 +41,28 @@ def default_rig_path() -> Path:
 
 
 def read_rig(glb: Path) -> Rig:
-    """Reads `glb`, the .json of the same name and drawings/*.json beside it; BadModel says what is wrong."""
+    """Reads `glb`, the .json of the same name and drawings/*.json beside it; BadModel says what is wrong.
+
+    Files that have not changed since they were read last are the same rig, with all that was derived from it.
+    """
+    drawings = tuple(sorted(glb.parent.glob("drawings/*.json")))
+    stamps = tuple(_stamp(file) for file in (glb, glb.with_suffix(".json"), *drawings))
+    return _read(glb, drawings, stamps) if all(stamps) else _read.__wrapped__(glb, drawings, stamps)
+
+
+def _stamp(file: Path) -> tuple[int, ...] | None:
+    """What changes when the file does; None when it is not there."""
+    try:
+        found = file.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
+
+
+@lru_cache(maxsize=2)  # of a process: the model of a service, and the one that a test or a program tries beside it
+def _read(glb: Path, drawing_paths: tuple[Path, ...], _stamps: tuple[tuple[int, ...] | None, ...]) -> Rig:
     files = {"glb": glb, "json": glb.with_suffix(".json")}
     data = {kind: _bytes(path) for kind, path in files.items()}
-    drawing_paths = sorted(glb.parent.glob("drawings/*.json"))
     drawings = [_bytes(path) for path in drawing_paths]
     side = _parsed(RigFile, data["json"], files["json"].name)
     try:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array
 from breastrig.core.single_precision import far_place
-from breastrig.gltf.container import BufferWriter, append, moved_to, new_document, to_glb
+from breastrig.gltf.container import BufferWriter, append, moved_to, to_glb
 from breastrig.gltf.document import (
     Animation,
     AnimationChannel,
@@ -24,10 +24,10 @@ from breastrig.gltf.document import (
     Document,
     Node,
 )
-from breastrig.gltf.drawing_node import add_drawing, positions_exact_in
+from breastrig.gltf.lines.drawing_node import add_drawing, positions_exact_in
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.skin_layer import add_skin_layer
-from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, set_pose
+from breastrig.gltf.skinned import SkinnedNodes, set_pose, skinned_document
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 
@@ -48,9 +48,7 @@ def fitted_glb(
     `times_s` are the iterates' times since the start; `extras` join the notice in asset.extras; `surface` (V, 3) m is
     the skin where a free-form layer has moved it off the last of the iterates.
     """
-    document = new_document(extras)
-    buffer = BufferWriter(document)
-    skinned = add_skinned_rig(document, buffer, rig)
+    document, buffer, skinned = skinned_document(rig, extras)
     place = far_place(iterates[-1].translations)
     if place.any():
         iterates = [iterate.moved(np.eye(3), -place) for iterate in iterates]

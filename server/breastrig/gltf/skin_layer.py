@@ -11,9 +11,9 @@ from breastrig.core.arrays import Array
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.container import BufferWriter
 from breastrig.gltf.document import ARRAY_BUFFER, Attributes, Document
-from breastrig.gltf.drawing_node import drawing_node
-from breastrig.gltf.ribbon import exact_in, ribbons
-from breastrig.gltf.skinned import SkinnedNodes, as_float32
+from breastrig.gltf.lines.drawing_node import drawing_node
+from breastrig.gltf.lines.ribbon import exact_in, inverses, ribbons
+from breastrig.gltf.skinned import SkinnedNodes, as_float32, mesh_of
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import Posed
@@ -35,10 +35,10 @@ def add_skin_layer(
     `surface` (V, 3) m is where the layer has the skin in that pose.
     """
     posed = Posed(rig, x)
-    moves = np.einsum("vij,vj->vi", np.linalg.pinv(posed.linear), surface - posed.vertices)
+    moves = np.einsum("vij,vj->vi", inverses(posed.linear), surface - posed.vertices)
     turns = vertex_normals(posed.shaped + moves, rig.faces) - vertex_normals(posed.shaped, rig.faces)
     on_vertices = ARRAY_BUFFER
-    skin = document.meshes[document.nodes[skinned.nodes[rig.name]].mesh]
+    skin = mesh_of(document, skinned, rig.name)
     layer = Attributes(
         POSITION=buffer.add(as_float32(moves), target=on_vertices, bounds=True),
         NORMAL=buffer.add(as_float32(turns), target=on_vertices),
@@ -47,12 +47,12 @@ def add_skin_layer(
     skin.extras["targetNames"].append(SKIN_LAYER)
     lines = () if drawing is None else ribbons(rig, drawing)
     if drawing is not None and lines:
-        mesh = document.meshes[document.nodes[skinned.nodes[drawing_node(drawing.name)]].mesh]
+        mesh = mesh_of(document, skinned, drawing_node(drawing.name))
         mesh.extras["targetNames"].append(SKIN_LAYER)
-        for primitive, line in zip(mesh.primitives, lines, strict=True):
-            change = exact_in(rig, line, x, surface) - exact_in(rig, line, x, posed.vertices)
-            place = buffer.add(as_float32(change), target=on_vertices, bounds=True)
+        there, before = exact_in(rig, lines, x, surface), exact_in(rig, lines, x, posed.vertices)
+        for primitive, at, was in zip(mesh.primitives, there, before, strict=True):
+            place = buffer.add(as_float32(at - was), target=on_vertices, bounds=True)
             primitive.targets.append(Attributes(POSITION=place))
     for node in document.nodes:
         if node.mesh is not None:
-            node.weights = [*node.weights, 1.0]
+            node.weights = [*(node.weights or []), 1.0]

@@ -6,8 +6,9 @@ that bone.  All numbers are rounded to float32 first and everything derived (nor
 rounded ones: writing what was read gives the same mesh again.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadModel
 from breastrig.geometry.normals import VertexNormals
-from breastrig.gltf.container import BufferWriter, append
+from breastrig.gltf.container import BufferWriter, append, new_document
 from breastrig.gltf.document import (
     ARRAY_BUFFER,
     ELEMENT_ARRAY_BUFFER,
@@ -73,6 +74,45 @@ def add_skinned_rig(document: Document, buffer: BufferWriter, rig: Rig) -> Skinn
         skeleton=roots[1],
     )
     return SkinnedNodes(append(document.skins, skin), nodes)
+
+
+def skinned_document(rig: Rig, extras: dict[str, Any]) -> tuple[Document, BufferWriter, SkinnedNodes]:
+    """A new document of the rig alone, to be posed and added to; `extras` join the notice in asset.extras."""
+    document, buffer, skinned = _only_the_rig(rig)
+    document = replace(
+        document,
+        accessors=[*document.accessors],
+        bufferViews=[*document.bufferViews],
+        materials=[*document.materials],
+        asset=new_document(extras).asset,
+        buffers=[replace(each) for each in document.buffers],
+        meshes=[_own_targets(each) for each in document.meshes],
+        nodes=[replace(each, children=[*each.children]) for each in document.nodes],
+        skins=[replace(each) for each in document.skins],
+        scenes=[replace(each, nodes=[*each.nodes]) for each in document.scenes],
+    )
+    return document, buffer.going_on(document), SkinnedNodes(skinned.skin, {**skinned.nodes})
+
+
+@lru_cache(maxsize=2)  # of a process that fits one scan after the other
+def _only_the_rig(rig: Rig) -> tuple[Document, BufferWriter, SkinnedNodes]:
+    """Read by skinned_document alone, which copies whatever may change."""
+    document = new_document()
+    buffer = BufferWriter(document)
+    return document, buffer, add_skinned_rig(document, buffer, rig)
+
+
+def _own_targets(mesh: Mesh) -> Mesh:
+    """A copy with its own list of shapes."""
+    primitives = [replace(each, targets=[*each.targets]) for each in mesh.primitives]
+    return replace(mesh, primitives=primitives, extras={"targetNames": [*mesh.extras["targetNames"]]})
+
+
+def mesh_of(document: Document, skinned: SkinnedNodes, name: str) -> Mesh:
+    """The mesh of the node of that name, which has one."""
+    number = document.nodes[skinned.nodes[name]].mesh
+    assert number is not None
+    return document.meshes[number]
 
 
 def set_pose(document: Document, skinned: SkinnedNodes, rig: Rig, x: RigParameters) -> None:

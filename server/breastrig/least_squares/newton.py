@@ -16,9 +16,9 @@ from enum import Enum
 from typing import Generic, Protocol, Self, TypeVar
 
 import numpy as np
-import scipy.linalg as sla
 
 from breastrig.core.arrays import Array, Booleans
+from breastrig.core.scipy_parts import LinAlgError
 from breastrig.least_squares.problem import HARD, Constraint, ResidualTerm, StructuredTerm
 from breastrig.least_squares.quadratic_program import Bounds, minimiser
 
@@ -226,7 +226,7 @@ def damped_step(
     for _ in range(attempts):
         try:
             moves, multipliers = model.step(tried * scaling[free], room)
-        except sla.LinAlgError:
+        except LinAlgError:
             tried *= AFTER_REJECTION
             continue
         step = np.zeros(len(free))

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import daqp
 import numpy as np
-import scipy.linalg as sla
 
 from breastrig.core.arrays import Array
+from breastrig.core.scipy_parts import LinAlgError, cholesky, solve_lower
 
 TOLERANCE = 1e-11  # of a bound or row, where the Hessian's diagonal is scaled to 1: far above rounding, far below 1e-9
 INEQUALITY, EQUALITY = 0, 5  # daqp's kinds of rows
@@ -30,23 +30,6 @@ class Bounds:
     upper: Array  # (P,) >= 0
     rows: Array | None = None  # (R, P)
     row_limits: Array | None = None  # (R,) >= 0, rows @ step <= row_limits
-
-
-def _factor(matrix: Array) -> Array:
-    """Its lower Cholesky factor; by LAPACK itself, as SciPy's wrapper takes longer to check than to factor."""
-    if not len(matrix):
-        return matrix
-    factor, info = sla.lapack.dpotrf(matrix, lower=1, clean=0)
-    if info:
-        raise sla.LinAlgError("The matrix is not positive definite.")
-    return np.asarray(factor)
-
-
-def _solve_lower(factor: Array, right: Array, transposed: bool = False) -> Array:
-    """L⁻¹ right or L⁻ᵀ right."""
-    if not len(factor):
-        return right
-    return np.asarray(sla.lapack.dtrtrs(factor, right, lower=1, trans=int(transposed))[0])
 
 
 def _dual_active_set(hessian: Array, gradient: Array, rows: Array, lower: Array, upper: Array, equal: int) -> Array:
@@ -75,7 +58,7 @@ def _dual_active_set(hessian: Array, gradient: Array, rows: Array, lower: Array,
         dual_tol=TOLERANCE,
     )
     if answer != SOLVED:
-        raise sla.LinAlgError(f"The quadratic program has no solution (daqp answers {answer}).")
+        raise LinAlgError(f"The quadratic program has no solution (daqp answers {answer}).")
     return np.concatenate([solution * scale, about["lam"][count:] / lengths])
 
 
@@ -95,8 +78,8 @@ def minimiser(hessian: Array, gradient: Array, bounds: Bounds, equations: Array,
     lower, upper = bounds.lower[inside], bounds.upper[inside]
     order, first = np.concatenate([outside, inside]), len(outside)
     ordered, pull = hessian.take(order, axis=0).take(order, axis=1), gradient[order]
-    factor = _factor(ordered[:first, :first])
-    mixed = _solve_lower(factor, np.column_stack([ordered[:first, first:], pull[:first]]))
+    factor = cholesky(ordered[:first, :first])
+    mixed = solve_lower(factor, np.column_stack([ordered[:first, first:], pull[:first]]))
     found = _dual_active_set(
         ordered[first:, first:] - mixed[:, :-1].T @ mixed[:, :-1],
         pull[first:] - mixed[:, :-1].T @ mixed[:, -1],
@@ -107,5 +90,5 @@ def minimiser(hessian: Array, gradient: Array, bounds: Bounds, equations: Array,
     )
     step = np.zeros(len(gradient))
     step[inside] = np.clip(found[: len(inside)], lower, upper)  # off by rounding only
-    step[outside] = -_solve_lower(factor, mixed[:, -1] + mixed[:, :-1] @ step[inside], transposed=True)
+    step[outside] = -solve_lower(factor, mixed[:, -1] + mixed[:, :-1] @ step[inside], transposed=True)
     return step, found[len(found) - equal :]

@@ -7,10 +7,10 @@ Breasts and arms are left out: they differ between the sides and hang or lie as 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
 
 NOT_TRUNK = ("arm", "breast", "areola")  # beginnings of the names of regions
 
@@ -25,6 +25,10 @@ class BodyFrame:
     def lateral(self, points: Array) -> Array:
         """(...,) m: how far to her left of the median plane."""
         return np.asarray((points - self.middle) @ self.axes[:, 0])
+
+    def on_plane(self, points: Array) -> Array:
+        """(..., 3) m: the nearest points of the median plane."""
+        return np.asarray(points - self.lateral(points)[..., None] * self.axes[:, 0])
 
     def height(self, points: Array) -> Array:
         """(...,) m: how far towards her head."""
@@ -44,5 +48,4 @@ def body_frame(rig: Rig, vertices: Array) -> BodyFrame:
     """The frame of (V, 3) m fitted vertices."""
     chosen = trunk(rig)
     rest, here = rig.template[chosen], vertices[chosen]
-    turn, _ = Rotation.align_vectors(here - here.mean(axis=0), rest - rest.mean(axis=0))
-    return BodyFrame(turn.as_matrix(), 0.5 * (here + vertices[rig.mirror_vertices[chosen]]).mean(axis=0))
+    return BodyFrame(umeyama(rest, here).rotation, 0.5 * (here + vertices[rig.mirror_vertices[chosen]]).mean(axis=0))

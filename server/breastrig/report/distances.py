@@ -6,14 +6,15 @@ the rays of the fit.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Integers
+from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.boundary import boundary_vertices
-from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.closest_point import ClosestPointSearch, closest_barycentric
 from breastrig.geometry.normals import face_normals, vertex_normals
 
 ACCEPTED = MatchRules(method="tree", max_distance=0.05, max_angle=np.pi / 3)
@@ -44,19 +45,71 @@ def summary_mm(distances: Array) -> dict[str, float | None]:
     return {name: round(float(value), 4) for name, value in named.items()}
 
 
+class Comparison:
+    """A fitted surface and a scan, each seen from the other; everything is looked for once, when it is asked for."""
+
+    def __init__(self, target: ScanTarget, vertices: Array, faces: Integers) -> None:
+        """vertices: (V, 3) m, in the target's frame; faces: (F, 3)"""
+        self.target, self.vertices, self.faces = target, vertices, faces
+
+    @cached_property
+    def normals(self) -> Array:
+        """(V, 3) unit, of the fitted surface."""
+        return vertex_normals(self.vertices, self.faces)
+
+    @cached_property
+    def search(self) -> ClosestPointSearch:
+        """On the fitted surface."""
+        return ClosestPointSearch(self.vertices, self.faces)
+
+    @cached_property
+    def accepted(self) -> Correspondences:
+        """The pairs of the fitted surface's vertices and the scan."""
+        return match(self.target, self.vertices, self.normals, ACCEPTED)
+
+    @cached_property
+    def _stride(self) -> int:
+        return max(1, len(self.target.vertices) // MAX_SCAN_POINTS)
+
+    @cached_property
+    def _from_scan(self) -> tuple[Array, Booleans, Booleans]:
+        return self._looked_at(self._stride)
+
+    def from_scan(self, stride: int) -> tuple[Array, Booleans, Booleans]:
+        """Of every `stride`-th of the scan's vertices: (M,) m to the model, (M,) not beyond one of its openings, (M,)
+        facing as it does."""
+        distances, inside, facing = self._from_scan
+        if stride % self._stride:
+            return self._looked_at(stride)
+        step = stride // self._stride
+        return distances[::step], inside[::step], facing[::step]
+
+    def _looked_at(self, stride: int) -> tuple[Array, Booleans, Booleans]:
+        points, normals = self.target.vertices[::stride], self.target.normals[::stride]
+        near, distances = self.search.distances(points)
+        rim = boundary_vertices(self.faces, len(self.vertices))
+        inside = np.ones(len(points), dtype=np.bool_)
+        of_rim = np.asarray(rim[self.faces].any(axis=1))
+        at_rim = np.flatnonzero(of_rim[near])  # only there one has to know where on the triangle
+        corners = self.faces[near[at_rim]]
+        barycentric = closest_barycentric(points[at_rim], self.vertices[corners])
+        inside[at_rim] = (barycentric * rim[corners]).sum(axis=1) < 0.999
+        facing = np.einsum("mi,mi->m", face_normals(self.vertices, self.faces)[near], normals)
+        return distances, inside, facing > np.cos(ACCEPTED.max_angle)
+
+    @cached_property
+    def distances(self) -> SurfaceDistances:
+        """Both ways."""
+        model = np.full(len(self.vertices), np.nan)
+        model[self.accepted.vertices] = self.accepted.distances
+        distances, inside, facing = self._from_scan
+        scan = distances[inside & facing & (distances <= REACH)]
+        return SurfaceDistances(model, scan, _signed(self.accepted, self.vertices))
+
+
 def surface_distances(target: ScanTarget, vertices: Array, faces: Integers) -> SurfaceDistances:
     """Distances between (V, 3) m fitted vertices and the scan, both ways."""
-    accepted = match(target, vertices, vertex_normals(vertices, faces), ACCEPTED)
-    model = np.full(len(vertices), np.nan)
-    model[accepted.vertices] = accepted.distances
-    stride = max(1, len(target.vertices) // MAX_SCAN_POINTS)
-    points, normals = target.vertices[::stride], target.normals[::stride]
-    closest = ClosestPointSearch(vertices, faces).query(points)
-    on_rim = boundary_vertices(faces, len(vertices))[faces[closest.faces]]
-    inside = (closest.barycentric * on_rim).sum(axis=1) < 0.999  # beyond an opening of the model: out of reach
-    agree = np.einsum("mi,mi->m", face_normals(vertices, faces)[closest.faces], normals) > np.cos(ACCEPTED.max_angle)
-    scan = closest.distances[inside & agree & (closest.distances <= REACH)]
-    return SurfaceDistances(model, scan, _signed(accepted, vertices))
+    return Comparison(target, vertices, faces).distances
 
 
 def signed_distances(target: ScanTarget, vertices: Array, faces: Integers) -> Array:

@@ -7,6 +7,7 @@ which.
 
 Lengths along the skin run on the fitted model: a scan has holes under and beside the breast, just where a tape runs.
 A pick is first put on it.  The tape is exact on the mesh (geometry/geodesic.py) and laid without stretching the skin.
+Every row has the lines that were measured, so that they can be shown on the body.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -75,13 +76,15 @@ class _Table:
         both = [self._place("nipple", side) for side in SIDES]
         if all(place is not None for place in both):
             half = half_width([place.radius for place in both if place is not None])
-            for kind, number, method in zip((STRAIGHT, ALONG_SKIN), self._apart(both), (CHORD, TAPE), strict=True):
-                value = _mm(number, half)
-                yield Row("nipple_nipple", "Nipple to nipple", kind, "mm", None, None, value, _named(both), method)
+            for kind, line, method in zip((STRAIGHT, ALONG_SKIN), self._apart(both), (CHORD, TAPE), strict=True):
+                row = ("nipple_nipple", "Nipple to nipple", kind, "mm", None, None, _mm(length(line), half))
+                yield Row(*row, _named(both), method, {"value": line})
         widths = [self._base_width(breast_outline(self.stance.rig, side)) for side in SIDES]
         if all(width is not None for width in widths):
+            (left, across_left), (right, across_right) = (width for width in widths if width is not None)
             method = f"{CHORD} between the sides of the model's breast base outline, at the height where it is widest"
-            yield Row("base_width", "Base width", STRAIGHT, "mm", widths[0], widths[1], None, (OUTLINE,), method)
+            paths = {"left": across_left, "right": across_right}
+            yield Row("base_width", "Base width", STRAIGHT, "mm", left, right, None, (OUTLINE,), method, paths)
 
     def _place(self, part: str, side: str) -> Place | None:
         return self.places.get(part) or self.places.get(f"{part}_{side}")
@@ -91,28 +94,29 @@ class _Table:
         name: str,
         label: str,
         ends: dict[str, list[Place | None]],
-        measured: Callable[[str], tuple[float, float]],
+        measured: Callable[[str], tuple[Array, Array]],
         halves: Mapping[str, float | None],
         methods: tuple[str, str] = (CHORD, TAPE),
     ) -> Iterator[Row]:
         """Two rows, straight and along the skin; none where a landmark is missing on the rig."""
         if any(place is None for side in SIDES for place in ends[side]):
             return
-        numbers = {side: measured(side) for side in SIDES}
+        lines = {side: measured(side) for side in SIDES}
         landmarks = _named([place for side in SIDES for place in ends[side]])
         for index, kind in enumerate((STRAIGHT, ALONG_SKIN)):
-            left, right = (_mm(numbers[side][index], halves[side]) for side in SIDES)
-            yield Row(name, label, kind, "mm", left, right, None, landmarks, methods[index])
+            left, right = (_mm(length(lines[side][index]), halves[side]) for side in SIDES)
+            paths = {"left": lines["L"][index], "right": lines["R"][index]}
+            yield Row(name, label, kind, "mm", left, right, None, landmarks, methods[index], paths)
 
-    def _between(self, ends: dict[str, list[Place | None]], side: str) -> tuple[float, float]:
+    def _between(self, ends: dict[str, list[Place | None]], side: str) -> tuple[Array, Array]:
         return self._apart(ends[side])
 
-    def _apart(self, ends: Sequence[Place | None]) -> tuple[float, float]:
-        """m: straight and along the skin."""
+    def _apart(self, ends: Sequence[Place | None]) -> tuple[Array, Array]:
+        """(M, 3) m each: straight and along the skin."""
         a, b = (place.point for place in ends if place is not None)
-        return float(np.linalg.norm(a - b)), self._tape(self._on_skin(a), self._on_skin(b))
+        return np.stack([a, b]), self._skin.path(self._on_skin(a), self._on_skin(b))
 
-    def _to_midline(self, nipple: Place | None, midline: DrawnShape) -> tuple[float, float]:
+    def _to_midline(self, nipple: Place | None, midline: DrawnShape) -> tuple[Array, Array]:
         assert nipple is not None
         rig, vertices = self.stance.rig, self.stance.vertices
         start = self._on_skin(nipple.point)
@@ -121,14 +125,14 @@ class _Table:
         far = self._skin.distances(int(start.faces[0]), start.barycentric[0])
         nearest = int(on.positions(far[:, None], rig.faces)[:, 0].argmin())
         goal = SurfacePoints(on.faces[[nearest]], on.barycentric[[nearest]])
-        return abs(float(self.frame.lateral(nipple.point))), self._tape(start, goal)
+        return np.stack([nipple.point, self.frame.on_plane(nipple.point)]), self._skin.path(start, goal)
 
     def _halves(self, ends: Mapping[str, Sequence[Place | None]]) -> dict[str, float | None]:
         """m, of each side's band."""
         return {side: half_width([place.radius for place in ends[side] if place is not None]) for side in SIDES}
 
-    def _base_width(self, outline: DrawnShape | None) -> Value | None:
-        """The widest of the outline's chords at one height: callipers are held across, not askew."""
+    def _base_width(self, outline: DrawnShape | None) -> tuple[Value, Array] | None:
+        """The widest of the outline's chords at one height, and its (2, 3) m ends: callipers are held across."""
         if outline is None:
             return None
         line = resampled(outline.points.positions(self.stance.vertices, self.stance.rig.faces), SPACING, closed=True)
@@ -141,13 +145,10 @@ class _Table:
             width = float(np.linalg.norm(pair[0] - pair[1]))
             if width > best:
                 best, ends = width, pair
-        return _mm(best, half_width([self.stance.radius_at(end[None]) for end in ends]))
+        return _mm(best, half_width([self.stance.radius_at(end[None]) for end in ends])), np.asarray(ends)
 
     def _on_skin(self, point: Array) -> SurfacePoints:
         return self.stance.on_model(point[None])
-
-    def _tape(self, a: SurfacePoints, b: SurfacePoints) -> float:
-        return length(self._skin.path(a, b))
 
 
 def _volumes(stance: Stance) -> Iterator[Row]:
@@ -157,7 +158,16 @@ def _volumes(stance: Stance) -> Iterator[Row]:
     numbers = [Value(*(1e6 * number for number in (v.value, v.low, v.high))) for v in (left, right)]
     seen = f"the scan shows {100.0 * left.seen:.0f} % of the left breast and {100.0 * right.seen:.0f} % of the right"
     method = f"{VOLUME_METHOD}; {seen}"
-    yield Row("volume", "Volume", "volume", "ml", numbers[0], numbers[1], None, (OUTLINE,), method)
+    paths = {name: _outline(stance, side) for name, side in (("left", "L"), ("right", "R"))}
+    yield Row("volume", "Volume", "volume", "ml", numbers[0], numbers[1], None, (OUTLINE,), method, paths)
+
+
+def _outline(stance: Stance, side: str) -> Array:
+    """(M, 3) m, its first point again at the end."""
+    shape = breast_outline(stance.rig, side)
+    assert shape is not None  # it has a volume
+    line = shape.points.positions(stance.vertices, stance.rig.faces)
+    return np.concatenate([line, line[:1]])
 
 
 def _mm(metres: float, half: float | None) -> Value:

@@ -1,7 +1,6 @@
 """A surface as PLY and STL, in the unit that is asked for: single precision where that is exact, else more digits.
 
-Both come from trimesh, whose PLY knows single precision only: far from the origin the vertices are written anew.
-It takes 0.4 s to load, so it is loaded when a surface is written: most commands, and the server, write none.
+The STL comes from trimesh, which takes 0.4 s to load, so it is loaded when one is written; a PLY is two arrays.
 """
 
 import numpy as np
@@ -12,15 +11,20 @@ from breastrig.core.single_precision import far_place
 
 def surface_ply(vertices: Array, faces: Integers, metres_per_unit: float) -> bytes:
     """A binary PLY of (V, 3) m vertices and (F, 3) triangles."""
-    import trimesh
-
-    placed = vertices / metres_per_unit
-    data = bytes(trimesh.Trimesh(placed, faces, process=False).export(file_type="ply", include_attributes=False))
-    if not far_place(vertices).any():
-        return data
-    header, body = data.split(b"end_header\n", 1)
-    triangles = body[len(placed) * 3 * np.dtype(np.float32).itemsize :]
-    return header.replace(b"float", b"double") + b"end_header\n" + placed.astype("<f8").tobytes() + triangles
+    exact = not far_place(vertices).any()
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        f"element vertex {len(vertices)}",
+        *(f"property {'float' if exact else 'double'} {axis}" for axis in "xyz"),
+        f"element face {len(faces)}",
+        "property list uchar int vertex_indices",
+        "end_header\n",
+    ]
+    triangles = np.zeros(len(faces), [("count", "<u1"), ("corners", "<i4", 3)])
+    triangles["count"], triangles["corners"] = 3, faces
+    places = (vertices / metres_per_unit).astype("<f4" if exact else "<f8")
+    return "\n".join(header).encode() + places.tobytes() + triangles.tobytes()
 
 
 def surface_stl(vertices: Array, faces: Integers, metres_per_unit: float) -> bytes:

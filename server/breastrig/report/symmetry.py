@@ -36,10 +36,13 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     level = max(0.0, 1.0 - abs(heights[0] - heights[1]) / max(apart, 1e-9))
     at = [half_width([place.radius], OF_RATIO) for place in nipples]
     half = None if None in at else float(np.linalg.norm(np.array(at, dtype=np.float64))) / max(apart, 1e-9)
+    points = np.array([place.point for place in nipples])
+    how_level = "1 less their difference in height over their distance across"
+    yield _row("M1", "nipple heights", level, half, names, how_level, {"value": points})
+    to_midline = _sides(points, frame.on_plane(points))
     yield _row(
-        "M1", "nipple heights", level, half, names, "1 less their difference in height over their distance across"
+        "M3", "nipple to midline", *_ratio(across, at), names, how + "nipple to median plane, across", to_midline
     )
-    yield _row("M3", "nipple to midline", *_ratio(across, at), names, how + "nipple to median plane, across")
     members = [vertices_within(stance.rig, side) for side in ("L", "R")]
     if any(part is None for part in members):
         return
@@ -47,24 +50,26 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> It
     low = [skin[frame.height(skin).argmin()] for skin in places]
     far = [skin[np.abs(frame.lateral(skin)).argmax()] for skin in places]
     lowest, lateral = frame.height(np.array(low)), np.abs(frame.lateral(np.array(far)))
+    to_lowest, to_lateral = (_sides(points, np.array(ends)) for ends in (low, far))
     low_radii, far_radii = ([stance.radius_at(point[None]) for point in ends] for ends in (low, far))
     from_nipple = [
         [half_width([a.radius, b]) for a, b in zip(nipples, ends, strict=True)] for ends in (low_radii, far_radii)
     ]
     outline = (MODEL_PART,)
-    yield _row(
-        "M2", "nipple to lowest point", *_ratio(heights - lowest, from_nipple[0]), names + outline, how + "in height"
-    )
-    yield _row(
-        "M4", "nipple to lateral end", *_ratio(lateral - across, from_nipple[1]), names + outline, how + "across"
-    )
+    heights_ratio, across_ratio = _ratio(heights - lowest, from_nipple[0]), _ratio(lateral - across, from_nipple[1])
+    yield _row("M2", "nipple to lowest point", *heights_ratio, names + outline, how + "in height", to_lowest)
+    yield _row("M4", "nipple to lateral end", *across_ratio, names + outline, how + "across", to_lateral)
     if "suprasternal_notch" in known:
         notch = known["suprasternal_notch"]
         drop = float(frame.height(notch.point)) - lowest
         halves = [half_width([notch.radius, radius], OF_RATIO) for radius in low_radii]
-        yield _row("M5", "lowest point to notch", *_ratio(drop, halves), (str(notch), *outline), how + "in height")
+        to_notch = _sides(np.array(low), np.array([notch.point, notch.point]))
+        found = (str(notch), *outline)
+        yield _row("M5", "lowest point to notch", *_ratio(drop, halves), found, how + "in height", to_notch)
     halves = [half_width([radius], OF_RATIO) for radius in far_radii]
-    yield _row("M6", "lateral end to midline", *_ratio(lateral, halves), outline, how + "across")
+    ends = np.array(far)
+    to_plane = _sides(ends, frame.on_plane(ends))
+    yield _row("M6", "lateral end to midline", *_ratio(lateral, halves), outline, how + "across", to_plane)
 
 
 def _ratio(pair: Array, halves: Sequence[float | None]) -> tuple[float, float | None]:
@@ -73,6 +78,19 @@ def _ratio(pair: Array, halves: Sequence[float | None]) -> tuple[float, float | 
     return float(low / high) if high > 0.0 else 1.0, ratio_half_width(pair.tolist(), halves)
 
 
-def _row(name: str, label: str, ratio: float, half: float | None, landmarks: tuple[str, ...], method: str) -> Row:
+def _sides(a: Array, b: Array) -> dict[str, Array]:
+    """The lines from (2, 3) m left and right to (2, 3) m."""
+    return {"left": np.stack([a[0], b[0]]), "right": np.stack([a[1], b[1]])}
+
+
+def _row(
+    name: str,
+    label: str,
+    ratio: float,
+    half: float | None,
+    landmarks: tuple[str, ...],
+    method: str,
+    paths: Mapping[str, Array],
+) -> Row:
     value = banded(ratio, half, 0.0, 1.0)
-    return Row(name, f"{name}  {label}", "ratio", "1", None, None, value, landmarks, method)
+    return Row(name, f"{name}  {label}", "ratio", "1", None, None, value, landmarks, method, paths)

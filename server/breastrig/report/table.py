@@ -5,16 +5,22 @@ The same rows stand in report.json, measures.csv and the PDF.
 
 import csv
 import io
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
-Cell = str | float | None
+import numpy as np
+
+from breastrig.core.arrays import Array
+
+Lines = dict[str, list[list[float]]]
+Cell = str | float | Lines | None
 COLUMNS = (
     "stance", "measure", "kind", "unit",
     "left", "left_low", "left_high", "right", "right_low", "right_high", "difference",
     "value", "value_low", "value_high",
     "landmarks", "method",
 )  # fmt: skip
+PATH_DIGITS = 1  # of mm, in the lines that were measured: they are looked at, not measured again
 FILE_DIGITS = {"mm": 2, "ml": 1, "1": 4}  # a hundredth of a millimetre is below any scanner: enough
 PRINTED_DIGITS = {"mm": 1, "ml": 0, "1": 2}  # what a scanner of 1 to 3 mm and a band of tens of ml allow
 
@@ -41,6 +47,7 @@ class Row:
     value: Value | None
     landmarks: tuple[str, ...]  # each with its source: picked, or the model's
     method: str
+    paths: Mapping[str, Array] = field(default_factory=dict)  # left, right or value: (M, 3) m, what was measured
 
     @property
     def difference(self) -> float | None:
@@ -49,7 +56,10 @@ class Row:
 
 
 def flat_rows(stances: Sequence[tuple[str, Sequence[Row]]]) -> list[dict[str, Cell]]:
-    """The rows of one or two (name, rows); of two also their changes, the second less the first."""
+    """The rows of one or two (name, rows); of two also their changes, the second less the first.
+
+    `paths` are lines in the scan's frame, mm; a change has none.
+    """
     flat = [_flat(name, row) for name, rows in stances for row in rows]
     if len(stances) == 2:
         (first, before), (second, after) = stances
@@ -93,15 +103,16 @@ def _flat(stance: str, row: Row) -> dict[str, Cell]:
         cells[f"{side}_low"] = cut(value.low) if value else None
         cells[f"{side}_high"] = cut(value.high) if value else None
     cells["difference"] = cut(row.difference)
-    return cells | {"landmarks": "; ".join(row.landmarks), "method": row.method}
+    paths = {side: np.round(1e3 * line, PATH_DIGITS).tolist() for side, line in row.paths.items()}
+    return cells | {"landmarks": "; ".join(row.landmarks), "method": row.method, "paths": paths or None}
 
 
 def csv_bytes(rows: Sequence[dict[str, Cell]]) -> bytes:
-    """The rows as CSV with a header; empty cells where a row has no such number."""
+    """The rows as CSV with a header; empty cells where a row has no such number.  A table has no room for lines."""
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
-    writer.writerows(rows)
+    writer.writerows({name: row[name] for name in COLUMNS} for row in rows)
     return text.getvalue().encode()
 
 

@@ -18,14 +18,14 @@ chest the skin stands upright on that plane.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.components import component_roots
 from breastrig.geometry.curves import resampled
 from breastrig.geometry.level_sets import crossings, part_above
 from breastrig.geometry.normals import face_areas, face_crosses, vertex_normals
+from breastrig.geometry.thin_plate_spline import ThinPlateSpline
 from breastrig.report.body_frame import body_frame
 from breastrig.report.stance import Stance
 from breastrig.rig.model import DrawnShape, Rig
@@ -71,8 +71,6 @@ def volume_above(
 
     `inside` (V,) m is the distance to the outline, above zero within it.  (0, 0) when nothing is inside.
     """
-    from scipy.interpolate import RBFInterpolator  # 0.2 s to load, for reports alone
-
     patch, triangles = part_above(vertices, faces, inside, level)
     if not len(triangles):
         return 0.0, 0.0
@@ -88,7 +86,7 @@ def volume_above(
         return np.stack([np.arctan2(y, x), z / radius], axis=1), np.hypot(x, y) / radius - 1.0
 
     at, height = unrolled(border)
-    wall_of = RBFInterpolator(at, height, kernel="thin_plate_spline", smoothing=SMOOTHING)
+    wall_of = ThinPlateSpline(at, height, SMOOTHING)
     under, _ = unrolled(patch)
     reach = radius * (1.0 + wall_of(under))
     angle = under[:, 0]
@@ -165,8 +163,7 @@ def _within(rig: Rig, outline: DrawnShape, nipple: str) -> Booleans:
     edges = rig.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges = edges[positive[edges].all(axis=1)]
     count = len(rig.template)
-    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
-    _, label = connected_components(graph, directed=False)
+    label = component_roots(count, edges[:, 0], edges[:, 1])
     seed = int(np.linalg.norm(rig.template - tip, axis=1).argmin())
     return np.asarray(positive & (label == label[seed]))
 

@@ -6,11 +6,10 @@ The scan itself is never changed on disk; drawings are projected on the cleaned 
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan
+from breastrig.geometry.components import triangle_components
 from breastrig.geometry.normals import face_areas
 from breastrig.scan.scan import Scan
 from breastrig.scan.winding import outwards
@@ -49,9 +48,7 @@ def without_degenerate(vertices: Array, faces: Integers) -> Integers:
 
 def without_fragments(vertices: Array, faces: Integers) -> tuple[Integers, int]:
     """Pieces of at least FRAGMENT_SHARE of the largest (by triangles), and how many others were dropped."""
-    i, j = faces[:, [0, 1, 2]].ravel(), faces[:, [1, 2, 0]].ravel()
-    graph = sp.coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(len(vertices), len(vertices)))
-    _, labels = connected_components(graph, directed=False)
+    _, labels = triangle_components(faces, len(vertices))
     piece = labels[faces[:, 0]]
     sizes = np.bincount(piece)
     kept = sizes >= FRAGMENT_SHARE * sizes.max()

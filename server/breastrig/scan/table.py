@@ -10,10 +10,9 @@ beside a narrow table, is never one of them.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.geometry.components import triangle_components
 from breastrig.geometry.normals import face_crosses, vertex_normals
 from breastrig.geometry.plane import Plane
 
@@ -86,9 +85,7 @@ def _laid(
 def _low_pieces(faces: Integers, flat: Booleans, heights: Array, band: float) -> Booleans:
     """(F,) triangles that are not flat but connected with nothing that rises above the band."""
     rest = faces[~flat]
-    i, j = rest[:, [0, 1, 2]].ravel(), rest[:, [1, 2, 0]].ravel()
-    graph = sp.coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(len(heights), len(heights)))
-    count, piece = connected_components(graph, directed=False)
+    count, piece = triangle_components(rest, len(heights))
     rises = np.zeros(count, dtype=np.bool_)
     rises[piece[heights >= band]] = True
     result = np.zeros(len(faces), dtype=np.bool_)

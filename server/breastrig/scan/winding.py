@@ -7,10 +7,9 @@ the middle of what lies behind it.
 """
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.geometry.components import components
 from breastrig.geometry.normals import face_crosses
 
 ROUND = 0.2  # mean cosine between normals and the arms from the piece's middle: a plane has 0, a ball 1, a torso 0.5
@@ -34,11 +33,14 @@ def consistent(faces: Integers) -> tuple[Integers, Integers]:
     """(F, 3) triangles that agree with their neighbours, and the (F,) piece that each belongs to."""
     a, b, differ = _neighbours(faces)
     count = len(faces)
+    pieces, piece = components(count, a, b)
+    if not differ.any():
+        return faces, piece
+    import scipy.sparse as sp  # with its graphs 0.2 s to load, for the rare scan whose triangles disagree
+    from scipy.sparse.csgraph import breadth_first_order
+
     graph = sp.csr_array((np.where(differ, 2.0, 1.0), (a, b)), shape=(count, count))
     graph = (graph + graph.T).tocsr()
-    pieces, piece = connected_components(graph, directed=False)
-    if not differ.any():
-        return faces, piece.astype(np.int64)
     # one walk for all pieces: from a node of its own that leads to the first triangle of each
     roots = np.unique(piece, return_index=True)[1]
     start = sp.csr_array((np.ones(pieces), roots, [0, pieces]), shape=(1, count))
@@ -49,7 +51,7 @@ def consistent(faces: Integers) -> tuple[Integers, Integers]:
     while (parent != parent[parent]).any():
         flipped = flipped ^ flipped[parent]
         parent = parent[parent]
-    return np.where(flipped[:, None], faces[:, ::-1], faces), piece.astype(np.int64)
+    return np.where(flipped[:, None], faces[:, ::-1], faces), piece
 
 
 def outwards(vertices: Array, faces: Integers) -> tuple[Integers, int]:

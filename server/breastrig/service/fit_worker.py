@@ -155,14 +155,13 @@ def _job(storage: Storage, fit: FitRow, out: Path, model: Path | None) -> Iterat
     """The fit's task, with its scan at hand."""
     scan = get_scan(storage, fit.scan)
     with storage.files.reading(scan_place(scan.id), [upload_name(scan.file_type)]) as folder:
-        yield replace(fit_job(scan, fit, folder, out, model), earlier=_earlier(storage, fit))
+        earlier = None if fit.start_from is None else earlier_fit(storage, fit.start_from)
+        yield replace(fit_job(scan, fit, folder, out, model), earlier=earlier)
 
 
-def _earlier(storage: Storage, fit: FitRow) -> EarlierFit | None:
-    """The fit that this one goes on from, as its last iteration stands."""
-    if fit.start_from is None:
-        return None
-    earlier = get_fit(storage, fit.start_from)
+def earlier_fit(storage: Storage, fit_id: str) -> EarlierFit:
+    """A fit that is done, as its last iteration stands, to go on from."""
+    earlier = get_fit(storage, fit_id)
     first = events_of_kind(storage, earlier.id, "started")
     last = events_of_kind(storage, earlier.id, "iterated", offset=earlier.iterations - 1)
     return EarlierFit(earlier.stance, json.loads(last[0].json)["nodes"], json.loads(first[0].json)["model_sha256"])

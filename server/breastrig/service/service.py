@@ -21,13 +21,15 @@ from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound, 
 from breastrig.execution.executor import Executor
 from breastrig.execution.fair_processes import FairProcesses
 from breastrig.execution.fork_server import preload
+from breastrig.execution.kept_processes import KeptProcesses
 from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.processes import Processes
 from breastrig.execution.scratch_sweeper import scratch_swept
 from breastrig.scan.stored_scan import STORED
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
 from breastrig.service.follow import Heartbeat, Notifier, Queued, follow
-from breastrig.service.live_patterns import LivePatterns
+from breastrig.service.moving.live_patterns import LivePatterns
+from breastrig.service.moving.moved_landmarks import MovedLandmarks
 from breastrig.service.plain_meshes import PlainMeshes
 from breastrig.service.plans import Plans
 from breastrig.service.proposals import Proposals, Proposer
@@ -47,11 +49,11 @@ from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_
 from breastrig.storage.rows.patients import get_patient, scans_of_patient
 from breastrig.storage.rows.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
+from breastrig.workflow.lines.transfer import TransferJob, transfer
 from breastrig.workflow.propose_on_scan import propose_on_file
 from breastrig.workflow.read_upload import UploadJob, read_upload
 from breastrig.workflow.run_fit import run_fit
 from breastrig.workflow.run_pair import run_pair
-from breastrig.workflow.transfer import TransferJob, transfer
 
 CHUNK = 2**20
 TRANSFER_WALL_S = 60.0  # a transfer takes a second or two; a slow machine with huge scans may take many
@@ -101,7 +103,9 @@ class Service:
         self._model = model
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
         self.plans = Plans(storage, self._readers, model)
-        self.live_patterns = LivePatterns(storage, model, self._uploads.memory_bytes)
+        self.kept_processes = KeptProcesses(self._uploads.memory_bytes)
+        self.live_patterns = LivePatterns(storage, self.kept_processes, model)
+        self.moved_landmarks = MovedLandmarks(storage, self.kept_processes, model)
         self.reports = Reports(storage, self._readers, self.plans, model)
         self.plain_meshes = PlainMeshes(storage, self._readers)
         self._notifier = Notifier(storage)
@@ -130,7 +134,7 @@ class Service:
                 self._sweep.stop()
                 self._notifier.stop()
                 self._queue.stop()
-                self.live_patterns.stop()
+                self.kept_processes.stop()
                 self._readers.stop()
                 self.storage.close()
 
@@ -185,7 +189,8 @@ class Service:
         self._queue.drop(fits)
         gone = delete_rows(self.storage, scan_id)
         self._queue.drop(gone)  # a fit may have been asked for in between
-        self.live_patterns.forget([*fits, *gone])
+        for fit_id in (*fits, *gone):
+            self.kept_processes.drop(fit_id)
         self.plans.forget()
         self.reports.forget()
         left = remove_files(self.storage, scan_id)

@@ -5,18 +5,19 @@ They are named, not imported, because a worker of a cluster needs them in its ch
 
 TASK_MODULES = (
     "breastrig.report.pdf",  # this one and the next are imported only where they are used, for they take long
-    "breastrig.scan.formats.ply_obj_stl",
+    "breastrig.scan.formats.library_meshes",
     "breastrig.service.fit_worker",
-    "breastrig.workflow.planning.live_pattern",
-    "breastrig.workflow.plan_on_fit",
+    "breastrig.workflow.default_model",
+    "breastrig.workflow.moving.live_pattern",
+    "breastrig.workflow.lines.plan_on_fit",
+    "breastrig.workflow.moving.moved_landmarks",
     "breastrig.workflow.propose_on_scan",
     "breastrig.workflow.read_upload",
     "breastrig.workflow.report",
     "breastrig.workflow.run_fit",
     "breastrig.workflow.run_pair",
-    "breastrig.workflow.transfer",
+    "breastrig.workflow.lines.transfer",
     "breastrig.workflow.write_plain_mesh",
-    "scipy.interpolate",  # of reports
 )
 # For rows or files on another machine: half a second to import.
 REMOTE_MODULES = ("breastrig.storage.postgres", "psycopg", "breastrig.storage.store_files", "s3fs")

@@ -1,6 +1,7 @@
 """Brings a database to the tables of this version, whatever version left it, or an empty one.
 
-Alembic takes a third of a second to import, so a database that is up to date, as most are, is seen without it.
+Alembic takes a third of a second to import: a database that is up to date, as most are, is seen without it, and an
+empty one gets the tables of `schema` at once, which are those that all revisions together make.
 """
 
 import logging
@@ -8,11 +9,19 @@ import sys
 from importlib.resources import files
 from typing import Any
 
-from sqlalchemy import Connection, inspect, text
+from sqlalchemy import Column, Connection, MetaData, PrimaryKeyConstraint, String, Table, inspect, text
 
 from breastrig.core.errors import BadSettings
+from breastrig.storage import schema
 
 log = logging.getLogger(__name__)
+
+VERSION = Table(  # as Alembic makes it
+    "alembic_version",
+    MetaData(),
+    Column("version_num", String(32), nullable=False),
+    PrimaryKeyConstraint("version_num", name="alembic_version_pkc"),
+)
 
 
 def to_this_version(connection: Connection) -> None:
@@ -28,6 +37,11 @@ def to_this_version(connection: Connection) -> None:
             "A newer version of BreastRig has used this database; start that version, or choose another place "
             "with --data."
         )
+    if found is None and not inspect(connection).get_table_names():
+        schema.metadata.create_all(connection)
+        VERSION.create(connection)
+        connection.execute(VERSION.insert(), {"version_num": known[-1]})
+        return
     from alembic import command
 
     command.upgrade(alembic_config(connection), "head")

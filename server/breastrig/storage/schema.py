@@ -58,6 +58,7 @@ patients = Table(  # a woman under a code, never a name; one without scans is no
     Column("code", String(60), nullable=False, server_default=""),
     Column("created_at", String(32), nullable=False),  # ISO 8601, UTC
     Column("version", Integer, nullable=False, server_default="0"),  # of her plan; 0 before the first item
+    Column("code_key", Text, nullable=False, server_default="1"),  # what the code is sorted by, see sorting
 )
 
 scans_of_patients = Table(
@@ -100,6 +101,7 @@ fits = Table(
     Column("iterations", Integer, nullable=False, default=0),
     Column("numbers", Text),  # JSON, the last iterated event without its nodes
     Column("reason", Text),
+    Column("verdict", String(16)),  # good, check, unusable; null before the end and where nobody gave one
 )
 
 asked_once = Table(  # requests with an Idempotency-Key; neither the key nor the request is kept, only their hashes

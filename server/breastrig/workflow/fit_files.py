@@ -2,7 +2,8 @@
 
 import json
 from collections.abc import Callable, Mapping
-from importlib.metadata import version
+from functools import cache
+from importlib.metadata import distribution
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +39,13 @@ def _doubted(doubt: Doubt) -> dict[str, object]:
 
 def _in_mm(values: Mapping[str, float]) -> dict[str, float]:
     return {name: round(1e3 * value, 2) for name, value in values.items()}
+
+
+@cache
+def _library_versions() -> dict[str, str]:
+    """Of the libraries that results name, from the heads of their descriptions, which are long."""
+    heads = {name: distribution(name).read_text("METADATA") or "" for name in ("numpy", "scipy", "trimesh")}
+    return {name: head.partition("\nVersion: ")[2].partition("\n")[0].strip() for name, head in heads.items()}
 
 
 def result_json(outcome: FitOutcome) -> dict[str, object]:
@@ -102,7 +110,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
             "blendshapes": dict(zip(rig.shape_names, _rounded(x.weights, 9), strict=True)),
         },
         "notes": list(outcome.notes),
-        "versions": {"breastrig": __version__} | {name: version(name) for name in ("numpy", "scipy", "trimesh")},
+        "versions": {"breastrig": __version__} | _library_versions(),
     }
 
 

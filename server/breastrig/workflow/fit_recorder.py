@@ -21,9 +21,8 @@ from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.least_squares.newton import Status
-from breastrig.report.distances import surface_distances
+from breastrig.report.distances import Comparison
 from breastrig.rig.model import Rig
-from breastrig.rig.skinning import pose
 from breastrig.workflow.events import Iterated, NodePose
 from breastrig.workflow.fit_outcome import FitOutcome, ModelAlone
 from breastrig.workflow.scan_fit import Clock, ReadyScan
@@ -46,7 +45,7 @@ class FitRecorder:
 
     def record(self, iterate: FitIterate) -> RecordedIterate:
         """Keeps the iterate; FitFailed when the fit broke down."""
-        if iterate.status is Status.NOT_FINITE or not np.isfinite(iterate.mean_distance):
+        if not iterate.is_finite:
             raise FitFailed(_why_failed(iterate))
         self._recorded.append(RecordedIterate(iterate, _iterated(self.ready.task.rig, iterate)))
         return self._recorded[-1]
@@ -62,25 +61,25 @@ class FitRecorder:
         let_go = (*ready.exchanged, *last.not_followed)
         posterior = Posterior(without(task, let_go), last.parameters)
         doubtful = (*let_go, *unusual(posterior))
-        signals = fit_signals(rig, target, last.parameters, ready.clearness)
+        vertices = posterior.state.vertices
+        compared = Comparison(target, vertices, rig.faces)
+        signals = fit_signals(rig, last.parameters, compared, ready.clearness)
         placed = len(ready.task.landmarks) >= MIN_LANDMARKS
         in_doubt = sum(len(doubt.names) for doubt in doubtful)
         found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed, in_doubt)
         if not found_verdict.is_torso:
             raise FitFailed(found_verdict.refusal)
         timing = ready.timing_s | {"solve": solve_s}
-        vertices = pose(rig, last.parameters)
-        distances = surface_distances(target, vertices, rig.faces)
-        alone = ModelAlone(vertices, distances)
+        alone = ModelAlone(vertices, compared.distances)
         if ready.settings.refine:
             clock.lap()
             vertices = refined(target, vertices, rig.faces).vertices
             timing["refine"] = clock.lap()
-            distances = surface_distances(target, vertices, rig.faces)
+            compared = Comparison(target, vertices, rig.faces)
         known = radii(posterior, ready.clearness)
         drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()
-        lines = with_errors(rig, vertices, None if known is None else known.vertices, lines)
+        lines = with_errors(rig, compared.search, None if known is None else known.vertices, lines)
         timing["total"] = clock.total()
         return FitOutcome(
             scan=ready.scan,
@@ -98,7 +97,7 @@ class FitRecorder:
             log=tuple(each.event for each in self._recorded),
             status=last.status,
             timing_s=timing,
-            distances=distances,
+            distances=compared.distances,
             landmarks=ready.landmarks,
             doubts=tuple(doubt for doubt in doubtful if not task.certain.issuperset(doubt.names)),
             drawing=drawing,

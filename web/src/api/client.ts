@@ -7,12 +7,14 @@ import type {
   Example,
   ExampleScan,
   Fit,
+  FitLinks,
   FitRequest,
   LandmarkFile,
   MeasuresFile,
   Meta,
   ModelSide,
   Patient,
+  MovedModel,
   PatientPage,
   PatternOnScan,
   PatternQuestion,
@@ -28,6 +30,7 @@ import type {
   ShareRequest,
   StoredPlan,
   UnitChoice,
+  Vector,
 } from "./types";
 
 export class ApiError extends Error {
@@ -95,7 +98,8 @@ export const client = {
     await ask(scan.links.self, { method: "DELETE", keepalive: true });
   },
   /** The newest first; `address` is that of a further page. */
-  patients: (address: string | null, search: string) => askJson<PatientPage>(address ?? `/api/patients?limit=50${search === "" ? "" : `&search=${id(search)}`}`),
+  patients: (address: string | null, search: string, order: "newest" | "code" | "deletion") =>
+    askJson<PatientPage>(address ?? `/api/patients?limit=50&sort=${order}${search === "" ? "" : `&search=${id(search)}`}`),
   renamePatient: (patient: string, code: string) => askJson<Patient>(`/api/patients/${id(patient)}`, "PATCH", { code }),
   deletePatient: async (patient: string): Promise<void> => {
     await ask(`/api/patients/${id(patient)}`, { method: "DELETE", keepalive: true });
@@ -109,6 +113,8 @@ export const client = {
     if (answer.status !== 202) return (await answer.json()) as ProposedLandmarks;
     return { retryAfterS: Number(answer.headers.get("Retry-After")) || 1 };
   },
+  /** Where the model of a fit lies with these picks (mm): for a drag, kept nowhere. */
+  moved: (links: FitLinks, landmarks: Record<string, Vector>) => askJson<MovedModel>(links.moved, "POST", { landmarks }),
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links">>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
   cancel: (link: string) => askJson<Fit>(link, "POST"),

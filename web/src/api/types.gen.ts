@@ -197,6 +197,7 @@ export type FitLinks = {
   report: string;
   measures: string;
   cancel: string;
+  moved: string;
   shares: string;
 };
 
@@ -372,6 +373,15 @@ export type Measure = {
   /** what it was measured between, each with its source: picked, or the model's */
   landmarks: string;
   method: string;
+  /** what was measured; null for a change between two stances */
+  paths?: MeasuredLines | null;
+};
+
+/** The lines that a measure is of, in the scan's frame, mm: sided, or one for both. */
+export type MeasuredLines = {
+  left?: [number, number, number][] | null;
+  right?: [number, number, number][] | null;
+  value?: [number, number, number][] | null;
 };
 
 /** One fit of the report: its name there, and parts of its result.json. */
@@ -456,6 +466,24 @@ export type ModelSummary = {
   blendshapes: number;
 };
 
+/** Picks of a finished fit, some of them elsewhere. */
+export type MovedLandmarks = {
+  /** all of them; mm, the scan's own frame */
+  landmarks: Record<string, [number, number, number]>;
+};
+
+/** The model at moved landmarks. */
+export type MovedModel = {
+  nodes: NodePose[];
+  /** mean distance of matched model vertices to the scan */
+  mean_distance_mm: number;
+  /** mean over the picked landmarks */
+  landmark_distance_mm: number | null;
+  /** share of the model's vertices with an accepted match */
+  coverage: number;
+  elapsed_s: number;
+};
+
 /** One glTF node by name; absent fields stay as they are. */
 export type NodePose = {
   name: string;
@@ -510,6 +538,8 @@ export type PatientFit = {
   state: "queued" | "running" | "done" | "failed" | "cancelled";
   /** ISO 8601, UTC */
   created_at: string;
+  /** whether to trust it; null before the end, and of versions before */
+  verdict: "good" | "check" | "unusable" | null;
 };
 
 export type PatientLinks = {
@@ -518,7 +548,7 @@ export type PatientLinks = {
 };
 
 export type PatientPage = {
-  /** the newest first */
+  /** in the order asked for */
   patients: Patient[];
   /** address of the next page, null on the last */
   next: string | null;

@@ -15,6 +15,7 @@ export type {
   Measure,
   MeasuresFile,
   Meta,
+  MovedModel,
   NodePose,
   OwnDrawing,
   Patient,

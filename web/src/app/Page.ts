@@ -1,6 +1,8 @@
 // Puts the panels in their places.
+import { createCanvasBar } from "../drawing/CanvasBar";
 import { createDrawingPanel } from "../drawing/DrawingPanel";
 import { createColourBar } from "../fit/ColourBar";
+import { createMirrorLegend, hasMirror } from "../drawing/MirrorLegend";
 import { createFitPanel } from "../fit/FitPanel";
 import { createNumbersPanel } from "../fit/NumbersPanel";
 import { outdated } from "../fit/outdated";
@@ -64,7 +66,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const canvas = el("canvas", { class: "view", role: "application", "aria-label": viewText.canvas, tabindex: 0 });
   const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
   const guide = createGuideCard(actions.landmarks);
-  const viewBar = createViewBar(actions.view, { showDistances: actions.fit.showDistances, showLoose: actions.scan.showLoose }, shownInViewBar);
+  const viewBar = createViewBar(actions.view, { showDistances: actions.fit.showDistances, showLoose: actions.scan.showLoose, showRelief: actions.scan.showRelief, showMirror: actions.fit.showMirror }, shownInViewBar);
   const colourBar = createColourBar();
   const swipe = createSwipe(actions.view.swipe, hasBoth);
   const empty = createEmptyState(actions.scan, dismiss);
@@ -75,6 +77,9 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const distances = problem(() => dismiss("distances"));
   const graphics = el("p", { class: "no-graphics", role: "alert", hidden: true });
   const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, empty.element, page.element, model.element, distances.element, graphics);
+  const canvasBar = createCanvasBar(actions.drawing, actions.view.from, () => dismiss("drawing"));
+  const mirror = createMirrorLegend();
+  host.append(canvasBar.element, mirror.element);
   const veil = el("div", { class: "drop-veil", hidden: true }, el("p", {}, emptyText.drop));
   host.append(veil);
   acceptDrops(host, veil, actions);
@@ -131,6 +136,8 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(landmarks);
       on(fit);
       on(drawing);
+      on(canvasBar);
+      on(mirror);
       on(carry);
       on(result);
       on(next);
@@ -169,7 +176,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
 /** The buttons below the body; a table beside either of two stances can be shown. */
 const shownInViewBar = (state: Session): ViewBarShown => {
   const shown = viewBarShown(state);
-  return { ...shown, hasLoose: shown.hasLoose || (isComparing(state) && (state.stances.other?.scan?.hasLoose ?? false)) };
+  return { ...shown, hasMirror: hasMirror(state), hasLoose: shown.hasLoose || (isComparing(state) && (state.stances.other?.scan?.hasLoose ?? false)) };
 };
 
 /** A scan may be dropped anywhere on the canvas, also over one that is already there. */

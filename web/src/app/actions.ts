@@ -4,6 +4,7 @@ import type { Frame } from "../api/types";
 import { drawingActions } from "../drawing/actions";
 import { handleActions } from "../drawing/handles";
 import { fitActions } from "../fit/actions";
+import { createFollower } from "../fit/follower";
 import { handPoseActions } from "../fit/handPoseActions";
 import { createPlayer } from "../fit/playback";
 import { landmarkActions } from "../landmarks/actions";
@@ -25,9 +26,10 @@ import type { Session } from "./session";
 
 export function createActions(store: Store<Session>, client: Client, prefersStill: () => boolean) {
   const player = createPlayer(store, prefersStill);
-  const fit = fitActions(store, client, player);
+  const follower = createFollower(store, client);
+  const fit = fitActions(store, client, player, follower);
   const proposals = createProposalSearch(store, client);
-  const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refitAnew });
+  const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refit });
   const plan = planActions(store, client);
   const scan = scanActions(store, client, scanContents(client, plan, fit.stop), proposals.lookOnce);
   const drawing = drawingActions(store, plan);
@@ -62,6 +64,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
       }
     },
     fit,
+    follower,
     handPose: handPoseActions(store),
     files: exportActions(store),
     player,

@@ -1,5 +1,6 @@
 // Single keys for what is done most often; they stay out of the way of typing and of the browser's own shortcuts.
 import { drawingKey } from "../drawing/keys";
+import { cropKey } from "../scan/cropKeys";
 import type { Step } from "../store/page";
 import type { Store } from "../store/store";
 import type { Actions } from "./actions";
@@ -36,7 +37,7 @@ export function listenToKeys(store: Store<Session>, actions: Actions): void {
     const state = store.get();
     if (state.isHelpOpen || state.share.isOpen) return;
     const step = STEPS[key];
-    if (drawingKey(state, event, drawing)) {
+    if (cropKey(state, event, actions.scan) || drawingKey(state, event, drawing)) {
       event.preventDefault();
       return;
     }

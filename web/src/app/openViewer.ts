@@ -2,6 +2,7 @@
 import type { Vector } from "../api/types";
 import { CornerPins } from "../drawing/CornerPins";
 import { ErrorBands } from "../drawing/ErrorBands";
+import { MirrorOverlay } from "../drawing/MirrorOverlay";
 import { OwnLines } from "../drawing/OwnLines";
 import { PatternHandles } from "../drawing/PatternHandles";
 import { listenToPenKeys } from "../drawing/penKeys";
@@ -23,9 +24,11 @@ import { ModelPicture } from "../landmarks/ModelPicture";
 import { ProposalPins } from "../landmarks/ProposalPins";
 import { Ruler } from "../scan/Ruler";
 import { tableNormalOf } from "../scan/body";
+import { listenToLasso } from "../scan/CropTool";
 import { ScanMesh } from "../scan/ScanMesh";
 import { withLoose } from "../scan/state";
 import { errors as scanErrors } from "../scan/text";
+import { MeasureLines } from "../stances/MeasureLines";
 import { openOtherView } from "../stances/OtherView";
 import { isComparing, stanceNames } from "../stances/state";
 import type { Theme } from "../store/page";
@@ -48,8 +51,8 @@ import type { Session } from "./session";
 
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
-  ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose"] as const),
-  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "showDistances", "drawn"] as const),
+  ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
+  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawn"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
 
@@ -86,12 +89,14 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     { update: (state) => scan.update(state, hasModelShown(state)) },
     torso,
     fitted,
+    new MirrorOverlay(viewer, fitted, (asymmetry) => queueMicrotask(() => store.set({ asymmetry }))), // a listener may not set
     new ReferenceLines(viewer, scan, torso, fitted),
     new ErrorBands(viewer, scan, fitted, stage.canvas),
     own,
     corners,
     new PatternHandles(viewer, scan, actions.drawing, actions.handles),
     new TapeLines(viewer, scan),
+    new MeasureLines(viewer, false),
     { update: (state) => pins.update(state, isFree(state)) },
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),
@@ -136,9 +141,11 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     return info ? tableNormalOf(info) : null;
   };
   actions.drawing.setSkin(skinFrom(() => scan.parts, tableNormal));
+  listenToLasso(stage.canvas, viewer, scan, store, actions.scan); // before the pen, which says last what turns the body
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
-  listenToDrags(stage.canvas, viewer, scan, pins, () => store.get().active === null && isFree(store.get()), actions.landmarks);
+  const mayDrag = (): boolean => store.get().active === null && !store.get().isCropping && isFree(store.get());
+  listenToDrags(stage.canvas, viewer, scan, pins, mayDrag, actions.landmarks, actions.follower);
   followWanted(viewer, scan, store); // before the keys, whose cross stands where the eye then is
   listenToLandmarkKeys(stage.canvas, viewer, scan, cross, store, actions.landmarks);
   listenToViewKeys(stage.canvas, viewer, () => store.get().scan !== null);

@@ -1,14 +1,16 @@
 // While a landmark or a line is placed the scan is seen alone and in its own colours: an areola cannot be found on grey, nor
 // under the model.  Afterwards what was shown before comes back, unless the person has chosen otherwise meanwhile.
-import { handsOff } from "../drawing/state";
+import { handsOff, withoutCanvas } from "../drawing/state";
+import { withoutLasso } from "../scan/state";
 import type { Session } from "./session";
 
-type Seen = Pick<Session, "active" | "drawn" | "overlay" | "overlayBefore">;
+type Seen = Pick<Session, "active" | "drawn" | "overlay" | "overlayBefore" | "isCanvasFull" | "isCropping" | "step" | "scan">;
 
 const isPlacing = ({ active, drawn }: Seen): boolean => active !== null || drawn.tool !== "none";
 
 /** For the store: what each change leads to. */
-export function withPlacingView<State extends Seen>(state: State, before: State): State {
+export function withPlacingView<State extends Seen>(changed: State, before: State): State {
+  const state = withoutLasso(withoutCanvas(changed));
   if (state.active !== null && before.active === null && state.drawn.tool !== "none") return withPlacingView({ ...state, drawn: handsOff(state.drawn) }, before); // one thing in the hand
   const [was, is] = [isPlacing(before), isPlacing(state)];
   if (is && !was) return { ...state, overlay: "scan", overlayBefore: before.overlay };

@@ -7,7 +7,7 @@ import { button, iconButton } from "../ui/controls";
 import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { DrawingActions } from "./actions";
-import { lengthOf, type OwnLine } from "./lines";
+import { lengthOf, ownColour, type OwnLine } from "./lines";
 import { mirrorPlane } from "./mirror";
 import { ALL_BANDS, BANDS, type DrawingSlice, type Layer, layerKey, shownPatterns } from "./state";
 import * as text from "./text";
@@ -17,6 +17,9 @@ const plainStart = (label: string): string => label.charAt(0).toUpperCase() + la
 const cm = (mm: number): string => (mm / 10).toFixed(1);
 
 type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "fit" | "drawing" | "drawn">;
+
+/** What the file calls a line; null where it says no more than its name does. */
+const labelOf = (name: string, label: string | undefined): string | null => (label === undefined || label === "" || label === name ? null : label);
 
 export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
   const own = el("ul", { class: "layers", "data-layer": "own" });
@@ -40,20 +43,21 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
     const element = el("div", { class: "panel", hidden: true }, title, list, note);
     return {
       element,
-      set(label: string, shapes: readonly { name: string; label: string }[], hidden: ReadonlySet<string>, says: string): void {
+      set(label: string, shapes: readonly { name: string; label: string; color: string | null }[], hidden: ReadonlySet<string>, says: string): void {
         show(element, label !== "");
         setText(title, label);
         setText(note, says);
         show(note, says !== "");
-        fill(list, shapes, () => shapes.map((shape) => el("li", { "data-line": shape.name }, toggle(layer, shape.name, shape.label))));
+        fill(list, shapes, () => shapes.map((shape) => el("li", { "data-line": shape.name }, toggle(layer, shape.name, shape.label, shape.color))));
         check(list, layer, hidden);
       },
     };
   }
 
-  function toggle(layer: Layer, name: string, label: string | null): HTMLElement {
+  function toggle(layer: Layer, name: string, label: string | null, color: string | null): HTMLElement {
     const box = el("input", { type: "checkbox", "aria-label": words.show(label ?? name), onchange: () => drawing.show(layer, name, box.checked) });
     const stroke = el("span", { class: `stroke stroke-${layer}`, "aria-hidden": "true" });
+    if (color !== null) stroke.style.background = color;
     return el("label", { class: "check" }, box, stroke, label === null ? null : el("span", {}, label));
   }
 
@@ -84,7 +88,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
     close.setAttribute("aria-label", line.closed ? words.open(name) : words.close(name));
     const length = line.closed ? null : el("span", { class: "muted small" }, words.length(cm(lengthOf(line))));
     field.title = name;
-    return el("li", { "data-line": name }, toggle("own", name, null), el("div", { class: "line-words" }, field, length), close, mayMirror ? iconButton("mirror", words.mirror(name), () => drawing.mirror(name)) : null, iconButton("close", words.erase(name), () => drawing.erase(name)));
+    return el("li", { "data-line": name }, toggle("own", name, null, ownColour(line.color)), el("div", { class: "line-words" }, field, length), close, mayMirror ? iconButton("mirror", words.mirror(name), () => drawing.mirror(name)) : null, iconButton("close", words.erase(name), () => drawing.erase(name)));
   }
 
   return {
@@ -94,19 +98,22 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       const { lines, hidden, chosen } = state.drawn;
       show(none, lines.present.length === 0);
       const mayMirror = state.fit?.result ? mirrorPlane(state.fit.result) !== null : false;
-      fill(own, [mayMirror, lines.present.map((line) => [line.name, line.closed, Math.round(lengthOf(line))])], () => lines.present.map((line) => ownRow(line, mayMirror)));
+      fill(own, [mayMirror, lines.present.map((line) => [line.name, line.closed, Math.round(lengthOf(line)), line.color])], () => lines.present.map((line) => ownRow(line, mayMirror)));
       check(own, "own", hidden);
       for (const row of own.querySelectorAll<HTMLElement>("li")) row.classList.toggle("is-chosen", row.dataset.line === chosen);
       const { fit, model } = state;
       const known = model?.side.drawings.find((each) => each.name === fit?.drawingName);
       const patterns = shownPatterns(state);
       const shapes = patterns?.shapes ?? known?.shapes ?? [];
-      const named = shapes.map(({ name }) => ({ name, label: plainStart(known?.shapes.find((each) => each.name === name)?.label ?? words.shapeName(name)) }));
+      const named = shapes.map(({ name, label, color }) => {
+        const ofModel = known?.shapes.find((each) => each.name === name)?.label;
+        return { name, label: plainStart(labelOf(name, label) ?? ofModel ?? words.shapeName(name)), color: ownColour(color) };
+      });
       const label = requestLabel(state.drawn.onScan ? state.drawing : (fit?.drawingName ?? ""), drawingLabels(state));
       reference.set(fit && label !== "" ? words.reference(label) : "", named, hidden, "");
       const from = state.drawn.onScan;
       const brought = from?.carried.shapes ?? [];
-      carried.set(brought.length > 0 ? words.carried(from!.from) : "", brought.map(({ name }) => ({ name, label: name })), hidden, "");
+      carried.set(brought.length > 0 ? words.carried(from!.from) : "", brought.map(({ name, label, color }) => ({ name, label: labelOf(name, label) ?? name, color: ownColour(color) })), hidden, "");
       show(ofBands, [...(patterns?.shapes ?? []), ...brought].some((shape) => shape.error_mm?.some((mm) => mm !== null)));
       bands.checked = !hidden.has(BANDS);
       const hasBridge = [...(patterns?.shapes ?? []), ...brought].some((shape) => shape.bridged?.includes(true));

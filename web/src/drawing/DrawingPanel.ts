@@ -24,6 +24,9 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
     TOOLS.map((value) => ({ value, label: words.toolNames[value], hint: words.toolHints[value] })),
     drawing.take,
   );
+  const full = button(text.canvas.open, () => drawing.fullCanvas(true), "quiet outlined", "expand");
+  full.id = "full-canvas";
+  full.title = text.canvas.openHint;
   const hint = el("p", { class: "tool-hint muted small", id: "tool-hint" });
   const radius = el("input", { type: "number", min: 1, max: 80, step: 1, inputmode: "numeric", onchange: () => drawing.radius(radius.valueAsNumber) });
   const size = el("label", { class: "field inline short", hidden: true }, el("span", {}, words.radius), radius);
@@ -50,6 +53,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
     wrong.element,
     el("div", { class: "tool-row" }, tools.element),
     hint,
+    full,
     size,
     finish,
     measured,
@@ -89,8 +93,8 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
 }
 
 /** The points of the chosen line without a pointer: one after the other, moved by arrow keys, deleted. */
-function createCorners(drawing: DrawingActions): Panel<DrawingSlice> {
-  let state: DrawingSlice | null = null;
+function createCorners(drawing: DrawingActions): Panel<Pick<DrawingSlice, "drawn">> {
+  let state: Pick<DrawingSlice, "drawn"> | null = null;
   const words = text.drawing;
   const where = el("span", { class: "small" });
   function step(by: number): void {

@@ -1,4 +1,4 @@
-// The surgeon's lines on the scan: black with a white outline; dashed over holes.  What was carried here from the other
+// The surgeon's lines on the scan: in their colour, else black with a white outline; dashed over holes.  What was carried here from the other
 // stance is drawn the same way: lines in ink, patterns in theirs.
 import type { Vector } from "../api/types";
 import { type FitSlice, isPosedByHand } from "../fit/state";
@@ -48,16 +48,16 @@ export class OwnLines implements Part<Shown> {
   }
 
   /** While the pen moves: what it has drawn so far. */
-  showStrokes(strokes: readonly (readonly Vector[])[]): void {
-    this.live.set(this.isShown ? strokes.map((points) => polyline({ points, closed: false, bridged: null })) : []);
+  showStrokes(strokes: readonly (readonly Vector[])[], color: string): void {
+    this.live.set(this.isShown ? strokes.map((points) => polyline({ points, closed: false, bridged: null, color })) : []);
     this.viewer.invalidate();
   }
 
   /** While the hand moves: a line that the state does not know yet, instead of the one that it changes. */
-  show(points: readonly Vector[] | null, closed = false, instead: string | null = null): void {
-    this.live.set(points && this.isShown ? [laid({ points, closed })] : []);
-    const isOther = (points ? instead : null) !== this.instead;
-    this.instead = points ? instead : null;
+  show(line: Pick<OwnLine, "points" | "closed" | "color"> | null, instead: string | null = null): void {
+    this.live.set(line && this.isShown ? [laid(line)] : []);
+    const isOther = (line ? instead : null) !== this.instead;
+    this.instead = line ? instead : null;
     if (isOther) this.write();
     this.viewer.invalidate();
   }
@@ -77,4 +77,4 @@ export class OwnLines implements Part<Shown> {
   }
 }
 
-const laid = ({ points, closed }: Pick<OwnLine, "points" | "closed">): Polyline => polyline({ closed, ...bridgedAt(points, closed, BRIDGE_MM) });
+const laid = ({ points, closed, color }: Pick<OwnLine, "points" | "closed" | "color">): Polyline => polyline({ closed, color, ...bridgedAt(points, closed, BRIDGE_MM) });

@@ -11,7 +11,7 @@ import { FatLines, type Polyline } from "../viewer/FatLines";
 import type { ViewSlice } from "../viewer/state";
 import { surfacePosition, type VertexAt } from "../viewer/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
-import { polyline } from "./lines";
+import { ownColour, polyline } from "./lines";
 import { type DrawingSlice, layerKey, shownPatterns } from "./state";
 
 const LIFT = 0.001; // metres off the skin
@@ -69,7 +69,7 @@ export function onModel(shapes: readonly ModelShape[], torso: TorsoModel, vertex
       surfacePosition(point, index, vertexAt, position, normal);
       position.addScaledVector(normal, LIFT).toArray(points, 3 * i);
     });
-    return { points, isClosed: shape.closed, bridged: null };
+    return { points, isClosed: shape.closed, bridged: null, colour: ownColour(shape.color) };
   });
 }
 

@@ -11,7 +11,7 @@ import { formatMmWhole } from "../ui/units";
 import type { ViewSlice } from "../viewer/state";
 import { closedUp, cornerAdded, cornerMoved, cornerRemoved, extended, lineAlong, lineThrough, openedUp } from "./edits";
 import { readDrawing, UnreadableDrawing } from "./files";
-import { freeName, gap, INK, newId, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines";
+import { freeName, gap, newId, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines";
 import { mirroredLine, mirrorPlane } from "./mirror";
 import type { Skin } from "./skin";
 import { type DrawingSlice, type DrawnState, type Layer, layerKey, lineNamed, type PlanHistory, type PlanStep, stepOf, type Tool, withStep } from "./state";
@@ -126,7 +126,7 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
       } else if (start) {
         if (gap(start, at) < 1) return;
         const name = nextName(lines(), words.stem);
-        add(lineThrough(on, name, INK, start, at), words.announceCorner(2), { open: name });
+        add(lineThrough(on, name, drawn().ink, start, at), words.announceCorner(2), { open: name });
       } else put({ start: at, chosen: null, corner: null }, { announcement: words.announceCorner(1) });
     },
 
@@ -137,12 +137,26 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
       const all = [...lines()];
       const names: string[] = [];
       for (const hits of hand) {
-        const line = strokeOn(on, hits, nextName(all, words.stem));
+        const line = strokeOn(on, hits, nextName(all, words.stem), drawn().ink);
         if (!line) continue;
         all.push({ ...line, id: newId() });
         names.push(line.name);
       }
       if (names.length > 0) change(all, { start: null, open: null, chosen: names.at(-1)!, corner: null }, names.map(words.announceDrawn).join(" "));
+    },
+
+    /** The body alone with floating tools, the pen in the hand; or back to the page. */
+    fullCanvas(isCanvasFull: boolean): void {
+      if (isCanvasFull === store.get().isCanvasFull) return;
+      this.take(isCanvasFull ? "pen" : "none");
+      store.set({ isCanvasFull, announcement: isCanvasFull ? text.canvas.opened : text.canvas.closed });
+    },
+
+    /** What the next line is drawn with. */
+    ink: (ink: string): void => put({ ink }),
+
+    recolour(name: string, color: string): void {
+      change(withLine(lines(), name, (line) => ({ ...line, color })), {}, words.announceRecoloured(name));
     },
 
     /** Another pattern or tumour, or other numbers of it: one step to undo. */
@@ -323,12 +337,12 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
 }
 
 /** A hand's stroke as a line; null where it is too short for one. */
-function strokeOn(on: Skin, hits: readonly Vector[], name: string): OwnLine | null {
+function strokeOn(on: Skin, hits: readonly Vector[], name: string, ink: string): OwnLine | null {
   if (hits.length < 2) return null;
   const points = freehand(on, hits);
   if (points.length < 2) return null;
   const isClosed = points.length > 12 && gap(points[0]!, points.at(-1)!) < CLOSES_MM;
-  return lineAlong(name, INK, isClosed ? freehand(on, [...points, points[0]!]).slice(0, -1) : points, isClosed);
+  return lineAlong(name, ink, isClosed ? freehand(on, [...points, points[0]!]).slice(0, -1) : points, isClosed);
 }
 
 export type DrawingActions = ReturnType<typeof drawingActions>;

@@ -5,7 +5,7 @@ import type { DrawingActions } from "./actions";
 import type { DrawingSlice } from "./state";
 
 /** Does what the key stands for; false leaves it to the page. */
-export function drawingKey(state: Pick<PageSlice & ScanSlice & DrawingSlice, "step" | "scan" | "drawn">, event: KeyboardEvent, drawing: DrawingActions): boolean {
+export function drawingKey(state: Pick<PageSlice & ScanSlice & DrawingSlice, "step" | "scan" | "drawn" | "isCanvasFull">, event: KeyboardEvent, drawing: DrawingActions): boolean {
   const { drawn } = state;
   if (state.step !== "drawing" || !state.scan) return false;
   const key = event.key.toLowerCase();
@@ -23,6 +23,7 @@ export function drawingKey(state: Pick<PageSlice & ScanSlice & DrawingSlice, "st
     if (isMeasuring) drawing.endTape();
     else if (drawn.open || drawn.start) drawing.finish();
     else if (drawn.corner !== null) drawing.chooseCorner(null);
+    else if (state.isCanvasFull) drawing.fullCanvas(false);
     else drawing.take("none");
     return true;
   }

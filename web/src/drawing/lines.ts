@@ -43,11 +43,14 @@ export const withLine = (lines: readonly OwnLine[], name: string, change: (line:
 export const withoutLine = (lines: readonly OwnLine[], name: string): readonly OwnLine[] => lines.filter((line) => line.name !== name);
 
 /** What the viewer shows of a polyline whose unit is so many millimetres. */
-export function polyline({ points, closed, bridged }: Pick<DrawnShape, "closed" | "bridged"> & { readonly points: readonly Vector[] }, mmPerUnit = 1): Polyline {
+export function polyline({ points, closed, bridged, color }: Pick<DrawnShape, "closed" | "bridged" | "color"> & { readonly points: readonly Vector[] }, mmPerUnit = 1): Polyline {
   const out = new Float32Array(3 * points.length);
   points.forEach((point, i) => out.set(point.map((value) => metresFromMm(value * mmPerUnit)), 3 * i));
-  return { points: out, isClosed: closed ?? false, bridged: bridged ?? null };
+  return { points: out, isClosed: closed ?? false, bridged: bridged ?? null, colour: ownColour(color) };
 }
+
+/** The colour that a file gives its line; null where it gives none: then it is the ink of its layer. */
+export const ownColour = (color: string | null | undefined): string | null => (color == null || color.toLowerCase() === INK ? null : color);
 
 /** Along the line, millimetres. */
 export function lengthOf({ points, closed }: Pick<OwnLine, "points" | "closed">): number {

@@ -4,6 +4,7 @@ import { type BufferGeometry, DoubleSide, Ray, Vector3 } from "three";
 import type { MeshBVH } from "three-mesh-bvh";
 import type { Vector } from "../api/types";
 import { type BodyQuestion, bodyOf, partOf, type ScanParts } from "../scan/body";
+import { NO_CROPS } from "../scan/crop";
 import type { Drawable } from "../scan/drawable";
 import { metresFromMm, mmFromMetres } from "../ui/units";
 
@@ -32,6 +33,8 @@ const questionOf = (whole: BufferGeometry, tableNormal: Vector | null): BodyQues
   index: Uint32Array.from(whole.index!.array),
   isSplit: whole.hasAttribute("uv"),
   tableNormal,
+  crops: NO_CROPS,
+  wantsRelief: false,
 });
 
 /** The patient in a scan, found here and now. */
@@ -88,13 +91,13 @@ export function skinOn({ whole, drawable, body }: FoundParts): Skin {
 
 /** The skin of whatever scan is on the screen, and the normal of the table that it shows; made once for each. */
 export function skinFrom(parts: () => ScanParts | null, tableNormal: () => Vector | null = () => null): () => Skin | null {
-  let made: { of: BufferGeometry; skin: Skin } | null = null;
+  let made: { of: BufferGeometry; drawable: Drawable | null; skin: Skin } | null = null;
   return () => {
     const now = parts();
     if (!now) return null;
     const { whole, drawable, body } = now;
     // Who draws before the worker has answered does not wait for it.
-    if (made?.of !== whole) made = { of: whole, skin: drawable ? skinOn({ whole, drawable, body }) : skinOf(whole, tableNormal()) };
+    if (made?.of !== whole || made.drawable !== drawable) made = { of: whole, drawable, skin: drawable ? skinOn({ whole, drawable, body }) : skinOf(whole, tableNormal()) };
     return made.skin;
   };
 }

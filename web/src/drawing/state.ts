@@ -1,10 +1,12 @@
 // What is drawn on the page's scan, and what the hand does there.
 import type { DrawingFile, PatternHandle, PlannedShape, PlanOnScan, Unit, Vector } from "../api/types";
 import { type History, startHistory } from "../store/history";
-import type { OwnLine } from "./lines";
+import { INK, type OwnLine } from "./lines";
+import type { Asymmetry } from "./mirroredBreast";
 import type { Tape } from "./tape";
 
-export type Tool = "none" | "pen" | "points" | "tumour" | "tape";
+export type Tool = "none" | "pen" | "points" | "tumour" | "tape" | "erase";
+/** Beside the body; the full canvas has others. */
 export const TOOLS: readonly Tool[] = ["none", "pen", "points", "tumour", "tape"];
 
 /** Lines as the service has laid them on a scan, in its unit. */
@@ -89,6 +91,7 @@ export interface DrawnState {
   readonly corner: number | null; // which of its corners: index into corners
   readonly tape: Tape | null; // as it is laid now; it is never saved
   readonly radiusMm: number; // of the next tumour circle
+  readonly ink: string; // #rrggbb, of the next line
   readonly note: string; // what the surgeon says about it in words
   readonly depthMm: number | null; // of the tumour by the clock, below the skin
   readonly hidden: ReadonlySet<string>; // layerKey of lines that are switched off
@@ -105,6 +108,8 @@ export const BANDS = layerKey("band", ALL_BANDS);
 
 export interface DrawingSlice {
   readonly drawn: DrawnState;
+  readonly isCanvasFull: boolean; // the body alone, with floating tools
+  readonly asymmetry: Asymmetry | null; // of the mirrored breast that was made last
 }
 
 export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnState, "note" | "depthMm"> = { note: "", depthMm: null }): DrawnState {
@@ -118,6 +123,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnStat
     corner: null,
     tape: null,
     radiusMm: 15,
+    ink: INK,
     note: words.note,
     depthMm: words.depthMm,
     hidden: new Set(),
@@ -127,7 +133,11 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnStat
   };
 }
 
-export const initialDrawing: DrawingSlice = { drawn: startDrawn() };
+export const initialDrawing: DrawingSlice = { drawn: startDrawn(), isCanvasFull: false, asymmetry: null };
+
+/** Without a scan to draw on, and in another step, there is no full canvas. */
+export const withoutCanvas = <State extends Pick<DrawingSlice, "isCanvasFull"> & { readonly step: string; readonly scan: object | null }>(state: State): State =>
+  state.isCanvasFull && (state.step !== "drawing" || state.scan === null) ? { ...state, isCanvasFull: false } : state;
 
 /** With the tool put down and no line begun. */
 export const handsOff = (drawn: DrawnState): DrawnState => ({ ...drawn, tool: "none", start: null, open: null, tape: null, live: null });

@@ -29,24 +29,50 @@ export const tape = {
   end: "End the tape",
 };
 
+export const mirrored = {
+  title: "Left breast, mirrored onto the right",
+  deeper: (mm: number) => `${mm} mm deeper`,
+  farther: (mm: number) => `${mm} mm farther out`,
+  numbers: (median: string, most: string) => `Differs by ${median} mm (median), 95 % by less than ${most} mm. Nearly everybody is asymmetric.`,
+};
+
+export const canvas = {
+  open: "Draw on the full screen",
+  openHint: "The body alone with floating tools: for a tablet and a stylus",
+  done: "Done",
+  doneHint: "Back to the page (Esc)",
+  opened: "Full canvas. Escape leads back.",
+  closed: "Back on the page.",
+  tools: "Drawing tools",
+  views: "View",
+  inks: "Colour of the next line",
+  ofLine: "Colour of this line",
+  recolour: (name: string, ink: string) => `Draw ${name} in ${ink}`,
+  recolourShort: "Use colour",
+  noLine: "No line is chosen",
+  pen: "The pen draws; fingers turn, move and zoom.",
+};
+
 export const drawing = {
   before: "Draw on the skin, show the reference drawing, mark a tumour.",
   summary: (count: number) => (count === 0 ? "" : plural(count, "line", "lines")),
   stem: "Line",
   tools: "Tool",
-  toolNames: { none: "Turn", pen: "Pen", points: "Points", tumour: "Tumour", tape: "Tape" },
+  toolNames: { none: "Turn", pen: "Pen", points: "Points", tumour: "Tumour", tape: "Tape", erase: "Erase" },
   toolHints: {
     none: "Put the tool down: dragging turns the body (Esc)",
     pen: "Draw on the skin (P). By keys: arrows on the body move a cross, Enter sets a corner, twice ends the line.",
     points: "Move the points of a line (E); a chosen one also by arrow keys on the body",
     tumour: "Mark a tumour by a circle on the skin (T)",
     tape: "Measure along the skin (M); nothing is saved",
+    erase: "Erase a line by touching it",
   },
   hints: {
     none: "Dragging turns the body.",
     pen: "Drag to draw, or click corner after corner; a click on the start closes the line, Enter ends it. The second button or two fingers turn the body.",
     points: "Click a line, then drag its points; click on the line for a new one, Delete takes one away. The second button or two fingers turn the body.",
     tape: "Click from place to place: each length is along the skin. Escape ends the tape; nothing is saved. The second button or two fingers turn the body.",
+    erase: "Touch a line to erase it. The second button or two fingers turn the body.",
     tumour: "Click where the tumour is; the radius is along the skin. The second button or two fingers turn the body.",
   },
   radius: "Radius, mm",
@@ -122,6 +148,7 @@ export const drawing = {
   announceDrawn: (name: string) => `${name} is drawn.`,
   announceClosed: (name: string) => `${name} is closed.`,
   announceRenamed: (name: string) => `Now called ${name}.`,
+  announceRecoloured: (name: string) => `${name} has another colour.`,
   announceErased: (name: string) => `${name} is erased.`,
   merged: "The plan was changed in another tab or by somebody else: both are kept, look at the lines.",
   nothingEarlier: "There is nothing earlier to go back to.",

@@ -8,6 +8,7 @@ import type { ScanSlice } from "../scan/state";
 import { isUnit, metresFromMm, mmFrom } from "../ui/units";
 import { extent } from "../viewer/extent";
 import type { Surface } from "../viewer/picking";
+import { bringNearer, depthMaterial, MODEL_SHARE, ORDER } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
 import { nearestNormal } from "../viewer/surfacePoints";
 import { type Part, type Viewer, viewFromScan } from "../viewer/Viewer";
@@ -17,7 +18,6 @@ import { type Shown, showsFittedSurface } from "./state";
 type State = Shown & Pick<ViewSlice & ScanSlice, "overlay" | "scan">;
 
 const STEPS = 501; // of the lookup; 0.02 mm each
-const OVER_SCAN = 0.8; // opacity of plain clay, as the posed rig has it
 
 export class FittedSurface implements Part<State>, Surface {
   mesh: Mesh<BufferGeometry, MeshLambertMaterial> | null = null;
@@ -25,11 +25,17 @@ export class FittedSurface implements Part<State>, Surface {
   private coloured: Float32Array | null = null;
   private readonly plain = new MeshLambertMaterial({ transparent: true });
   private readonly map = distanceMaterial();
+  private readonly depthOnly = depthMaterial(false);
+  private readonly trueDepth = depthMaterial(true);
+  private passes: Mesh[] = [];
+  private isOver = false;
 
   constructor(
     private readonly viewer: Viewer,
     private readonly onReady: (error: unknown) => void,
-  ) {}
+  ) {
+    viewer.beforeFrame.add(() => bringNearer([this.plain, this.map.material, this.depthOnly], this.isOver, viewer.depthUnits));
+  }
 
   get bvh(): MeshBVH | null {
     return (this.mesh?.geometry.boundsTree as MeshBVH | undefined) ?? null;
@@ -53,7 +59,9 @@ export class FittedSurface implements Part<State>, Surface {
     this.mesh.material = hasMap ? this.map.material : this.plain;
     this.map.unknown.copy(this.viewer.palette.unknown);
     const isAlone = state.overlay !== "both";
-    this.plain.opacity = isAlone ? 1 : OVER_SCAN;
+    this.isOver = !isAlone;
+    for (const pass of this.passes) pass.visible = !isAlone;
+    this.plain.opacity = isAlone ? 1 : MODEL_SHARE;
     this.plain.side = isAlone ? DoubleSide : FrontSide;
     this.plain.color.copy(this.viewer.palette.clay);
     this.mesh.visible = showsFittedSurface(state) && state.overlay !== "scan";
@@ -80,7 +88,14 @@ export class FittedSurface implements Part<State>, Surface {
       geometry.boundsTree = new MeshBVH(geometry, { indirect: true });
       this.mesh = new Mesh(geometry, this.plain);
       this.mesh.name = "fitted";
-      this.mesh.renderOrder = 2;
+      this.mesh.renderOrder = ORDER.model;
+      this.passes = ([[this.depthOnly, ORDER.modelDepth], [this.trueDepth, ORDER.restoreModel]] as const).map(([material, order]) => {
+        const pass = new Mesh(geometry, material);
+        pass.renderOrder = order;
+        pass.raycast = () => undefined;
+        return pass;
+      });
+      this.mesh.add(...this.passes);
       this.mesh.raycast = acceleratedRaycast;
       this.viewer.body.add(this.mesh);
     } catch (error) {

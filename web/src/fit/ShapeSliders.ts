@@ -18,7 +18,7 @@ interface Row {
   update(nodes: readonly NodePose[]): void;
 }
 
-type Shown = Pick<PageSlice & FitSlice, "model" | "fit" | "handPose">;
+type Shown = Pick<PageSlice & FitSlice, "model" | "fit" | "handPose" | "followed">;
 
 export function createShapeSliders(actions: HandPoseActions): Panel<Shown> {
   let rows: Row[] = [];
@@ -46,7 +46,7 @@ export function createShapeSliders(actions: HandPoseActions): Panel<Shown> {
     for (const row of rows) row.update(nodes!);
   }
 
-  return { element, select: only("model", "fit", "handPose"), update };
+  return { element, select: only("model", "fit", "handPose", "followed"), update };
 }
 
 function groupsOf(side: ModelSide, actions: HandPoseActions): { title: string; rows: Row[] }[] {

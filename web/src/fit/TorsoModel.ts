@@ -1,16 +1,16 @@
 // The rigged model: loaded once, then posed by whatever the service says, live or replayed.
-// Over the scan it is translucent clay.  A first pass fills the depth only, so that it never shows its own inside.
-import { DoubleSide, FrontSide, MeshBasicMaterial, MeshStandardMaterial, type Object3D, SkinnedMesh, Vector3 } from "three";
+// Over the scan it is translucent clay, see viewer/overlaid.ts.  A first pass fills the depth only, so that it never shows
+// its own inside.
+import { DoubleSide, FrontSide, type Material, MeshStandardMaterial, type Object3D, SkinnedMesh, Vector3 } from "three";
 import type { NodePose } from "../api/types";
 import { disposeTree, readGltf } from "../viewer/gltf";
+import { bringNearer, depthMaterial, MODEL_SHARE, ORDER } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
 import type { VertexAt } from "../viewer/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { type Shown, shownPoses, showsFittedSurface } from "./state";
 
 type State = Shown & Pick<ViewSlice, "overlay">;
-
-const OVER_SCAN = 0.8; // opacity
 
 export class TorsoModel implements Part<State> {
   mesh: SkinnedMesh | null = null;
@@ -19,12 +19,17 @@ export class TorsoModel implements Part<State> {
   private wanted: ArrayBuffer | null = null;
   private applied: readonly NodePose[] | null = null;
   private readonly clay = new MeshStandardMaterial({ roughness: 0.75, metalness: 0, transparent: true, side: FrontSide });
-  private readonly depthOnly = new MeshBasicMaterial({ colorWrite: false, side: FrontSide });
+  private readonly depthOnly = depthMaterial(false);
+  private readonly trueDepth = depthMaterial(true);
+  private restoring: Object3D | null = null;
+  private isOver = false;
 
   constructor(
     private readonly viewer: Viewer,
     private readonly onReady: (error: unknown) => void,
-  ) {}
+  ) {
+    viewer.beforeFrame.add(() => bringNearer([this.clay, this.depthOnly], this.isOver, viewer.depthUnits));
+  }
 
   update(state: State): void {
     const bytes = state.model?.glb ?? null;
@@ -38,7 +43,9 @@ export class TorsoModel implements Part<State> {
     this.root.visible = poses !== null && state.overlay !== "scan" && !showsFittedSurface(state);
     this.viewer.inHalf(this.root, isBeside(state.overlay) ? "model" : null);
     const isAlone = state.overlay !== "both";
-    this.clay.opacity = isAlone ? 1 : OVER_SCAN;
+    this.isOver = !isAlone;
+    if (this.restoring) this.restoring.visible = !isAlone;
+    this.clay.opacity = isAlone ? 1 : MODEL_SHARE;
     this.clay.side = isAlone ? DoubleSide : FrontSide;
     this.clay.color.copy(this.viewer.palette.clay);
     this.viewer.invalidate();
@@ -84,17 +91,24 @@ export class TorsoModel implements Part<State> {
   private adopt(scene: Object3D, mesh: SkinnedMesh | null): void {
     if (!mesh) throw new Error("no skinned mesh");
     if (this.root) disposeTree(this.root);
-    const depth = new SkinnedMesh(mesh.geometry, this.depthOnly);
-    depth.bind(mesh.skeleton, mesh.bindMatrix);
-    depth.morphTargetInfluences = mesh.morphTargetInfluences!;
+    const { geometry, skeleton, bindMatrix, morphTargetInfluences } = mesh;
+    const pass = (material: Material): SkinnedMesh => {
+      const made = new SkinnedMesh(geometry, material);
+      made.bind(skeleton, bindMatrix);
+      made.morphTargetInfluences = morphTargetInfluences!;
+      return made;
+    };
+    const [depth, restoring] = [pass(this.depthOnly), pass(this.trueDepth)];
     mesh.material = this.clay;
-    depth.renderOrder = 1;
-    mesh.renderOrder = 2;
-    for (const each of [mesh, depth]) {
+    depth.renderOrder = ORDER.modelDepth;
+    mesh.renderOrder = ORDER.model;
+    restoring.renderOrder = ORDER.restoreModel;
+    this.restoring = restoring;
+    for (const each of [mesh, depth, restoring]) {
       each.frustumCulled = false; // its box would have to be posed on the CPU for each picture
       each.raycast = () => undefined;
     }
-    mesh.parent!.add(depth);
+    mesh.parent!.add(depth, restoring);
     scene.visible = false;
     this.mesh = mesh;
     this.root = scene;

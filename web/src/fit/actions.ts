@@ -15,6 +15,7 @@ import type { Store } from "../store/store";
 import { formatMm } from "../ui/units";
 import type { ViewSlice } from "../viewer/state";
 import { readDistances } from "./distances";
+import type { Follower } from "./follower";
 import type { Player } from "./playback";
 import { type FitSlice, type FitState, withDistances } from "./state";
 import * as text from "./text";
@@ -44,15 +45,13 @@ const freshFit = (id: string, links: FitLinks, drawingName: string | null, given
   ...given,
 });
 
-export function fitActions(store: Store<State>, client: Client, player: Player) {
+export function fitActions(store: Store<State>, client: Client, player: Player, follower: Follower) {
   let stopFollowing: () => void = () => undefined;
   let run = 0; // the fit asked for last wins over slower, earlier ones
-  let finished: { scan: string; fit: string } | null = null; // from where the next one may go on
   let unseen: FitLinks | null = null; // of a fit that runs, while the page still shows the one before
   let timer: ReturnType<typeof setTimeout> | undefined;
   let askedAt = -Infinity;
   let stepAfter: Step | null = null; // of a fit that is opened: where the page goes with its result
-  let wantsAnew = false; // the fit that is asked for next goes on from none
 
   /** Nobody follows what ran until now; a fit that was asked for in the meantime still comes. */
   function leave(): void {
@@ -65,7 +64,6 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
 
   function stop(): void {
     clearTimeout(timer);
-    wantsAnew = false;
     leave();
   }
 
@@ -81,42 +79,33 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
     stopFollowing = followFit(fit.links.events, { handlers, onConnection });
   }
 
-  /** The fit before stays on the screen, whole, until this one has something to show. */
+  /** The fit before stays on the screen, its model where it has followed the landmarks, until this one is done. */
   function followUnseen(asked: FitState): void {
     leave();
     unseen = asked.links;
     let fit = asked;
-    const isSeen = (): boolean => store.get().fit?.id === fit.id;
-    const appear = (): void => {
-      if (isSeen()) return;
-      unseen = null;
-      store.set({ fit, isStarting: false });
-    };
-    const giveUp = (reason: string): void => store.set((state) => ({ ...standStill(state), ...withProblem(state, "fit", reason) }));
     stopFollowing = followFit(fit.links.events, {
       handlers: {
         started: ({ body }) => (fit = { ...fit, started: body, drawingName: body.drawing }),
-        iterated: (event) => {
-          appear();
-          handlers.iterated(event);
-        },
+        iterated: ({ body }) => (fit = { ...fit, iterations: [...fit.iterations, body], shown: fit.iterations.length, playing: false }),
         done: (event) => {
-          appear();
+          unseen = null;
+          store.set({ fit, isStarting: false, followed: null });
           const { step } = store.get();
           handlers.done(event);
           store.set({ step }); // who moves landmarks stays with them
         },
-        failed: (event) => (isSeen() ? handlers.failed(event) : giveUp(event.body.reason)),
-        cancelled: (event) => (isSeen() ? handlers.cancelled(event) : store.set(standStill)),
+        failed: ({ body }) => store.set((state) => ({ ...standStill(state), ...withProblem(state, "fit", body.reason) })),
+        cancelled: () => store.set(standStill),
       },
-      onConnection: (isConnected) => isSeen() && change({ isConnected }),
+      onConnection: (isConnected) => change({ isConnected }),
     });
   }
 
   /** Nothing runs any more; a fit that was given up for a newer one ends where it was. */
   function standStill(state: State): Partial<State> {
     unseen = null;
-    return { isStarting: false, fit: state.fit?.state === "running" ? { ...state.fit, state: "cancelled" } : state.fit };
+    return { isStarting: false, followed: null, fit: state.fit?.state === "running" ? { ...state.fit, state: "cancelled" } : state.fit };
   }
 
   const handlers: Handlers = {
@@ -130,8 +119,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
       player.follow();
     },
     done: ({ body }) => {
-      const { scan, fit } = store.get();
-      if (scan && fit) finished = { scan: scan.info.id, fit: fit.id };
+      const { fit } = store.get();
       const said = [text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean)), verdictWords(body.result)].join(" ").trim();
       const upright = straightenedByFit(store.get(), frameOfRig(body.result));
       // A fit that was opened by its address: the landmarks that it was given are those in its result, not those of today.
@@ -174,19 +162,15 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
     }
   }
 
-  /**
-   * `from`: a finished fit of the same scan, which the new one goes on from; null: from the beginning.
-   * `isUnseen`: what is on the screen stays there until the new one has something to show.
-   */
-  async function begin(from: string | null, isUnseen: boolean): Promise<void> {
+  /** `isUnseen`: what is on the screen stays there until the new one is done. */
+  async function begin(isUnseen: boolean): Promise<void> {
     const { scan, picks, certain: kept, stance, preset, drawing, refine } = store.get();
     if (!scan) return;
     const mine = ++run;
     const landmarks = { ...picks.present };
     const certain = certainNames(picks.present, kept);
-    const goingOn = from === null ? {} : { start_from: from };
     try {
-      const { id, links } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, refine, landmarks, certain, ...goingOn });
+      const { id, links } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, refine, landmarks, certain });
       if (mine !== run || store.get().scan?.info.id !== scan.info.id) {
         void client.cancel(links.cancel).catch(() => undefined); // nobody waits for it any more
         return;
@@ -207,21 +191,16 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
   }
 
   function refitNow(): void {
-    const isAnew = wantsAnew;
-    wantsAnew = false;
     const { scan, fit } = store.get();
     if (!scan || !fit) return;
     giveUpRunning();
-    const from = finished?.scan === scan.info.id ? finished.fit : null;
     store.set((state) => ({ isStarting: true, ...withProblem(state, "fit", null) }));
-    void begin(isAnew ? null : from, isAnew || from !== null);
+    void begin(fit.result !== null);
   }
 
   function refitSoon(): void {
-    if (!store.get().fit) {
-      wantsAnew = false;
-      return;
-    }
+    if (!store.get().fit) return;
+    follower.show();
     const isRun = performance.now() - askedAt < PAUSE_MS;
     askedAt = performance.now();
     clearTimeout(timer);
@@ -242,17 +221,11 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
         active: null,
         step: "fit",
       }));
-      await begin(null, false);
+      await begin(false);
     },
 
-    /** Landmarks were moved after a fit: at once the fit that belongs to them, from where the model stands. */
+    /** Landmarks were moved, or a question about one was answered: the model follows, and at once the fit that belongs to them is made, as whoever starts with them would get it. */
     refit: (): void => refitSoon(),
-
-    /** A question about a pick was answered: at once the fit that belongs to it, from the beginning, as the pick may have led it astray. */
-    refitAnew: (): void => {
-      wantsAnew = true;
-      refitSoon();
-    },
 
     /** The fit that the address names, from its first event; one that is done leaves the page at `step`. */
     async open(id: string, step: Step | null = null): Promise<void> {
@@ -286,6 +259,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player) 
     chooseRefine: (refine: boolean): void => store.set({ refine }),
     chooseDrawing: (drawing: string): void => store.set({ drawing }),
 
+    showMirror: (showMirror: boolean): void => store.set({ showMirror }),
     showDistances: (isOn: boolean): void => store.set((state) => withDistances(state, isOn)),
   };
 }

@@ -1,6 +1,7 @@
 // A fit on the page: what was asked for, its iterations as they came, its result, and how the model is shown.
 import type { DrawingFile, FitLinks, Iterated, NodePose, Result, StanceChoice, Started } from "../api/types";
 import type { Picks } from "../landmarks/picks";
+import { cropsOf } from "../scan/crop";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import type { ViewSlice } from "../viewer/state";
@@ -43,8 +44,10 @@ export interface FitSlice {
   readonly refine: boolean;
   readonly fit: FitState | null;
   readonly handPose: HandPose | null;
+  readonly followed: HandPose | null; // where the model lies while a landmark is dragged
   readonly isStarting: boolean; // the request for a fit is under way
   readonly showDistances: boolean;
+  readonly showMirror: boolean; // the left breast on the right one
 }
 
 export const initialFit: FitSlice = {
@@ -54,8 +57,10 @@ export const initialFit: FitSlice = {
   refine: true,
   fit: null,
   handPose: null,
+  followed: null,
   isStarting: false,
   showDistances: false,
+  showMirror: false,
 };
 
 export const isFitting = (state: Pick<FitSlice, "isStarting" | "fit">): boolean => state.isStarting || state.fit?.state === "running";
@@ -69,18 +74,21 @@ export const isAtRest = (fit: FitState): boolean => fit.state !== "running" && f
 /** Somebody has posed this fit's model by hand, and sees it so. */
 export const isPosedByHand = ({ fit, handPose }: Pick<FitSlice, "fit" | "handPose">): boolean => fit !== null && handPose?.fit === fit.id && isAtRest(fit);
 
-/** How the rig stands on the screen: as posed by hand, else as in the shown iteration. */
-export const shownPoses = (state: Pick<FitSlice, "fit" | "handPose">): readonly NodePose[] | null =>
-  isPosedByHand(state) ? state.handPose!.nodes : (shownIteration(state.fit)?.nodes ?? null);
+/** The model follows a landmark of this fit, or waits for the fit with the landmark where it is now. */
+export const isFollowing = ({ fit, followed }: Pick<FitSlice, "fit" | "followed">): boolean => fit !== null && followed?.fit === fit.id && isAtRest(fit);
+
+/** How the rig stands on the screen: as it follows a landmark, as posed by hand, else as in the shown iteration. */
+export const shownPoses = (state: Pick<FitSlice, "fit" | "handPose" | "followed">): readonly NodePose[] | null =>
+  isFollowing(state) ? state.followed!.nodes : isPosedByHand(state) ? state.handPose!.nodes : (shownIteration(state.fit)?.nodes ?? null);
 
 /** What decides which surface stands for the model. */
-export type Shown = Pick<FitSlice & PageSlice, "fit" | "handPose" | "model" | "showDistances">;
+export type Shown = Pick<FitSlice & PageSlice, "fit" | "handPose" | "followed" | "model" | "showDistances">;
 
 /** Something of the model is on the stage. */
 export const hasModelShown = (state: Shown): boolean => (state.fit !== null && state.fit.shown >= 0) || showsFittedSurface(state);
 
 /** At rest the surface that the service wrote stands for the posed rig: coloured, or bent onto the skin beyond what a rig can show. */
-export const showsFittedSurface = (state: Shown): boolean => !isPosedByHand(state) && hasFittedSurface(state);
+export const showsFittedSurface = (state: Shown): boolean => !isFollowing(state) && !isPosedByHand(state) && hasFittedSurface(state);
 
 const hasFittedSurface = ({ fit, model, showDistances }: Shown): boolean =>
   Boolean(fit?.surface && fit.result && isAtRest(fit) && (!model || fit.result.refined || (showDistances && fit.distances)));
@@ -89,14 +97,18 @@ const hasFittedSurface = ({ fit, model, showDistances }: Shown): boolean =>
 export const hasBoth = ({ scan, fit }: Pick<ScanSlice & FitSlice, "scan" | "fit">): boolean => scan !== null && fit !== null;
 
 /** What of the page's state the view's buttons show. */
-export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showLoose }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "showDistances" | "showLoose">): ViewBarShown => ({
+export const viewBarShown = ({ scan, loading, fit, overlay, showDistances, showLoose, showRelief, showMirror }: Pick<ViewSlice & ScanSlice & FitSlice, "scan" | "loading" | "fit" | "overlay" | "showDistances" | "showLoose" | "showRelief" | "showMirror">): ViewBarShown => ({
   isShown: scan !== null && loading === null,
   hasOverlays: fit !== null && scan?.mesh !== null,
   overlay,
   hasDistances: fit?.distances != null,
   showDistances,
-  hasLoose: scan?.hasLoose ?? false,
+  hasLoose: (scan?.hasLoose ?? false) || cropsOf(scan).length > 0,
   showLoose,
+  hasRelief: scan?.info.colours === "none" && scan.mesh !== null && overlay !== "model",
+  showRelief,
+  hasMirror: false, // who can mirror says so
+  showMirror,
 });
 
 /** The coloured surface alone: over the scan the two would fight for each pixel. */

@@ -1,6 +1,7 @@
 // A placed landmark is moved by dragging its mark over the skin.
-// The mark follows the pointer at once; the state learns of it when the mark is let go.
+// The mark follows the pointer at once, and the model of a fit with it; the state learns of it when the mark is let go.
 import type { Vector } from "../api/types";
+import type { Follower } from "../fit/follower";
 import { pickAt, type Surface } from "../viewer/picking";
 import type { Viewer } from "../viewer/Viewer";
 import type { LandmarkActions } from "./actions";
@@ -9,7 +10,7 @@ import type { LandmarkPins } from "./LandmarkPins";
 const MOVED = 3; // pixels; less is a click
 
 /** `isFree`: no tool and no wanted landmark claims the pointer. */
-export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: Surface, pins: LandmarkPins, isFree: () => boolean, landmarks: LandmarkActions): void {
+export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: Surface, pins: LandmarkPins, isFree: () => boolean, landmarks: LandmarkActions, follower: Follower): void {
   let held: { name: string; id: number; x: number; y: number; point: Vector | null } | null = null;
 
   const letGo = (): void => {
@@ -27,6 +28,7 @@ export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: Surface
       if (name === null) return;
       held = { name, id: event.pointerId, x: event.clientX, y: event.clientY, point: null };
       viewer.mayTurn = false;
+      follower.begin();
       canvas.setPointerCapture(event.pointerId);
     },
     { capture: true },
@@ -38,13 +40,19 @@ export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: Surface
     }
     if (event.pointerId !== held.id || (!held.point && Math.hypot(event.clientX - held.x, event.clientY - held.y) < MOVED)) return;
     held.point = pickAt(viewer, scan, event.clientX, event.clientY)?.point ?? held.point; // beside the body it stays where it was
-    if (held.point) pins.hold(held.name, held.point);
+    if (!held.point) return;
+    pins.hold(held.name, held.point);
+    follower.move(held.name, held.point);
   });
   canvas.addEventListener("pointerup", (event) => {
     if (event.pointerId !== held?.id) return;
     const { name, point } = held;
     letGo();
     if (point) landmarks.move(name, point);
+    else follower.giveUp();
   });
-  canvas.addEventListener("pointercancel", letGo);
+  canvas.addEventListener("pointercancel", () => {
+    if (held) follower.giveUp();
+    letGo();
+  });
 }

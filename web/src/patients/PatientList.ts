@@ -2,10 +2,10 @@
 import type { Patient } from "../api/types";
 import { only } from "../store/store";
 import { button, iconButton, select } from "../ui/controls";
-import { el, setText, show } from "../ui/dom";
+import { el, icon, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { PatientActions } from "./actions";
-import { daysUntil, deletedAt, type Order, ordered, type PatientsSlice } from "./state";
+import { daysUntil, deletedAt, type Order, type PatientsSlice } from "./state";
 import * as text from "./text";
 
 const words = text.patients;
@@ -15,7 +15,7 @@ const moment = new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeSty
 export function createPatientList(patients: PatientActions, addressOf: (patient: Patient) => string): Panel<PatientsSlice> {
   const search = el("input", { type: "search", class: "search", placeholder: words.search, "aria-label": words.search, oninput: () => patients.search(search.value) });
   const orders = Object.entries(words.orders).map(([value, label]) => ({ value: value as Order, label }));
-  const order = select<Order>(words.order, patients.order, "field inline");
+  const order = select<Order>(words.order, (by) => void patients.order(by), "field inline");
   const list = el("ul", { class: "patients" });
   const none = el("p", { class: "muted", hidden: true });
   const more = button(words.more, () => void patients.more(), "quiet outlined wide");
@@ -38,7 +38,9 @@ export function createPatientList(patients: PatientActions, addressOf: (patient:
       onchange: () => void patients.rename(patient.id, code.value),
     });
     const pictures = patient.scans.map(({ thumbnail }) => el("img", { src: thumbnail, alt: "", width: 48, height: 60, loading: "lazy", onerror: (event) => ((event.target as HTMLImageElement).style.visibility = "hidden") }));
-    const states = patient.scans.map(({ stance, fit }) => `${stance}, ${words.fitted[fit?.state ?? "none"]}`);
+    const states = patient.scans.map(({ stance, fit }) => `${stance}, ${words.fitted[fit?.state ?? "none"]}${words.verdicts[fit?.verdict ?? "good"]}`);
+    const doubtful = patient.scans.map(({ fit }) => fit?.verdict).filter((verdict) => verdict === "check" || verdict === "unusable");
+    const sign = doubtful.length === 0 ? [] : [icon("alert")];
     const until = deletedAt(patient);
     const facts = [moment.format(new Date(patient.created_at)), patient.plan_version > 0 ? words.plan : words.noPlan, until === null ? words.kept : words.left(daysUntil(until, new Date()))];
     const ask = el("div", { class: "sure", hidden: true }, el("p", {}, words.sure(spoken(patient), patient.scans.length)), button(words.no, () => show(ask, false), "quiet outlined"), button(words.yes, () => patients.remove(patient.id), "danger"));
@@ -46,7 +48,7 @@ export function createPatientList(patients: PatientActions, addressOf: (patient:
       "li",
       { "data-patient": patient.id },
       el("a", { class: "pictures", href: addressOf(patient), "aria-label": words.open(spoken(patient)), tabindex: -1 }, ...pictures),
-      el("div", { class: "what" }, code, el("a", { href: addressOf(patient) }, words.scans(states)), el("span", { class: "muted small" }, facts.join(" · "))),
+      el("div", { class: "what" }, code, el("a", { href: addressOf(patient), class: doubtful.includes("unusable") ? "is-wrong" : "" }, ...sign, words.scans(states)), el("span", { class: "muted small" }, facts.join(" · "))),
       iconButton("close", words.remove(spoken(patient)), () => show(ask, Boolean(ask.hidden))),
       ask,
     );
@@ -56,11 +58,11 @@ export function createPatientList(patients: PatientActions, addressOf: (patient:
     element,
     select: only("patients"),
     update({ patients }: PatientsSlice): void {
-      const {  rows, next, search: sought, order: by, isKnown, isBusy, going } = patients;
+      const { rows, next, search: sought, order: by, isKnown, isBusy, going } = patients;
       show(element, isKnown && (rows.length > 0 || sought !== ""));
       order.set(orders, by);
-      const now = [rows, by, going];
-      if (now.some((each, i) => each !== written[i])) list.replaceChildren(...ordered(rows, by).map((each) => row(each, going.includes(each.id))));
+      const now = [rows, going];
+      if (now.some((each, i) => each !== written[i])) list.replaceChildren(...rows.map((each) => row(each, going.includes(each.id))));
       written = now;
       setText(none, words.none(sought));
       show(none, rows.length === 0 && sought !== "" && !isBusy);

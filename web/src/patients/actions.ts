@@ -25,7 +25,7 @@ export function patientActions(store: Store<State>, client: Pick<Client, "patien
     const mine = ++asked;
     put({ isBusy: true });
     try {
-      const page = await client.patients(address, store.get().patients.search);
+      const page = await client.patients(address, store.get().patients.search, store.get().patients.order);
       if (mine !== asked) return;
       put({ rows: address === null ? page.patients : [...store.get().patients.rows, ...page.patients], next: page.next, isBusy: false, isKnown: true });
     } catch (error) {
@@ -64,7 +64,10 @@ export function patientActions(store: Store<State>, client: Pick<Client, "patien
       typing = setTimeout(() => void read(null), PAUSE_MS);
     },
 
-    order: (order: Order): void => put({ order }),
+    async order(order: Order): Promise<void> {
+      put({ order });
+      await read(null);
+    },
 
     async rename(id: string, code: string): Promise<void> {
       try {

@@ -1,10 +1,10 @@
 // The list to work through: patients under codes, as the service pages them.
 import type { Patient } from "../api/types";
 
-export type Order = "newest" | "code" | "deleted first";
+export type Order = "newest" | "code" | "deletion";
 
 export interface PatientsState {
-  readonly rows: readonly Patient[]; // as they came: the newest first
+  readonly rows: readonly Patient[]; // in the order that the service gives
   readonly next: string | null; // address of the next page
   readonly search: string;
   readonly order: Order;
@@ -27,9 +27,3 @@ export function deletedAt({ scans }: Pick<Patient, "scans">): string | null {
 
 /** Whole days from now, none of them negative. */
 export const daysUntil = (at: string, now: Date): number => Math.max(0, Math.floor((new Date(at).getTime() - now.getTime()) / 86_400_000));
-
-export function ordered(rows: readonly Patient[], order: Order): readonly Patient[] {
-  if (order === "newest") return rows;
-  const key = order === "code" ? (row: Patient): string => (row.code === "" ? "\uffff" : row.code.toLowerCase()) : (row: Patient): string => deletedAt(row) ?? "\uffff";
-  return [...rows].sort((a, b) => key(a).localeCompare(key(b), undefined, { numeric: true }));
-}

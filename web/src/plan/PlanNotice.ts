@@ -7,11 +7,11 @@ import type { Panel } from "../ui/Panel";
 import type { PlanActions } from "./actions";
 import * as text from "./text";
 
-export function createPlanNotice(plan: Pick<PlanActions, "takeOver">): Panel<DrawingSlice> {
+export function createPlanNotice(plan: Pick<PlanActions, "takeOver">): Panel<Pick<DrawingSlice, "drawn">> {
   const element = el("div", { class: "notice-bar", role: "status", hidden: true }, el("p", {}, text.plan.changed), button(text.plan.takeOver, () => void plan.takeOver(), "outlined"));
   return {
     element,
     select: only("drawn"),
-    update: ({ drawn }: DrawingSlice): void => show(element, drawn.isChangedElsewhere),
+    update: ({ drawn }: Pick<DrawingSlice, "drawn">): void => show(element, drawn.isChangedElsewhere),
   };
 }

@@ -1,29 +1,35 @@
 // The scan: matte grey or its own colours, the inside and the rims of holes darker, ready for picking by BVH.
-import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, type Texture, type Vector3 } from "three";
+import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, type MeshBasicMaterial, MeshLambertMaterial, type Texture, type Vector3 } from "three";
 import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
 import { extent } from "../viewer/extent";
 import { disposeTree, firstMesh, readGltf } from "../viewer/gltf";
 import type { Surface } from "../viewer/picking";
+import { depthMaterial, ORDER, wipesDepth } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
 import { nearestNormal } from "../viewer/surfacePoints";
 import { type Viewer, viewFromScan } from "../viewer/Viewer";
 import { type Body, partOf, type ScanParts, tableNormalOf } from "./body";
 import { findBody, knownBody } from "./bodySearch";
 import { borderEdges } from "./borders";
+import { type Crops, cropsOf, NO_CROPS } from "./crop";
 import type { ScanSlice } from "./state";
 
 const BEHIND = 0.0025; // metres that the scan steps back for the model: as much as both are sure of
 const INSIDE = 0.5; // brightness of a triangle that is seen from behind
+const RELIEF = { fold: 0.42, ridge: 0.16 }; // of the brightness, where the surface bends most
 
-type Shown = Pick<ScanSlice & ViewSlice, "scan" | "showColours" | "showLoose" | "overlay">;
+type Shown = Pick<ScanSlice & ViewSlice, "scan" | "showColours" | "showLoose" | "showRelief" | "overlay">;
 
 export class ScanMesh implements Surface {
   mesh: Mesh<BufferGeometry, MeshLambertMaterial> | null = null;
   private texture: Texture | null = null; // its own, whether it is shown or not
   private wanted: ArrayBuffer | null = null;
   private stands: object | null = null;
+  private crops: Crops = NO_CROPS;
   private borders: LineSegments | null = null;
+  private depth: Mesh | null = null; // again, after a model that lies over it
   private found: Body | null = null;
+  private readonly relief = { value: 0 }; // how much of it is seen, for the shader
   private readonly rims: Record<"whole" | "body", BufferAttribute | null> = { whole: null, body: null };
   /** null while there is no scan */
   parts: ScanParts | null = null;
@@ -38,7 +44,7 @@ export class ScanMesh implements Surface {
     private readonly onLoose: (file: ArrayBuffer) => void,
   ) {
     viewer.beforeFrame.add(() => {
-      if (this.mesh) this.mesh.material.polygonOffsetUnits = BEHIND * viewer.depthUnits;
+      for (const each of [this.mesh?.material, this.depth?.material as MeshBasicMaterial | undefined]) if (each) each.polygonOffsetUnits = BEHIND * viewer.depthUnits;
     });
   }
 
@@ -60,8 +66,13 @@ export class ScanMesh implements Surface {
     const bytes = state.scan?.mesh ?? null;
     if (bytes !== this.wanted) {
       this.wanted = bytes;
+      this.crops = cropsOf(state.scan);
       this.clear();
       if (bytes) void this.load(bytes, state, hasModel);
+    }
+    if (this.mesh && bytes && cropsOf(state.scan) !== this.crops) {
+      this.crops = cropsOf(state.scan);
+      void this.findPatient(bytes, state, this.parts!.whole);
     }
     if (this.mesh) this.paint(this.mesh, state, hasModel);
   }
@@ -77,6 +88,7 @@ export class ScanMesh implements Surface {
     this.mesh = null;
     this.texture = null;
     this.borders = null;
+    this.depth = null;
     this.stands = null;
     this.found = null;
     this.parts = null;
@@ -92,16 +104,20 @@ export class ScanMesh implements Surface {
       if (!read) throw new Error("no mesh");
       scene.updateMatrixWorld(true);
       this.texture = (read.material as MeshLambertMaterial).map;
-      this.mesh = dress(read);
+      this.mesh = dress(read, this.relief);
       this.borders = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
       const whole = this.mesh.geometry;
       this.rims.whole = new BufferAttribute(borderEdges(whole.attributes.position!.array, whole.index!.array, whole.hasAttribute("uv")), 3);
       this.borders.geometry.setAttribute("position", this.rims.whole);
       this.parts = { whole, drawable: null, body: null };
-      const known = knownBody(bytes);
+      const known = knownBody(bytes, this.crops);
       if (known) this.take(known);
       this.borders.raycast = () => undefined;
-      this.mesh.add(this.borders);
+      this.depth = new Mesh(whole, depthMaterial(true, DoubleSide));
+      this.depth.renderOrder = ORDER.restore;
+      this.depth.raycast = () => undefined;
+      wipesDepth(this.depth);
+      this.mesh.add(this.borders, this.depth);
       this.viewer.body.add(this.mesh);
       this.paint(this.mesh, state, hasModel);
       if (!this.viewer.keepsPose) this.viewer.lookFrom("front", false);
@@ -116,12 +132,22 @@ export class ScanMesh implements Surface {
 
   /** The scan is seen and can be worked on meanwhile. */
   private async findPatient(bytes: ArrayBuffer, { scan }: Shown, whole: BufferGeometry): Promise<void> {
+    const { crops } = this;
+    const wasKnown = this.found !== null; // she stands already
+    this.isSettled = false;
     const { eye, target } = this.viewer.pose;
-    const body = await findBody(bytes, whole, scan && tableNormalOf(scan.info));
-    if (bytes !== this.wanted) return;
+    const body = knownBody(bytes, crops) ?? (await findBody(bytes, whole, scan && tableNormalOf(scan.info), crops));
+    if (bytes !== this.wanted || crops !== this.crops) return;
     if (body) this.take(body);
     this.isSettled = true;
-    if (!body?.part) return;
+    if (wasKnown || crops.length > 0) {
+      queueMicrotask(() => this.onReady(null)); // what is known already is found while the view is being brought up to date
+      return;
+    }
+    if (!body?.part) {
+      if (body?.relief) this.onReady(null);
+      return;
+    }
     const now = this.viewer.pose;
     const isUntouched = now.eye.equals(eye) && now.target.equals(target);
     if (isUntouched) this.stands = null; // she comes to the middle; who has turned her keeps what he looks at
@@ -131,8 +157,10 @@ export class ScanMesh implements Surface {
   }
 
   private take(body: Body): void {
-    const { whole } = this.parts!;
+    const { whole, body: before } = this.parts!;
+    before?.dispose();
     this.found = body;
+    if (body.relief) whole.setAttribute("relief", new BufferAttribute(body.relief, 1, true)); // before her part, which shares it
     this.parts = { whole, drawable: body.drawable, body: body.part && partOf(whole, body.part) };
     this.rims.body = body.part && new BufferAttribute(body.part.rims, 3);
   }
@@ -142,6 +170,7 @@ export class ScanMesh implements Surface {
     const { whole, body } = this.parts!;
     const isHer = body !== null && !showLoose;
     mesh.geometry = isHer ? body : whole;
+    if (this.depth) this.depth.geometry = mesh.geometry;
     this.borders?.geometry.setAttribute("position", (isHer ? this.rims.body : this.rims.whole)!);
   }
 
@@ -166,15 +195,17 @@ export class ScanMesh implements Surface {
     }
     if (own) material.color.set(0xffffff);
     else material.color.copy(palette.scan);
+    this.relief.value = state.showRelief && this.found?.relief ? 1 : 0;
     (this.borders?.material as LineBasicMaterial | undefined)?.color.copy(palette["scan-edge"]);
     this.viewer.inHalf(mesh, hasModel && isBeside(state.overlay) ? "scan" : null);
+    if (this.depth) this.depth.visible = hasModel && state.overlay === "both";
     mesh.visible = !(hasModel && state.overlay === "model");
     this.viewer.invalidate();
   }
 }
 
 /** The mesh as we want it, whatever material it came with. */
-function dress(read: Mesh): Mesh<BufferGeometry, MeshLambertMaterial> {
+function dress(read: Mesh, relief: { value: number }): Mesh<BufferGeometry, MeshLambertMaterial> {
   const geometry = read.geometry;
   geometry.applyMatrix4(read.matrixWorld);
   if (!geometry.index) geometry.setIndex([...Array(geometry.attributes.position!.count).keys()]);
@@ -184,10 +215,19 @@ function dress(read: Mesh): Mesh<BufferGeometry, MeshLambertMaterial> {
   // Behind the model where both lie on one place: the eye then sees the clay and no flicker between the two.
   material.polygonOffset = true;
   material.onBeforeCompile = (shader) => {
-    shader.fragmentShader = shader.fragmentShader.replace(
-      "#include <color_fragment>",
-      `#include <color_fragment>\n if (!gl_FrontFacing) diffuseColor.rgb *= ${INSIDE};`,
-    );
+    shader.uniforms.reliefShown = relief;
+    shader.vertexShader = shader.vertexShader
+      .replace("#include <common>", "#include <common>\nattribute float relief;\nvarying float vRelief;")
+      .replace("#include <begin_vertex>", "#include <begin_vertex>\nvRelief = relief;");
+    shader.fragmentShader = shader.fragmentShader
+      .replace("#include <common>", "#include <common>\nuniform float reliefShown;\nvarying float vRelief;")
+      .replace(
+        "#include <color_fragment>",
+        `#include <color_fragment>
+        float bend = reliefShown * (2.0 * vRelief - 256.0 / 255.0);
+        diffuseColor.rgb *= 1.0 + bend * (bend < 0.0 ? ${RELIEF.fold} : ${RELIEF.ridge});
+        if (!gl_FrontFacing) diffuseColor.rgb *= ${INSIDE};`,
+      );
   };
   const mesh = new Mesh(geometry, material);
   mesh.name = "scan";

@@ -7,6 +7,7 @@ import type { Panel } from "../ui/Panel";
 import { formatCm, formatCount } from "../ui/units";
 import type { Turn } from "../viewer/frame";
 import type { ScanActions } from "./actions";
+import { createCropRow } from "./CropRow";
 import type { ScanSlice } from "./state";
 import * as text from "./text";
 
@@ -16,7 +17,7 @@ const TURNS: Turn[] = ["around", "sideways", "forwards"];
 export const unitOptions = (): Option<UnitChoice>[] =>
   (["auto", "mm", "cm", "dm", "m", "in"] as const).map((value) => ({ value, label: text.units[value] }));
 
-type Shown = Pick<ScanSlice & PageSlice, "scan" | "units" | "showColours" | "problems"> & { readonly isUnconfirmed: boolean };
+type Shown = Pick<ScanSlice & PageSlice, "scan" | "units" | "showColours" | "isCropping" | "problems"> & { readonly isUnconfirmed: boolean };
 
 /** `isUnconfirmed`: nobody has said yet that size and direction are right. */
 export function createScanPanel<More extends object>(actions: ScanActions & { readonly askToDelete: () => void }, dismiss: () => void, isUnconfirmed: (state: More) => boolean): Panel<Shown, PageSlice & ScanSlice & More> {
@@ -30,6 +31,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
     made.title = text.scan.turnHints[turn];
     return made;
   });
+  const crop = createCropRow(actions);
   const check = el("p", { class: "look-here", hidden: true }, text.scan.check);
   const unitNote = el("p", { class: "muted small", hidden: true }, text.scan.unitNote);
   const wrong = problem(dismiss);
@@ -47,13 +49,14 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
     el("p", { class: "label" }, text.scan.wrongWay),
     el("div", { class: "buttons" }, ...turns),
     el("p", { class: "muted small" }, text.scan.turnNote),
+    crop.element,
     other,
     button(text.scan.remove, actions.askToDelete, "quiet wide danger"),
   );
   let chosen: File | null = null;
   return {
     element,
-    select: (state) => ({ scan: state.scan, units: state.units, showColours: state.showColours, problems: state.problems, isUnconfirmed: isUnconfirmed(state) }),
+    select: (state) => ({ scan: state.scan, units: state.units, showColours: state.showColours, isCropping: state.isCropping, problems: state.problems, isUnconfirmed: isUnconfirmed(state) }),
     update(state: Shown): void {
       wrong.set(state.problems.scan);
       if (!state.scan) return;
@@ -73,6 +76,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
         const sentences = [info.unit_reason, info.stance.reason, facing, ...info.notes].filter((sentence) => sentence !== "");
         return sentences.map((sentence) => el("p", {}, sentence));
       });
+      crop.update(state);
       show(check, state.isUnconfirmed);
       show(again.element, file !== null);
       show(unitNote, file === null && state.scan.example === null);

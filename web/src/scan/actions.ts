@@ -1,11 +1,13 @@
 // Bringing a scan in: from a file, from the example, from the address; and turning it upright.
 import { ApiError, type Client } from "../api/client";
 import type { ExampleScan, Frame, UnitChoice } from "../api/types";
+import { type History, record, redo, startHistory, undo } from "../store/history";
 import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { tidyFrame, type Turn, turned } from "../viewer/frame";
 import { fromFront, type ViewSlice } from "../viewer/state";
+import { type Crop, type Crops, NO_CROPS } from "./crop";
 import type { ScanSlice, ScanState } from "./state";
 import * as text from "./text";
 
@@ -68,6 +70,9 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     }
   }
 
+  const changeCrops = (change: (crops: History<Crops>) => History<Crops>, announcement: string): void =>
+    store.set((state) => (state.scan ? { scan: { ...state.scan, crops: change(state.scan.crops ?? startHistory(NO_CROPS)) }, showLoose: false, announcement, ...withProblem(state, "scan", null) } : {}));
+
   return {
     upload(file: File, units: UnitChoice = store.get().units): Promise<boolean> {
       if (!READABLE.test(file.name)) {
@@ -122,7 +127,18 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
       return Promise.resolve(true);
     },
 
+    /** While it is in the hand the scan is seen alone. */
+    takeLasso: (isCropping: boolean): void => store.set((state) => ({ isCropping, ...(isCropping ? { step: "scan", overlay: "scan", showLoose: false } : {}), announcement: isCropping ? text.crop.how : "", ...withProblem(state, "scan", null) })),
+
+    /** Hides what the lasso went around, in this page's view alone. */
+    crop: (crop: Crop): void => changeCrops((crops) => record(crops, [...crops.present, crop]), text.crop.hidden),
+    uncrop: (): void => changeCrops((crops) => record(crops, NO_CROPS), text.crop.shown),
+    undoCrop: (): void => changeCrops(undo, text.crop.shown),
+    redoCrop: (): void => changeCrops(redo, text.crop.hidden),
+    cropRefused: (): void => store.set((state) => withProblem(state, "scan", text.crop.nothingLeft)),
+
     chooseUnits: (units: UnitChoice): void => store.set({ units }),
+    showRelief: (showRelief: boolean): void => store.set({ showRelief }),
     showLoose: (showLoose: boolean): void => store.set({ showLoose }),
     showColours: (showColours: boolean): void => store.set({ showColours }),
   };

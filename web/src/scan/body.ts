@@ -4,12 +4,16 @@ import { BufferAttribute, BufferGeometry } from "three";
 import { MeshBVH, type SerializedBVH } from "three-mesh-bvh";
 import type { Scan, Vector } from "../api/types";
 import { borderEdges } from "./borders";
+import { croppedFaces, type Crops } from "./crop";
 import { type Drawable, drawableOf } from "./drawable";
+import { reliefOf } from "./relief";
 
 export interface Body {
   readonly drawable: Drawable;
   /** null where all of the scan is hers, or nothing is */
   readonly part: BodyPart | null;
+  /** by vertex, see relief.ts; null: not asked for */
+  readonly relief: Uint8Array | null;
 }
 
 export interface BodyPart {
@@ -32,15 +36,25 @@ export interface BodyQuestion {
   readonly index: Uint32Array;
   readonly isSplit: boolean; // vertices may stand several times at one place
   readonly tableNormal: Vector | null; // unit, from a table to the body that lies on it
+  readonly crops: Crops; // hidden by hand
+  readonly wantsRelief: boolean; // nothing but its shape is there to see
 }
 
 /** A patient who lies faces as her table does; without a table the service calls no scan lying. */
 export const tableNormalOf = (info: Pick<Scan, "stance" | "frame">): Vector | null => (info.stance.proposed === "supine" ? info.frame.front : null);
 
-export function bodyOf({ positions, index, isSplit, tableNormal }: BodyQuestion): Body {
-  const drawable = drawableOf(positions, index, tableNormal);
+/** What is hidden by hand is no skin either, unless that were all of it. */
+function without(hidden: Uint8Array, drawable: Drawable): Drawable {
+  const isSkin = drawable.isSkin.map((is, face) => (hidden[face] ? 0 : is));
+  const count = isSkin.reduce((sum, is) => sum + is, 0);
+  return count === 0 ? drawable : { ...drawable, isSkin, count };
+}
+
+export function bodyOf({ positions, index, isSplit, tableNormal, crops, wantsRelief }: BodyQuestion): Body {
+  const relief = wantsRelief ? reliefOf(positions, index) : null;
+  const drawable = without(croppedFaces(positions, index, crops), drawableOf(positions, index, tableNormal));
   const { isSkin, count } = drawable;
-  if (count === 0 || count === isSkin.length) return { drawable, part: null };
+  if (count === 0 || count === isSkin.length) return { drawable, relief, part: null };
   const [hers, faces] = [new Uint32Array(3 * count), new Uint32Array(count)];
   let next = 0;
   isSkin.forEach((is, face) => {
@@ -52,7 +66,7 @@ export function bodyOf({ positions, index, isSplit, tableNormal }: BodyQuestion)
   const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3)).setIndex(new BufferAttribute(hers, 1));
   const tree = MeshBVH.serialize(new MeshBVH(geometry, { indirect: true }), { cloneBuffers: false });
   tree.index = null; // it is handed over anyway
-  return { drawable, part: { index: hers, faces, tree, rims: borderEdges(positions, hers, isSplit) } };
+  return { drawable, relief, part: { index: hers, faces, tree, rims: borderEdges(positions, hers, isSplit) } };
 }
 
 /** The scan's surface with her triangles only; it shares the vertices of the whole. */

@@ -6,7 +6,7 @@ addEventListener("message", ({ data }: MessageEvent<BodyQuestion>) => {
   postMessage(body, { transfer: buffersOf(body) }); // some ten megabytes: handed over, not copied
 });
 
-function buffersOf({ drawable: { isSkin, outwards }, part }: Body): Transferable[] {
+function buffersOf({ drawable: { isSkin, outwards }, part, relief }: Body): Transferable[] {
   const hers = part ? [part.index, part.faces, part.rims, ...(part.tree.indirectBuffer ? [part.tree.indirectBuffer] : [])] : [];
-  return [...[isSkin, outwards, ...hers].map(({ buffer }) => buffer), ...(part?.tree.roots ?? [])];
+  return [...[isSkin, outwards, ...hers, ...(relief ? [relief] : [])].map(({ buffer }) => buffer), ...(part?.tree.roots ?? [])];
 }

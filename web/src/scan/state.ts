@@ -1,5 +1,7 @@
 // The scan on the page, and how it came there.
 import type { Frame, LandmarkFile, Scan, UnitChoice } from "../api/types";
+import type { History } from "../store/history";
+import type { Crops } from "./crop";
 
 export interface ScanState {
   readonly info: Scan;
@@ -9,6 +11,7 @@ export interface ScanState {
   readonly frameFrom: "service" | "landmarks" | "fit" | "person"; // who says so; the last of these wins
   readonly file: File | null; // kept, so that another unit needs no second choosing
   readonly example: LandmarkFile | null;
+  readonly crops?: History<Crops>; // what is hidden from the view, not from the service
   readonly hasLoose?: boolean; // a table or loose pieces are in it, which the view has found
 }
 
@@ -18,10 +21,16 @@ export interface ScanSlice {
   readonly confirmed: string | null; // the scan whose size and direction a person has called right
   readonly showColours: boolean;
   readonly showLoose: boolean; // the table and loose pieces as well
+  readonly showRelief: boolean; // folds darker where a scan has no colours
+  readonly isCropping: boolean; // the lasso is in the hand
   readonly units: UnitChoice;
 }
 
-export const initialScan: ScanSlice = { loading: null, scan: null, confirmed: null, showColours: true, showLoose: false, units: "auto" };
+export const initialScan: ScanSlice = { loading: null, scan: null, confirmed: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, units: "auto" };
 
 /** The view has found a table or loose pieces in this file's scan. */
 export const withLoose = ({ scan }: Pick<ScanSlice, "scan">, file: ArrayBuffer): Pick<ScanSlice, "scan"> => ({ scan: scan?.mesh === file ? { ...scan, hasLoose: true } : scan });
+
+/** The lasso is the scan step's. */
+export const withoutLasso = <State extends Pick<ScanSlice, "isCropping" | "scan"> & { readonly step: string }>(state: State): State =>
+  state.isCropping && (state.step !== "scan" || state.scan === null) ? { ...state, isCropping: false } : state;

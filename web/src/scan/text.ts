@@ -15,6 +15,19 @@ export const empty = {
   drop: "Let go to load this scan",
 };
 
+export const crop = {
+  label: "Hide parts of the scan",
+  lasso: "Lasso",
+  undo: "Bring back what was hidden last (Z)",
+  redo: "Hide it again (Shift+Z)",
+  all: "Show all",
+  how: "Draw around what is to be hidden; everything behind it goes too. The second button or two fingers turn the body; Escape puts the lasso down.",
+  note: (count: number) => (count === 0 ? "For this view alone: fits, measures and files see the whole scan." : "Hidden here cannot be picked or drawn on. Fits, measures and files still see the whole scan."),
+  hidden: "Hidden.",
+  shown: "Shown again.",
+  nothingLeft: "The lasso goes around the whole scan, so nothing would be left: draw around the part that is in the way.",
+};
+
 /** What a scan that came as a file is called: its own name may hold a patient's. */
 export const uploaded = "Uploaded scan";
 

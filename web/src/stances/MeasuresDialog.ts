@@ -69,7 +69,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
       const table = file && measuresTable(file);
       setText(says, table && table.groups.length > 1 ? words.two : words.one);
       show(holder, table !== null);
-      fill(holder, [measures.of, table !== null], () => (table ? [tableOf(table, new Map(state.meta?.landmarks.map(({ name, label }) => [name, label])))] : []));
+      fill(holder, [measures.of, table !== null], () => (table ? [tableOf(table, new Map(state.meta?.landmarks.map(({ name, label }) => [name, label])), (key) => stances.pointAt(key))] : []));
       setText(signs, file ? `${file.signs.charAt(0).toUpperCase()}${file.signs.slice(1)}. ${words.hint}` : "");
       for (const each of [copy, csv]) each.disabled = file === null;
       const fits = measuredFits(state);
@@ -78,10 +78,10 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
   };
 }
 
-function tableOf({ groups, lines }: MeasuresTable, labels: ReadonlyMap<string, string>): HTMLElement {
+function tableOf({ groups, lines }: MeasuresTable, labels: ReadonlyMap<string, string>, pointAt: (key: string | null) => void): HTMLElement {
   const top = el("tr", {}, el("th", { rowspan: 2, scope: "col" }, words.measure), ...groups.map((name) => el("th", { colspan: COLUMNS.length, scope: "colgroup", class: "group" }, title(name))));
   const heads = el("tr", {}, ...groups.flatMap(() => COLUMNS.map((column, i) => el("th", { scope: "col", class: i === 0 ? "group" : "" }, HEADS[column]))));
-  return el("table", {}, el("thead", {}, top, heads), el("tbody", {}, ...lines.flatMap((line) => row(line, groups.length, labels))));
+  return el("table", {}, el("thead", {}, top, heads), el("tbody", {}, ...lines.flatMap((line) => row(line, groups.length, labels, pointAt))));
 }
 
 const title = (name: string): string => {
@@ -89,7 +89,7 @@ const title = (name: string): string => {
   return first ? words.change(second!, first) : name.charAt(0).toUpperCase() + name.slice(1);
 };
 
-function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, string>): HTMLElement[] {
+function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, string>, pointAt: (key: string | null) => void): HTMLElement[] {
   const readable = (names: string): string => names.replace(/[a-z]+(_[a-zA-Z]+)*/g, (name) => labels.get(name) ?? name);
   const where = line.landmarks.map(({ stance, words: between }) => `${title(stance)}: ${readable(between)}`);
   const facts = [[words.kind, line.kind], [words.method, line.method], [words.landmarks, where.join("\n")]] as const;
@@ -121,5 +121,6 @@ function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, stri
     if (group.whole.value !== null) return [write(group.whole, isChange, { class: "group whole", colspan: COLUMNS.length })]; // one value for both sides
     return COLUMNS.map((column, i) => write(group[column], isChange || column === "difference", { class: i === 0 ? "group" : "" }));
   });
-  return [el("tr", { "data-measure": line.measure, "data-kind": line.kind }, el("th", { scope: "row" }, open), ...cells), more];
+  const [at, away] = [(): void => pointAt(line.key), (): void => pointAt(null)];
+  return [el("tr", { "data-measure": line.measure, "data-kind": line.kind, onpointerenter: at, onpointerleave: away, onfocusin: at, onfocusout: away }, el("th", { scope: "row" }, open), ...cells), more];
 }

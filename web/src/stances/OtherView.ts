@@ -18,12 +18,13 @@ import type { ViewSlice } from "../viewer/state";
 import type { OtherPane } from "../viewer/testHook";
 import { type Part, type Stage, Viewer } from "../viewer/Viewer";
 import { linkedPose, torsoOf } from "./cameras";
+import { MeasureLines } from "./MeasureLines";
 import { isComparing, otherState, type StancesSlice, type Workspace } from "./state";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice & StancesSlice;
 
 /** What of the state the pane shows, or follows; when something else changes it is not drawn again. */
-const SEEN = ["meta", "model", "theme", "step", "overlay", "view", "scan", "showColours", "showLoose", "active", "handPose", "showDistances", "stances"] as const;
+const SEEN = ["meta", "model", "theme", "step", "overlay", "view", "scan", "showColours", "showLoose", "showRelief", "active", "handPose", "followed", "showDistances", "stances"] as const;
 type Seen = Pick<State, (typeof SEEN)[number]>;
 
 export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, prefersStill: () => boolean, foundLoose: (file: ArrayBuffer) => void, failed: (error: unknown) => void): OtherPane {
@@ -68,6 +69,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
       new ReferenceLines(made, scan, torso, fitted),
       new ErrorBands(made, scan, fitted, stage.canvas),
       new OwnLines(made, scan),
+      new MeasureLines(made, true),
       { update: (state) => pins.update(state, state.drawn.tool === "none") },
       new SideLetters(made),
     ];

@@ -168,17 +168,23 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     dismiss: (): void => store.set((state) => withProblem(state, "stances", null)),
     link: (isLinked: boolean): void => put({ isLinked }),
 
+    /** A row of the table is pointed at, or none. */
+    pointAt(pointed: string | null): void {
+      const { measures } = store.get().stances;
+      if (measures.pointed !== pointed) put({ measures: { ...measures, pointed } });
+    },
+
     async measures(isOpen: boolean): Promise<void> {
       const state = store.get();
       const fits = isOpen ? measuredFits(state) : null;
       if (!fits) {
-        put({ measures: { ...state.stances.measures, isOpen: false } });
+        put({ measures: { ...state.stances.measures, isOpen: false, pointed: null } });
         return;
       }
       const [first, then] = fits;
       const of = `${first.id} ${then?.id ?? ""}`;
       const known = state.stances.measures.of === of ? state.stances.measures.file : null;
-      put({ measures: { isOpen: true, isBusy: known === null, of, file: known } }, withProblem(state, "stances", null));
+      put({ measures: { isOpen: true, isBusy: known === null, of, file: known, pointed: null } }, withProblem(state, "stances", null));
       if (known) return;
       try {
         const file = await client.measures(first.links.measures, then?.id ?? null);

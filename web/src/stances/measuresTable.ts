@@ -8,6 +8,7 @@ export interface Cell {
 }
 
 export interface MeasureLine {
+  readonly key: string;
   readonly measure: string;
   readonly kind: string;
   readonly unit: Measure["unit"];
@@ -26,13 +27,16 @@ export interface MeasuresTable {
 const NONE: Cell = { value: null, low: null, high: null };
 const bare = (value: number | null): Cell => ({ value, low: null, high: null });
 
+/** Most lengths are there twice: straight, and along the skin. */
+export const measureKey = ({ measure, kind }: Pick<Measure, "measure" | "kind">): string => `${measure}, ${kind}`;
+
 export function measuresTable(file: Pick<MeasuresFile, "measures" | "stances">): MeasuresTable {
   const groups = [...new Set(file.measures.map(({ stance }) => stance))];
-  const keyOf = ({ measure, kind }: Measure): string => `${measure}, ${kind}`; // most lengths are there twice: straight, and along the skin
-  const lines = [...new Set(file.measures.map(keyOf))].map((key): MeasureLine => {
-    const rows = groups.map((group) => file.measures.find((row) => keyOf(row) === key && row.stance === group) ?? null);
+  const lines = [...new Set(file.measures.map(measureKey))].map((key): MeasureLine => {
+    const rows = groups.map((group) => file.measures.find((row) => measureKey(row) === key && row.stance === group) ?? null);
     const first = rows.find((row) => row !== null)!;
     return {
+      key,
       measure: first.measure,
       kind: first.kind,
       unit: first.unit,

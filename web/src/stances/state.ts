@@ -30,7 +30,7 @@ export interface StancesState {
   readonly isBringing: boolean; // the second scan is on its way
   readonly known: readonly KnownScan[];
   readonly isCarrying: boolean;
-  readonly measures: { readonly isOpen: boolean; readonly isBusy: boolean; readonly of: string; readonly file: MeasuresFile | null };
+  readonly measures: { readonly isOpen: boolean; readonly isBusy: boolean; readonly of: string; readonly file: MeasuresFile | null; readonly pointed: string | null }; // pointed: at this row, measureKey
 }
 
 export interface StancesSlice {
@@ -48,7 +48,7 @@ export const initialStances: StancesState = {
   isBringing: false,
   known: [],
   isCarrying: false,
-  measures: { isOpen: false, isBusy: false, of: "", file: null },
+  measures: { isOpen: false, isBusy: false, of: "", file: null, pointed: null },
 };
 
 /** What the page has of its scan, as it may wait: a replay is at its end. */

@@ -52,7 +52,7 @@ export const stances = {
     difference: "L − R",
     whole: "both",
     change: (second: string, first: string) => `Change: ${second} − ${first}`,
-    hint: "Method and landmarks of a measure open under its name.",
+    hint: "Method and landmarks of a measure open under its name; point at it to see where it runs on the body.",
     /** the program's names of measures; M1 to M6 are ratios, one is equal on both sides */
     names: {
       notch_nipple: "Notch to nipple",

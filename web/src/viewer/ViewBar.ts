@@ -16,11 +16,19 @@ export interface ViewBarShown {
   /** the scan has more than the patient */
   readonly hasLoose: boolean;
   readonly showLoose: boolean;
+  /** the scan has nothing but its shape */
+  readonly hasRelief: boolean;
+  readonly showRelief: boolean;
+  /** two breasts can be compared */
+  readonly hasMirror: boolean;
+  readonly showMirror: boolean;
 }
 
 export interface ViewBarActions {
   readonly showDistances: (isOn: boolean) => void;
   readonly showLoose: (isOn: boolean) => void;
+  readonly showRelief: (isOn: boolean) => void;
+  readonly showMirror: (isOn: boolean) => void;
 }
 
 /** `select` says what of the page's state it shows. */
@@ -39,7 +47,9 @@ export function createViewBar<State extends object>(view: ViewActions, actions: 
   for (const each of views.element.querySelectorAll("button")) each.removeAttribute("aria-pressed");
   const distances = toggle("distances", text.view.distances, text.view.distancesHint, actions.showDistances);
   const loose = toggle("loose", icon("table"), text.view.looseHint, actions.showLoose, text.view.loose); // a picture: with all buttons the words would need a second row
-  const element = el("div", { class: "view-bar", hidden: true }, el("div", { class: "view-buttons" }, views.element, overlays.element, distances.element, loose.element));
+  const relief = toggle("relief", icon("relief"), text.view.reliefHint, actions.showRelief, text.view.relief);
+  const mirror = toggle("mirror", icon("mirror"), text.view.mirrorHint, actions.showMirror, text.view.mirror);
+  const element = el("div", { class: "view-bar", hidden: true }, el("div", { class: "view-buttons" }, views.element, overlays.element, distances.element, mirror.element, relief.element, loose.element));
   return {
     element,
     select,
@@ -48,6 +58,8 @@ export function createViewBar<State extends object>(view: ViewActions, actions: 
       show(overlays.element, shown.hasOverlays);
       overlays.set(shown.overlay);
       distances.set(shown.hasDistances, shown.showDistances);
+      mirror.set(shown.hasMirror, shown.showMirror);
+      relief.set(shown.hasRelief, shown.showRelief);
       loose.set(shown.hasLoose, shown.showLoose);
     },
   };

@@ -107,10 +107,12 @@ export class Viewer {
     this.controls.enabled = may;
   }
 
-  /** While the first button or one finger draws, the second button and two fingers turn the body. */
-  set isDrawing(isOn: boolean) {
+  /** While the first button or one finger draws, the second button and two fingers turn the body; where a pen draws, fingers do as always. */
+  drawWith(what: "nothing" | "anything" | "pen"): void {
+    const isOn = what !== "nothing";
+    const byFinger = what === "anything";
     this.controls.mouseButtons = { LEFT: isOn ? null : MOUSE.ROTATE, MIDDLE: MOUSE.DOLLY, RIGHT: isOn ? MOUSE.ROTATE : MOUSE.PAN };
-    this.controls.touches = { ONE: isOn ? null : TOUCH.ROTATE, TWO: isOn ? TOUCH.DOLLY_ROTATE : TOUCH.DOLLY_PAN };
+    this.controls.touches = { ONE: byFinger ? null : TOUCH.ROTATE, TWO: byFinger ? TOUCH.DOLLY_ROTATE : TOUCH.DOLLY_PAN };
   }
 
   /** Asks for a new picture; many requests before the next frame are one. */

@@ -77,8 +77,8 @@ test("another scan ends the following of the fit before", async () => {
   expect(store.get().fit).toBeNull();
 });
 
-test("a landmark that is dragged after a fit is fitted again from there; the picture of the one before stays until the new one has its own", async () => {
-  const startFit = vi.fn(async () => ({ id: `f${startFit.mock.calls.length}`, links: fitLinks(`f${startFit.mock.calls.length}`) }));
+test("a landmark that is dragged after a fit is fitted again; the model follows it at once, and the fit takes its place when it is done", async () => {
+  const startFit = vi.fn(async (...[]: [request: object]) => ({ id: `f${startFit.mock.calls.length}`, links: fitLinks(`f${startFit.mock.calls.length}`) }));
   const { store, client, actions } = await withScan({ startFit });
   const settle = (): Promise<unknown> => vi.advanceTimersByTimeAsync(1000);
   actions.landmarks.want("nipple_L");
@@ -94,24 +94,32 @@ test("a landmark that is dragged after a fit is fitted again from there; the pic
   actions.page.goTo("landmarks");
 
   actions.landmarks.move("nipple_L", [7, 8, 9]);
-  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [7, 8, 9] }, start_from: "f1" }));
+  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [7, 8, 9] } }));
   await settle();
-  expect(store.get()).toMatchObject({ fit: { id: "f1", state: "done", shown: 0 }, isStarting: true });
+  expect(client.moved).toHaveBeenLastCalledWith(fitLinks("f1"), { nipple_L: [7, 8, 9] });
+  expect(store.get()).toMatchObject({ fit: { id: "f1", state: "done", shown: 0 }, isStarting: true, followed: { fit: "f1" } });
   const second = FakeEventSource.last!;
   second.say("started", { stance: "standing", drawing: "lumpectomy", iterations_limit: 9, notes: [] });
   expect(store.get().fit?.id, "nothing to show yet").toBe("f1");
   second.say("iterated", iterated(1));
-  expect(store.get()).toMatchObject({ fit: { id: "f2", shown: 0, started: { iterations_limit: 9 } }, isStarting: false, overlay: "swipe", step: "landmarks" });
+  expect(store.get().fit?.id, "the model stands where it has followed the landmark").toBe("f1");
+  second.say("done", { result });
+  expect(store.get()).toMatchObject({ fit: { id: "f2", shown: 0, started: { iterations_limit: 9 } }, isStarting: false, followed: null, overlay: "swipe", step: "landmarks" });
+  await settle();
+
+  actions.landmarks.move("nipple_L", [8, 8, 9]);
+  await settle();
+  const third = FakeEventSource.last!;
 
   actions.landmarks.move("nipple_L", [9, 9, 9]); // while that one runs
-  expect(client.cancel).toHaveBeenLastCalledWith("/api/fits/f2/cancel");
+  expect(client.cancel).toHaveBeenLastCalledWith("/api/fits/f3/cancel");
   await settle();
-  second.say("iterated", iterated(2));
-  expect(store.get().fit?.iterations.length, "a fit that was given up reports nothing any more").toBe(1);
+  third.say("done", { result });
+  expect(store.get().fit?.id, "a fit that was given up reports nothing any more").toBe("f2");
   FakeEventSource.last!.say("iterated", iterated(1));
   FakeEventSource.last!.say("done", { result });
-  expect(store.get()).toMatchObject({ fit: { id: "f3", state: "done" }, step: "landmarks" });
-  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ start_from: "f1" }));
+  expect(store.get()).toMatchObject({ fit: { id: "f4", state: "done" }, step: "landmarks" });
+  expect(startFit.mock.calls.every(([asked]) => !("start_from" in asked))).toBe(true);
 });
 
 test("a run of nudges is two fits: one for the first at once, one for where it ended", async () => {
@@ -135,7 +143,7 @@ test("a run of nudges is two fits: one for the first at once, one for where it e
   expect(store.get()).toMatchObject({ fit: { id: "f1", state: "done" }, isStarting: false, problems: { fit: "Too far." } });
   actions.landmarks.undo();
   await vi.advanceTimersByTimeAsync(1000);
-  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [9, 0, 0] }, start_from: "f1" }));
+  expect(startFit).toHaveBeenLastCalledWith(expect.objectContaining({ landmarks: { nipple_L: [9, 0, 0] } }));
 });
 
 test("a fit whose landmarks were moved before the service answered is cancelled and never shown", async () => {
@@ -157,6 +165,7 @@ test("a fit whose landmarks were moved before the service answered is cancelled 
   await vi.advanceTimersByTimeAsync(10);
   expect(client.cancel).toHaveBeenLastCalledWith("/api/fits/f2/cancel");
   FakeEventSource.last!.say("iterated", iterated(0));
+  FakeEventSource.last!.say("done", { result });
   expect(store.get().fit?.id).toBe("f3");
 });
 

@@ -3,7 +3,7 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { page } from "../fakes";
 import type { Patient } from "../../src/api/types";
 import { addressOfPatient, fromHash } from "../../src/app/address";
-import { daysUntil, deletedAt, ordered } from "../../src/patients/state";
+import { daysUntil, deletedAt } from "../../src/patients/state";
 
 const scan = (id: string, part: Partial<Patient["scans"][number]> = {}): Patient["scans"][number] => ({ id, stance: "standing", created_at: "2026-01-01T00:00:00Z", delete_at: null, thumbnail: "", fit: null, ...part });
 const patient = (id: string, part: Partial<Patient> = {}): Patient => ({ id, code: id, created_at: "2026-01-01T00:00:00Z", plan_version: 0, scans: [scan(`${id}1`)], links: { self: "", plan: "" }, ...part });
@@ -12,7 +12,7 @@ beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
 
 function list(rows: readonly Patient[]) {
-  const patients = vi.fn(async (address: string | null, search: string) => ({ patients: address === null ? rows.filter(({ code }) => code.includes(search)) : [patient("later")], next: address === null ? "/api/patients?before=3" : null }));
+  const patients = vi.fn(async (...[address, search]: [string | null, string, string]) => ({ patients: address === null ? rows.filter(({ code }) => code.includes(search)) : [patient("later")], next: address === null ? "/api/patients?before=3" : null }));
   const deletePatient = vi.fn(async () => undefined);
   const renamePatient = vi.fn(async (id: string, code: string) => patient(id, { code }));
   const made = page({ patients, deletePatient, renamePatient });
@@ -53,17 +53,23 @@ test("a code is the service's answer", async () => {
   expect(store.get().patients.rows[0]!.code).toBe("Ward 7");
 });
 
-test("rows are ordered by code or by the day on which the first scan goes", () => {
-  const rows = [patient("p10"), patient("p9", { scans: [scan("x", { delete_at: "2026-02-03T00:00:00Z" }), scan("y", { delete_at: "2026-02-01T00:00:00Z" })] }), patient("none", { code: "" })];
-  expect(ordered(rows, "code").map(({ id }) => id)).toEqual(["p9", "p10", "none"]);
-  expect(ordered(rows, "deleted first")[0]!.id).toBe("p9");
-  expect(deletedAt(rows[1]!)).toBe("2026-02-01T00:00:00Z");
+test("the order is the service's, for there may be more patients than were read", async () => {
+  const { actions, patients, ids } = list([patient("b"), patient("a")]);
+  await actions.patients.read();
+  await actions.patients.order("code");
+  expect(patients.mock.calls.map((call) => call[2])).toEqual(["newest", "code"]);
+  expect(ids()).toEqual(["b", "a"]);
+});
+
+test("a patient goes with the first of her scans", () => {
+  const both = patient("p9", { scans: [scan("x", { delete_at: "2026-02-03T00:00:00Z" }), scan("y", { delete_at: "2026-02-01T00:00:00Z" })] });
+  expect(deletedAt(both)).toBe("2026-02-01T00:00:00Z");
   expect(daysUntil("2026-02-01T00:00:00Z", new Date("2026-01-30T12:00:00Z"))).toBe(1);
   expect(daysUntil("2026-01-01T00:00:00Z", new Date("2026-01-30T12:00:00Z"))).toBe(0);
 });
 
 test("a patient's address opens both of her scans with the fits that are done", () => {
-  const both = patient("a", { scans: [scan("s1", { fit: { id: "f1", state: "done", created_at: "" } }), scan("s2", { fit: { id: "f2", state: "failed", created_at: "" } })] });
+  const both = patient("a", { scans: [scan("s1", { fit: { id: "f1", state: "done", created_at: "", verdict: "good" } }), scan("s2", { fit: { id: "f2", state: "failed", created_at: "", verdict: null } })] });
   expect(fromHash(addressOfPatient(both))).toMatchObject({ scan: "s1", fit: "f1", step: "result", other: { scan: "s2", fit: null }, isSecond: false });
   expect(fromHash(addressOfPatient(patient("b")))).toMatchObject({ scan: "b1", fit: null, other: null });
 });

@@ -5,6 +5,7 @@ import { expect, test } from "vitest";
 import type { Scan, Vector } from "../../src/api/types";
 import { type Body, type BodyQuestion, bodyOf, partOf, tableNormalOf } from "../../src/scan/body";
 import { borderEdges } from "../../src/scan/borders";
+import { NO_CROPS } from "../../src/scan/crop";
 import { withLoose } from "../../src/scan/state";
 import { extent } from "../../src/viewer/extent";
 import { withScan } from "../fakes";
@@ -15,6 +16,8 @@ const question = (whole: BufferGeometry, tableNormal: Vector | null): BodyQuesti
   index: Uint32Array.from(whole.index!.array),
   isSplit: false,
   tableNormal,
+  crops: NO_CROPS,
+  wantsRelief: false,
 });
 
 /** As the worker hands it over. */

@@ -159,6 +159,24 @@ def cancel_fit(fit_id: str) -> tuple[wire.Fit, int]:
     return fit_answer(app_context().service.cancel_fit(fit_id)), 202
 
 
+@fits.post("/<fit_id>/moved")
+@fits.input(wire.MovedLandmarks)
+@fits.output(wire.MovedModel, description="The model at these landmarks")
+@fits.doc(operation_id="moveLandmarks", responses={409: "Not done", 429: "Too many fits are being moved"})
+def move_landmarks(fit_id: str, json_data: wire.MovedLandmarks) -> wire.MovedModel:
+    """Where the model lies when landmarks are dragged
+
+    An answer takes some hundredths of a second, the first one of a fit as long as reading its scan.  It starts where
+    the last answer ended and follows all picks as they are, and nothing of it is kept: send the newest picks only, and
+    start a fit when the drag has ended.
+    """
+    context = app_context()
+    scan = get_scan(context.service.storage, get_fit(context.service.storage, fit_id).scan)
+    check_landmarks(json_data.landmarks, (), scan, context.model)
+    moved = context.service.moved_landmarks.moved(fit_id, json_data.landmarks)
+    return wire.MovedModel.model_validate(moved)
+
+
 @fits.get("/<fit_id>/iterations/<int:iteration>.gltf")
 @fits.doc(operation_id="getIteration", responses={200: file_of(GLTF, "One iteration, complete")})
 def show_iteration(fit_id: str, iteration: int) -> Response:
@@ -282,6 +300,7 @@ def fit_links(fit_id: str) -> wire.FitLinks:
         report=f"{place}/report.pdf",
         measures=f"{place}/measures.json",
         cancel=f"{place}/cancel",
+        moved=f"{place}/moved",
         shares=f"{place}/shares",
     )
 

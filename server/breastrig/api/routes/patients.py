@@ -2,8 +2,7 @@
 
 import json
 from datetime import datetime, timedelta
-from typing import Any
-from urllib.parse import quote
+from urllib.parse import urlencode
 
 from apiflask import APIBlueprint
 from flask import Response
@@ -18,7 +17,7 @@ from breastrig.api.wire import patients as wire
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.drawings.plan_schema import Plan, PlanLine, PlanNote, drawing_text
-from breastrig.storage.rows.fits import newest_fits
+from breastrig.storage.rows.fits import FitRow, newest_fits
 from breastrig.storage.rows.patients import (
     PatientRow,
     PlanRow,
@@ -49,12 +48,15 @@ plans_of_fits = APIBlueprint("plans_of_fits", __name__, url_prefix="/api/fits", 
 @patients.output(wire.PatientPage)
 @patients.doc(operation_id="listPatients")
 def list_patients(query_data: wire.PatientQuery) -> wire.PatientPage:
-    """The patients, the newest first"""
-    storage = app_context().service.storage
-    rows, before = patients_page(storage, query_data.limit, query_data.before, query_data.search)
-    more = next_page("/api/patients", before, query_data)
-    if more is not None and query_data.search:
-        more += f"&search={quote(query_data.search, safe='')}"
+    """The patients, page by page"""
+    asked = query_data
+    last = None if asked.before is None else (asked.after, asked.before)
+    rows, before = patients_page(app_context().service.storage, asked.limit, last, asked.search, asked.sort)
+    more = None
+    if before is not None:
+        further = {"search": asked.search, "sort": "" if asked.sort == "newest" else asked.sort, "after": before[0]}
+        more = next_page("/api/patients", before[1], asked)
+        more = f"{more}&{urlencode({key: value for key, value in further.items() if value})}".rstrip("&")
     return wire.PatientPage(patients=_answers(rows), next=more)
 
 
@@ -218,15 +220,20 @@ def _answers(rows: list[PatientRow]) -> list[wire.Patient]:
     ]
 
 
-def _scan(row: ScanRow, fit: Any) -> wire.PatientScan:
+def _scan(row: ScanRow, fit: FitRow | None) -> wire.PatientScan:
     days = app_context().config.keep_days
     until = None if days is None else datetime.fromisoformat(row.created_at) + timedelta(days=days)
     fitted = fit.stance if fit is not None and fit.state == "done" else row.facts["stance"]["proposed"]
-    return wire.PatientScan(
-        id=row.id,
-        stance=fitted,
-        created_at=row.created_at,
-        delete_at=None if until is None else iso_utc(until),
-        thumbnail=f"/api/scans/{row.id}/thumbnail.png",
-        fit=None if fit is None else wire.PatientFit(id=fit.id, state=fit.state, created_at=fit.created_at),
-    )
+    values = {
+        "id": row.id,
+        "stance": fitted,
+        "created_at": row.created_at,
+        "delete_at": None if until is None else iso_utc(until),
+        "thumbnail": f"/api/scans/{row.id}/thumbnail.png",
+        "fit": None if fit is None else _fit(fit),
+    }
+    return wire.PatientScan.model_validate(values)
+
+
+def _fit(row: FitRow) -> dict[str, str | None]:
+    return {"id": row.id, "state": row.state, "created_at": row.created_at, "verdict": row.verdict}

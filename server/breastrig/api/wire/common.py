@@ -11,12 +11,13 @@ from apiflask.fields import UploadFile
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from breastrig.drawings.drawing_schema import SurfacePoint
-from breastrig.workflow.events import FitEvent
+from breastrig.workflow.events import FitEvent, NodePose
 
 Units = Literal["auto", "m", "dm", "cm", "mm", "in"]
 StanceWish = Literal["auto", "standing", "supine"]
 StanceName = Literal["standing", "supine"]
 FitState = Literal["queued", "running", "done", "failed", "cancelled"]
+VerdictLevel = Literal["good", "check", "unusable"]
 Point = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Three = Annotated[list[float], Field(min_length=3, max_length=3)]
 Name = Annotated[str, Field(min_length=1, max_length=100)]
@@ -150,6 +151,22 @@ class OtherStance(Wire):
     certain: list[Name] | None = Field(None, max_length=200, description=CERTAIN)
 
 
+class MovedLandmarks(Wire):
+    """Picks of a finished fit, some of them elsewhere."""
+
+    landmarks: dict[Name, Point] = Field(max_length=200, description="all of them; mm, the scan's own frame")
+
+
+class MovedModel(Wire):
+    """The model at moved landmarks."""
+
+    nodes: list[NodePose]
+    mean_distance_mm: float = Field(description="mean distance of matched model vertices to the scan")
+    landmark_distance_mm: float | None = Field(description="mean over the picked landmarks")
+    coverage: float = Field(description="share of the model's vertices with an accepted match")
+    elapsed_s: float
+
+
 class FitHeaders(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
     idempotency_key: str | None = Field(
@@ -172,6 +189,7 @@ class FitLinks(Wire):
     report: str
     measures: str
     cancel: str
+    moved: str
     shares: str
 
 

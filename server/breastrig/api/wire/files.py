@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.api.wire.common import ModelSummary, StanceName, Three
+from breastrig.api.wire.common import ModelSummary, StanceName, Three, VerdictLevel
 from breastrig.workflow.events import DoubtedPick
 
 
@@ -53,7 +53,7 @@ class ResultParameters(Document):
 
 
 class Verdict(Document):
-    level: Literal["good", "check", "unusable"]
+    level: VerdictLevel
     reasons: list[str] = Field(description="one sentence each, the strongest first; none when it is good")
 
 
@@ -113,6 +113,14 @@ class MeasuredStance(Document):
     notes: list[str]
 
 
+class MeasuredLines(Document):
+    """The lines that a measure is of, in the scan's frame, mm: sided, or one for both."""
+
+    left: list[Three] | None = None
+    right: list[Three] | None = None
+    value: list[Three] | None = None
+
+
 class Measure(Document):
     """One measure of one stance, or its change from the first stance to the second; sided, or one value for both."""
 
@@ -132,6 +140,7 @@ class Measure(Document):
     value_high: float | None = Field(description="high end of its band, where one is known")
     landmarks: str = Field(description="what it was measured between, each with its source: picked, or the model's")
     method: str
+    paths: MeasuredLines | None = Field(None, description="what was measured; null for a change between two stances")
 
 
 class MeasuresFile(Document):

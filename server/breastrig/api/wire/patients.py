@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.api.wire.common import FitState, Name, PageQuery, StanceName, Wire
+from breastrig.api.wire.common import FitState, Name, PageQuery, StanceName, VerdictLevel, Wire
 from breastrig.drawings.drawing_schema import Colour, DrawnShape, LineUnit
 from breastrig.drawings.plan_schema import ITEMS, PlanItem, ScanOfPlan
 
@@ -17,6 +17,10 @@ Code = Annotated[
 
 class PatientQuery(PageQuery):
     search: str = Field("", max_length=CODE, pattern=PLAIN, description="a part of the code, in any case")
+    sort: Literal["newest", "code", "deletion"] = Field(
+        "newest", description="newest first; by code, numbers by their value; or whose first scan is deleted soonest"
+    )
+    after: str = Field("", max_length=240, pattern=PLAIN, description="as the link to the next page says")
 
 
 class PatientChange(Wire):
@@ -33,6 +37,7 @@ class PatientFit(Wire):
     id: str
     state: FitState
     created_at: str = Field(description="ISO 8601, UTC")
+    verdict: VerdictLevel | None = Field(description="whether to trust it; null before the end, and of versions before")
 
 
 class PatientScan(Wire):
@@ -61,7 +66,7 @@ class Patient(Wire):
 
 
 class PatientPage(Wire):
-    patients: list[Patient] = Field(description="the newest first")
+    patients: list[Patient] = Field(description="in the order asked for")
     next: str | None = Field(description="address of the next page, null on the last")
 
 

@@ -26,7 +26,7 @@ from breastrig.drawings.handles.rings import ellipse_handles, periareolar_handle
 from breastrig.drawings.handles.tumour import tumour_handles
 from breastrig.drawings.handles.vertical import vertical_handles
 from breastrig.drawings.handles.wise import wise_handles
-from breastrig.drawings.line_error import radii_found
+from breastrig.drawings.line_error import radii_at
 from breastrig.drawings.pattern_parameters import UNITS, Parameter, parameters_of
 from breastrig.drawings.patterns import Pattern, pattern_of
 from breastrig.drawings.project_drawing import shapes_on_scan
@@ -170,7 +170,7 @@ class LiveSkin:
         found = shapes_on_scan(self._rig, self._scan.vertices, self._normals, new, self._scan.target)
         for line, key in zip(found, [key for key in keys if key not in known], strict=True):
             radii = self._scan.radii
-            error = None if radii is None else radii_found(self._rig, self._model, radii, line.points)
+            error = None if radii is None else radii_at(self._rig, self._model, radii, line.points)
             known[key] = replace(line, error=error)
             self._lines.put(key, known[key])
         return [known[key] for key in keys]

@@ -10,17 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from breastrig.correspondence.match import MatchRules, match
-from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.statistics import body_statistics
-from breastrig.geometry.boundary import boundary_vertices
-from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.normals import face_normals, vertex_normals
+from breastrig.report.distances import Comparison
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.rig.skinning import pose
 
-ACCEPTED = MatchRules(method="tree", max_distance=0.05, max_angle=np.pi / 3)  # as the reported distances
 SCAN_POINTS = 4000  # of the scan; more change the shares by less than 1 %
 BEYOND = 0.005  # m; scanner and model's limits together explain less than this on nearly all skin
 EXPLAINED = 0.008  # m; a scan point this near to the model, facing as it does, is explained by it
@@ -42,19 +36,12 @@ class FitSignals:
     limits: float  # share of the shapes that ended at a limit
 
 
-def fit_signals(rig: Rig, target: ScanTarget, x: RigParameters, clearness: float | None) -> FitSignals:
-    """Of the model posed by `x`."""
-    vertices = pose(rig, x)
-    normals = vertex_normals(vertices, rig.faces)
-    found = match(target, vertices, normals, ACCEPTED)
-    cosines = np.einsum("mi,mi->m", normals[found.vertices], found.normals)
-    stride = max(1, len(target.vertices) // SCAN_POINTS)
-    closest = ClosestPointSearch(vertices, rig.faces).query(target.vertices[::stride])
-    on_rim = boundary_vertices(rig.faces, len(vertices))[rig.faces[closest.faces]]
-    inside = (closest.barycentric * on_rim).sum(axis=1) < 0.999  # not beyond an opening of the model
-    out = face_normals(vertices, rig.faces)[closest.faces]
-    facing = np.einsum("mi,mi->m", out, target.normals[::stride]) > np.cos(ACCEPTED.max_angle)
-    gaps = closest.distances[inside & facing]
+def fit_signals(rig: Rig, x: RigParameters, compared: Comparison, clearness: float | None) -> FitSignals:
+    """Of the model posed by `x`, `compared` with its scan."""
+    found = compared.accepted
+    cosines = np.einsum("mi,mi->m", compared.normals[found.vertices], found.normals)
+    distances, inside, facing = compared.from_scan(max(1, len(compared.target.vertices) // SCAN_POINTS))
+    gaps = distances[inside & facing]
     low, high = (np.array([getattr(shape, end) for shape in rig.shapes]) for end in ("min", "max"))
     known = body_statistics(rig)
     mean = 1.0 if known is None else known.mean_scales.reshape(x.scales.shape)
@@ -62,7 +49,7 @@ def fit_signals(rig: Rig, target: ScanTarget, x: RigParameters, clearness: float
     some = len(found.vertices) > 0
     return FitSignals(
         clearness=np.nan if clearness is None else clearness,
-        seen=len(found.vertices) / len(vertices),
+        seen=len(found.vertices) / len(compared.vertices),
         distance_p95=float(np.percentile(found.distances, 95)) if some else np.nan,
         beyond=float((found.distances > BEYOND).mean()) if some else np.nan,
         angle_p90=float(np.arccos(np.clip(np.percentile(cosines, 10), -1.0, 1.0))) if some else np.nan,

@@ -70,7 +70,8 @@ def _changes(event: dict[str, Any]) -> dict[str, Any]:
             numbers = {key: value for key, value in event.items() if key not in ("kind", "nodes")}
             return {"iterations": schema.fits.c.iterations + 1, "numbers": json.dumps(numbers)}
         case "done":
-            return {"state": "done"}
+            verdict = event.get("result", {}).get("verdict") or {}
+            return {"state": "done", "verdict": verdict.get("level")}
         case kind:
             return {"state": kind, "reason": event["reason"]}
 

@@ -49,6 +49,7 @@ class FitRow(NewFit):
     iterations: int
     numbers: dict[str, Any] | None  # the last iterated event without its nodes
     reason: str | None
+    verdict: str | None  # good, check or unusable; None before the end and where the model has no limits
 
     @property
     def ended(self) -> bool:
@@ -284,4 +285,5 @@ def _fit_row(row: Row[Any]) -> FitRow:
         iterations=row.iterations,
         numbers=None if row.numbers is None else json.loads(row.numbers),
         reason=row.reason,
+        verdict=row.verdict,
     )

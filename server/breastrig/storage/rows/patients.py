@@ -7,18 +7,20 @@ one that is there: each has a version, and earlier ones are kept for undoing.
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
-from sqlalchemy import Connection, delete, exists, func, insert, select, update
+from sqlalchemy import ColumnElement, Connection, delete, exists, func, insert, select, update
 
 from breastrig.core.errors import NotFound
 from breastrig.storage import schema
-from breastrig.storage.rows.paging import newest_first
+from breastrig.storage.rows.paging import by_key, newest_first
+from breastrig.storage.rows.sorting import code_key
 from breastrig.storage.storage import Storage
 
 VERSIONS = 50  # of a plan that are kept; nobody undoes more
 
 Document = dict[str, Any]
+Sort = Literal["newest", "code", "deletion"]  # deletion: the first of her scans came first
 
 
 @dataclass(frozen=True)
@@ -103,22 +105,35 @@ def get_patient(storage: Storage, patient_id: str) -> PatientRow:
 
 
 def patients_page(
-    storage: Storage, limit: int, before: int | None, search: str = ""
-) -> tuple[list[PatientRow], int | None]:
-    """Patients, the newest first, and where the next page goes on; `search` is a part of a code."""
+    storage: Storage, limit: int, last: tuple[str, int] | None, search: str = "", sort: Sort = "newest"
+) -> tuple[list[PatientRow], tuple[str, int] | None]:
+    """Patients in that order, and the key and number where the next page goes on; `search` is a part of a code."""
     table = schema.patients
     query = select(table)
     if search:
         query = query.where(func.lower(table.c.code).contains(search.lower(), autoescape=True))
-    rows, more = newest_first(storage, query, table.c.position, limit, before)
+    if sort == "newest":
+        rows, before = newest_first(storage, query, table.c.position, limit, None if last is None else last[1])
+        more = None if before is None else ("", before)
+    else:
+        key = table.c.code_key if sort == "code" else _first_scan_at()
+        rows, more = by_key(storage, query, key, table.c.position, limit, last)
     return [PatientRow(row.id, row.code, row.created_at, row.version) for row in rows], more
+
+
+def _first_scan_at() -> ColumnElement[str]:
+    """When the first of a patient's scans came, ISO 8601; the empty text where she has none."""
+    of, scans = schema.scans_of_patients, schema.scans
+    first = select(func.min(scans.c.created_at)).join(of, of.c.scan == scans.c.id)
+    return func.coalesce(first.where(of.c.patient == schema.patients.c.id).scalar_subquery(), "")
 
 
 def rename_patient(storage: Storage, patient_id: str, code: str) -> None:
     """Raises NotFound."""
     table = schema.patients
     with storage.database.writing() as connection:
-        if connection.execute(update(table).where(table.c.id == patient_id).values(code=code)).rowcount == 0:
+        named = update(table).where(table.c.id == patient_id).values(code=code, code_key=code_key(code))
+        if connection.execute(named).rowcount == 0:
             raise _no_patient()
 
 

@@ -38,7 +38,7 @@ const moment = new Intl.DateTimeFormat("en-GB", { dateStyle: "long", timeStyle: 
 
 const canvas = el("canvas", { class: "view", role: "img", "aria-label": viewText.shared, tabindex: 0 });
 const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
-const viewBar = createViewBar(view, { showDistances: (isOn) => store.set((state) => withDistances(state, isOn)), showLoose: (showLoose) => store.set({ showLoose }) }, viewBarShown);
+const viewBar = createViewBar(view, { showDistances: (isOn) => store.set((state) => withDistances(state, isOn)), showLoose: (showLoose) => store.set({ showLoose }), showRelief: (showRelief) => store.set({ showRelief }), showMirror: (showMirror) => store.set({ showMirror }) }, viewBarShown);
 const swipe = createSwipe(view.swipe, hasBoth);
 const colourBar = createColourBar();
 const note = el("p", {});

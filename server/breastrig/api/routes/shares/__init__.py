@@ -1,0 +1,1 @@
+"""Routes of share links: making them, and what their visitors see."""

@@ -1,0 +1,263 @@
+"""Share links, the visitor's side.  These are the only calls that a share's cookie is good for.
+
+Every address but that of the opening holds the share's id, so that two links that are open in one browser have
+nothing in common: no cookie, no cached answer, no address of the page.  What can be seen is decided by the share's own
+row: one fit, and its scan only when the owner said so.
+"""
+
+import json
+
+from apiflask import APIBlueprint
+from flask import Response, render_template
+
+from breastrig.api.access.security import refuse
+from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_of
+from breastrig.api.app_context import app_context
+from breastrig.api.big_answers import big_answer
+from breastrig.api.routes.scans import mesh_file
+from breastrig.api.routes.shares.passcode import check_passcode
+from breastrig.api.routes.shares.share_credential import (
+    begin_visit,
+    close_visit,
+    cookie_path,
+    share_of_secret,
+    visited_share,
+)
+from breastrig.api.routes.shares.shares import SHARES_TAG
+from breastrig.api.wire import files as wire_files
+from breastrig.api.wire import shares as wire_shares
+from breastrig.api.wire.patients import PlanOnScan
+from breastrig.core.assets import asset_folder
+from breastrig.core.errors import NotFound
+from breastrig.drawings.drawing_schema import DrawingFile
+from breastrig.storage.files import OpenedFile, fit_place
+from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.rows.shares import ShareRow
+
+shared = APIBlueprint("shared", __name__, url_prefix="/api/shared", tag=SHARES_TAG)
+share_page = APIBlueprint("share_page", __name__, template_folder="templates", enable_openapi=False)
+
+NO_STORE = "no-store"
+# The header is about all of this service's pages in the browser.  So not "cookies", which would sign the owner out, nor
+# "storage", which holds what the owner's page has not saved yet; the shared page itself stores nothing there.
+CLEAR_CACHE = '"cache"'
+NOT_OPEN = "The link is not open in this browser"
+ENDED = "Expired or revoked"
+MEDIA_TYPES = {
+    "result.json": JSON,
+    "fitted.glb": GLB,
+    "fitted.ply": BINARY,
+    "drawing.json": JSON,
+    "distances.bin": BINARY,
+}
+
+
+@shared.after_request
+def keep_apart(response: Response) -> Response:
+    """Nothing between here and the page may answer one visitor with what another one got."""
+    response.headers["Cache-Control"] = NO_STORE
+    response.vary.add("Cookie")
+    return response
+
+
+@shared.post("/open")
+@shared.input(wire_shares.ShareOpening)
+@shared.output(wire_shares.SharedResult)
+@shared.doc(
+    operation_id="openShare",
+    responses={
+        403: "The passcode is wrong or missing",
+        404: "No such link",
+        410: ENDED,
+        423: "Locked by wrong passcodes, until the owner unlocks it",
+        429: "Too many",
+    },
+)
+def open_share(json_data: wire_shares.ShareOpening) -> Response:
+    """Open a share link
+
+    Takes the secret after # and sets the cookie that the other calls need; its path is theirs.  The time of the opening
+    is noted for the owner, nothing else.
+    """
+    app_context().rates.check("share")
+    share = share_of_secret(json_data.token)
+    check_passcode(share, json_data.passcode)
+    response = Response(_result(share).model_dump_json(), mimetype=JSON)
+    begin_visit(response, share)
+    return response
+
+
+@shared.post("/<share_id>/close")
+@shared.output({}, status_code=204)
+@shared.doc(operation_id="closeShared", responses={401: NOT_OPEN})
+def close_shared(share_id: str) -> Response:
+    """Close the link in this browser
+
+    The cookie is taken back, and copies of it open nothing any more.
+    """
+    response = Response(status=204, headers={"Clear-Site-Data": CLEAR_CACHE})
+    close_visit(response, share_id)
+    return response
+
+
+@shared.get("/<share_id>")
+@shared.output(wire_shares.SharedResult)
+@shared.doc(operation_id="getShared", responses={401: NOT_OPEN, 410: ENDED})
+def show_shared(share_id: str) -> wire_shares.SharedResult:
+    """What the opened link shows"""
+    return _result(visited_share(share_id))
+
+
+@shared.get("/<share_id>/result.json")
+@shared.output(wire_files.ResultFile, description="Numbers and parameters")
+@shared.doc(operation_id="getSharedResult", responses={401: NOT_OPEN, 410: ENDED})
+def show_result(share_id: str) -> Response:
+    """The shared fit's result.json"""
+    return _fit_file(share_id, "result.json")
+
+
+@shared.get("/<share_id>/fitted.glb")
+@shared.doc(operation_id="getSharedGlb", responses={200: file_of(GLB, "The posed rig"), 410: ENDED})
+def show_fitted_glb(share_id: str) -> Response:
+    """The shared fit's posed rig, with the plan or the fit's own drawing"""
+    share = visited_share(share_id)
+    planned = app_context().service.plans.fitted_glb(share.fit)
+    if planned is None:
+        return _fit_file(share_id, "fitted.glb")
+    response = bytes_answer(planned, GLB, NO_STORE)
+    response.headers["Content-Disposition"] = "attachment; filename=fitted.glb"
+    return response
+
+
+@shared.get("/<share_id>/fitted.ply")
+@shared.doc(operation_id="getSharedPly", responses={200: file_of(BINARY, "The posed surface"), 410: ENDED})
+def show_fitted_ply(share_id: str) -> Response:
+    """The shared fit's posed surface"""
+    return _fit_file(share_id, "fitted.ply")
+
+
+@shared.get("/<share_id>/drawing.json")
+@shared.output(DrawingFile, description="Polylines on the scan")
+@shared.doc(operation_id="getSharedDrawing", responses={401: NOT_OPEN, 410: ENDED})
+def show_drawing(share_id: str) -> Response:
+    """What is drawn on the shared fit's scan: the plan, or the fit's own drawing where there is none"""
+    share = visited_share(share_id)
+    plans = app_context().service.plans
+    if not plans.of_fit(share.fit).plan.is_whole:
+        return _fit_file(share_id, "drawing.json")
+    response = bytes_answer(_plan_of(share), JSON, NO_STORE)
+    response.headers["Content-Disposition"] = "attachment; filename=drawing.json"
+    return response
+
+
+@shared.get("/<share_id>/plan.json")
+@shared.output(PlanOnScan, description="The whole plan on the scan of the shared fit")
+@shared.doc(operation_id="getSharedPlan", responses={401: NOT_OPEN, 410: ENDED})
+def show_plan(share_id: str) -> Response:
+    """What is planned on the patient's skin, on the shared fit's scan"""
+    return bytes_answer(_plan_of(visited_share(share_id)), JSON, NO_STORE)
+
+
+@shared.get("/<share_id>/distances.bin")
+@shared.doc(
+    operation_id="getSharedDistances",
+    responses={200: file_of(BINARY, "float32 for each vertex of the model, mm"), 410: ENDED},
+)
+def show_distances(share_id: str) -> Response:
+    """The distance of each model vertex to the scan"""
+    return _fit_file(share_id, "distances.bin")
+
+
+@shared.get("/<share_id>/report.pdf")
+@shared.doc(
+    operation_id="getSharedReport",
+    responses={
+        200: file_of(PDF, "Pictures, numbers, and a tape sheet of the drawing"),
+        403: "The link does not show the scan, which the report pictures",
+        410: ENDED,
+    },
+)
+def show_report(share_id: str) -> Response:
+    """The shared fit's report, when the link shows the scan"""
+    share = visited_share(share_id)
+    if share.scan == "none":
+        raise refuse(403, "This link does not show the scan, and the report has pictures of it.")
+    return _answer(share, app_context().service.reports.pdf_file(share.fit), PDF, "report.pdf")
+
+
+@shared.get("/<share_id>/mesh.glb")
+@shared.doc(
+    operation_id="getSharedMesh",
+    responses={
+        200: file_of(GLB, "The scan, metres"),
+        403: "The link does not show it",
+        410: ENDED,
+        503: "Too many large files are being sent; ask again after Retry-After seconds",
+    },
+)
+def show_mesh(share_id: str) -> Response:
+    """The scan, when the link shows it; without colours unless the owner chose `full`"""
+    share = visited_share(share_id)
+    if share.scan == "none":
+        raise refuse(403, "This link does not show the scan.")
+    service = app_context().service
+    scan_id = get_fit(service.storage, share.fit).scan
+    mesh = mesh_file(service.storage, scan_id) if share.scan == "full" else service.plain_meshes.get(scan_id)
+    return _answer(share, mesh, GLB, "scan.glb")
+
+
+@share_page.get("/s")
+@share_page.get("/s/<share_id>")
+def page(share_id: str = "") -> Response:
+    """The read-only page; it holds nothing until its script has opened the link, or found it open in this browser.
+
+    Where the page is built it shows the body; else numbers and files, which need no script but a small one.
+    """
+    built = (app_context().config.web or asset_folder("web")) / "index.html"
+    html = built.read_text(encoding="utf-8") if built.is_file() else render_template("share.html")
+    return Response(html, mimetype="text/html", headers={"Cache-Control": NO_STORE})
+
+
+@share_page.get("/s/share.js")
+def script() -> Response:
+    return bytes_answer(render_template("share.js").encode(), "text/javascript", CHECK_AGAIN)
+
+
+def _plan_of(share: ShareRow) -> bytes:
+    """The plan on the shared fit's scan without the ids of fits and scans, which are the owner's alone."""
+    document = json.loads(app_context().service.plans.on_fit(share.fit))
+    return json.dumps(document | {"fit": "", "carried_from": []}).encode()
+
+
+def _fit_file(share_id: str, name: str) -> Response:
+    share = visited_share(share_id)
+    file = app_context().service.storage.files.find(fit_place(share.fit), name)
+    if file is None:
+        raise NotFound(f"This result has no {name}.")
+    return _answer(share, file, MEDIA_TYPES[name], name)
+
+
+def _answer(share: ShareRow, file: OpenedFile, media_type: str, download_as: str) -> Response:
+    response = big_answer(app_context().big_answers, share.id, file, media_type, NO_STORE)
+    response.headers["Content-Disposition"] = f"attachment; filename={download_as}"
+    return response
+
+
+def _result(share: ShareRow) -> wire_shares.SharedResult:
+    place = cookie_path(share.id)
+    return wire_shares.SharedResult(
+        id=share.id,
+        expires_at=share.expires_at,
+        links=wire_shares.SharedLinks(
+            self=place,
+            result=f"{place}/result.json",
+            fitted_glb=f"{place}/fitted.glb",
+            fitted_ply=f"{place}/fitted.ply",
+            drawing=f"{place}/drawing.json",
+            distances=f"{place}/distances.bin",
+            plan=f"{place}/plan.json",
+            report=None if share.scan == "none" else f"{place}/report.pdf",
+            mesh=None if share.scan == "none" else f"{place}/mesh.glb",
+            close=f"{place}/close",
+        ),
+    )

@@ -1,0 +1,132 @@
+"""Share links, the owner's side: make one, see who opens it, revoke it."""
+
+from datetime import UTC, datetime, timedelta
+
+from apiflask import APIBlueprint
+from werkzeug.security import generate_password_hash
+
+from breastrig.api.app_context import app_context
+from breastrig.api.routes.paging import next_page
+from breastrig.api.routes.shares.share_credential import new_token, token_sha256
+from breastrig.api.share_limits import WRONG_PASSCODES
+from breastrig.api.wire import common as wire
+from breastrig.api.wire import shares as wire_shares
+from breastrig.core.errors import Conflict
+from breastrig.storage.folders import new_id
+from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.rows.shares import (
+    ShareRow,
+    add_share,
+    get_share,
+    openings_of,
+    revoke_share,
+    shares_page,
+    unlock_share,
+)
+from breastrig.storage.storage import iso_utc, utc_now
+
+SHARES_TAG = {"name": "shares", "description": "Show one result to somebody: read-only links that end."}
+OPENINGS_SHOWN = 100
+
+shares = APIBlueprint("shares", __name__, url_prefix="/api/fits", tag=SHARES_TAG)
+
+
+@shares.post("/<fit_id>/shares")
+@shares.input(wire_shares.ShareRequest)
+@shares.output(wire_shares.ShareMade, status_code=201, description="The link; it is shown only now")
+@shares.doc(operation_id="makeShare", responses={409: "The fit is not done"})
+def make_share(fit_id: str, json_data: wire_shares.ShareRequest) -> tuple[wire_shares.ShareMade, int, dict[str, str]]:
+    """Make a read-only link to a fit's result
+
+    The secret is in the address's fragment, which browsers do not send to servers.  It is stored only as a hash:
+    the link cannot be shown again.
+    """
+    storage = app_context().service.storage
+    fit = get_fit(storage, fit_id)
+    if fit.state != "done":
+        raise Conflict(f"This fit has no result to share: it is {fit.state}.")
+    if json_data.scan == "plain":
+        app_context().service.plain_meshes.get(fit.scan)
+    now, token = datetime.now(UTC), new_token()
+    share = ShareRow(
+        id=new_id(),
+        fit=fit.id,
+        created_at=iso_utc(now),
+        expires_at=iso_utc(now + timedelta(days=json_data.expires_in_days)),
+        scan=json_data.scan,
+        passcode_hash=generate_password_hash(json_data.passcode) if json_data.passcode else None,
+    )
+    add_share(storage, share, token_sha256(token))
+    answer = wire_shares.ShareMade(url=f"/s#{token}", **share_answer(share).model_dump())
+    return answer, 201, {"Location": answer.links.self}
+
+
+@shares.get("/<fit_id>/shares")
+@shares.input(wire.PageQuery, location="query")
+@shares.output(wire_shares.SharePage)
+@shares.doc(operation_id="listShares")
+def list_shares(fit_id: str, query_data: wire.PageQuery) -> wire_shares.SharePage:
+    """The links to a fit's result, the newest first"""
+    storage = app_context().service.storage
+    get_fit(storage, fit_id)
+    rows, before = shares_page(storage, fit_id, query_data.limit, query_data.before)
+    more = next_page(f"/api/fits/{fit_id}/shares", before, query_data)
+    return wire_shares.SharePage(shares=[share_answer(row) for row in rows], next=more)
+
+
+@shares.get("/<fit_id>/shares/<share_id>")
+@shares.output(wire_shares.ShareWithOpenings)
+@shares.doc(operation_id="getShare")
+def show_share(fit_id: str, share_id: str) -> wire_shares.ShareWithOpenings:
+    """One link, and when it was opened"""
+    storage = app_context().service.storage
+    share = get_share(storage, fit_id, share_id)
+    opened = openings_of(storage, share.id, OPENINGS_SHOWN)
+    return wire_shares.ShareWithOpenings(opened_at=opened, **share_answer(share).model_dump())
+
+
+@shares.delete("/<fit_id>/shares/<share_id>")
+@shares.output({}, status_code=204)
+@shares.doc(operation_id="revokeShare")
+def remove_share(fit_id: str, share_id: str) -> tuple[str, int]:
+    """Revoke a link
+
+    It is closed at once, for those too who have it open.  It stays in the list until the fit is deleted.  Revoking
+    what is not there is no error.
+    """
+    revoke_share(app_context().service.storage, fit_id, share_id, utc_now())
+    return "", 204
+
+
+@shares.post("/<fit_id>/shares/<share_id>/unlock")
+@shares.output(wire_shares.Share)
+@shares.doc(operation_id="unlockShare")
+def unlock(fit_id: str, share_id: str) -> wire_shares.Share:
+    """Let a link take passcodes again
+
+    For one that wrong passcodes have locked: as many may be tried again.  The count goes on.
+    """
+    storage = app_context().service.storage
+    unlock_share(storage, fit_id, share_id)
+    return share_answer(get_share(storage, fit_id, share_id))
+
+
+def share_answer(row: ShareRow) -> wire_shares.Share:
+    """The stored row as the owner sees it."""
+    place, is_locked = f"/api/fits/{row.fit}/shares/{row.id}", row.is_locked(WRONG_PASSCODES)
+    values = {
+        "id": row.id,
+        "created_at": row.created_at,
+        "expires_at": row.expires_at,
+        "revoked_at": row.revoked_at,
+        "is_open": row.is_valid(utc_now()) and not is_locked,
+        "is_locked": is_locked,
+        "scan": row.scan,
+        "has_passcode": row.passcode_hash is not None,
+        "openings": row.openings,
+        "last_opened_at": row.last_opened_at,
+        "wrong_passcodes": row.wrong_passcodes,
+        "last_wrong_passcode_at": row.last_wrong_at,
+        "links": wire_shares.ShareLinks(self=place, unlock=f"{place}/unlock"),
+    }
+    return wire_shares.Share.model_validate(values)

@@ -1,0 +1,1 @@
+"""What moves under a hand: answers from processes that are kept for the fit."""

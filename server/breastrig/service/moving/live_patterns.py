@@ -1,0 +1,64 @@
+"""Patterns that follow a hand on the scan of a fit: each fit in a process of its own, which is kept for a while.
+
+What it has prepared is of one patient's body, so it is in no other process's memory and on no disk, and goes with the
+deletion of the scan.
+"""
+
+import logging
+from pathlib import Path
+from typing import Any
+
+from breastrig.core.errors import BreastRigError, Conflict, FitFailed
+from breastrig.execution.kept_processes import KeptProcesses
+from breastrig.storage.files import fit_place
+from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.storage import Storage
+from breastrig.workflow.moving.live_pattern import LiveQuestion, live_pattern, read_and_live_pattern
+
+WALL_S = 30.0  # an answer takes a tenth of a second, the first one; huge scans on a slow machine take many
+
+log = logging.getLogger(__name__)
+
+
+class LivePatterns:
+    """May be called from any thread."""
+
+    def __init__(self, storage: Storage, processes: KeptProcesses, model: Path | None) -> None:
+        self._storage = storage
+        self._model = model
+        self._processes = processes
+
+    def answer(self, fit_id: str, question: LiveQuestion) -> dict[str, Any]:
+        """The pattern on the fit's scan, with its handles.
+
+        Raises NotFound, Conflict when the fit is not done, BadDrawing when the pattern does not fit there, TooMany.
+        """
+        fit = get_fit(self._storage, fit_id)
+        if fit.state != "done":
+            raise Conflict(f"The fit {fit.id} is {fit.state}; patterns are drawn on fits that are done.")
+        try:
+            found: dict[str, Any] | None = self._processes.result(fit_id, live_pattern, (fit_id, question), WALL_S)
+            if found is None:
+                found = self._read_and_answer(fit_id, question)
+        except TimeoutError as error:
+            raise FitFailed(f"Drawing this pattern took longer than {WALL_S:g} s; give a smaller scan.") from error
+        except (OSError, RuntimeError) as error:
+            get_fit(self._storage, fit_id)  # it was deleted, and its process with it
+            log.warning("the process that drew a pattern died: %r", error)
+            raise FitFailed("Drawing this pattern needs more memory than it may use; give a smaller scan.") from error
+        return found
+
+    def _read_and_answer(self, fit_id: str, question: LiveQuestion) -> dict[str, Any]:
+        try:
+            with self._storage.files.reading(fit_place(fit_id)) as folder:
+                job = (fit_id, folder, self._model, question)
+                found: dict[str, Any] = self._processes.result(fit_id, read_and_live_pattern, job, WALL_S)
+            get_fit(self._storage, fit_id)
+        except BreastRigError:
+            try:
+                get_fit(self._storage, fit_id)
+            except BreastRigError:  # deleted while it was read
+                self._processes.drop(fit_id)
+                raise
+            raise
+        return found

@@ -1,0 +1,70 @@
+"""Finished fits that follow landmarks while somebody drags them: each fit in a process of its own, kept for a while.
+
+Nothing is stored: what comes of a drag is a fit like any other, which is asked for when it has ended.
+"""
+
+import json
+import logging
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from breastrig.core.errors import Conflict, FitFailed, NotFound
+from breastrig.execution.kept_processes import KeptProcesses
+from breastrig.service.fit_worker import earlier_fit, fit_job
+from breastrig.storage.files import scan_place, upload_name
+from breastrig.storage.rows.events import events_of_kind
+from breastrig.storage.rows.fits import FitRow, get_fit
+from breastrig.storage.rows.scans import Points, get_scan
+from breastrig.storage.storage import Storage
+from breastrig.workflow.moving.moved_landmarks import FollowJob, follow_landmarks, moved_landmarks
+
+WALL_S = 30.0  # an answer takes a twentieth of a second, the first one; huge scans on a slow machine take many
+
+log = logging.getLogger(__name__)
+
+
+class MovedLandmarks:
+    """May be called from any thread."""
+
+    def __init__(self, storage: Storage, processes: KeptProcesses, model: Path | None) -> None:
+        self._storage = storage
+        self._processes = processes
+        self._model = model
+
+    def moved(self, fit_id: str, landmarks: Points) -> dict[str, Any]:
+        """Where the model of a fit lies with landmarks (mm, scan frame) that were moved.
+
+        Raises NotFound, Conflict when the fit is not done, TooMany, and FitFailed with a sentence.
+        """
+        fit = get_fit(self._storage, fit_id)
+        if fit.state != "done":
+            raise Conflict(f"The fit {fit.id} is {fit.state}; landmarks can be moved live on fits that are done.")
+        try:
+            found: dict[str, Any] | None = self._processes.result(fit_id, moved_landmarks, (fit_id, landmarks), WALL_S)
+            if found is None:
+                found = self._read_and_moved(fit, landmarks)
+        except (OSError, RuntimeError) as error:  # TimeoutError is one
+            get_fit(self._storage, fit_id)  # it was deleted, and its process with it
+            log.warning("the process that followed landmarks died: %r", error)
+            raise FitFailed("The model cannot follow landmarks on this scan; fit it anew instead.") from error
+        return found
+
+    def _read_and_moved(self, fit: FitRow, landmarks: Points) -> dict[str, Any]:
+        scan = get_scan(self._storage, fit.scan)
+        with self._storage.files.reading(scan_place(scan.id), [upload_name(scan.file_type)]) as folder:
+            job = fit_job(scan, fit, folder, folder, self._model)
+            job = replace(job, stance=fit.stance, drawing=None, earlier=earlier_fit(self._storage, fit.id))
+            asked = (fit.id, FollowJob(job, self._not_followed(fit)), landmarks)
+            found: dict[str, Any] = self._processes.result(fit.id, follow_landmarks, asked, WALL_S)
+        try:
+            get_fit(self._storage, fit.id)
+        except NotFound:  # deleted while it was read
+            self._processes.drop(fit.id)
+            raise
+        return found
+
+    def _not_followed(self, fit: FitRow) -> tuple[str, ...]:
+        (done,) = events_of_kind(self._storage, fit.id, "done")
+        doubted = json.loads(done.json)["result"].get("landmarks_not_followed", [])
+        return tuple(name for each in doubted for name in each["names"])

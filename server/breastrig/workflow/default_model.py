@@ -1,0 +1,40 @@
+"""The model that comes with BreastRig, read and made ready when this module is imported.
+
+The fork server imports it, so that the process of each task finds the model and what never changes about it (groups of
+vertices, weights of observations, its part of fitted.glb) instead of computing them anew: a sixth of a fit.
+"""
+
+from contextlib import suppress
+
+import numpy as np
+
+from breastrig.core.errors import BadModel
+from breastrig.fitting.body.statistics import body_statistics
+from breastrig.fitting.observation_weights import observation_weights
+from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.uncertainty.calibration import calibration
+from breastrig.fitting.verdicts.verdict import verdict_limits
+from breastrig.gltf.lines.ribbon import ribbons
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.gltf.skinned import skinned_document
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import rest_parameters
+from breastrig.rig.state import BodyState
+from breastrig.rig.vertex_groups import vertex_groups
+
+
+def make_ready(rig: Rig) -> None:
+    """Computes what fits of this model share."""
+    recipe, state = load_recipe("default"), BodyState(rig, rest_parameters(rig))
+    _ = state.posed.rows(np.zeros(1, dtype=np.int64), np.ones((1, 3))), state.chordal_deviation, vertex_groups(rig)
+    for every in {stage.every for stage in recipe.stages}:
+        observation_weights(rig, recipe.observations, every)
+    _ = body_statistics(rig), calibration(rig.name), verdict_limits(rig.name)
+    skinned_document(rig, {})
+    for drawing in rig.drawings:
+        if drawing.name == "lumpectomy":  # what a fit draws unless it is told otherwise
+            ribbons(rig, drawing)
+
+
+with suppress(BadModel):  # whoever needs it is told
+    make_ready(read_rig(default_rig_path()))

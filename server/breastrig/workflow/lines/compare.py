@@ -1,0 +1,107 @@
+"""Two drawings on the scan of one fit: how far they are apart, as a table, a document and a picture."""
+
+import csv
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from breastrig.core.errors import BadDrawing, BadInput
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.private_files import private_folder, write_private
+from breastrig.core.units import distance_text
+from breastrig.drawings.drawing_file import Drawing, parsed_drawing
+from breastrig.drawings.prepare_polyline import OFF_THE_SKIN
+from breastrig.drawings.project_drawing import on_scan
+from breastrig.drawings.superimposition import gaps
+from breastrig.drawings.superimposition_picture import body_frame, superimposed
+from breastrig.drawings.transfer import fitted_scan
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import ModelDrawing
+from breastrig.workflow.fit_files import json_bytes
+from breastrig.workflow.fit_folder import fit_folder_of
+from breastrig.workflow.lines.transfer import drawing_document
+
+SCHEMA = "breastrig/compare@1"
+COMPARE_RECORD = "compare.json"
+COMPARE_FILES = ("compare.csv", "compare.png", COMPARE_RECORD)
+
+
+@dataclass(frozen=True)
+class CompareJob:
+    """Two drawings in the frame of one fit's scan; the first is shown black, the second white."""
+
+    fit: Path
+    first: Path
+    second: Path
+    out: Path
+    model: Path | None = None  # None: the torso of the package
+
+
+def compare(job: CompareJob) -> dict[str, Any]:
+    """Writes compare.json, compare.csv and compare.png into job.out; the first one's document.  Raises BadInput."""
+    rig = read_rig(job.model or default_rig_path())
+    folder = fit_folder_of(job.fit, rig)
+    scan = fitted_scan(folder.surface, folder.vertices, folder.landmarks, folder.stance)
+    shapes = []
+    for file in (job.first, job.second):
+        given = parsed_drawing(drawing_document(file), rig, folder.unit)
+        on_skin = list(given.on_scan)
+        for shape in on_skin:
+            off = scan.target.search.query(shape.points[~shape.bridged]).distances
+            if (off > OFF_THE_SKIN).any():
+                raise BadDrawing(
+                    f'"{shape.name}" of {file} is {distance_text(float(off.max()))} away from the scan; both drawings '
+                    "must be in the scan's frame."
+                )
+        on_skin += on_scan(rig, scan.vertices, _drawn(given), scan.target)
+        shapes.append(on_skin)
+    found = gaps(*shapes)
+    picture = superimposed(
+        scan.target.vertices,
+        scan.target.faces,
+        body_frame(rig.template, scan.vertices),
+        (shapes[0], shapes[1]),
+        (job.first.name, job.second.name),
+        found,
+    )
+    rows = [
+        {"shape": gap.name}
+        | {
+            key: round(value, 3)
+            for key, value in (("mean_mm", gap.mean_mm), ("p95_mm", gap.p95_mm), ("max_mm", gap.max_mm))
+        }
+        for gap in found
+    ]
+    document = {
+        "schema": SCHEMA,
+        "notice": LIMITS_OF_USE,
+        "first": job.first.name,
+        "second": job.second.name,
+        "only_in_one": sorted({each.name for each in shapes[0]} ^ {each.name for each in shapes[1]}),
+        "distances": rows,
+    }
+    _write(job.out, document, rows, picture)
+    return document
+
+
+def _drawn(given: Drawing) -> ModelDrawing:
+    return ModelDrawing(given.name, given.name, given.on_model)
+
+
+def _write(out: Path, document: dict[str, Any], rows: list[dict[str, Any]], picture: Any) -> None:
+    table, image = io.StringIO(newline=""), io.BytesIO()
+    writer = csv.DictWriter(table, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    Image.fromarray(np.asarray(picture)).save(image, "PNG", optimize=True)
+    try:
+        private_folder(out)
+        write_private(out / "compare.json", json_bytes(document))
+        write_private(out / "compare.csv", table.getvalue().encode())
+        write_private(out / "compare.png", image.getvalue())
+    except OSError as error:
+        raise BadInput(f"{out} cannot be written ({error.strerror}); choose another folder.") from error

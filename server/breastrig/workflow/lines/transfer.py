@@ -1,0 +1,100 @@
+"""A drawing made on the scan of one fit, shown on the scan of another: from folders to a document.
+
+It reads two scans and solves a small dense system, about a second of work in all, so the service runs it in a
+process of its own, as it does with everything that reads scans.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from breastrig.core.errors import BadDrawing, BadInput, TooLarge
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.private_files import read_ordinary, shown
+from breastrig.drawings.drawing_file import FILE_BYTES, Drawing, millimetres, parsed_drawing, shape_document
+from breastrig.drawings.plan_schema import Plan, checked_plan, is_plan
+from breastrig.drawings.project_drawing import on_scan
+from breastrig.drawings.transfer import TransferredLine, fitted_scan, transferred
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import ModelDrawing, Rig
+from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
+from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
+
+
+@dataclass(frozen=True)
+class TransferJob:
+    """Everything that a transfer needs to know, as plain values that travel between processes."""
+
+    from_fit: Path  # folder of a fit
+    to_fit: Path
+    drawing: (
+        dict[str, Any] | None
+    )  # a document breastrig/drawing@1 or breastrig/plan@1; None: the drawing that the first fit left
+    other_patient: bool = False  # the scans are of two patients: the model decides which skin is which
+    model: Path | None = None  # None: the torso of the package
+
+
+def drawing_document(file: Path) -> dict[str, Any]:
+    """A drawing file's JSON object."""
+    try:
+        content = read_ordinary(file, FILE_BYTES)
+        if len(content) > FILE_BYTES:
+            raise TooLarge(f"{shown(file.name)} is larger than {FILE_BYTES // 1_000_000} MB; this is no drawing.")
+    except OSError as error:
+        raise BadDrawing(f"There is no drawing {shown(file.name)} that can be read; check the name.") from error
+    try:
+        document = json.loads(content)
+    except (ValueError, RecursionError) as error:
+        raise BadDrawing(f"{file.name} is not JSON; give a file such as drawing.json that a fit leaves.") from error
+    if not isinstance(document, dict):
+        raise BadDrawing(f"{file.name} is no drawing; it must hold a JSON object of the form breastrig/drawing@1.")
+    return document
+
+
+def transfer(job: TransferJob) -> dict[str, Any]:
+    """The drawing on the target scan (breastrig/drawing@1), in its frame and unit.  Raises BadInput."""
+    rig = read_rig(job.model or default_rig_path())
+    source, goal = fit_folder_of(job.from_fit, rig), fit_folder_of(job.to_fit, rig)
+    document = drawing_document(job.from_fit / "drawing.json") if job.drawing is None else job.drawing
+    if is_plan(document):
+        return _plan_on(rig, checked_plan(document), source, goal, job.other_patient)
+    given = parsed_drawing(document, rig, source.unit)
+    a = fitted_scan(source.surface, source.vertices, source.landmarks, source.stance, source.radii)
+    b = fitted_scan(goal.surface, goal.vertices, goal.landmarks, goal.stance, goal.radii)
+    shapes = list(given.on_scan)
+    if given.on_model:
+        drawn = ModelDrawing(given.name, given.name, given.on_model)
+        shapes += on_scan(rig, a.vertices, drawn, a.target)
+    try:
+        carried = transferred(rig, a, b, shapes, job.other_patient)
+    except MemoryError as error:
+        raise BadInput("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
+    return _document(given, goal, carried, job.other_patient)
+
+
+def _plan_on(rig: Rig, plan: Plan, source: FitFolder, goal: FitFolder, other_patient: bool) -> dict[str, Any]:
+    """The whole plan on the target: what was made on it as it is, all else carried from the source."""
+    if other_patient:
+        raise BadDrawing("A plan is one patient's; give a drawing to show it on another one.")
+    return plan_document(plan, goal, plan_on_folders(rig, plan, [(goal, ""), (source, "")], home=1))
+
+
+def _document(
+    given: Drawing, goal: FitFolder, carried: tuple[TransferredLine, ...], other_patient: bool
+) -> dict[str, Any]:
+    return {
+        "schema": "breastrig/drawing@1",
+        "name": given.name,
+        "unit": goal.unit,
+        "notice": LIMITS_OF_USE,
+        "carried_by": "model" if other_patient else "skin",
+        "shapes": [
+            shape_document(each.line, goal.metres_per_unit)
+            | {
+                "distance_from_mm": millimetres(each.distance_from),
+                "distance_to_mm": millimetres(each.distance_to),
+            }
+            for each in carried
+        ],
+    }

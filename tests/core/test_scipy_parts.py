@@ -1,0 +1,96 @@
+"""Parts of SciPy loaded alone: the same classes and numbers as from its packages, and most of it stays unloaded."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.sparse
+import scipy.sparse.linalg
+import scipy.spatial
+
+from breastrig.core import scipy_parts
+from breastrig.core.scipy_parts import LinAlgError, cholesky, csc_array, solve_lower, symmetric_factor
+
+
+def said_by(program: str) -> list[str]:
+    """The words that a Python of its own prints."""
+    command = [sys.executable, "-W", "error", "-c", program]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
+
+
+def loaded_by(program: str) -> set[str]:
+    """The modules that are there after it."""
+    return set(said_by(f"import sys\n{program}\nprint(*sys.modules)"))
+
+
+def test_a_fit_needs_neither_the_rest_of_scipy_nor_trimesh_nor_numpys_tools() -> None:
+    slow = {"scipy.linalg", "scipy.special", "scipy.spatial", "scipy.sparse.linalg", "numpy.f2py", "numpy.testing"}
+    slow |= {"trimesh", "networkx", "matplotlib", "flask", "sqlalchemy"}
+    assert not slow & loaded_by("import breastrig.cli.fit_command")
+
+
+def test_a_whole_fit_needs_none_of_it_either(tmp_path: object) -> None:
+    from breastrig.core.assets import asset_folder
+
+    scan = asset_folder("example") / "standing" / "scan.ply"
+    program = f"from breastrig.cli.main import main\nassert main(['fit', {str(scan)!r}, '-o', {str(tmp_path)!r}]) == 0"
+    slow = {"scipy.linalg", "scipy.special", "scipy.spatial", "scipy.sparse.linalg", "trimesh", "networkx"}
+    assert not slow & loaded_by(program)
+
+
+def test_numpy_names_all_its_modules_as_before() -> None:
+    before = "import numpy; print(*sorted(set(dir(numpy)) & {'f2py', 'testing', 'ma'}), 'testing' in numpy.__all__)"
+    after = before.replace("import numpy;", "import breastrig.core.scipy_parts, numpy;")
+    assert said_by(after) == said_by(before) == ["f2py", "ma", "testing", "True"]
+    assert said_by("import breastrig.core.scipy_parts, numpy; print(numpy.testing.__name__)") == ["numpy.testing"]
+
+
+@pytest.mark.parametrize("order", [("breastrig.core.scipy_parts", "scipy.spatial"), ("scipy.spatial", "scipy.linalg")])
+def test_the_parts_are_those_of_the_packages_whoever_is_imported_first(order: tuple[str, str]) -> None:
+    program = (
+        f"import pickle, {order[0]}, {order[1]}, scipy.spatial, scipy.linalg.lapack\n"
+        "import breastrig.core.scipy_parts as parts\n"
+        "assert parts.cKDTree is scipy.spatial.cKDTree\n"
+        "assert parts.lapack.dpotrf is scipy.linalg.lapack.dpotrf\n"
+        "assert pickle.loads(pickle.dumps(parts.cKDTree([[0.0]]))).n == 1\n"
+        "print('yes')"
+    )
+    assert said_by(program) == ["yes"]
+
+
+def test_where_scipy_is_arranged_in_another_way_its_public_modules_are_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("scipy.linalg._moved", "scipy.moved.deep"):
+        assert scipy_parts._alone(name, "scipy.linalg.lapack", "dpotrf") is scipy.linalg.lapack
+        assert name not in sys.modules
+    matrix = csc_array([[4.0, 1.0], [1.0, 3.0]])
+    monkeypatch.setattr(scipy_parts, "_alone", lambda *_: scipy.sparse.linalg)
+    np.testing.assert_allclose(matrix @ symmetric_factor(matrix).solve(np.array([1.0, 2.0])), [1.0, 2.0], rtol=1e-14)
+
+
+def definite(size: int) -> np.ndarray:
+    rng = np.random.default_rng(3)
+    half = rng.normal(size=(size, size))
+    return half @ half.T + np.eye(size)
+
+
+def test_factors_are_those_of_scipy() -> None:
+    matrix, right = definite(30), np.arange(30.0)
+    factor, public = cholesky(matrix), scipy.linalg.cholesky(matrix, lower=True)
+    np.testing.assert_array_equal(np.tril(factor), public)
+    for transposed in (False, True):
+        wanted = scipy.linalg.solve_triangular(public, right, lower=True, trans=int(transposed))
+        np.testing.assert_allclose(solve_lower(factor, right, transposed), wanted, rtol=1e-12)
+    sparse = csc_array(np.where(np.abs(matrix) > 6.0, matrix, 0.0) + 100.0 * np.eye(30))
+    options = {"SymmetricMode": True}
+    library = scipy.sparse.linalg.splu(sparse, permc_spec="MMD_AT_PLUS_A", options=options)
+    np.testing.assert_array_equal(symmetric_factor(sparse).solve(right), library.solve(right))
+
+
+def test_a_matrix_that_is_not_positive_definite_is_refused() -> None:
+    assert LinAlgError is scipy.linalg.LinAlgError
+    with pytest.raises(LinAlgError, match="not positive definite"):
+        cholesky(np.diag([1.0, -1.0]))
+    assert cholesky(np.zeros((0, 0))).shape == (0, 0)
+    assert solve_lower(np.zeros((0, 0)), np.zeros(0)).shape == (0,)

@@ -1,0 +1,248 @@
+"""Patterns that follow a hand: the same lines as for a fit, handles that mean one parameter, and where drags end."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.example_fits import write_example_fits
+
+from breastrig.core.errors import BadDrawing
+from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.clock import FittedSkin, angle_of, clock_place, on_clock
+from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePattern, LiveSkin, Parameters
+from breastrig.drawings.line_error import with_errors
+from breastrig.drawings.patterns import asked_drawing
+from breastrig.drawings.project_drawing import on_scan
+from breastrig.drawings.skin_map import FittedScan
+from breastrig.drawings.transfer import fitted_scan
+from breastrig.geometry import geodesic
+from breastrig.geometry.polyline import Polyline
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import rest_parameters
+from breastrig.rig.skinning import shaped
+from breastrig.workflow.fit_folder import fit_folder_of
+
+TUMOUR: Parameters = {"side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0}
+PATTERNS: dict[str, Parameters] = {
+    "reduction": {"limb_mm": 27.5},
+    "vertical": {},
+    "periareolar": {},
+    "ellipse": {},
+    "tumour": TUMOUR,
+}
+HANDLES = {
+    "reduction": {"new_nipple", "areola", "limb_first", "limb_second", "angle_first", "angle_second"}
+    | {"opening_first", "opening_second"},
+    "vertical": {"new_nipple", "areola", "end", "width_first", "width_second"},
+    "periareolar": {"areola", "outer", "outer_below", "lift"},
+    "ellipse": {"length_lateral", "length_medial", "width_upper", "width_lower", "axis"},
+    "tumour": {"centre", "radius"},
+}
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return read_rig(default_rig_path())
+
+
+@pytest.fixture(scope="module")
+def scans(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> dict[str, FittedScan]:
+    folder = tmp_path_factory.mktemp("fits")
+    write_example_fits(folder)
+    found = {}
+    for stance in ("standing", "supine"):
+        fit = fit_folder_of(Path(folder / stance), rig)
+        found[stance] = fitted_scan(fit.surface, fit.vertices, fit.landmarks, fit.stance, fit.radii)
+    return found
+
+
+@pytest.fixture(scope="module")
+def live(rig: Rig, scans: dict[str, FittedScan]) -> LiveSkin:
+    """Asked by all tests, so that whatever it remembers of one is there in the next."""
+    return LiveSkin(rig, scans["standing"])
+
+
+def ordinary(rig: Rig, scan: FittedScan, name: str, parameters: Parameters) -> dict[str, Polyline]:
+    """As a plan or a fit draws it, on a skin that nobody has measured before."""
+    text = f"{name}:{','.join(f'{key}={value}' for key, value in parameters.items())}" if parameters else name
+    drawing = asked_drawing(rig, text).on_model(rig, scan.vertices)
+    found = on_scan(rig, scan.vertices, drawing, scan.target)
+    return {line.name: line for line in with_errors(rig, scan.search(rig), scan.radii, found)}
+
+
+def assert_same(found: LivePattern, expected: dict[str, Polyline]) -> None:
+    for line, label in found.lines:
+        other = expected[line.name]
+        assert label
+        assert line.points == pytest.approx(other.points, abs=1e-12)  # m: 1e-9 mm
+        assert line.bridged.tolist() == other.bridged.tolist()
+        assert line.corners == other.corners
+        assert line.error == pytest.approx(other.error, abs=1e-9)
+
+
+def handle(found: LivePattern, name: str) -> HandleOnScan:
+    return next(each for each in found.handles if each.handle.name == name)
+
+
+@pytest.mark.parametrize("stance", ["standing", "supine"])
+@pytest.mark.parametrize("name", [*PATTERNS])
+def test_the_lines_are_those_of_a_plan_to_a_billionth_of_a_millimetre_also_after_others_were_drawn(
+    rig: Rig, scans: dict[str, FittedScan], name: str, stance: str
+) -> None:
+    skin, parameters = LiveSkin(rig, scans[stance]), PATTERNS[name]
+    expected = ordinary(rig, scans[stance], name, parameters)
+    first = skin.drawn(name, parameters)
+    assert {line.name for line, _ in first.lines} == {*expected}
+    assert_same(first, expected)
+    for each in first.handles[:3]:
+        skin.drawn(name, parameters, drag=Drag(each.handle.name, tuple(each.at + 0.004 * each.handle.grows)))
+    assert_same(skin.drawn(name, parameters), expected)
+    one = skin.drawn(name, parameters, side="L")
+    assert {line.name for line, _ in one.lines} == {each for each in expected if each.endswith("_L")}
+    assert_same(one, expected)
+
+
+@pytest.mark.parametrize("name", [*PATTERNS])
+def test_what_a_drag_draws_is_what_its_parameters_draw(
+    rig: Rig, scans: dict[str, FittedScan], live: LiveSkin, name: str
+) -> None:
+    for each in live.drawn(name, PATTERNS[name], side="L").handles:
+        to = each.at + 0.003 * (each.handle.grows if each.handle.grows.any() else np.array([0.0, 1.0, 0.0]))
+        dragged = live.drawn(name, PATTERNS[name], drag=Drag(each.handle.name, tuple(to)))
+        expected = ordinary(rig, scans["standing"], name, dragged.parameters)
+        assert {line.name for line, _ in dragged.lines} == {line for line in expected if line.endswith("_L")}
+        assert_same(dragged, expected)
+
+
+@pytest.mark.parametrize("name", [*PATTERNS])
+def test_a_handle_stands_for_its_parameters_and_changes_no_other(live: LiveSkin, name: str) -> None:
+    parameters = PATTERNS[name]
+    found = live.drawn(name, parameters)
+    sides = "L" if name == "tumour" else "LR"
+    assert {each.handle.name for each in found.handles} == {f"{one}_{side}" for one in HANDLES[name] for side in sides}
+    for each in found.handles:
+        if each.handle.side == "R":
+            continue
+        still = live.drawn(name, parameters, drag=Drag(each.handle.name, tuple(each.at)))
+        assert still.parameters.keys() - parameters.keys() <= each.handle.values.keys()
+        for number in each.numbers:
+            assert still.parameters[number.parameter] == pytest.approx(
+                number.value, abs=0.6 if number.unit == "mm" else 0.51
+            )
+        if not each.handle.grows.any():
+            continue
+        (number,) = each.numbers
+        values = []
+        for away in (-0.003, 0.003):
+            to = tuple(each.at + away * each.handle.grows)
+            dragged = live.drawn(name, parameters, drag=Drag(each.handle.name, to))
+            others = {key: value for key, value in dragged.parameters.items() if key != number.parameter}
+            assert others == {key: value for key, value in parameters.items() if key != number.parameter}
+            values.append(dragged.parameters[number.parameter])
+        assert values[0] < values[1], each.handle.name
+
+
+def test_a_dragged_handle_comes_to_where_it_is_dragged(scans: dict[str, FittedScan], live: LiveSkin) -> None:
+    search = scans["standing"].target.search
+    for name, one, within_mm in (
+        ("ellipse", "length_lateral_L", 1.0),
+        ("periareolar", "outer_L", 1.0),
+        ("tumour", "centre_L", 1.0),
+        ("tumour", "radius_L", 1.0),
+        ("periareolar", "lift_L", 1.0),
+        ("reduction", "limb_first_L", 1.0),
+    ):
+        start = handle(live.drawn(name, PATTERNS[name]), one)
+        way = start.handle.grows if start.handle.grows.any() else np.array([0.0, 1.0, 0.0])
+        asked = search.query((start.at + 0.003 * way)[None]).points[0]
+        found = handle(live.drawn(name, PATTERNS[name], drag=Drag(one, tuple(asked))), one)
+        assert 1e3 * np.linalg.norm(found.at - asked) < within_mm, one
+        assert np.linalg.norm(found.at - start.at) > 0.0015, one
+
+
+def test_a_drag_ends_at_the_parameters_limit_and_says_so(live: LiveSkin) -> None:
+    areola = handle(live.drawn("periareolar", {}), "areola_L")
+    found = live.drawn("periareolar", {}, drag=Drag("areola_L", tuple(areola.at + 0.03 * areola.handle.grows)))
+    assert found.parameters["areola_mm"] == 55.0
+    assert found.limit == "New areola stops at 55 mm."
+
+
+def test_a_drag_ends_where_the_pattern_no_longer_fits_and_says_why(live: LiveSkin) -> None:
+    limb = handle(live.drawn("reduction", {"limb_mm": 27.5}), "limb_first_R")
+    found = live.drawn(
+        "reduction", {"limb_mm": 27.5}, drag=Drag("limb_first_R", tuple(limb.at + 0.02 * limb.handle.grows))
+    )
+    assert 27.5 < float(found.parameters["limb_mm"]) < 40.0
+    assert "reach the fold" in found.limit
+    assert found.lines
+
+
+def test_the_new_nipple_goes_up_and_down_the_meridian_of_a_sagging_breast(rig: Rig) -> None:
+    weights = rest_parameters(rig).weights.copy()
+    for shape, weight in (("ptosis", 1.8), ("volume_large", 1.5), ("nipple_vertical", -1.4)):
+        for side in ("_L", "_R"):
+            weights[rig.shape_names.index(shape + side)] = weight
+    body = 1.15 * shaped(rig, weights)
+    skin = LiveSkin(rig, FittedScan(ScanTarget(body, rig.faces), body, {}, "standing"))
+    for name in ("reduction", "vertical"):
+        start = handle(skin.drawn(name, {}), "new_nipple_L")
+        now = start.numbers[0].value  # the nipple itself: its height over the fold
+        assert 20.0 < now < 30.0
+        up = skin.drawn(name, {}, drag=Drag("new_nipple_L", tuple(start.at + 0.010 * start.handle.grows)))
+        raised = float(up.parameters["nipple_above_fold_mm"])
+        assert raised - now == pytest.approx(10.0, abs=4.0)  # the place lies off the skin, which is not upright
+        assert handle(up, "new_nipple_L").numbers[0].value == pytest.approx(raised, abs=0.1)
+        assert up.limit == ""
+        at = handle(up, "new_nipple_L")
+        down = skin.drawn(
+            name, up.parameters, drag=Drag("new_nipple_L", tuple(at.at - 0.004 * at.handle.grows))
+        ).parameters["nipple_above_fold_mm"]
+        assert float(down) - raised == pytest.approx(-4.0, abs=2.0)
+
+
+def test_what_is_remembered_of_a_skin_has_an_end(rig: Rig, scans: dict[str, FittedScan]) -> None:
+    geodesics = FittedSkin(rig, scans["standing"].vertices).geodesics
+    nipple = rig.landmark_points(("nipple_L",))
+    for k in range(geodesic.KEPT_LINES + 5):
+        geodesics.circle_points(int(nipple.faces[0]), nipple.barycentric[0], 0.010 + 1e-5 * k)
+    assert len(geodesics._circles) == geodesic.KEPT_LINES
+    for vertex in range(geodesic.KEPT_FIELDS + 5):
+        geodesics.distances(vertex, np.array([1.0, 0.0, 0.0]), 0.01)
+    assert len(geodesics._fields) == geodesic.KEPT_FIELDS
+
+
+@pytest.mark.parametrize("hour", [0.5, 3.0, 7.25, 11.9])
+def test_hour_and_distance_of_a_place_are_those_it_was_found_by(
+    rig: Rig, scans: dict[str, FittedScan], hour: float
+) -> None:
+    skin = FittedSkin(rig, scans["standing"].vertices)
+    nipple = skin.landmark("nipple_R")
+    distance, angle = clock_place(skin, nipple, on_clock(skin, nipple, 0.045, np.array([angle_of(hour)])))
+    assert 1e3 * distance == pytest.approx(45.0, abs=0.2)  # the rim's chords lie under the circle
+    assert np.degrees(angle) / 30.0 % 12.0 == pytest.approx(hour, abs=0.02)
+
+
+def test_the_new_nipple_never_comes_below_the_nipple(live: LiveSkin) -> None:
+    start = handle(live.drawn("vertical", {}), "new_nipple_L")
+    found = live.drawn("vertical", {}, drag=Drag("new_nipple_L", tuple(start.at - 0.02 * start.handle.grows)))
+    assert "stops at" in found.limit
+    assert handle(found, "new_nipple_L").at == pytest.approx(start.at, abs=0.003)
+
+
+@pytest.mark.parametrize(
+    ("name", "drag", "sentence"),
+    [
+        ("ellipse", Drag("nose_L", (0.0, 0.0, 0.0)), '"nose_L" is not a handle of ellipse'),
+        ("ellipse", Drag("", (0.0, 0.0, 0.0)), "is no handle"),
+        ("ellipse", Drag("axis_L", (5.0, 5.0, 5.0)), "off the fitted skin"),
+        ("tumour", Drag("radius_R", (0.0, 0.0, 0.0)), "left side only"),
+        ("circle", None, "circle"),
+    ],
+)
+def test_what_cannot_be_dragged_is_refused_with_a_sentence(
+    live: LiveSkin, name: str, drag: Drag | None, sentence: str
+) -> None:
+    with pytest.raises(BadDrawing) as refused:
+        live.drawn(name, PATTERNS.get(name, {}), drag=drag)
+    assert sentence in str(refused.value)

@@ -1,0 +1,63 @@
+// What a person has drawn around and hidden: the surroundings, an arm that is in the way, a bad part of the scan.  A lasso
+// cuts like scissors: everything within it as it was seen, however deep.  The stored scan stays whole.
+import type { History } from "../store/history";
+
+export interface Crop {
+  /** Column by column: from metres in the scan's axes to the picture in which the lasso was drawn. */
+  readonly toPicture: readonly number[];
+  /** Its corners there, -1 to 1 across and up. */
+  readonly lasso: readonly (readonly [x: number, y: number])[];
+}
+
+export type Crops = readonly Crop[];
+export const NO_CROPS: Crops = [];
+export const cropsOf = (scan: { readonly crops?: History<Crops> } | null): Crops => scan?.crops?.present ?? NO_CROPS;
+
+/** Says of a place, metres, whether it lies within the lasso. */
+function within({ toPicture: m, lasso }: Crop): (x: number, y: number, z: number) => boolean {
+  const [xs, ys] = [lasso.map(([x]) => x), lasso.map(([, y]) => y)];
+  const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+  return (x, y, z) => {
+    const w = m[3]! * x + m[7]! * y + m[11]! * z + m[15]!;
+    if (w <= 0) return false; // behind the eye
+    const u = (m[0]! * x + m[4]! * y + m[8]! * z + m[12]!) / w;
+    const v = (m[1]! * x + m[5]! * y + m[9]! * z + m[13]!) / w;
+    if (u < left || u > right || v < low || v > high) return false;
+    let isInside = false; // a ray to the right crosses an odd number of edges
+    for (let i = 0, k = xs.length - 1; i < xs.length; k = i, i += 1) {
+      if (ys[i]! > v !== ys[k]! > v && u < ((xs[k]! - xs[i]!) * (v - ys[i]!)) / (ys[k]! - ys[i]!) + xs[i]!) isInside = !isInside;
+    }
+    return isInside;
+  };
+}
+
+/** By triangle: 1 where its middle lies in one of the lassos. */
+export function croppedFaces(positions: ArrayLike<number>, index: ArrayLike<number>, crops: Crops): Uint8Array {
+  const hidden = new Uint8Array(index.length / 3);
+  for (const crop of crops) {
+    const isWithin = within(crop);
+    for (let face = 0; face < hidden.length; face += 1) {
+      if (hidden[face]) continue;
+      const [a, b, c] = [3 * index[3 * face]!, 3 * index[3 * face + 1]!, 3 * index[3 * face + 2]!];
+      const middle = (axis: number): number => (positions[a + axis]! + positions[b + axis]! + positions[c + axis]!) / 3;
+      if (isWithin(middle(0), middle(1), middle(2))) hidden[face] = 1;
+    }
+  }
+  return hidden;
+}
+
+const SAMPLES = 5000;
+
+/** Share of the triangles (of those that are shown) that the lasso takes, from a sample. */
+export function shareWithin(positions: ArrayLike<number>, index: ArrayLike<number>, crop: Crop): number {
+  const isWithin = within(crop);
+  const faces = index.length / 3;
+  const step = Math.max(1, Math.floor(faces / SAMPLES));
+  let [count, all] = [0, 0];
+  for (let face = 0; face < faces; face += step) {
+    const at = 3 * index[3 * face]!;
+    all += 1;
+    if (isWithin(positions[at]!, positions[at + 1]!, positions[at + 2]!)) count += 1;
+  }
+  return all === 0 ? 0 : count / all;
+}

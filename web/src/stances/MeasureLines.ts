@@ -1,0 +1,63 @@
+// On the body: where the measure runs that is pointed at in the table.  Along the skin a tape lies on it; callipers' lines lead
+// through the body and are drawn over it.
+import { Vector3 } from "three";
+import { polyline } from "../drawing/lines";
+import { el } from "../ui/dom";
+import { metresFromMm } from "../ui/units";
+import { FatLines } from "../viewer/FatLines";
+import type { Part, Viewer } from "../viewer/Viewer";
+import { measuredLines, type MeasuredLine } from "./measuredLines";
+import type { StancesSlice } from "./state";
+
+const COLOURS: Record<MeasuredLine["side"], string | undefined> = { left: "#1f5cb8", right: "#9a3477", value: undefined };
+
+export class MeasureLines implements Part<StancesSlice> {
+  private readonly onSkin = new FatLines();
+  private readonly through = new FatLines(true);
+  private labels: { readonly element: HTMLElement; readonly at: Vector3 }[] = [];
+  private shown: readonly unknown[] = [];
+
+  /** `isOther`: of the stance that waits. */
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly isOther: boolean,
+  ) {
+    viewer.body.add(this.onSkin.group, this.through.group);
+    viewer.beforeFrame.add(() => {
+      this.onSkin.approach(viewer.depthUnits);
+      this.place();
+    });
+  }
+
+  update({ stances: { measures, isSecond } }: StancesSlice): void {
+    const { palette } = this.viewer;
+    for (const each of [this.onSkin, this.through]) each.paint(palette.ink, palette["ink-outline"]);
+    const { file, isOpen, pointed } = measures;
+    const stance = file?.stances[isSecond !== this.isOther ? 1 : 0]?.name ?? file?.stances[0]?.name ?? "";
+    const isHere = file !== null && (!this.isOther || file.stances.length > 1);
+    const now = [isOpen && isHere ? file : null, stance, pointed];
+    if (now.every((each, i) => each === this.shown[i])) return;
+    this.shown = now;
+    this.write(isOpen && isHere ? measuredLines(file, stance, pointed) : []);
+  }
+
+  private write(lines: readonly MeasuredLine[]): void {
+    const drawn = (isStraight: boolean) => lines.filter((line) => line.isStraight === isStraight).map(({ points, side }) => polyline({ points, closed: false, bridged: null, color: COLOURS[side] }));
+    this.onSkin.set(drawn(false));
+    this.through.set(drawn(true));
+    for (const { element } of this.labels) element.remove();
+    this.labels = lines.filter(({ says }) => says !== "").map(({ label, says }) => {
+      const element = el("div", { class: "tape-label" }, el("span", {}, says));
+      this.viewer.overlay.append(element);
+      return { element, at: new Vector3(...label.map(metresFromMm)) };
+    });
+    this.viewer.invalidate();
+  }
+
+  private place(): void {
+    for (const { element, at } of this.labels) {
+      const { x, y } = this.viewer.toScreen(at);
+      element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+    }
+  }
+}
