@@ -7,15 +7,20 @@ import pytest
 from helpers.example_fits import write_example_fits
 
 from breastrig.core.errors import BadDrawing
+from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.clock import FittedSkin, angle_of, clock_place, on_clock
 from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePattern, LiveSkin, Parameters
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_map import FittedScan
 from breastrig.drawings.transfer import fitted_scan
+from breastrig.geometry import geodesic
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig.rig.parameters import rest_parameters
+from breastrig.rig.skinning import shaped
 from breastrig.workflow.fit_folder import fit_folder_of
 
 TUMOUR: Parameters = {"side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0}
@@ -171,6 +176,51 @@ def test_a_drag_ends_where_the_pattern_no_longer_fits_and_says_why(live: LiveSki
     assert 27.5 < float(found.parameters["limb_mm"]) < 40.0
     assert "reach the fold" in found.limit
     assert found.lines
+
+
+def test_the_new_nipple_goes_up_and_down_the_meridian_of_a_sagging_breast(rig: Rig) -> None:
+    weights = rest_parameters(rig).weights.copy()
+    for shape, weight in (("ptosis", 1.8), ("volume_large", 1.5), ("nipple_vertical", -1.4)):
+        for side in ("_L", "_R"):
+            weights[rig.shape_names.index(shape + side)] = weight
+    body = 1.15 * shaped(rig, weights)
+    skin = LiveSkin(rig, FittedScan(ScanTarget(body, rig.faces), body, {}, "standing"))
+    for name in ("reduction", "vertical"):
+        start = handle(skin.drawn(name, {}), "new_nipple_L")
+        now = start.numbers[0].value  # the nipple itself: its height over the fold
+        assert 20.0 < now < 30.0
+        up = skin.drawn(name, {}, drag=Drag("new_nipple_L", tuple(start.at + 0.010 * start.handle.grows)))
+        raised = float(up.parameters["nipple_above_fold_mm"])
+        assert raised - now == pytest.approx(10.0, abs=4.0)  # the place lies off the skin, which is not upright
+        assert handle(up, "new_nipple_L").numbers[0].value == pytest.approx(raised, abs=0.1)
+        assert up.limit == ""
+        at = handle(up, "new_nipple_L")
+        down = skin.drawn(
+            name, up.parameters, drag=Drag("new_nipple_L", tuple(at.at - 0.004 * at.handle.grows))
+        ).parameters["nipple_above_fold_mm"]
+        assert float(down) - raised == pytest.approx(-4.0, abs=2.0)
+
+
+def test_what_is_remembered_of_a_skin_has_an_end(rig: Rig, scans: dict[str, FittedScan]) -> None:
+    geodesics = FittedSkin(rig, scans["standing"].vertices).geodesics
+    nipple = rig.landmark_points(("nipple_L",))
+    for k in range(geodesic.KEPT_LINES + 5):
+        geodesics.circle_points(int(nipple.faces[0]), nipple.barycentric[0], 0.010 + 1e-5 * k)
+    assert len(geodesics._circles) == geodesic.KEPT_LINES
+    for vertex in range(geodesic.KEPT_FIELDS + 5):
+        geodesics.distances(vertex, np.array([1.0, 0.0, 0.0]), 0.01)
+    assert len(geodesics._fields) == geodesic.KEPT_FIELDS
+
+
+@pytest.mark.parametrize("hour", [0.5, 3.0, 7.25, 11.9])
+def test_hour_and_distance_of_a_place_are_those_it_was_found_by(
+    rig: Rig, scans: dict[str, FittedScan], hour: float
+) -> None:
+    skin = FittedSkin(rig, scans["standing"].vertices)
+    nipple = skin.landmark("nipple_R")
+    distance, angle = clock_place(skin, nipple, on_clock(skin, nipple, 0.045, np.array([angle_of(hour)])))
+    assert 1e3 * distance == pytest.approx(45.0, abs=0.2)  # the rim's chords lie under the circle
+    assert np.degrees(angle) / 30.0 % 12.0 == pytest.approx(hour, abs=0.02)
 
 
 def test_the_new_nipple_never_comes_below_the_nipple(live: LiveSkin) -> None:

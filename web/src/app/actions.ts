@@ -48,7 +48,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     landmarks,
     drawing,
     handles: handleActions(store, client, drawing.choosePattern),
-    plan,
+    plan: { ...plan, takeOver: () => plan.takeOver().then(() => stances.readPlan()) },
     stances,
     patients,
     share: shareActions(store, client),

@@ -12,6 +12,7 @@ export const help = {
     ["Z · Shift+Z", "Undo · redo"],
     ["Esc", "Stop placing"],
     ["P · E · T · M", "In the step Drawing: pen, points of a line, tumour, tape measure; Enter ends a line or the tape, Delete takes away a point or a line"],
+    ["Tab, arrows", "In the step Drawing: from handle to handle of a pattern; arrows move it by 1 mm (Shift: 5 mm)"],
     ["F", "View from the front"],
     ["O", "Scan, both, model, beside, swipe"],
     ["D", "Distances in colour"],

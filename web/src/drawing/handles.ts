@@ -1,7 +1,7 @@
 // The handles of patterns and tumour: asked for with the pattern, dragged, moved by keys, and written into the plan when
 // the hand lets go.  The service draws the pattern anew for each place (one code for lines and numbers); while it does so
 // the hand goes on, and only the newest place is asked for next.
-import type { Client } from "../api/client";
+import { ApiError, type Client } from "../api/client";
 import type { PatternOnScan, PlannedShape, Vector } from "../api/types";
 import { parametersOf, readRequest, requestText, TUMOUR, type Values } from "../fit/requestedDrawing";
 import { type FitSlice, isAtRest } from "../fit/state";
@@ -28,6 +28,8 @@ interface Held {
 }
 
 const words = text.drawing.handles;
+const REFUSED = 422;
+const LATER_MS = 3000; // until handles that did not come are asked for again
 const CALM_MS = 600; // after the last key the hand has let go
 
 /** What of the drawing has parameters: its pattern and its tumour. */
@@ -77,15 +79,26 @@ export function handleActions(store: Store<State>, client: Pick<Client, "pattern
     asked = key;
     const parts = partsOf(state);
     const link = state.fit.links.self;
+    const late: unknown[] = []; // too many ask just now, or the service is away
     const answers = await Promise.all(
       parts.map(({ part, name, values }) =>
         client.pattern(link, { name, parameters: parametersOf(values) }).then(
           (answer) => handlesOf(part, answer),
-          () => [], // the plan says why it cannot be drawn
+          (error: unknown) => {
+            if (!(error instanceof ApiError && error.status === REFUSED)) late.push(error);
+            return []; // the plan says why it cannot be drawn
+          },
         ),
       ),
     );
     if (isHeld() || keyOf(store.get()) !== key) return;
+    if (late.length > 0) {
+      setTimeout(() => {
+        asked = "";
+        void look();
+      }, LATER_MS);
+      return;
+    }
     const handles = answers.flat();
     store.set(({ drawn }) => ({ drawn: { ...drawn, live: { key, handles, held: null, values: null, limit: "", dragged: drawn.live?.dragged ?? null } } }));
   }

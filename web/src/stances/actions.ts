@@ -1,6 +1,7 @@
 // The second stance: bring it, change over, compare, carry drawings across, measure both.
 import type { Client } from "../api/client";
 import type { Frame } from "../api/types";
+import { withStep } from "../drawing/state";
 import type { FitActions } from "../fit/actions";
 import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
@@ -153,6 +154,17 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
         stances: { ...state.stances, isComparing },
         overlay: isComparing && (state.overlay === "beside" || state.overlay === "swipe" || !state.stances.isComparing) ? "scan" : state.overlay,
       })),
+    /** The plan was written elsewhere: the one that waits shows what is planned on it now. */
+    async readPlan(): Promise<void> {
+      const info = store.get().stances.other?.scan?.info;
+      if (!info) return;
+      try {
+        const { lines, drawing, note, depthMm } = await others.plan.read(info);
+        change(info.id, (workspace) => ({ drawing, drawn: { ...workspace.drawn, lines: { ...withStep(workspace), present: lines }, note, depthMm } }));
+      } catch (error) {
+        fail(error);
+      }
+    },
     dismiss: (): void => store.set((state) => withProblem(state, "stances", null)),
     link: (isLinked: boolean): void => put({ isLinked }),
 

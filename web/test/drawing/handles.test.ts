@@ -134,3 +134,19 @@ test("what was taken and given back changes nothing", async () => {
   expect(live()).toMatchObject({ held: null, dragged: null, limit: "" });
   expect(live()!.handles[0]!.at_mm).toEqual([70, 0, 0]);
 });
+
+test("handles that cannot be had just now come later; those of a pattern that cannot be drawn are not asked for again", async () => {
+  let status = 429;
+  const { asked, live } = await begun(async (question) => {
+    if (status !== 200) throw new ApiError("no", status);
+    return answer(question);
+  });
+  expect(asked).toHaveBeenCalledTimes(1);
+  status = 200;
+  await vi.advanceTimersByTimeAsync(5000);
+  expect(live()!.handles).toHaveLength(1);
+  const refused = await begun(async () => Promise.reject(new ApiError("The limbs reach the fold.", 422)));
+  await vi.advanceTimersByTimeAsync(20_000);
+  expect(refused.asked).toHaveBeenCalledTimes(1);
+  expect(refused.live()!.handles).toEqual([]);
+});

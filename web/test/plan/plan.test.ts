@@ -6,6 +6,7 @@ import type { Fit, PlanItem } from "../../src/api/types";
 import { lineAlong } from "../../src/drawing/edits";
 import { depthOn, drawingOn, linesOn, merged, noteOn, withDepth, withDrawing, withLines, withNote } from "../../src/plan/items";
 import { createPlanKeeper } from "../../src/plan/keeper";
+import { type Workspace, workspaceOf } from "../../src/stances/state";
 
 const line = (id: string, name: string, scan = "s1", x = 0): PlanItem => ({ kind: "line", id, scan, name, label: "", closed: false, color: "#101010", points: [[x, 0, 0], [x + 10, 0, 0]] });
 const note = (id: string, text: string): PlanItem => ({ kind: "note", id, scan: "s1", text });
@@ -215,4 +216,16 @@ test("a tab that is looked at again learns that the plan was written elsewhere, 
   expect(drawn().isChangedElsewhere).toBe(false);
   made.actions.drawing.undo();
   expect(drawn().lines.present.map(({ name }) => name)).toEqual(["Line 1"]);
+});
+
+test("the stance that waits takes over what was planned on it elsewhere", async () => {
+  const made = page();
+  const link = scanInfo("s1").links.plan;
+  const other = { ...workspaceOf(made.store.get()), scan: { info: { ...scanInfo("s2"), links: { ...scanInfo("s2").links, plan: link } } } } as unknown as Workspace;
+  await made.actions.scan.open("s1", null);
+  made.store.set((state) => ({ stances: { ...state.stances, other } }));
+  await made.client.savePlan(link, [line("a", "Line 1"), line("b", "Line 2", "s2")], 0);
+  await made.actions.plan.takeOver();
+  await vi.advanceTimersByTimeAsync(10);
+  expect(made.store.get().stances.other!.drawn.lines.present.map(({ name }) => name)).toEqual(["Line 2"]);
 });
