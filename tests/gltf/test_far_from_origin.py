@@ -9,7 +9,7 @@ from helpers.random_pose import random_parameters
 from helpers.toy_rig import toy_rig
 
 from breastrig.core.glb import split_glb
-from breastrig.gltf.lines_glb import lines_glb
+from breastrig.gltf.lines.lines_glb import lines_glb
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.plain_mesh import plain_mesh
 from breastrig.gltf.replay import fitted_glb

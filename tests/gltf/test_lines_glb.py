@@ -4,7 +4,7 @@ import numpy as np
 
 from breastrig.core.glb import split_glb
 from breastrig.core.gltf_arrays import GltfArrays
-from breastrig.gltf.lines_glb import lines_glb
+from breastrig.gltf.lines.lines_glb import lines_glb
 
 
 def test_each_line_is_a_node_with_its_points_in_metres() -> None:

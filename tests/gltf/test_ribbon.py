@@ -9,9 +9,9 @@ from helpers.toy_rig import toy_rig
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.iterate import drawing_buffer, iterate_gltf, model_buffer
+from breastrig.gltf.lines.ribbon import LIFT, STEP, WIDTH, Ribbon, ribbons
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import fitted_glb
-from breastrig.gltf.ribbon import LIFT, STEP, WIDTH, Ribbon, ribbons
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose

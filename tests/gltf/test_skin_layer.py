@@ -7,10 +7,10 @@ from helpers.random_pose import random_parameters
 from helpers.toy_rig import toy_rig
 
 from breastrig.geometry.normals import vertex_normals
-from breastrig.gltf.drawing_node import drawing_node
+from breastrig.gltf.lines.drawing_node import drawing_node
+from breastrig.gltf.lines.ribbon import LIFT, ribbons
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import fitted_glb
-from breastrig.gltf.ribbon import LIFT, ribbons
 from breastrig.gltf.skin_layer import SKIN_LAYER
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters

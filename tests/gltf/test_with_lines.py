@@ -5,8 +5,8 @@ from helpers.random_pose import random_parameters
 
 from breastrig.core.glb import split_glb
 from breastrig.core.gltf_arrays import GltfArrays
+from breastrig.gltf.lines.with_lines import with_lines
 from breastrig.gltf.replay import fitted_glb
-from breastrig.gltf.with_lines import with_lines
 from breastrig.rig.model import Rig
 
 

@@ -2,7 +2,7 @@
 
 import importlib
 
-from breastrig.gltf import ribbon, skinned
+from breastrig.gltf.lines import ribbon, skinned
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig import vertex_groups
 from breastrig.workflow import default_model

@@ -7,7 +7,7 @@ from pathlib import Path
 from breastrig.cli.output_options import files_of_fit, files_of_model, output_folder
 from breastrig.core.output_record import OutputSet
 from breastrig.core.staged_output import all_or_nothing
-from breastrig.workflow.compare import COMPARE_FILES, COMPARE_RECORD, SCHEMA, CompareJob, compare
+from breastrig.workflow.lines.compare import COMPARE_FILES, COMPARE_RECORD, SCHEMA, CompareJob, compare
 
 
 def run(options: argparse.Namespace) -> int:

@@ -8,7 +8,7 @@ from breastrig.core.output_record import OutputSet
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.report.exported import SET_FORMAT
 from breastrig.workflow.export_fit import EXPORT_FILES, EXPORT_RECORD, write_export
-from breastrig.workflow.transfer import drawing_document
+from breastrig.workflow.lines.transfer import drawing_document
 
 
 def run(options: argparse.Namespace) -> int:

@@ -29,6 +29,8 @@ SLOW_TO_LOAD = frozenset(
     ("char", "core", "ctypeslib", "f2py", "ma", "matlib", "polynomial", "rec", "strings", "testing")
 )  # of NumPy's modules; SciPy's copy of NumPy's names is only asked for array functions
 
+PANEL = 4  # columns that SuperLU takes together: a fit's matrices are narrow, the usual 10 take a third longer
+
 
 @contextmanager
 def _quick_names() -> Iterator[None]:
@@ -121,7 +123,7 @@ class Factor(Protocol):
 
 def symmetric_factor(matrix: "csc_array") -> Factor:
     """SuperLU's factors of a symmetric positive definite (N, N) matrix, ordered by minimum degree."""
-    options = {"SymmetricMode": True, "ColPerm": "MMD_AT_PLUS_A"}
+    options = {"SymmetricMode": True, "ColPerm": "MMD_AT_PLUS_A", "PanelSize": PANEL}
     superlu = _alone("scipy.sparse.linalg._dsolve._superlu", "scipy.sparse.linalg", "gstrf")
     if hasattr(superlu, "gstrf"):
         matrix.sum_duplicates()
@@ -135,5 +137,5 @@ def symmetric_factor(matrix: "csc_array") -> Factor:
         else:
             return factor
     public: Any = import_module("scipy.sparse.linalg")
-    factor = public.splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    factor = public.splu(matrix, permc_spec="MMD_AT_PLUS_A", options=options)
     return factor

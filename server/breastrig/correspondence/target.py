@@ -11,10 +11,10 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.scipy_parts import cKDTree, csr_array
+from breastrig.core.scipy_parts import cKDTree
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.normals import face_normals, vertex_normals
+from breastrig.geometry.normals import VertexNormals, face_normals
 from breastrig.geometry.plane import Plane
 from breastrig.geometry.rays import HAVE_EMBREE, RayCaster
 
@@ -34,13 +34,12 @@ class ScanTarget:
     @cached_property
     def normals(self) -> Array:
         """(V, 3) unit vertex normals, averaged over neighbours."""
-        normals = vertex_normals(self.vertices, self.faces)
-        i, j = self.faces[:, [0, 1, 2]].ravel(), self.faces[:, [1, 2, 0]].ravel()
-        size = len(self.vertices)
-        near = csr_array((np.ones(2 * len(i)), (np.r_[i, j], np.r_[j, i])), shape=(size, size))
+        around = VertexNormals(self.faces, len(self.vertices))
+        normals, triangles = around(self.vertices), np.bincount(self.faces.ravel(), minlength=len(self.vertices))
+        own = 1.0 - triangles[:, None]  # each triangle around a vertex adds its two neighbours, and here itself too
         for _ in range(SMOOTHING_ROUNDS):
-            normals = normals + near @ normals
-            normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+            normals = own * normals + around.summed(sum(normals.take(corner, axis=0) for corner in self.faces.T))
+            normals /= np.maximum(np.sqrt(np.einsum("vi,vi->v", normals, normals)), 1e-12)[:, None]
         return np.asarray(normals)
 
     @cached_property
@@ -65,9 +64,9 @@ class ScanTarget:
     @cached_property
     def _gap(self) -> float:
         """m, how far a point of a triangle can be from all of its corners: as in an equilateral one of this size."""
-        corners = self.vertices[self.faces]
-        ends = corners - np.roll(corners, 1, axis=1)
-        return float(np.sqrt(np.einsum("fci,fci->fc", ends, ends).max(initial=0.0) / 3.0))
+        corners = [self.vertices.take(corner, axis=0) for corner in self.faces.T]
+        ends = (corners[k] - corners[k - 1] for k in range(3))
+        return float(np.sqrt(max(np.einsum("fi,fi->f", end, end).max(initial=0.0) for end in ends) / 3.0))
 
     @cached_property
     def border_directions(self) -> Array:

@@ -42,20 +42,29 @@ SLIP = 0.004  # m, the farthest that a smoothed point may be snapped; farther is
 
 
 def on_scan(rig: Rig, vertices: Array, drawing: ModelDrawing, target: ScanTarget) -> tuple[Polyline, ...]:
-    """The drawing on the scan, for (V, 3) m posed vertices in the target's frame."""
-    normals = vertex_normals(vertices, rig.faces)
-    return shapes_on_scan(rig, vertices, normals, drawing.shapes, target)
+    """The drawing on the scan, for (V, 3) m posed vertices in the target's frame.
+
+    All its lines go through each step together: asking for the skin below them once costs less than line by line.
+    """
+    return shapes_on_scan(rig, vertices, vertex_normals(vertices, rig.faces), drawing.shapes, target)
 
 
 def shapes_on_scan(
     rig: Rig, vertices: Array, normals: Array, shapes: Sequence[DrawnShape], target: ScanTarget
 ) -> tuple[Polyline, ...]:
-    """The same for some shapes, with the posed vertices' (V, 3) unit normals.
-
-    All shapes go together: asking for the skin below them once costs less than shape by shape.
-    """
-    lines = [_near_skin(rig, vertices, normals, shape, target) for shape in shapes]
-    found = smoothed_on_skin(target, lines) if lines else []
+    """The same for some shapes, with the posed vertices' (V, 3) unit normals."""
+    if not shapes:
+        return ()
+    even = [_on_model(rig, vertices, normals, shape) for shape in shapes]
+    ends = _ends([line for line, _ in even])
+    base = np.concatenate([line[:, :3] for line, _ in even])
+    directions = unit_vectors(np.concatenate([line[:, 3:] for line, _ in even]))
+    gaps, known = _gaps(target, base, directions)
+    parts = zip(*(np.split(each, ends) for each in (base, directions, gaps)), np.split(known, ends), strict=True)
+    lines = [
+        LineNearSkin(here, facing, gap, there, fixed, shape.closed)
+        for (here, facing, gap, there), (_, fixed), shape in zip(parts, even, shapes, strict=True)
+    ]
     # on the scan the spacing is no longer quite even
     again = [
         _resampled(
@@ -63,24 +72,27 @@ def shapes_on_scan(
             tuple(np.flatnonzero(line.fixed).tolist()),
             line.closed,
         )
-        for line, (points, known) in zip(lines, found, strict=True)
+        for line, (points, known) in zip(lines, smoothed_on_skin(target, lines), strict=True)
     ]
-    return tuple(
-        _drawn(shape, fixed, *_snapped(target, even[:, :3], unit_vectors(even[:, 3:6]), even[:, 6] < 1e-9))
-        for shape, (even, fixed) in zip(shapes, again, strict=True)
-    )
+    ends = _ends([line for line, _ in again])
+    every = np.concatenate([line for line, _ in again])
+    found, known = _snapped(target, every[:, :3], unit_vectors(every[:, 3:6]), every[:, 6] < 1e-9)
+    each = zip(shapes, np.split(found, ends), np.split(known, ends), again, strict=True)
+    return tuple(_polyline(shape, points, there, fixed) for shape, points, there, (_, fixed) in each)
 
 
-def _near_skin(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape, target: ScanTarget) -> "LineNearSkin":
-    at = shape.points.positions(vertices, rig.faces)
-    facing = shape.points.positions(normals, rig.faces)
-    even, fixed = _resampled(np.concatenate([at, facing], axis=1), shape.corners, shape.closed)
-    base, directions = even[:, :3], unit_vectors(even[:, 3:])
-    gaps, known = _gaps(target, base, directions)
-    return LineNearSkin(base, directions, gaps, known, fixed, shape.closed)
+def _on_model(rig: Rig, vertices: Array, normals: Array, shape: DrawnShape) -> tuple[Array, Booleans]:
+    """(M, 6) places (m) and normals evenly along the shape, and (M,) its corners and ends."""
+    both = [shape.points.positions(each, rig.faces) for each in (vertices, normals)]
+    return _resampled(np.concatenate(both, axis=1), shape.corners, shape.closed)
 
 
-def _drawn(shape: DrawnShape, fixed: Booleans, points: Array, known: Booleans) -> Polyline:
+def _ends(lines: Sequence[Array]) -> Integers:
+    """Where all but the last of the lines end when they are put together."""
+    return np.cumsum([len(line) for line in lines])[:-1]
+
+
+def _polyline(shape: DrawnShape, points: Array, known: Booleans, fixed: Booleans) -> Polyline:
     corners = np.flatnonzero(fixed).tolist()
     ends = () if shape.closed else (0, len(points) - 1)
     turning = tuple(corner for corner in corners if corner not in ends)
@@ -109,7 +121,7 @@ def smoothed_on_skin(target: ScanTarget, lines: Sequence[LineNearSkin]) -> list[
         for each in lines
     ]
     gaps = [_interpolated(each.base, each.gaps, here, each.closed) for each, here in zip(lines, known, strict=True)]
-    ends = np.cumsum([len(each.base) for each in lines])[:-1]
+    ends = _ends([each.base for each in lines])
     base, directions = (np.concatenate([getattr(s, name) for s in lines]) for name in ("base", "directions"))
     there = np.concatenate(known)
     for _ in range(ROUNDS):

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.correspondence.target import ScanTarget
-from breastrig.scan.clean import MIN_TRIANGLES, Surface, compact, without_fragments
+from breastrig.scan.clean import MIN_TRIANGLES, Surface, compact, large_pieces
 from breastrig.scan.orient import Frame, propose_frame
 from breastrig.scan.table import found_table
 
@@ -50,7 +50,8 @@ def prepared(surface: Surface, stance: str, frame: Frame | None = None) -> Prepa
             body = ~table.triangles
             if not body.all() and np.count_nonzero(body) >= MIN_TRIANGLES:
                 plane = table.plane
-                kept, _ = without_fragments(vertices, faces[body])  # what curled up at the table's edge
+                kept = faces[body]
+                kept = kept[large_pieces(vertices, kept)[0]]  # without what curled up at the table's edge
                 cut = len(faces) - len(kept)
                 vertices, faces = compact(vertices, kept)
     return PreparedScan(surface, ScanTarget(vertices, faces, table=plane), cut, frame)

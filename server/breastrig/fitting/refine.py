@@ -21,7 +21,7 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.scipy_parts import cKDTree, coo_array, csc_array, diags_array, symmetric_factor
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.geometry.normals import face_normals, vertex_normals
+from breastrig.geometry.normals import VertexNormals, face_normals
 
 ROUNDS = 2  # renewals of the matches; a third gains nothing
 RULES = MatchRules(method="rays", max_distance=0.015, max_angle=0.87)  # as the fit's last stage
@@ -72,13 +72,31 @@ def _matched_around(stiffness: csc_array, matched: Array) -> Array:
     return np.asarray((joined @ matched - matched) / (np.diff(joined.indptr) - 1.0))
 
 
-def _weighted(stiffness: csc_array, weights: Array) -> csc_array:
-    """The stiffness with each edge times the mean of its two vertices' (V,) weights."""
-    entries = coo_array(stiffness)
-    apart = entries.row != entries.col
-    i, j = entries.row[apart], entries.col[apart]
-    edges = csc_array(coo_array((0.5 * (weights[i] + weights[j]) * entries.data[apart], (i, j)), entries.shape))
-    return csc_array(edges - diags_array(np.asarray(edges.sum(axis=1)).ravel()))
+class _Systems:
+    """The matrices of one surface, which differ in few numbers: all have the places of the bending's entries."""
+
+    def __init__(self, stiffness: csc_array, area: Array) -> None:
+        """stiffness: (V, V); area: (V,)"""
+        bending = csc_array(stiffness @ diags_array(1.0 / (area * BENDING**2)) @ stiffness)
+        bending.sort_indices()
+        stiffness.sort_indices()
+        count = len(area)
+        edges = stiffness.indices.astype(np.int64), np.repeat(np.arange(count), np.diff(stiffness.indptr))
+        places = bending.indices + count * np.repeat(np.arange(count), np.diff(bending.indptr))  # column after column
+        apart = edges[0] != edges[1]
+        self._bending, self._count = bending, count
+        self._i, self._j, self._stiffness = edges[0][apart], edges[1][apart], stiffness.data[apart]
+        self._edge = np.searchsorted(places, self._i + count * self._j)
+        self._diagonal = np.searchsorted(places, (count + 1) * np.arange(count))
+
+    def system(self, weight: Array, flat: Array) -> csc_array:
+        """The bending, (V,) weights of the displacements, and the stiffness with each edge times the mean of its two
+        vertices' (V,) `flat`."""
+        edges = 0.5 * (flat[self._i] + flat[self._j]) * self._stiffness
+        data = self._bending.data.copy()
+        data[self._edge] += edges
+        data[self._diagonal] += weight - np.bincount(self._i, edges, self._count)
+        return csc_array((data, self._bending.indices, self._bending.indptr), shape=self._bending.shape)
 
 
 def _turned(before: Array, vertices: Array, faces: Integers) -> Integers:
@@ -88,15 +106,16 @@ def _turned(before: Array, vertices: Array, faces: Integers) -> Integers:
 
 def refined(target: ScanTarget, vertices: Array, faces: Integers) -> Refined:
     """(V, 3) m fitted vertices, moved along their normals onto the scan where it shows skin."""
-    normals, facing = vertex_normals(vertices, faces), face_normals(vertices, faces)
+    normals_of = VertexNormals(faces, len(vertices))
+    normals, facing = normals_of(vertices), face_normals(vertices, faces)
     stiffness, area = stiffness_and_area(vertices, faces)
-    bending = stiffness @ diags_array(1.0 / (area * BENDING**2)) @ stiffness
+    systems = _Systems(stiffness, area)
     of_match = area / area.mean() / SIGMA**2
     held = np.zeros(len(vertices))
     heights = np.zeros(len(vertices))
     for _ in range(ROUNDS):
         moved = vertices + heights[:, None] * normals
-        found = match(target, moved, vertex_normals(moved, faces), RULES)
+        found = match(target, moved, normals_of(moved), RULES)
         at = found.vertices
         if not len(at):
             break
@@ -111,9 +130,7 @@ def refined(target: ScanTarget, vertices: Array, faces: Integers) -> Refined:
         weight += area / DYING**2 * (1.0 + (away / FADE) ** 4)
         for _ in range(HOLDING_TRIES + 1):
             flat = np.where(held > 0.0, 1.0, 1.0 - matched) / SLOPE**2
-            system = diags_array(weight + held * of_match) + bending + _weighted(stiffness, flat)
-            solver = symmetric_factor(csc_array(system))
-            candidate = solver.solve(right)
+            candidate = symmetric_factor(systems.system(weight + held * of_match, flat)).solve(right)
             turned = _turned(facing, vertices + candidate[:, None] * normals, faces)
             if not len(turned):
                 heights = candidate

@@ -18,14 +18,16 @@ def boundary_edges(faces: Integers) -> Integers:
     """(E, 2) directed edges that only one of the (F, 3) triangles owns."""
     if len(faces) == 0:
         return np.zeros((0, 2), dtype=np.int64)
-    edges = directed_edges(faces).astype(np.int64)
-    low, high = np.minimum(edges[:, 0], edges[:, 1]), np.maximum(edges[:, 0], edges[:, 1])
-    key = low * (high.max() + 1) + high
+    start, end = faces.astype(np.int64).ravel(), np.roll(faces, -1, axis=1).astype(np.int64).ravel()
+    key = np.minimum(start, end) * (int(faces.max()) + 1) + np.maximum(start, end)
     order = np.argsort(key)
     ordered = key[order]
+    alone = np.ones(len(key), dtype=np.bool_)
     changes = ordered[1:] != ordered[:-1]
-    alone = np.concatenate([[True], changes]) & np.concatenate([changes, [True]])
-    return np.asarray(edges[np.sort(order[alone])])
+    alone[1:] &= changes
+    alone[:-1] &= changes
+    own = np.sort(order[alone])
+    return np.stack([start[own], end[own]], axis=1)
 
 
 def boundary_vertices(faces: Integers, vertex_count: int) -> Booleans:

@@ -170,7 +170,8 @@ def _without_flat(vertices: Array, triangles: Integers) -> Integers:
     """(F, 3) the triangles, those without area as their longest edge (a b b), which libigl measures as such."""
     if not len(triangles):
         return triangles
-    a, b, c = vertices[triangles].transpose(1, 2, 0)
+    axes = np.ascontiguousarray(vertices.T)
+    a, b, c = (axes.take(corner, axis=1) for corner in np.ascontiguousarray(triangles.T))
     squares = np.array([((v - u) ** 2).sum(axis=0) for u, v in ((a, b), (b, c), (c, a))])
     flat = np.flatnonzero(_flat(squares, b - a, c - a))
     if not len(flat):

@@ -56,6 +56,10 @@ class VertexNormals:
         """(V, 3) unit vectors for these (V, 3) vertices; +Z where a vertex has no triangle or only flat ones."""
         return _unit(np.asarray(self._incidence @ _crosses(vertices, self._corners)))
 
+    def summed(self, values: Array) -> Array:
+        """(V, D): of (F, D) values, those of the triangles around each vertex."""
+        return np.asarray(self._incidence @ values)
+
 
 def _unit(vectors: Array) -> Array:
     lengths = np.sqrt(np.einsum("mi,mi->m", vectors, vectors))

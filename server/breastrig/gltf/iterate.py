@@ -13,8 +13,8 @@ from functools import lru_cache
 
 from breastrig.gltf.container import BufferWriter, new_document, to_gltf
 from breastrig.gltf.document import Document
-from breastrig.gltf.drawing_node import add_drawing, add_positions, drawing_node, positions_exact_in
-from breastrig.gltf.ribbon import ribbons
+from breastrig.gltf.lines.drawing_node import add_drawing, add_positions, drawing_node, positions_exact_in
+from breastrig.gltf.lines.ribbon import ribbons
 from breastrig.gltf.skinned import SkinnedNodes, add_skinned_rig, mesh_of, set_pose
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters

@@ -24,7 +24,7 @@ from breastrig.gltf.document import (
     Document,
     Node,
 )
-from breastrig.gltf.drawing_node import add_drawing, positions_exact_in
+from breastrig.gltf.lines.drawing_node import add_drawing, positions_exact_in
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.gltf.skin_layer import add_skin_layer
 from breastrig.gltf.skinned import SkinnedNodes, set_pose, skinned_document

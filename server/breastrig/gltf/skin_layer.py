@@ -11,8 +11,8 @@ from breastrig.core.arrays import Array
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.container import BufferWriter
 from breastrig.gltf.document import ARRAY_BUFFER, Attributes, Document
-from breastrig.gltf.drawing_node import drawing_node
-from breastrig.gltf.ribbon import exact_in, inverses, ribbons
+from breastrig.gltf.lines.drawing_node import drawing_node
+from breastrig.gltf.lines.ribbon import exact_in, inverses, ribbons
 from breastrig.gltf.skinned import SkinnedNodes, as_float32, mesh_of
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters

@@ -7,16 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Integers
+from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadScan
 from breastrig.geometry.components import triangle_components
-from breastrig.geometry.normals import face_areas
+from breastrig.geometry.normals import face_crosses
 from breastrig.scan.scan import Scan
 from breastrig.scan.winding import outwards
 
 KEY_LIMIT = 2**21  # µm, 2.1 m: three such numbers fit into one
 MIN_TRIANGLES = 200  # fewer cannot show a torso
 INWARD_SHARE = 0.01  # fewer are scraps whose side nobody can tell: left as they are
+NO_AREA = 1e-12  # m², twice the area of a triangle that has none
 FRAGMENT_SHARE = 0.02  # pieces smaller than this share of the largest are dust
 
 
@@ -35,24 +36,28 @@ def welded(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
     keys -= keys.min(axis=0) if len(keys) else 0
     if (keys < KEY_LIMIT).all():  # as one number each: rows would sort slowly
         keys = (keys[:, 0] * KEY_LIMIT + keys[:, 1]) * KEY_LIMIT + keys[:, 2]
+    if keys.ndim == 1:
+        ordered = np.sort(keys)
+        if (ordered[1:] != ordered[:-1]).all():
+            return vertices, faces
     _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     if len(first) == len(vertices):
         return vertices, faces
     return vertices[first], inverse.ravel()[faces].astype(np.int64)
 
 
-def without_degenerate(vertices: Array, faces: Integers) -> Integers:
-    """Triangles with an area."""
-    return np.asarray(faces[2.0 * face_areas(vertices, faces) > 1e-12])
+def have_area(crosses: Array) -> Booleans:
+    """(F,) of triangles with these (F, 3) face_crosses, which have an area."""
+    return np.asarray(np.einsum("fi,fi->f", crosses, crosses) > NO_AREA**2)
 
 
-def without_fragments(vertices: Array, faces: Integers) -> tuple[Integers, int]:
-    """Pieces of at least FRAGMENT_SHARE of the largest (by triangles), and how many others were dropped."""
+def large_pieces(vertices: Array, faces: Integers) -> tuple[Booleans, int]:
+    """(F,) in pieces of at least FRAGMENT_SHARE of the largest (by triangles), and how many others there are."""
     _, labels = triangle_components(faces, len(vertices))
     piece = labels[faces[:, 0]]
     sizes = np.bincount(piece)
     kept = sizes >= FRAGMENT_SHARE * sizes.max()
-    return faces[kept[piece]], int((sizes > 0).sum() - kept.sum())
+    return np.asarray(kept[piece]), int((sizes > 0).sum() - kept.sum())
 
 
 def compact(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
@@ -71,19 +76,22 @@ def clean(scan: Scan) -> Surface:
     """The part of a scan that can be fitted, with one sentence for each thing that was done."""
     vertices, faces = welded(np.asarray(scan.vertices, dtype=np.float64), np.asarray(scan.faces, dtype=np.int64))
     notes = []
-    solid = without_degenerate(vertices, faces)
-    if len(solid) < len(faces):
-        notes.append(_left_out(len(faces) - len(solid), "triangle", "without area"))
-    if not len(solid):
+    crosses = face_crosses(vertices, faces)
+    solid = have_area(crosses)
+    if not solid.all():
+        notes.append(_left_out(int(np.count_nonzero(~solid)), "triangle", "without area"))
+        faces, crosses = faces[solid], crosses[solid]
+    if not len(faces):
         raise BadScan("The scan has no triangle with an area; export it again as a mesh.")
-    faces, dropped = without_fragments(vertices, solid)
+    large, dropped = large_pieces(vertices, faces)
     if dropped:
+        faces, crosses = faces[large], crosses[large]
         notes.append(_left_out(dropped, "small piece", "beside the body"))
     if len(faces) < MIN_TRIANGLES:
         raise BadScan(
             f"The scan has only {len(faces)} usable triangles; at least {MIN_TRIANGLES} are needed to show a torso."
         )
-    turned, count = outwards(vertices, faces)
+    turned, count = outwards(vertices, faces, crosses)
     if count > INWARD_SHARE * len(faces):
         faces = turned
         notes.append(f"{count} triangles faced inwards and were turned.")

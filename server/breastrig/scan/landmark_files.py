@@ -12,7 +12,6 @@ numbers of the mesh file; points stored as RAS have x and y of the other sign.
 import csv
 import json
 import math
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -199,6 +198,8 @@ def _from_slicer(document: Mapping[str, Any]) -> list[tuple[str, Any]]:
 def _from_meshlab(text: str) -> list[tuple[str, Any]]:
     if "<!ENTITY" in text.upper():
         raise BadLandmarks("This .pp file defines entities, which picked points never need; export it again.")
+    import xml.etree.ElementTree as ElementTree  # few landmark files are XML
+
     try:
         root = ElementTree.fromstring(text)
     except (ElementTree.ParseError, ValueError, RecursionError) as error:
@@ -262,6 +263,8 @@ def _three_numbers(name: str, place: Any) -> list[float]:
 
 
 def _meshlab(points: Mapping[str, list[float]]) -> bytes:
+    import xml.etree.ElementTree as ElementTree
+
     root = ElementTree.Element("PickedPoints")
     for name, point in points.items():
         axes = {axis: repr(value) for axis, value in zip("xyz", point, strict=True)}

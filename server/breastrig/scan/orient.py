@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from breastrig.core.arrays import Array, Integers
+from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.normals import face_areas, face_normals
 
 SAMPLE = 8000  # triangles looked at: enough for a mean and a plane
@@ -47,47 +47,80 @@ def _directions(count: int) -> Array:
     return np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=1)
 
 
-def _peak(heights: Array, areas: Array) -> tuple[float, float]:
-    """The level (m) at which two neighbouring bins hold the most area, and that area."""
-    bins = np.floor((heights - heights.min()) / PLANE_BIN).astype(np.int64)
-    share = np.bincount(bins, weights=areas)
-    share = share + np.append(share[1:], 0.0)
-    peak = int(share.argmax())
-    return float(heights.min() + (peak + 1) * PLANE_BIN), float(share[peak])
+@dataclass(frozen=True, eq=False)
+class _Members:
+    """Which of M triangles belong to which of G groups: pairs, group after group; no group is empty."""
+
+    groups: Integers  # (N,)
+    triangles: Integers  # (N,)
+    starts: Integers  # (G,) first pair of each group
+
+    @staticmethod
+    def of(belongs: Booleans) -> "_Members":
+        """belongs: (G, M)"""
+        groups, triangles = np.nonzero(belongs)
+        return _Members(groups, triangles, np.searchsorted(groups, np.arange(len(belongs))))
+
+    def heights(self, points: Array, normals: Array) -> Array:
+        """(N,) of (M, 3) points along (G, 3) normals of their groups."""
+        return np.asarray(np.einsum("ni,ni->n", points.take(self.triangles, axis=0), normals.take(self.groups, axis=0)))
+
+    def peaks(self, heights: Array, weights: Array) -> tuple[Array, Array]:
+        """Of each group the level (m) at which two neighbouring bins hold the most weight, and that weight."""
+        low = np.minimum.reduceat(heights, self.starts)
+        bins = np.floor((heights - low[self.groups]) / PLANE_BIN).astype(np.int64)
+        count = int(bins.max()) + 2  # the last stays empty
+        share = np.bincount(self.groups * count + bins, weights, len(self.starts) * count).reshape(-1, count)
+        share[:, :-1] += share[:, 1:]
+        peak = share.argmax(axis=1)
+        return low + (peak + 1) * PLANE_BIN, share[np.arange(len(peak)), peak]
 
 
 def table_plane(centres: Array, normals: Array, areas: Array) -> tuple[Array, float, float] | None:
     """(normal, offset in m, share of the area) of a table behind the body, or None.
 
-    centres, normals (M, 3) and areas (M,) of triangles.
+    centres, normals (M, 3) and areas (M,) of triangles.  All guesses go through the rounds together.
     """
     total = areas.sum()
-    best: tuple[float, Array, float] | None = None
     guesses = _directions(300)
-    facing_guess = normals @ guesses.T > FACING
-    for guess in np.flatnonzero(areas @ facing_guess >= TABLE_SHARE * total):
-        normal, facing = guesses[guess], np.flatnonzero(facing_guess[:, guess])
-        for _ in range(3):  # the body's front tilts the first guess; the plane itself corrects it
-            heights, weights = centres[facing] @ normal, areas[facing]
-            level, share = _peak(heights, weights)
-            near = np.abs(heights - level) < 2 * PLANE_BIN
-            weights = weights[near]
-            offsets = centres[facing[near]]
-            offsets = offsets - weights @ offsets / weights.sum()
-            flat = np.linalg.eigh((offsets * weights[:, None]).T @ offsets)[1][:, 0]
-            normal = flat if flat @ normal > 0.0 else -flat
-            facing = np.flatnonzero(normals @ normal > FACING)
-            if not len(facing):  # no plane after all: curved parts turned the guess away from themselves
-                break
-        if not len(facing):
-            continue
-        level, share = _peak(centres[facing] @ normal, areas[facing])
-        behind = areas[centres @ normal < level - 2 * PLANE_BIN].sum()
-        if behind < BEHIND_SHARE * total and (best is None or share > best[0]):
-            best = (share, normal, level)
-    if best is None or best[0] < TABLE_SHARE * total:
+    facing = guesses @ normals.T > FACING  # (G, M)
+    enough = facing @ areas >= TABLE_SHARE * total
+    planes, facing = guesses[enough], facing[enough]
+    for _ in range(3):  # the body's front tilts the first guess; the plane itself corrects it
+        if not len(planes):
+            return None
+        members = _Members.of(facing)
+        heights = members.heights(centres, planes)
+        level, _ = members.peaks(heights, areas[members.triangles])
+        near = np.abs(heights - level[members.groups]) < 2 * PLANE_BIN
+        planes = _laid_through(planes, centres, areas, members.groups[near], members.triangles[near])
+        facing = planes @ normals.T > FACING
+        some = facing.any(axis=1)  # no plane after all: curved parts turned the guess away from themselves
+        planes, facing = planes[some], facing[some]
+    if not len(planes):
         return None
-    return best[1], best[2], best[0] / total
+    members = _Members.of(facing)
+    level, share = members.peaks(members.heights(centres, planes), areas[members.triangles])
+    behind = (planes @ centres.T < (level - 2 * PLANE_BIN)[:, None]) @ areas
+    share = np.where(behind < BEHIND_SHARE * total, share, 0.0)
+    best = int(share.argmax())
+    if share[best] < TABLE_SHARE * total:
+        return None
+    return planes[best], float(level[best]), float(share[best] / total)
+
+
+def _laid_through(planes: Array, centres: Array, areas: Array, groups: Integers, triangles: Integers) -> Array:
+    """(G, 3) the normals of the planes through each group's triangles, on the side of the (G, 3) given ones."""
+    weights, places, count = areas[triangles], centres.take(triangles, axis=0), len(planes)
+    total = np.bincount(groups, weights, count)
+    middle = np.stack([np.bincount(groups, weights * places[:, k], count) for k in range(3)], axis=1) / total[:, None]
+    places -= middle.take(groups, axis=0)
+    spread = np.zeros((count, 3, 3))
+    for i in range(3):
+        for j in range(i + 1):
+            spread[:, i, j] = spread[:, j, i] = np.bincount(groups, weights * places[:, i] * places[:, j], count)
+    flat = np.linalg.eigh(spread)[1][:, :, 0]
+    return np.asarray(np.where(np.einsum("gi,gi->g", flat, planes)[:, None] > 0.0, flat, -flat))
 
 
 def propose_frame(vertices: Array, faces: Integers) -> Frame:

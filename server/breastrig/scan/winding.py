@@ -17,15 +17,18 @@ ROUND = 0.2  # mean cosine between normals and the arms from the piece's middle:
 
 def _neighbours(faces: Integers) -> tuple[Integers, Integers, Booleans]:
     """Pairs of triangles that share an edge with exactly one other, and whether they disagree along it."""
-    start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     forward = start < end
-    size = int(faces.max()) + 1
-    key = np.minimum(start, end) * size + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
+    key = np.where(forward, start, end) * (int(faces.max()) + 1) + np.where(forward, end, start)
+    order = np.argsort(key)
     ordered = key[order]
     same = ordered[1:] == ordered[:-1]
-    alone = same & ~np.append(same[1:], False) & ~np.insert(same[:-1], 0, False)  # edges of exactly two triangles
-    first, second = order[:-1][alone], order[1:][alone]
+    alone = same.copy()  # edges of exactly two triangles
+    alone[:-1] &= ~same[1:]
+    alone[1:] &= ~same[:-1]
+    pairs = np.flatnonzero(alone)
+    first, second = order[pairs], order[pairs + 1]
+    first, second = np.minimum(first, second), np.maximum(first, second)
     return first // 3, second // 3, forward[first] == forward[second]
 
 
@@ -33,49 +36,74 @@ def consistent(faces: Integers) -> tuple[Integers, Integers]:
     """(F, 3) triangles that agree with their neighbours, and the (F,) piece that each belongs to."""
     a, b, differ = _neighbours(faces)
     count = len(faces)
-    pieces, piece = components(count, a, b)
+    _, piece = components(count, a, b)
     if not differ.any():
         return faces, piece
-    import scipy.sparse as sp  # with its graphs 0.2 s to load, for the rare scan whose triangles disagree
-    from scipy.sparse.csgraph import breadth_first_order
-
-    graph = sp.csr_array((np.where(differ, 2.0, 1.0), (a, b)), shape=(count, count))
-    graph = (graph + graph.T).tocsr()
-    # one walk for all pieces: from a node of its own that leads to the first triangle of each
-    roots = np.unique(piece, return_index=True)[1]
-    start = sp.csr_array((np.ones(pieces), roots, [0, pieces]), shape=(1, count))
-    walk = sp.block_array([[graph, None], [start, sp.csr_array((1, 1))]], format="csr")
-    before = breadth_first_order(walk, count, directed=True)[1][:count].astype(np.int64)
-    parent = np.where(before == count, np.arange(count), before)
-    flipped = np.asarray(graph[np.arange(count), parent]).ravel() == 2.0
+    parent, flipped = _walk(np.unique(piece, return_index=True)[1], count, a, b, differ)
     while (parent != parent[parent]).any():
         flipped = flipped ^ flipped[parent]
         parent = parent[parent]
     return np.where(flipped[:, None], faces[:, ::-1], faces), piece
 
 
-def outwards(vertices: Array, faces: Integers) -> tuple[Integers, int]:
+def _walk(
+    roots: Integers, count: int, first: Integers, second: Integers, differ: Booleans
+) -> tuple[Integers, Booleans]:
+    """Breadth first from the roots over `count` nodes and E edges: (N,) the node from which each was reached (a root
+    from itself), and (N,) whether the edge between them differs."""
+    start, end, apart = np.concatenate([first, second]), np.concatenate([second, first]), np.tile(differ, 2)
+    order = np.argsort(start * count + end)
+    end, apart = end[order], apart[order]
+    offsets = np.concatenate([[0], np.cumsum(np.bincount(start, minlength=count))])
+    parent, flipped, reached = np.arange(count), np.zeros(count, np.bool_), np.zeros(count, np.bool_)
+    place = np.zeros(count, dtype=np.int64)
+    front = roots
+    reached[front] = True
+    while len(front):
+        sizes = offsets[front + 1] - offsets[front]
+        edges = np.repeat(offsets[front] - (np.cumsum(sizes) - sizes), sizes) + np.arange(sizes.sum())
+        edges, origin = edges[~reached[end[edges]]], np.repeat(front, sizes)[~reached[end[edges]]]
+        met = end[edges]
+        place[met[::-1]] = np.arange(len(met))[::-1]  # whoever comes first has it
+        new = place[met] == np.arange(len(met))
+        front = met[new]
+        parent[front], flipped[front], reached[front] = origin[new], apart[edges[new]], True
+    return parent, flipped
+
+
+def outwards(vertices: Array, faces: Integers, crosses: Array | None = None) -> tuple[Integers, int]:
     """(F, 3) triangles facing outwards, for (V, 3) vertices, and how many were turned.
 
     A flat piece (a table, a scrap) has no inside: it faces the side that the largest curved piece was seen from.
+    `crosses` are the face_crosses of the triangles, where they are known already.
     """
     turned, piece = consistent(faces)
-    normals = face_crosses(vertices, turned)
-    middle = (vertices[turned[:, 0]] + vertices[turned[:, 1]] + vertices[turned[:, 2]]) / 3.0
-    area = np.linalg.norm(normals, axis=1)
+    normals = face_crosses(vertices, faces) if crosses is None else crosses
+    flipped = np.zeros(len(faces), dtype=np.bool_)
+    if turned is not faces:
+        flipped = np.asarray((turned != faces).any(axis=1))
+        normals = np.where(flipped[:, None], -normals, normals)
+    middle = vertices.take(faces[:, 0], axis=0)
+    middle += vertices.take(faces[:, 1], axis=0)
+    middle += vertices.take(faces[:, 2], axis=0)
+    middle /= 3.0
+    area = np.sqrt(np.einsum("fi,fi->f", normals, normals))
 
     def summed(values: Array) -> Array:
         return np.asarray(np.bincount(piece, weights=values))
 
     total = np.maximum(summed(area), 1e-30)
     centre = np.stack([summed(area * middle[:, axis]) for axis in range(3)], axis=1) / total[:, None]
-    arm = middle - centre[piece]
+    arm = middle
+    arm -= centre.take(piece, axis=0)
     outward = summed(np.einsum("fi,fi->f", normals, arm))
-    roundness = outward / np.maximum(summed(area * np.linalg.norm(arm, axis=1)), 1e-30)
+    roundness = outward / np.maximum(summed(area * np.sqrt(np.einsum("fi,fi->f", arm, arm))), 1e-30)
     side = np.where(outward < 0.0, -1.0, 1.0)
     mean = np.stack([summed(normals[:, axis]) for axis in range(3)], axis=1) * side[:, None]
     body = int(np.argmax(total * (np.abs(roundness) > ROUND)))
     like_body = np.where(mean @ mean[body] < 0.0, -1.0, 1.0)
     sign = np.where(np.abs(roundness) > ROUND, side, side * like_body)
-    turned = np.where((sign < 0.0)[piece][:, None], turned[:, ::-1], turned)
-    return turned, int((turned != faces).any(axis=1).sum())
+    flipped ^= (sign < 0.0)[piece]
+    if not flipped.any():
+        return faces, 0
+    return np.where(flipped[:, None], faces[:, ::-1], faces), int(np.count_nonzero(flipped))

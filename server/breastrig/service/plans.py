@@ -15,7 +15,7 @@ from breastrig.core.errors import BreastRigError, Conflict, FitFailed, NotFound
 from breastrig.core.indented_json import indented
 from breastrig.drawings.drawing_file import lines_on_scan
 from breastrig.execution.fair_processes import FairProcesses
-from breastrig.gltf.with_lines import with_lines
+from breastrig.gltf.lines.with_lines import with_lines
 from breastrig.report.line_files import rgb
 from breastrig.service.remembered import Remembered
 from breastrig.service.single_flight import SingleFlight
@@ -24,7 +24,7 @@ from breastrig.storage.rows.fits import FitRow, get_fit, newest_done
 from breastrig.storage.rows.patients import PlanRow, get_plan, patient_of_scan, scans_of_patient
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
-from breastrig.workflow.plan_on_fit import PlanJob, PlannedFit, empty_plan_document, plan_on_fit
+from breastrig.workflow.lines.plan_on_fit import PlanJob, PlannedFit, empty_plan_document, plan_on_fit
 
 UNFITTED = "It was made on a scan that is not fitted yet; fit that one to see it here."
 WALL_S = 60.0  # two scans take one to two seconds; a slow machine with huge scans may take many

@@ -9,14 +9,14 @@ TASK_MODULES = (
     "breastrig.service.fit_worker",
     "breastrig.workflow.default_model",
     "breastrig.workflow.moving.live_pattern",
-    "breastrig.workflow.plan_on_fit",
+    "breastrig.workflow.lines.plan_on_fit",
     "breastrig.workflow.moving.moved_landmarks",
     "breastrig.workflow.propose_on_scan",
     "breastrig.workflow.read_upload",
     "breastrig.workflow.report",
     "breastrig.workflow.run_fit",
     "breastrig.workflow.run_pair",
-    "breastrig.workflow.transfer",
+    "breastrig.workflow.lines.transfer",
     "breastrig.workflow.write_plain_mesh",
 )
 # For rows or files on another machine: half a second to import.

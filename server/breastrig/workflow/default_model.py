@@ -14,8 +14,8 @@ from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.uncertainty.calibration import calibration
 from breastrig.fitting.verdicts.verdict import verdict_limits
+from breastrig.gltf.lines.ribbon import ribbons
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.gltf.ribbon import ribbons
 from breastrig.gltf.skinned import skinned_document
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from breastrig.gltf.lines_glb import lines_glb
+from breastrig.gltf.lines.lines_glb import lines_glb
 from breastrig.report.exported import closed_model, vertex_sets
 from breastrig.report.line_files import obj_lines, ply_lines, rgb
 from breastrig.report.surface_files import surface_ply, surface_stl

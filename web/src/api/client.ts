@@ -16,6 +16,8 @@ import type {
   Patient,
   MovedModel,
   PatientPage,
+  PatternOnScan,
+  PatternQuestion,
   PlanItem,
   PlanOnScan,
   Problem,
@@ -138,6 +140,8 @@ export const client = {
   },
   /** The whole plan on the scan of a fit, carried there where it was made on another scan. */
   planOnFit: (link: string) => askJson<PlanOnScan>(link),
+  /** A pattern with its handles on the scan of a fit, as it is or as a drag makes it; nothing is stored. */
+  pattern: (fit: string, question: PatternQuestion) => askJson<PatternOnScan>(`${fit}/pattern`, "POST", question),
   /** The scan is that patient's from now on. */
   moveScan: (scan: string, patient: string) => askJson<Patient>(`/api/scans/${id(scan)}/patient`, "PUT", { patient }),
   measures: (link: string, other: string | null) => askJson<MeasuresFile>(other === null ? link : `${link}?with=${id(other)}`),

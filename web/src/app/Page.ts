@@ -13,6 +13,7 @@ import { createGuideCard } from "../landmarks/GuideCard";
 import { createLandmarkPanel } from "../landmarks/LandmarkPanel";
 import { needsConfirming } from "../landmarks/state";
 import { createPatientList } from "../patients/PatientList";
+import { createPlanNotice } from "../plan/PlanNotice";
 import { READABLE } from "../scan/actions";
 import { createEmptyState } from "../scan/EmptyState";
 import { createScanPanel } from "../scan/ScanPanel";
@@ -85,9 +86,9 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
 
   const scan = createScanPanel({ ...actions.scan, askToDelete: () => actions.deletion.ask(true) }, () => dismiss("scan"), needsConfirming);
   const landmarks = createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks"));
-  const fit = createFitPanel(actions.fit, () => dismiss("fit"));
+  const fit = createFitPanel({ ...actions.fit, chooseDrawing: actions.drawing.choosePattern }, () => dismiss("fit"));
   const carry = createDrawingCarry(actions.stances);
-  const drawing = createDrawingPanel(actions.drawing, actions.fit, actions.plan, () => dismiss("drawing"), () => dismiss("fit"), carry.element);
+  const drawing = createDrawingPanel(actions.drawing, actions.plan, () => dismiss("drawing"), () => dismiss("fit"), carry.element);
   const result = createResultPanel(actions.handPose);
   const next = createNextButton(actions);
   const bodies = { scan: scan.element, landmarks: landmarks.element, fit: fit.element, drawing: drawing.element, result: result.element };
@@ -100,7 +101,8 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const leave = createLeaveDialog(actions.leaving);
   const deleting = createDeleteDialog(actions.deletion);
   const deleted = createDeletionNotice(actions.deletion);
-  host.append(deleted.element);
+  const changed = createPlanNotice(actions.plan);
+  host.append(deleted.element, changed.element);
   const stances = createStancesBar(actions.stances);
   const top = createTopBar(actions, stances.element);
   const adding = createStancesDialog(actions.stances, () => dismiss("stances"));
@@ -156,6 +158,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(leave);
       on(deleting);
       on(deleted);
+      on(changed);
       store.select(only("active", "problems", "graphics", "meta", "announcement"), (state) => {
         show(numbers.element, state.active === null);
         page.set(state.problems.page);

@@ -2,6 +2,7 @@
 import type { Client } from "../api/client";
 import type { Frame } from "../api/types";
 import { drawingActions } from "../drawing/actions";
+import { handleActions } from "../drawing/handles";
 import { fitActions } from "../fit/actions";
 import { createFollower } from "../fit/follower";
 import { handPoseActions } from "../fit/handPoseActions";
@@ -46,6 +47,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     deletion,
     landmarks,
     drawing,
+    handles: handleActions(store, client, drawing.choosePattern),
     plan,
     stances,
     patients,

@@ -30,6 +30,9 @@ listenToKeys(store, actions);
 addEventListener("pagehide", () => void actions.landmarks.flush());
 addEventListener("pagehide", () => void actions.drawing.flush());
 addEventListener("pagehide", () => void actions.deletion.send());
+// Whoever comes back to this tab learns what was written in another one meanwhile.
+addEventListener("focus", () => void actions.plan.look());
+document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && void actions.plan.look());
 let isSigningIn = false; // what is unsaved waits in this tab's memory then
 addEventListener("beforeunload", (event) => {
   if (!isSigningIn && isRefused(store.get())) event.preventDefault(); // the browser asks

@@ -4,6 +4,7 @@ import { CornerPins } from "../drawing/CornerPins";
 import { ErrorBands } from "../drawing/ErrorBands";
 import { MirrorOverlay } from "../drawing/MirrorOverlay";
 import { OwnLines } from "../drawing/OwnLines";
+import { PatternHandles } from "../drawing/PatternHandles";
 import { listenToPenKeys } from "../drawing/penKeys";
 import { listenToPen } from "../drawing/PenTool";
 import { ReferenceLines } from "../drawing/ReferenceLines";
@@ -93,6 +94,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     new ErrorBands(viewer, scan, fitted, stage.canvas),
     own,
     corners,
+    new PatternHandles(viewer, scan, actions.drawing, actions.handles),
     new TapeLines(viewer, scan),
     new MeasureLines(viewer, false),
     { update: (state) => pins.update(state, isFree(state)) },

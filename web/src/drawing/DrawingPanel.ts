@@ -1,5 +1,4 @@
 // Step 4: the tools, and what lies on the body, line by line.
-import type { FitActions } from "../fit/actions";
 import type { FitSlice } from "../fit/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
@@ -18,7 +17,7 @@ const words = text.drawing;
 type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "problems" | "drawing" | "fit" | "isStarting" | "drawn">;
 
 /** `more`: what other features have to say about the drawing, below the rest. */
-export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, plan: PlanWords, dismiss: () => void, dismissFit: () => void, more: HTMLElement): Panel<Shown> {
+export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dismiss: () => void, dismissFit: () => void, more: HTMLElement): Panel<Shown> {
   let state: Shown | null = null;
   const tools = segmented<Tool>(
     words.tools,
@@ -47,7 +46,7 @@ export function createDrawingPanel(drawing: DrawingActions, fit: FitActions, pla
   const wrong = problem(dismiss);
   const corners = createCorners(drawing);
   const layers = createDrawingLayers(drawing);
-  const pattern = createDrawingPattern(fit, plan, dismissFit);
+  const pattern = createDrawingPattern(drawing, plan, dismissFit);
   const element = el(
     "div",
     { class: "panel drawing" },

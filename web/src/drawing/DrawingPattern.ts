@@ -1,7 +1,6 @@
 // The model's drawing: which one, with which numbers, and a tumour by the clock.  It is made on the fitted body
 // and changed there; the fit stays.
 import type { PatternInfo, PatternParameter } from "../api/types";
-import type { FitActions } from "../fit/actions";
 import { checked, type DrawingRequest, mirroredValues, readRequest, requestText, startValue, startValues, TUMOUR, type Values } from "../fit/requestedDrawing";
 import type { FitSlice } from "../fit/state";
 import { fit as fitText } from "../fit/text";
@@ -10,6 +9,7 @@ import { only } from "../store/store";
 import { button, problem, select } from "../ui/controls";
 import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import type { DrawingActions } from "./actions";
 import type { DrawingSlice } from "./state";
 import * as text from "./text";
 
@@ -24,10 +24,10 @@ export interface PlanWords {
   depth(mm: number | null): void;
 }
 
-export function createDrawingPattern(fit: FitActions, plan: PlanWords, dismiss: () => void): Panel<Shown> {
+export function createDrawingPattern(drawing: Pick<DrawingActions, "choosePattern">, plan: PlanWords, dismiss: () => void): Panel<Shown> {
   let state: Shown | null = null;
   const choose = (change: Partial<DrawingRequest>): void => {
-    if (state) fit.chooseDrawing(requestText({ ...readRequest(state.drawing), ...change }));
+    if (state) drawing.choosePattern(requestText({ ...readRequest(state.drawing), ...change }));
   };
   const base = select<string>(words.base, (value) => choose({ base: value, values: {} }));
   const parameters = el("div", { class: "parameters" });
@@ -61,7 +61,7 @@ export function createDrawingPattern(fit: FitActions, plan: PlanWords, dismiss: 
     const hint = [parameter.about, parameter.min !== null && parameter.max !== null ? words.range(parameter.min, parameter.max, parameter.unit) : ""].filter((each) => each !== "").join("; ");
     const label = el("span", {}, parameter.label, el("span", { class: "unit" }, parameter.unit === "" ? "" : ` ${words.units[parameter.unit]}`));
     if (parameter.choices) {
-      const list = el("select", { onchange: () => changed(list.value) }, ...parameter.choices.map((choice) => el("option", { value: choice, selected: choice === value }, words.choices[choice] ?? choice)));
+      const list = el("select", { "data-parameter": parameter.name, onchange: () => changed(list.value) }, ...parameter.choices.map((choice) => el("option", { value: choice, selected: choice === value }, words.choices[choice] ?? choice)));
       return el("label", { class: "field", title: hint }, label, list);
     }
     const input = el("input", {
@@ -91,12 +91,13 @@ export function createDrawingPattern(fit: FitActions, plan: PlanWords, dismiss: 
     select: only("meta", "problems", "drawing", "fit", "drawn"),
     update(session: Shown): void {
       state = session;
-      const { meta, drawing } = session;
+      const { meta } = session;
       if (!meta) return;
-      const request = readRequest(drawing);
+      const request = asDragged(session);
       base.set([{ value: "", label: fitText.noDrawing }, ...meta.drawings.map(({ name, label }) => ({ value: name, label }))], request.base);
       const pattern = meta.patterns.find(({ name }) => name === request.base && name !== TUMOUR);
       fill(parameters, [request.base, Boolean(pattern), mirrorings], () => (pattern ? fields(pattern, request.values, (name, value) => state && choose({ values: { ...readRequest(state.drawing).values, [name]: value } })) : []));
+      if (pattern) showValues(parameters, pattern, request.values);
       show(parameters, pattern !== undefined);
       show(mirrorPattern, pattern !== undefined && mirroredValues(request.values) !== null);
       const clock = tumourOf(session);
@@ -105,6 +106,7 @@ export function createDrawingPattern(fit: FitActions, plan: PlanWords, dismiss: 
       fill(tumour, [request.tumour !== null, mirrorings], () =>
         clock && request.tumour ? fields(clock, request.tumour, (name, value) => state && choose({ tumour: { ...readRequest(state.drawing).tumour, [name]: value } })) : [],
       );
+      if (clock && request.tumour) showValues(tumour, clock, request.tumour);
       show(tumour, request.tumour !== null);
       show(depthField, request.tumour !== null);
       if (document.activeElement !== depth) depth.value = session.drawn.depthMm === null ? "" : String(session.drawn.depthMm);
@@ -115,6 +117,22 @@ export function createDrawingPattern(fit: FitActions, plan: PlanWords, dismiss: 
       setText(note, session.fit?.state === "done" ? words.follows : words.needsFit);
     },
   };
+}
+
+/** The drawing with the numbers that a hand drags just now. */
+function asDragged({ drawing, drawn: { live } }: Shown): DrawingRequest {
+  const request = readRequest(drawing);
+  const part = live?.handles.find(({ id }) => id === live.held)?.part;
+  return part && live.values ? { ...request, [part]: live.values } : request;
+}
+
+/** The fields follow what is changed elsewhere: by a drag, by undoing, in another tab. */
+function showValues(fields: HTMLElement, pattern: PatternInfo, values: Values): void {
+  for (const parameter of pattern.parameters) {
+    const input = fields.querySelector<HTMLInputElement | HTMLSelectElement>(`[data-parameter="${parameter.name}"]`);
+    const value = values[parameter.name] ?? startValue(parameter);
+    if (input && input !== document.activeElement && input.value !== value) input.value = value;
+  }
 }
 
 const tumourOf = (state: Pick<PageSlice, "meta"> | null): PatternInfo | null => state?.meta?.patterns.find(({ name }) => name === TUMOUR) ?? null;

@@ -125,7 +125,7 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, 
       if (done.corner !== null) drawing.chooseCorner(done.corner);
       else click(event);
     } else if (done.corner !== null && drawn.chosen !== null && done.at) drawing.moveCorner(drawn.chosen, done.corner, done.at);
-    else if (done.corner === null && drawn.tool === "pen") for (const stroke of done.drawn?.strokes() ?? []) drawing.stroke(stroke);
+    else if (done.corner === null && drawn.tool === "pen") drawing.strokes(done.drawn?.strokes() ?? []);
   });
   canvas.addEventListener("pointercancel", (event) => {
     pointers.delete(event.pointerId);

@@ -4,7 +4,6 @@ import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
 import { landmarks as landmarkText } from "../landmarks/text";
 import type { ScanSlice } from "../scan/state";
-import { record, redo, undo } from "../store/history";
 import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
@@ -15,7 +14,7 @@ import { readDrawing, UnreadableDrawing } from "./files";
 import { freeName, gap, newId, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines";
 import { mirroredLine, mirrorPlane } from "./mirror";
 import type { Skin } from "./skin";
-import { type DrawingSlice, type DrawnState, type Layer, layerKey, lineNamed, type Tool } from "./state";
+import { type DrawingSlice, type DrawnState, type Layer, layerKey, lineNamed, type PlanHistory, type PlanStep, stepOf, type Tool, withStep } from "./state";
 import { circle, freehand } from "./strokes";
 import { tapeBack, tapeFrom, tapeTo } from "./tape";
 import * as text from "./text";
@@ -29,7 +28,8 @@ const RADIUS_MM = { least: 1, most: 80 }; // what the model's own tumour circle 
 /** Where lines are kept: the patient's plan. */
 export interface KeepsLines {
   saveLines(scan: Scan, lines: readonly OwnLine[]): Promise<{ lines: readonly OwnLine[]; isMerged: boolean }>;
-  earlierLines(scan: Scan, lines: readonly OwnLine[]): Promise<readonly OwnLine[] | null>;
+  /** What the plan says about the scan before it said this; null when nothing earlier is known. */
+  earlier(scan: Scan, now: PlanStep): Promise<PlanStep | null>;
 }
 
 export function drawingActions(store: Store<State>, plan: KeepsLines) {
@@ -48,7 +48,7 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     try {
       const kept = await plan.saveLines(scan, saved);
       if (kept.isMerged) {
-        show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, lines: record(state.drawn.lines, kept.lines), saving: "saved" }, announcement: words.merged, ...withProblem(state, "drawing", words.merged) } : {}));
+        show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, lines: { ...withStep(state), present: kept.lines }, saving: "saved" }, announcement: words.merged, ...withProblem(state, "drawing", words.merged) } : {}));
         return;
       }
       show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, saving: "saved" }, ...withProblem(state, "drawing", null) } : {}));
@@ -75,8 +75,13 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
   }
 
   function change(next: readonly OwnLine[], part: Partial<DrawnState>, announcement: string): void {
-    put({ ...part, lines: record(drawn().lines, next) }, { announcement });
+    put({ ...part, lines: { ...withStep(store.get()), present: next } }, { announcement });
     saveSoon();
+  }
+
+  /** Back or forth: all that the step holds is as it was then.  What is not a line is kept by plan/actions.ts. */
+  function goTo(step: PlanStep, history: Omit<PlanHistory, "present">, announcement: string): void {
+    put({ lines: { ...history, present: step.lines }, note: step.note, depthMm: step.depthMm, start: null, corner: null }, { drawing: step.drawing, announcement });
   }
 
   function add(line: OwnLine, announcement: string, part: Partial<DrawnState> = {}): void {
@@ -125,16 +130,19 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
       } else put({ start: at, chosen: null, corner: null }, { announcement: words.announceCorner(1) });
     },
 
-    /** A stroke of the pen; one that comes back to its start is closed. */
-    stroke(hits: readonly Vector[]): void {
+    /** One movement of the pen, cut where it left the skin: as many lines, and one step to undo.  What comes back to its start is closed. */
+    strokes(hand: readonly (readonly Vector[])[]): void {
       const on = skin();
-      if (!on || hits.length < 2) return;
-      let points = freehand(on, hits);
-      if (points.length < 2) return;
-      const isClosed = points.length > 12 && gap(points[0]!, points.at(-1)!) < CLOSES_MM;
-      if (isClosed) points = freehand(on, [...points, points[0]!]).slice(0, -1);
-      const name = nextName(lines(), words.stem);
-      add(lineAlong(name, drawn().ink, points, isClosed), words.announceDrawn(name));
+      if (!on) return;
+      const all = [...lines()];
+      const names: string[] = [];
+      for (const hits of hand) {
+        const line = strokeOn(on, hits, nextName(all, words.stem), drawn().ink);
+        if (!line) continue;
+        all.push({ ...line, id: newId() });
+        names.push(line.name);
+      }
+      if (names.length > 0) change(all, { start: null, open: null, chosen: names.at(-1)!, corner: null }, names.map(words.announceDrawn).join(" "));
     },
 
     /** The body alone with floating tools, the pen in the hand; or back to the page. */
@@ -150,6 +158,9 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     recolour(name: string, color: string): void {
       change(withLine(lines(), name, (line) => ({ ...line, color })), {}, words.announceRecoloured(name));
     },
+
+    /** Another pattern or tumour, or other numbers of it: one step to undo. */
+    choosePattern: (drawing: string): void => store.set((state) => (drawing === state.drawing ? {} : { drawing, drawn: { ...state.drawn, lines: withStep(state) } })),
 
     /** The clicked line is complete. */
     finish: (): void => put({ start: null, open: null }),
@@ -249,25 +260,28 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
       const { tape, start } = drawn();
       if (tape) return put({ tape: tapeBack(tape) });
       if (start) return put({ start: null });
-      if (drawn().lines.past.length === 0) return void this.undoKept();
-      put({ lines: undo(drawn().lines), corner: null }, { announcement: landmarkText.announceUndone });
+      const { past, future } = drawn().lines;
+      const before = past.at(-1);
+      if (!before) return void this.undoKept();
+      goTo(before, { past: past.slice(0, -1), future: [stepOf(store.get()), ...future] }, landmarkText.announceUndone);
       this.tidy();
     },
 
     /** Before the page was opened: as far back as the service remembers. */
     async undoKept(): Promise<void> {
       const scan = store.get().scan?.info;
-      const before = lines();
+      const before = stepOf(store.get());
       if (!scan) return;
       await flush();
       try {
-        const earlier = await plan.earlierLines(scan, before);
-        if (store.get().scan?.info.id !== scan.id || lines() !== before) return;
+        const earlier = await plan.earlier(scan, before);
+        const now = stepOf(store.get());
+        if (store.get().scan?.info.id !== scan.id || now.lines !== before.lines || now.drawing !== before.drawing) return;
         if (earlier === null) {
           put({}, { announcement: words.nothingEarlier });
           return;
         }
-        put({ lines: { past: [], present: earlier, future: [before, ...drawn().lines.future] }, corner: null }, { announcement: landmarkText.announceUndone });
+        goTo(earlier, { past: [], future: [before, ...drawn().lines.future] }, landmarkText.announceUndone);
         this.tidy();
       } catch (error) {
         store.set((state) => withProblem(state, "drawing", messageOf(error)));
@@ -275,8 +289,10 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     },
 
     redo(): void {
-      if (drawn().lines.future.length === 0) return;
-      put({ lines: redo(drawn().lines), start: null, corner: null }, { announcement: landmarkText.announceRedone });
+      const { past, future } = drawn().lines;
+      const next = future[0];
+      if (!next) return;
+      goTo(next, { past: [...past, stepOf(store.get())], future: future.slice(1) }, landmarkText.announceRedone);
       this.tidy();
     },
 
@@ -318,6 +334,15 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     },
     flush,
   };
+}
+
+/** A hand's stroke as a line; null where it is too short for one. */
+function strokeOn(on: Skin, hits: readonly Vector[], name: string, ink: string): OwnLine | null {
+  if (hits.length < 2) return null;
+  const points = freehand(on, hits);
+  if (points.length < 2) return null;
+  const isClosed = points.length > 12 && gap(points[0]!, points.at(-1)!) < CLOSES_MM;
+  return lineAlong(name, ink, isClosed ? freehand(on, [...points, points[0]!]).slice(0, -1) : points, isClosed);
 }
 
 export type DrawingActions = ReturnType<typeof drawingActions>;

@@ -1,5 +1,5 @@
 // What is drawn on the page's scan, and what the hand does there.
-import type { DrawingFile, PlannedShape, PlanOnScan, Unit, Vector } from "../api/types";
+import type { DrawingFile, PatternHandle, PlannedShape, PlanOnScan, Unit, Vector } from "../api/types";
 import { type History, startHistory } from "../store/history";
 import { INK, type OwnLine } from "./lines";
 import type { Asymmetry } from "./mirroredBreast";
@@ -30,13 +30,59 @@ export function laidOnScan(from: string, key: readonly unknown[], plan: PlanOnSc
   return { from, key, plan, patterns: { unit, shapes: patterns }, carried: { unit, shapes: shapes.filter(({ carried }) => carried) } };
 }
 
-/** What is shown of patterns and tumours: as the plan has them now, else as the fit brought them along. */
-export const shownPatterns = ({ fit, drawn }: { readonly fit: { readonly drawing: DrawingFile | null } | null; readonly drawn: DrawnState }): DrawingFile | Laid | null =>
+/** What is shown of patterns and tumours: as a hand drags them, as the plan has them now, else as the fit brought them along. */
+export const shownPatterns = (state: { readonly fit: { readonly drawing: DrawingFile | null } | null; readonly drawn: DrawnState }): DrawingFile | Laid | null =>
+  draggedPatterns(state.drawn) ?? laidPatterns(state);
+
+/** The same but for what a hand drags. */
+export const laidPatterns = ({ fit, drawn }: { readonly fit: { readonly drawing: DrawingFile | null } | null; readonly drawn: DrawnState }): DrawingFile | Laid | null =>
   drawn.onScan?.patterns ?? fit?.drawing ?? null;
+
+/** Until the plan with the change has been laid on the scan. */
+const draggedPatterns = ({ live, onScan }: DrawnState): Laid | null => (live?.dragged?.over === onScan ? live.dragged.patterns : null);
+
+/** Which part of the drawing a handle belongs to, see fit/requestedDrawing.ts. */
+export type LivePart = "values" | "tumour";
+
+export interface LiveHandle extends PatternHandle {
+  readonly id: string;
+  readonly part: LivePart;
+}
+
+/** Patterns with their handles, as the service draws them while one is dragged. */
+export interface Live {
+  readonly key: string; // what the handles are of
+  readonly handles: readonly LiveHandle[];
+  readonly held: string | null; // id of the handle in the hand
+  readonly values: Readonly<Record<string, string>> | null; // of the held part, as they are now
+  readonly limit: string; // why the drag goes no farther
+  readonly dragged: { readonly patterns: Laid; readonly over: OnScan | null } | null;
+}
+
+/** Everything of the plan that belongs to one scan, as one step of undoing puts it back. */
+export interface PlanStep {
+  readonly lines: readonly OwnLine[];
+  readonly drawing: string; // patterns and tumour, see fit/requestedDrawing.ts
+  readonly note: string;
+  readonly depthMm: number | null;
+}
+
+export type PlanHistory = History<readonly OwnLine[], PlanStep>;
+
+const STEPS = 200; // far more than anybody undoes
+
+export const stepOf = ({ drawing, drawn }: { readonly drawing: string; readonly drawn: DrawnState }): PlanStep => ({ lines: drawn.lines.present, drawing, note: drawn.note, depthMm: drawn.depthMm });
+
+/** The history with what is there now as its last step, before something changes. */
+export const withStep = (state: { readonly drawing: string; readonly drawn: DrawnState }): PlanHistory => ({
+  past: [...state.drawn.lines.past, stepOf(state)].slice(-STEPS),
+  present: state.drawn.lines.present,
+  future: [],
+});
 
 /** What is drawn on one scan, and what the hand does there. */
 export interface DrawnState {
-  readonly lines: History<readonly OwnLine[]>;
+  readonly lines: PlanHistory; // of lines, patterns, tumour and words
   readonly saving: "saved" | "saving" | "unsaved";
   readonly tool: Tool;
   readonly start: Vector | null; // first click of a line that has no second one yet
@@ -50,6 +96,8 @@ export interface DrawnState {
   readonly depthMm: number | null; // of the tumour by the clock, below the skin
   readonly hidden: ReadonlySet<string>; // layerKey of lines that are switched off
   readonly onScan: OnScan | null;
+  readonly live: Live | null;
+  readonly isChangedElsewhere: boolean; // somebody else has written the plan since it was read
 }
 
 export type Layer = "reference" | "own" | "carried" | "band";
@@ -80,6 +128,8 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnStat
     depthMm: words.depthMm,
     hidden: new Set(),
     onScan: null,
+    live: null,
+    isChangedElsewhere: false,
   };
 }
 
@@ -90,7 +140,7 @@ export const withoutCanvas = <State extends Pick<DrawingSlice, "isCanvasFull"> &
   state.isCanvasFull && (state.step !== "drawing" || state.scan === null) ? { ...state, isCanvasFull: false } : state;
 
 /** With the tool put down and no line begun. */
-export const handsOff = (drawn: DrawnState): DrawnState => ({ ...drawn, tool: "none", start: null, open: null, tape: null });
+export const handsOff = (drawn: DrawnState): DrawnState => ({ ...drawn, tool: "none", start: null, open: null, tape: null, live: null });
 
 export const lineNamed = (state: DrawnState, name: string | null): OwnLine | null =>
   state.lines.present.find((line) => line.name === name) ?? null;

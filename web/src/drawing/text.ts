@@ -2,7 +2,12 @@
 import { sideOf } from "../landmarks/picks";
 import { plural } from "../ui/plural";
 import { formatMmWhole } from "../ui/units";
+import type { LiveHandle } from "./state";
 import { type Tape, tapeHasHole, tapeLength } from "./tape";
+
+type Unit = LiveHandle["numbers"][number]["unit"];
+
+const amount = (value: number, unit: Unit): string => `${Number(value.toFixed(unit === "mm" ? 1 : 2))}${unit === "deg" ? "°" : unit === "h" ? " o'clock" : "\u00a0mm"}`;
 
 export const bands = {
   error: (mm: string) => `±\u00a0${mm} mm`,
@@ -126,6 +131,12 @@ export const drawing = {
     choices: { L: "Patient's left", R: "Patient's right", both: "Both" } as Record<string, string>,
     range: (min: number, max: number, unit: string) => `${min} to ${max} ${unit}`.trim(),
     outside: (label: string, min: number | null, max: number | null, unit: string) => `${label} must lie between ${min} and ${max} ${unit}`.trim() + ".",
+  },
+  handles: {
+    says: ({ label, side, numbers }: LiveHandle) =>
+      numbers.length === 1 ? `${label}: ${amount(numbers[0]!.value, numbers[0]!.unit)}` : `${numbers.map((each) => `${each.label} ${amount(each.value, each.unit)}`).join(", ")}, ${side === "L" ? "left" : "right"}`,
+    ends: (label: string, value: number, unit: Unit) => `${label} stops at ${amount(value, unit)}.`,
+    keys: "Drag it on the skin, or move it by the arrow keys: 1 mm, with Shift 5 mm.",
   },
   /** "breast_L" → "Breast, patient's left": for shapes whose label is not at hand */
   shapeName(name: string): string {

@@ -29,6 +29,10 @@ function read(part: string): { name: string; values: Values } {
   return { name: name.trim(), values: Object.fromEntries(pairs.map(([key, value]) => [key.trim(), value.trim()])) };
 }
 
+/** As the service takes them: numbers as numbers. */
+export const parametersOf = (values: Values): Record<string, number | string> =>
+  Object.fromEntries(Object.entries(values).filter(([, value]) => value !== "").map(([name, value]) => [name, value.trim() !== "" && Number.isFinite(Number(value)) ? Number(value) : value]));
+
 export function readRequest(text: string): DrawingRequest {
   const parts = text.split("+").filter((part) => part.trim() !== "").map(read);
   const base = parts.find(({ name }) => name !== TUMOUR);

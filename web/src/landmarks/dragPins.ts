@@ -1,16 +1,22 @@
 // A placed landmark is moved by dragging its mark over the skin.
 // The mark follows the pointer at once, and the model of a fit with it; the state learns of it when the mark is let go.
 import type { Vector } from "../api/types";
-import type { Follower } from "../fit/follower";
 import { pickAt, type Surface } from "../viewer/picking";
 import type { Viewer } from "../viewer/Viewer";
 import type { LandmarkActions } from "./actions";
 import type { LandmarkPins } from "./LandmarkPins";
 
+/** What follows a mark while it is dragged: taken up, here now, and back where it was. */
+export interface DragFollower {
+  readonly begin: () => void;
+  readonly move: (name: string, point: Vector) => void;
+  readonly giveUp: () => void;
+}
+
 const MOVED = 3; // pixels; less is a click
 
 /** `isFree`: no tool and no wanted landmark claims the pointer. */
-export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: Surface, pins: LandmarkPins, isFree: () => boolean, landmarks: LandmarkActions, follower: Follower): void {
+export function listenToDrags(canvas: HTMLElement, viewer: Viewer, scan: Surface, pins: LandmarkPins, isFree: () => boolean, landmarks: LandmarkActions, follower: DragFollower): void {
   let held: { name: string; id: number; x: number; y: number; point: Vector | null } | null = null;
 
   const letGo = (): void => {

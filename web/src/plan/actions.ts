@@ -2,13 +2,13 @@
 import type { Client } from "../api/client";
 import type { PlanItem, Scan } from "../api/types";
 import type { OwnLine } from "../drawing/lines";
-import type { DrawingSlice } from "../drawing/state";
+import { type DrawingSlice, type PlanStep, withStep } from "../drawing/state";
 import { type FitSlice, initialFit } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
-import { depthOn, drawingOn, linesOn, noteOn, withDepth, withDrawing, withLines, withNote } from "./items";
+import { depthOn, drawingOn, linesOn, noteOn, stepOn, withDepth, withDrawing, withLines, withNote, withStepOn } from "./items";
 import { createPlanKeeper } from "./keeper";
 
 type State = PageSlice & ScanSlice & FitSlice & DrawingSlice;
@@ -26,6 +26,7 @@ export interface PlannedOnScan {
 
 export function planActions(store: Store<State>, client: Client) {
   const keeper = createPlanKeeper(client);
+  let ledTo: { link: string; version: number; text: string } | null = null; // the last step back beyond this page
   const link = (scan: Pick<Scan, "links">): string => scan.links.plan;
 
   /** Before anybody has planned anything a fit brings the reference drawing along. */
@@ -53,6 +54,13 @@ export function planActions(store: Store<State>, client: Client) {
     if (scan && scan.info.id === before.scan?.info.id && drawing !== before.drawing) void saveDrawing(scan.info, drawing);
   });
 
+  /** And words and numbers beside it, also when a step back puts them as they were. */
+  store.select(only("scan", "drawn"), ({ scan, drawn }, before) => {
+    if (!scan || scan.info.id !== before.scan?.info.id) return;
+    if (drawn.note !== before.drawn.note) void change(scan.info, (items) => withNote(items, scan.info.id, drawn.note));
+    if (drawn.depthMm !== before.drawn.depthMm) void change(scan.info, (items) => withDepth(items, scan.info.id, drawn.depthMm));
+  });
+
   /** The first fit decides that its drawing is the plan: from then on the plan speaks for all scans. */
   store.select(only("fit"), ({ fit }, before) => {
     const { scan, drawing } = store.get();
@@ -72,14 +80,43 @@ export function planActions(store: Store<State>, client: Client) {
       return kept.isMerged ? { lines: linesOn(kept.items, scan.id), isMerged: true } : { lines, isMerged: false };
     },
 
-    /** The scan's lines as they were before, as far back as the service remembers; null when there is nothing earlier. */
-    async earlierLines(scan: Scan, lines: readonly OwnLine[]): Promise<readonly OwnLine[] | null> {
+    /** What the plan said about the scan before, as far back as the service remembers; null when there is nothing earlier. */
+    async earlier(scan: Scan, now: PlanStep): Promise<PlanStep | null> {
       await keeper.settled();
-      const now = keeper.seen(link(scan)) ?? (await keeper.read(link(scan)));
-      const asText = (items: readonly PlanItem[]): string => JSON.stringify(items.filter(({ kind, scan: of }) => kind === "line" && of === scan.id));
-      const wanted = asText(withLines(now.items, scan.id, lines));
-      const plan = await keeper.earlier(link(scan), now.version, (items) => asText(items) !== wanted);
-      return plan && linesOn(plan.items, scan.id);
+      const kept = keeper.seen(link(scan)) ?? (await keeper.read(link(scan)));
+      const asText = (items: readonly PlanItem[]): string => JSON.stringify(stepOn(items, scan.id));
+      const wanted = asText(withStepOn(kept.items, scan.id, now));
+      // Going back is written as a version of its own: the next step back goes on from where the last one led.
+      const from = ledTo?.link === link(scan) && ledTo.text === wanted ? ledTo.version : kept.version;
+      const plan = await keeper.earlier(link(scan), from, ({ items, whole }) => whole && asText(items) !== wanted);
+      if (!plan?.whole) return null;
+      ledTo = { link: link(scan), version: plan.version, text: asText(plan.items) };
+      return stepOn(plan.items, scan.id);
+    },
+
+    /** Asks whether somebody else has written the plan since it was read here. */
+    async look(): Promise<void> {
+      const { scan } = store.get();
+      if (!scan) return;
+      const isNewer = await keeper.isChangedElsewhere(link(scan.info)).catch(() => false); // the next write will say what is wrong
+      store.set((state) => (state.scan?.info.id === scan.info.id && state.drawn.isChangedElsewhere !== isNewer ? { drawn: { ...state.drawn, isChangedElsewhere: isNewer } } : {}));
+    },
+
+    /** The plan as it is kept now, what was changed here with it.  What was there before is one step back. */
+    async takeOver(): Promise<void> {
+      const { scan } = store.get();
+      if (!scan) return;
+      try {
+        await keeper.settled();
+        const { items } = await keeper.read(link(scan.info));
+        store.set((state) => {
+          if (state.scan?.info.id !== scan.info.id) return {};
+          const { lines, drawing, note, depthMm } = stepOn(items, scan.info.id);
+          return { drawing, drawn: { ...state.drawn, lines: { ...withStep(state), present: lines }, note, depthMm, open: null, chosen: null, corner: null, isChangedElsewhere: false } };
+        });
+      } catch (error) {
+        store.set((state) => withProblem(state, "drawing", messageOf(error)));
+      }
     },
 
     /** Whether more of the plan belongs to a scan, or to others of the patient, than its fit has brought along. */
@@ -94,15 +131,13 @@ export function planActions(store: Store<State>, client: Client) {
     note(text: string): void {
       const { scan, drawn } = store.get();
       if (!scan || text.trim() === drawn.note) return;
-      store.set((state) => ({ drawn: { ...state.drawn, note: text.trim() } }));
-      void change(scan.info, (items) => withNote(items, scan.info.id, text));
+      store.set((state) => ({ drawn: { ...state.drawn, lines: withStep(state), note: text.trim() } }));
     },
 
     depth(mm: number | null): void {
       const { scan } = store.get();
-      if (!scan) return;
-      store.set((state) => ({ drawn: { ...state.drawn, depthMm: mm } }));
-      void change(scan.info, (items) => withDepth(items, scan.info.id, mm));
+      if (!scan || mm === store.get().drawn.depthMm) return;
+      store.set((state) => ({ drawn: { ...state.drawn, lines: withStep(state), depthMm: mm } }));
     },
 
     settled: keeper.settled,

@@ -4,7 +4,8 @@ import type { PlanItem, PlanLine, PlanNote, PlanPattern, PlanTumour, Vector } fr
 import { lineAlong } from "../drawing/edits";
 import { roundMm } from "../drawing/files";
 import { INK, newId, type OwnLine } from "../drawing/lines";
-import { type DrawingRequest, readRequest, requestText, type Values } from "../fit/requestedDrawing";
+import type { PlanStep } from "../drawing/state";
+import { type DrawingRequest, parametersOf, readRequest, requestText, type Values } from "../fit/requestedDrawing";
 
 type Items = readonly PlanItem[];
 
@@ -44,7 +45,7 @@ export function withDrawing(items: Items, scan: string, text: string): PlanItem[
   const here = items.filter((item) => item.scan === scan);
   const [oldPattern, oldTumour] = [here.find(isPattern), here.find(isTumour)];
   const rest = items.filter((item) => item !== oldPattern && item !== oldTumour);
-  const parameters = Object.fromEntries(Object.entries(values).map(([name, value]) => [name, numberOr(value)]));
+  const parameters = parametersOf(values);
   const pattern: PlanPattern[] = base === "" ? [] : [{ kind: "pattern", id: oldPattern?.id ?? newId(), scan, name: base, parameters }];
   const number = (name: string): number => Number(tumour?.[name]);
   const circle: PlanTumour[] = tumour
@@ -73,7 +74,12 @@ export function withDepth(items: Items, scan: string, mm: number | null): PlanIt
   return items.map((item) => (item === tumour ? { ...tumour, depth_mm: mm } : item));
 }
 
-const numberOr = (value: string): number | string => (value.trim() !== "" && Number.isFinite(Number(value)) ? Number(value) : value);
+/** All that the items say about one scan, as one step of undoing. */
+export const stepOn = (items: Items, scan: string): PlanStep => ({ lines: linesOn(items, scan), drawing: drawingOn(items, scan), note: noteOn(items, scan), depthMm: depthOn(items, scan) });
+
+/** The items with all that a step says about the scan. */
+export const withStepOn = (items: Items, scan: string, { lines, drawing, note, depthMm }: PlanStep): PlanItem[] =>
+  withDepth(withNote(withDrawing(withLines(items, scan, lines), scan, drawing), scan, note), scan, depthMm);
 
 /**
  * What both wanted: `mine` and `theirs` each began with `base`.  Where both changed one item, mine stays and theirs is kept

@@ -55,6 +55,12 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
   return {
     read: (link: string): Promise<StoredPlan> => queued(link, () => read(link)),
     save: (link: string, change: Change): Promise<Kept> => queued(link, () => write(link, change)),
+    /** Whether the service has another plan than was read or written here last. */
+    isChangedElsewhere: (link: string): Promise<boolean> =>
+      queued(link, async () => {
+        const seen = known.get(link);
+        return seen !== undefined && (await client.plan(link)).version !== seen.version;
+      }),
     /** As last seen; null before it was read. */
     seen: (link: string): StoredPlan | null => known.get(link) ?? null,
     /** What waits to be written is written. */
@@ -62,10 +68,10 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
       await Promise.all(queues.values());
     },
     /** The newest version before `version` whose items `differ`; null when there is none any more. */
-    async earlier(link: string, version: number, differs: (items: readonly PlanItem[]) => boolean): Promise<StoredPlan | null> {
+    async earlier(link: string, version: number, differs: (plan: StoredPlan) => boolean): Promise<StoredPlan | null> {
       for (let number = version - 1; number > 0; number -= 1) {
         const plan = await client.planVersion(link, number).catch(() => null);
-        if (plan === null || differs(plan.items)) return plan;
+        if (plan === null || differs(plan)) return plan;
       }
       return null;
     },

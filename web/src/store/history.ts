@@ -1,14 +1,14 @@
 // Undo and redo as plain values: a history is three lists, and each operation returns a new one.
 
-export interface History<Value> {
-  readonly past: readonly Value[];
+export interface History<Value, Step = Value> {
+  readonly past: readonly Step[];
   readonly present: Value;
-  readonly future: readonly Value[];
+  readonly future: readonly Step[];
 }
 
 const KEPT = 200; // steps; far more than anybody undoes, and each is twelve points
 
-export const startHistory = <Value>(present: Value): History<Value> => ({ past: [], present, future: [] });
+export const startHistory = <Value, Step = Value>(present: Value): History<Value, Step> => ({ past: [], present, future: [] });
 
 export function record<Value>(history: History<Value>, next: Value): History<Value> {
   return { past: [...history.past, history.present].slice(-KEPT), present: next, future: [] };

@@ -34,8 +34,8 @@ const stroke = (from: number, to: number): Vector[] => Array.from({ length: 20 }
 
 test("a stroke is a line, saved once after a run of them", async () => {
   const { actions, store, saved, names } = await drawing();
-  actions.drawing.stroke(stroke(-50, 50));
-  actions.drawing.stroke(stroke(0, 30));
+  actions.drawing.strokes([stroke(-50, 50)]);
+  actions.drawing.strokes([stroke(0, 30)]);
   expect(names()).toEqual(["Line 1", "Line 2"]);
   expect(lengthOf(store.get().drawn.lines.present[0]!)).toBeCloseTo(100, 6);
   expect(store.get().drawn.saving).toBe("unsaved");
@@ -43,6 +43,16 @@ test("a stroke is a line, saved once after a run of them", async () => {
   expect(saved).toHaveBeenCalledTimes(1);
   expect((saved.mock.calls[0]![1] as PlanLine[]).map(({ name }) => name)).toEqual(["Line 1", "Line 2"]);
   expect(store.get().drawn.saving).toBe("saved");
+});
+
+test("a stroke that is cut where it leaves the skin is as many lines and one step to undo", async () => {
+  const { actions, names } = await drawing();
+  actions.drawing.strokes([stroke(-50, -10), [[0, 0, 0]], stroke(10, 50)]);
+  expect(names()).toEqual(["Line 1", "Line 2"]);
+  actions.drawing.undo();
+  expect(names()).toEqual([]);
+  actions.drawing.redo();
+  expect(names()).toEqual(["Line 1", "Line 2"]);
 });
 
 test("clicks go on from the last corner until the line is ended, and its start closes it", async () => {
@@ -60,7 +70,7 @@ test("clicks go on from the last corner until the line is ended, and its start c
 
 test("undo and redo go step by step, through the first click too", async () => {
   const { actions, store, names } = await drawing();
-  actions.drawing.stroke(stroke(-50, 50));
+  actions.drawing.strokes([stroke(-50, 50)]);
   actions.drawing.click([0, 20, 0]);
   expect(store.get().drawn.start).toEqual([0, 20, 0]);
   actions.drawing.undo();
@@ -84,7 +94,7 @@ test("a failed request loses nothing: the lines stay, it is said, and the next t
       return kept.savePlan(...given);
     },
   });
-  actions.drawing.stroke(stroke(-50, 50));
+  actions.drawing.strokes([stroke(-50, 50)]);
   await vi.advanceTimersByTimeAsync(500);
   expect(store.get().drawn.saving).toBe("unsaved");
   expect(store.get().problems.drawing).toBe("The service does not answer.");
@@ -108,8 +118,8 @@ test("a tumour is a circle with its radius along the skin; the radius stays with
 
 test("names are free or refused", async () => {
   const { actions, names } = await drawing();
-  actions.drawing.stroke(stroke(-50, 50));
-  actions.drawing.stroke(stroke(0, 30));
+  actions.drawing.strokes([stroke(-50, 50)]);
+  actions.drawing.strokes([stroke(0, 30)]);
   expect(actions.drawing.rename("Line 1", "Line 2")).toBe(false);
   expect(actions.drawing.rename("Line 1", " ")).toBe(false);
   expect(actions.drawing.rename("Line 1", " incision ")).toBe(true);
@@ -118,7 +128,7 @@ test("names are free or refused", async () => {
 
 test("a line is switched off and on without a step of the history", async () => {
   const { actions, store } = await drawing();
-  actions.drawing.stroke(stroke(-50, 50));
+  actions.drawing.strokes([stroke(-50, 50)]);
   const { past } = store.get().drawn.lines;
   actions.drawing.show("own", "Line 1", false);
   expect(store.get().drawn.hidden.has(layerKey("own", "Line 1"))).toBe(true);

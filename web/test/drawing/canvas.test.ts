@@ -41,7 +41,7 @@ test("the ink in the hand is the next line's colour, and can be given to one tha
   const { store, actions } = await withScan();
   const skin = skinOf(made(half()));
   actions.drawing.setSkin(() => skin);
-  const draw = (y: number): void => actions.drawing.stroke(Array.from({ length: 12 }, (_, i) => skin.nearest([-40 + 7 * i, y, 100]).point));
+  const draw = (y: number): void => actions.drawing.strokes([Array.from({ length: 12 }, (_, i) => skin.nearest([-40 + 7 * i, y, 100]).point)]);
   draw(0);
   actions.drawing.ink("#2b6cb0");
   draw(30);

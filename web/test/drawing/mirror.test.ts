@@ -82,7 +82,7 @@ test("the copy is a line of its own, named after the first; a missing side is sa
   const skin = breasts();
   actions.drawing.setSkin(() => skin);
   const fold = arc();
-  actions.drawing.stroke(fold.points);
+  actions.drawing.strokes([fold.points]);
   actions.drawing.rename("Line 1", "Fold");
   const lines = (): readonly OwnLine[] => store.get().drawn.lines.present;
   actions.drawing.mirror("Fold");

@@ -134,20 +134,85 @@ test("what is said about the plan is kept with it, and there again", async () =>
   expect(made.store.get().drawn).toMatchObject({ note: "wants it smaller", depthMm: 25 });
 });
 
-test("undoing goes back beyond the opening of the page", async () => {
+test("undoing goes back beyond the opening of the page: lines, patterns, tumours and notes, step by step", async () => {
+  const made = page();
+  const link = scanInfo("s1").links.plan;
+  const pattern = (mm: number): PlanItem => ({ kind: "pattern", id: "p", scan: "s1", name: "reduction", parameters: { areola_mm: mm } });
+  const tumour = (depth: number | null): PlanItem => ({ kind: "tumour", id: "t", scan: "s1", side: "L", clock: 10, distance_mm: 45, radius_mm: 12, depth_mm: depth });
+  const versions: PlanItem[][] = [[line("a", "Line 1")]];
+  for (const item of [pattern(42), tumour(null), note("n", "smaller"), line("b", "Line 2")]) versions.push([...versions.at(-1)!, item]);
+  versions.push(versions.at(-1)!.map((item) => (item.id === "p" ? pattern(40) : item)));
+  versions.push([...versions.at(-1)!, line("x", "Line 1", "s2")]); // on the other scan: no step here
+  for (const [number, items] of versions.entries()) await made.client.savePlan(link, items, number);
+  await made.actions.scan.open("s1", null);
+  const shown = () => {
+    const { drawing, drawn } = made.store.get();
+    return [drawn.lines.present.map(({ name }) => name).join(), drawing, drawn.note];
+  };
+  const circle = "tumour:side=L,clock=10,distance_mm=45,radius_mm=12";
+  const steps = [
+    ["Line 1,Line 2", `reduction:areola_mm=40+${circle}`, "smaller"],
+    ["Line 1,Line 2", `reduction:areola_mm=42+${circle}`, "smaller"],
+    ["Line 1", `reduction:areola_mm=42+${circle}`, "smaller"],
+    ["Line 1", `reduction:areola_mm=42+${circle}`, ""],
+    ["Line 1", "reduction:areola_mm=42", ""],
+    ["Line 1", "", ""],
+  ];
+  expect(shown()).toEqual(steps[0]);
+  for (const step of steps.slice(1)) {
+    made.actions.drawing.undo();
+    await vi.advanceTimersByTimeAsync(1000);
+    expect(shown()).toEqual(step);
+  }
+  expect(ids((await made.client.plan(link)).items)).toEqual(["x", "a"]);
+  for (const step of steps.slice(0, -1).reverse()) {
+    made.actions.drawing.redo();
+    await vi.advanceTimersByTimeAsync(1000);
+    expect(shown()).toEqual(step);
+  }
+  expect((await made.client.plan(link)).items.map(({ kind }) => kind).sort()).toEqual(["line", "line", "line", "note", "pattern", "tumour"]);
+});
+
+test("a pattern, a depth and a note that were changed here are one step each, back and forth", async () => {
+  const made = page();
+  await made.actions.scan.open("s1", null);
+  made.actions.drawing.choosePattern("reduction+tumour:side=R,clock=3,distance_mm=30,radius_mm=10");
+  made.actions.plan.depth(25);
+  made.actions.plan.note("wants it smaller");
+  await vi.advanceTimersByTimeAsync(10);
+  const drawn = () => made.store.get().drawn;
+  made.actions.drawing.undo();
+  expect(drawn()).toMatchObject({ note: "", depthMm: 25 });
+  made.actions.drawing.undo();
+  expect(drawn()).toMatchObject({ note: "", depthMm: null });
+  made.actions.drawing.undo();
+  expect(made.store.get().drawing).toBe("lumpectomy");
+  for (let count = 0; count < 3; count += 1) made.actions.drawing.redo();
+  expect(drawn()).toMatchObject({ note: "wants it smaller", depthMm: 25 });
+  await vi.advanceTimersByTimeAsync(1000);
+  const kept = (await made.client.plan(scanInfo("s1").links.plan)).items;
+  expect(kept.find(({ kind }) => kind === "tumour")).toMatchObject({ depth_mm: 25, clock: 3 });
+  expect(noteOn(kept, "s1")).toBe("wants it smaller");
+});
+
+test("a tab that is looked at again learns that the plan was written elsewhere, and takes it over in one step", async () => {
   const made = page();
   const link = scanInfo("s1").links.plan;
   await made.client.savePlan(link, [line("a", "Line 1")], 0);
-  await made.client.savePlan(link, [line("a", "Line 1"), line("b", "Line 2")], 1);
-  await made.client.savePlan(link, [line("a", "Line 1"), line("b", "Line 2"), note("n", "of something else")], 2);
   await made.actions.scan.open("s1", null);
-  const names = () => made.store.get().drawn.lines.present.map(({ name }) => name);
-  expect(names()).toEqual(["Line 1", "Line 2"]);
+  const drawn = () => made.store.get().drawn;
+  await made.actions.plan.look();
+  expect(drawn().isChangedElsewhere).toBe(false);
+  await made.client.savePlan(link, [line("a", "Line 1"), line("b", "Line 2"), note("n", "theirs"), ITEMS[1]!], 1);
+  await made.actions.plan.look();
+  expect(drawn().isChangedElsewhere).toBe(true);
+  expect(linesOn((await made.client.plan(link)).items, "s1"), "nothing is written by looking").toHaveLength(2);
+  await made.actions.plan.takeOver();
+  expect(drawn()).toMatchObject({ isChangedElsewhere: false, note: "theirs" });
+  expect(drawn().lines.present.map(({ name }) => name)).toEqual(["Line 1", "Line 2"]);
+  expect(made.store.get().drawing).toBe("reduction:side=L,areola_mm=40");
+  await made.actions.plan.look();
+  expect(drawn().isChangedElsewhere).toBe(false);
   made.actions.drawing.undo();
-  await vi.advanceTimersByTimeAsync(10);
-  expect(names()).toEqual(["Line 1"]);
-  made.actions.drawing.redo();
-  expect(names()).toEqual(["Line 1", "Line 2"]);
-  await vi.advanceTimersByTimeAsync(1000);
-  expect(ids((await made.client.plan(link)).items)).toEqual(["n", "a", "b"]);
+  expect(drawn().lines.present.map(({ name }) => name)).toEqual(["Line 1"]);
 });

@@ -11,8 +11,6 @@ import re
 import struct
 import warnings
 
-from PIL import Image
-
 from breastrig.core.errors import TooLarge
 from breastrig.scan.limits import IMAGE_PIXELS, JPEG_PASSES, TEXTURE_SIDE
 
@@ -45,6 +43,8 @@ def is_picture(data: bytes) -> bool:
     """Whether these bytes are a JPEG or PNG whose header can be read; TooLarge when it has too many pixels."""
     if not data.startswith(MARKS):
         return False
+    from PIL import Image  # it takes longer to load than a scan to read, and a fit looks at no picture
+
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -61,6 +61,8 @@ def is_picture(data: bytes) -> bool:
 
 def written_anew(data: bytes) -> bytes | None:
     """A JPEG of at most TEXTURE_SIDE pixels a side without metadata; None when the picture cannot be decoded."""
+    from PIL import Image  # as above
+
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

@@ -23,7 +23,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing
 from breastrig.workflow.fit_files import json_bytes
 from breastrig.workflow.fit_folder import fit_folder_of
-from breastrig.workflow.transfer import drawing_document
+from breastrig.workflow.lines.transfer import drawing_document
 
 SCHEMA = "breastrig/compare@1"
 COMPARE_RECORD = "compare.json"

@@ -10,8 +10,8 @@ from typing import Any
 
 from breastrig.core.arrays import Array
 from breastrig.core.glb import pack_glb, split_glb
-from breastrig.gltf.drawing_node import drawing_node
-from breastrig.gltf.lines_glb import lines_glb
+from breastrig.gltf.lines.drawing_node import drawing_node
+from breastrig.gltf.lines.lines_glb import lines_glb
 
 PLAN_NODE = "plan"
 

@@ -19,7 +19,7 @@ from breastrig.gltf.document import (
     PbrMetallicRoughness,
     Primitive,
 )
-from breastrig.gltf.ribbon import Ribbon, exact_in, ribbons
+from breastrig.gltf.lines.ribbon import Ribbon, exact_in, ribbons
 from breastrig.gltf.skinned import SkinnedNodes, as_float32
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters

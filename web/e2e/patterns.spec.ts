@@ -1,0 +1,191 @@
+// Patterns under the hand: a handle is dragged on the skin, lines and number follow, the plan keeps what the hand left, and a
+// reload brings it back.  And two tools of the hand that make nothing new: the tape, and the mirror.
+import { expect, type Page } from "@playwright/test";
+import type { PatternOnScan, PlanOnScan, StoredPlan, Vector } from "../src/api/types";
+import { distance, hook, test, trueLandmarks, untilFitted, untilStill } from "./page";
+
+const state = (page: Page) => page.evaluate(() => window.__breastrig!.state());
+const shown = (page: Page) => page.evaluate(() => window.__breastrig!.state().drawn.live);
+
+async function fitted(page: Page, base: string): Promise<void> {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("2");
+  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
+  await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
+  await untilFitted(page);
+  await page.keyboard.press("4");
+  await untilStill(page);
+}
+
+async function choose(page: Page, pattern: string): Promise<void> {
+  await page.locator(".pattern summary").click();
+  await page.locator(".pattern select").first().selectOption(pattern);
+}
+
+const handle = (page: Page, name: string) => page.locator(`.handle[data-handle="${name}"]`);
+
+/** Middle of a handle, page pixels. */
+async function middle(page: Page, name: string): Promise<{ x: number; y: number }> {
+  await expect(handle(page, name)).toBeVisible();
+  await untilStill(page);
+  const box = (await handle(page, name).boundingBox())!;
+  return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+}
+
+const numberOf = (text: string | null): number => Number(/(-?[\d.]+)/.exec((text ?? "").split(":").at(-1)!)![1]);
+
+test("the new nipple is dragged: line and number follow, the plan keeps them, undo and reload know them", async ({ page, base, troubles }) => {
+  await fitted(page, base);
+  await choose(page, "vertical");
+  const name = "values/new_nipple_L";
+  const start = await middle(page, name);
+  const before = numberOf(await handle(page, name).getAttribute("aria-label"));
+  const plan = async () => (await (await page.request.get(base + (await state(page)).scan!.info.links.plan)).json()) as StoredPlan;
+  const parameters = async () => (await plan()).items.map((item) => (item.kind === "pattern" ? item.parameters! : {}))[0]!;
+  await expect.poll(async () => (await state(page)).drawn.onScan?.patterns.shapes.some(({ name: line }) => line === "vertical_L")).toBe(true);
+  const lineBefore = (await state(page)).drawn.onScan!.patterns.shapes.find(({ name: line }) => line === "vertical_L")!.points;
+
+  await test.step("while it is dragged the line and the number move, and nothing is written", async () => {
+    const { version } = await plan();
+    await page.mouse.move(start.x, start.y);
+    await page.mouse.down();
+    for (let i = 1; i <= 8; i += 1) await page.mouse.move(start.x, start.y - 4 * i);
+    await expect.poll(async () => (await shown(page))?.dragged !== null && (await shown(page))?.limit).toBe("New nipple above the fold stops at 40 mm.");
+    const live = (await shown(page))!;
+    const line = live.dragged!.patterns.shapes.find(({ name: each }) => each === "vertical_L")!.points;
+    expect(line).not.toEqual(lineBefore);
+    await expect(handle(page, name).locator(".handle-says")).toHaveText("New nipple above the fold, left: 40\u00a0mm. New nipple above the fold stops at 40 mm.");
+    await expect(page.locator(".pattern [data-parameter=nipple_above_fold_mm]")).toHaveValue("40");
+    expect(before).toBeLessThan(40);
+    expect((await plan()).version).toBe(version);
+  });
+
+  await test.step("when the hand lets go the plan has it, and its lines are the ones that were seen", async () => {
+    const seen = (await shown(page))!.dragged!.patterns.shapes.find(({ name: each }) => each === "vertical_L")!.points;
+    await page.mouse.up();
+    await expect.poll(parameters).toEqual({ nipple_above_fold_mm: 40 });
+    const fit = (await hook.fit(page))!.id;
+    const kept = (await (await page.request.get(`${base}/api/fits/${fit}/plan.json`)).json()) as PlanOnScan;
+    expect(kept.shapes.find(({ name: each }) => each === "vertical_L")!.points).toEqual(seen);
+    await expect.poll(async () => (await state(page)).drawn.onScan?.patterns.shapes.find(({ name: each }) => each === "vertical_L")?.points).toEqual(seen);
+  });
+
+  await test.step("it is one step to undo", async () => {
+    await page.keyboard.press("z");
+    await expect.poll(parameters).toEqual({});
+    await page.keyboard.press("Shift+Z");
+    await expect.poll(parameters).toEqual({ nipple_above_fold_mm: 40 });
+  });
+
+  await test.step("arrow keys move a handle by a millimetre, with Shift by five", async () => {
+    const width = "values/width_first_L";
+    await middle(page, width);
+    await handle(page, width).focus();
+    await page.keyboard.press("ArrowLeft");
+    await expect(handle(page, width)).toHaveAttribute("aria-label", "Width, left: 61\u00a0mm");
+    await page.keyboard.press("Shift+ArrowRight");
+    await expect.poll(parameters).toEqual({ nipple_above_fold_mm: 40, width_mm: 56 });
+  });
+
+  await test.step("a reload keeps it", async () => {
+    await page.reload();
+    await hook.ready(page);
+    await page.keyboard.press("4");
+    await expect(handle(page, "values/width_first_L")).toHaveAttribute("aria-label", "Width, left: 56\u00a0mm");
+    expect((await state(page)).drawing).toBe("vertical:nipple_above_fold_mm=40,width_mm=56");
+    await expect.poll(async () => (await state(page)).drawn.onScan?.patterns.shapes.length).toBe(6);
+  });
+  expect(troubles).toEqual([]);
+});
+
+test("while the service draws, only the newest place waits; Escape puts everything back; a tumour's centre follows the finger", async ({ page, base, troubles }) => {
+  await fitted(page, base);
+  await page.locator(".pattern summary").click();
+  await page.locator(".pattern select").first().selectOption("");
+  await page.getByLabel("Tumour by the clock").check();
+  const name = "tumour/centre_L";
+  const start = await middle(page, name);
+  let under = 0;
+  let most = 0;
+  const asked: Vector[] = [];
+  await page.route("**/pattern", async (route) => {
+    under += 1;
+    most = Math.max(most, under);
+    const { drag } = route.request().postDataJSON() as { drag?: { to: Vector } };
+    if (drag) asked.push(drag.to);
+    const answer = await route.fetch();
+    await page.waitForTimeout(100);
+    under -= 1;
+    await route.fulfill({ response: answer });
+  });
+  const before = (await state(page)).drawing;
+  await page.mouse.move(start.x, start.y);
+  await page.mouse.down();
+  for (let i = 1; i <= 20; i += 1) await page.mouse.move(start.x + i, start.y + i);
+  const last = await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!)!.point, [start.x + 20, start.y + 20]);
+  await expect.poll(() => (asked.length > 0 ? distance(asked.at(-1)!, last) : Infinity)).toBeLessThan(2);
+  expect(most).toBe(1);
+  expect(asked.length).toBeLessThan(20);
+  await page.keyboard.press("Escape");
+  await page.mouse.up();
+  expect((await state(page)).drawing).toBe(before);
+
+  await expect(handle(page, name)).toHaveAttribute("aria-label", /^Hour 12 o'clock, From the nipple 40.mm, left$/);
+  const again = await middle(page, name);
+  await page.mouse.move(again.x, again.y);
+  await page.mouse.down();
+  await page.mouse.move(again.x - 10, again.y, { steps: 4 });
+  await page.mouse.up();
+  await expect.poll(async () => (await state(page)).drawing).not.toBe(before);
+  expect((await state(page)).drawing).toMatch(/clock=11\./);
+  const fit = (await hook.fit(page))!.id;
+  const bad = await page.request.post(`${base}/api/fits/${fit}/pattern`, { data: { name: "tumour", parameters: { side: "L", clock: 12, distance_mm: 40, radius_mm: 15 }, side: "L" } });
+  expect(((await bad.json()) as PatternOnScan).shapes).toHaveLength(1);
+  expect(troubles).toEqual([]);
+});
+
+test("the tape measures along the skin from click to click and leaves nothing; a line is mirrored to the other breast", async ({ page, base, troubles }) => {
+  const truth = trueLandmarks();
+  await fitted(page, base);
+  const drawn = async () => (await state(page)).drawn;
+
+  await test.step("the tape", async () => {
+    await page.keyboard.press("m");
+    const [from, to] = [await hook.project(page, truth.suprasternal_notch!), await hook.project(page, truth.nipple_L!)];
+    await page.mouse.click(from.x, from.y);
+    await page.mouse.click(to.x, to.y);
+    const tape = (await drawn()).tape!;
+    const straight = distance(tape.places[0]!, tape.places[1]!);
+    const along = tape.legs[0]!.mm;
+    expect(along).toBeGreaterThan(straight);
+    expect(along).toBeLessThan(1.3 * straight);
+    await expect(page.locator(".tape-length")).toHaveText(new RegExp(`${Math.round(along)}.mm in all`));
+    await page.keyboard.press("Escape");
+    expect((await drawn()).tape!.isEnded).toBe(true);
+    await page.keyboard.press("Escape");
+    expect((await drawn()).tape).toBeNull();
+    expect((await drawn()).lines.present).toHaveLength(0);
+  });
+
+  await test.step("the mirror", async () => {
+    await page.keyboard.press("p");
+    const place = await hook.project(page, truth.nipple_L!);
+    await page.mouse.move(place.x + 4, place.y - 30);
+    await page.mouse.down();
+    for (let i = 1; i <= 12; i += 1) await page.mouse.move(place.x + 4 + 2 * i, place.y - 30 - i);
+    await page.mouse.up();
+    await page.keyboard.press("Escape");
+    await page.getByRole("button", { name: "Mirror Line 1 to the other side" }).click();
+    const [own, mirrored] = (await drawn()).lines.present;
+    expect(mirrored!.name).toBe("Line 1, mirrored");
+    expect(mirrored!.points.length).toBeGreaterThan(5);
+    const middleOf = (points: readonly Vector[]): Vector => [0, 1, 2].map((axis) => points.reduce((sum, point) => sum + point[axis]!, 0) / points.length) as Vector;
+    const [here, there] = [middleOf(own!.points), middleOf(mirrored!.points)];
+    expect(distance(here, truth.nipple_L!), "each as far from its own nipple").toBeCloseTo(distance(there, truth.nipple_R!), -1.2);
+    expect(distance(there, truth.nipple_R!)).toBeLessThan(distance(there, truth.nipple_L!));
+    await expect(page.locator(".drawing-saved")).toHaveText("Saved");
+  });
+  expect(troubles).toEqual([]);
+});
