@@ -1,0 +1,1 @@
+"""The files that an export writes: meshes, lines, numbers by vertex, in the scan's frame."""
