@@ -3,7 +3,7 @@ import { spawnSync } from "node:child_process";
 import { resolve } from "node:path";
 
 const [show, folder] = process.argv.slice(2);
-if (!show) throw new Error("Say which show: screenshots DIR, frames or main_job.");
+if (!show) throw new Error("Say which show: screenshots DIR, frames, main_job or opening.");
 if (show === "screenshots" && !folder) throw new Error("Say where the pictures go: npm run screenshots -- DIR");
 const web = resolve(import.meta.dirname, "..");
 const env = { ...process.env, ...(folder ? { BREASTRIG_SHOW_FOLDER: resolve(process.env.INIT_CWD ?? ".", folder) } : {}) };

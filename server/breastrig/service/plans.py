@@ -16,7 +16,7 @@ from breastrig.core.indented_json import indented
 from breastrig.drawings.drawing_file import lines_on_scan
 from breastrig.execution.fair_processes import FairProcesses
 from breastrig.gltf.lines.with_lines import with_lines
-from breastrig.report.line_files import rgb
+from breastrig.report.files.line_files import rgb
 from breastrig.service.remembered import Remembered
 from breastrig.service.single_flight import SingleFlight
 from breastrig.storage.files import fit_place

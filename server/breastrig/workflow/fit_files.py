@@ -24,7 +24,7 @@ from breastrig.report.distances import (
     summary_mm,
     surface_summary_mm,
 )
-from breastrig.report.surface_files import surface_ply
+from breastrig.report.files.surface_files import surface_ply
 from breastrig.workflow.fit_file_names import FIT_FILES, RESULT, RESULT_SCHEMA, UNCERTAINTY
 from breastrig.workflow.fit_outcome import FitOutcome
 

@@ -13,6 +13,7 @@ export const help = {
     ["Esc", "Stop placing"],
     ["P · E · T · M", "In the step Drawing: pen, points of a line, tumour, tape measure; Enter ends a line or the tape, Delete takes away a point or a line"],
     ["Tab, arrows", "In the step Drawing: from handle to handle of a pattern; arrows move it by 1 mm (Shift: 5 mm)"],
+    ["Lasso", "In the step Scan: draw around what is to be hidden from the view; Z brings it back, Esc puts the lasso down"],
     ["F", "View from the front"],
     ["O", "Scan, both, model, beside, swipe"],
     ["D", "Distances in colour"],
@@ -21,9 +22,10 @@ export const help = {
   ],
   mouse: [
     ["Click", "Place the wanted landmark, or confirm a dashed one"],
-    ["Drag", "Turn the view, or move a placed landmark: a fit then follows at once"],
+    ["Drag", "Turn the view, or move a placed landmark: the model follows, and a fit when it is let go"],
     ["Right drag", "Move the view"],
     ["Scroll", "Zoom"],
+    ["Pen", "Once a stylus was seen it draws, and fingers turn, move and zoom; the hand that holds it does nothing"],
     ["Touch", "One finger turns, two move and zoom, a tap places; held still, a cross above the finger places when you let go"],
   ],
 };

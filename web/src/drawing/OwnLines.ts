@@ -5,6 +5,7 @@ import { type FitSlice, isPosedByHand } from "../fit/state";
 import { isUnit, mmFrom } from "../ui/units";
 import { FatLines, type Polyline } from "../viewer/FatLines";
 import type { Surface } from "../viewer/picking";
+import { smoothed } from "../viewer/smooth";
 import type { ViewSlice } from "../viewer/state";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { bridgedAt } from "./edits";
@@ -70,7 +71,7 @@ export class OwnLines implements Part<Shown> {
     this.own.set(this.isShown ? own.map(laid) : []);
     const unit = state.onScan?.carried.unit;
     const carried = state.onScan?.carried.shapes.filter(({ name }) => isOn("carried", name)) ?? [];
-    const laidHere = (isLine: boolean): Polyline[] => (this.isShown && isUnit(unit) ? carried.filter(({ kind }) => (kind === "line") === isLine).map((shape) => polyline(shape, mmFrom(1, unit))) : []);
+    const laidHere = (isLine: boolean): Polyline[] => (this.isShown && isUnit(unit) ? carried.filter(({ kind }) => (kind === "line") === isLine).map((shape) => smoothed(polyline(shape, mmFrom(1, unit)))) : []);
     this.carried.set(laidHere(true));
     this.patterns.set(laidHere(false));
     this.viewer.invalidate();

@@ -8,6 +8,7 @@ import type { TorsoModel } from "../fit/TorsoModel";
 import type { ScanMesh } from "../scan/ScanMesh";
 import { mmFrom } from "../ui/units";
 import { FatLines, type Polyline } from "../viewer/FatLines";
+import { smoothed } from "../viewer/smooth";
 import type { ViewSlice } from "../viewer/state";
 import { surfacePosition, type VertexAt } from "../viewer/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
@@ -48,7 +49,7 @@ export class ReferenceLines implements Part<State> {
     const source = isOnScan ? [drawing, skin.bvh, hidden] : isOnModel ? [fit.drawingName, shownPoses(state), hidden] : [];
     if (source.length === this.drawn.length && source.every((each, i) => each === this.drawn[i])) return;
     this.drawn = source;
-    if (isOnScan) this.lines.set(onScan(drawing.shapes.filter(isOn), mmFrom(1, drawing.unit), skin));
+    if (isOnScan) this.lines.set(onScan(drawing.shapes.filter(isOn), mmFrom(1, drawing.unit), skin).map(smoothed));
     else if (isOnModel) this.lines.set(onModel(shapes.filter(isOn), this.torso, vertexAt));
     else this.lines.set([]);
     this.viewer.invalidate();

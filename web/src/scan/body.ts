@@ -74,6 +74,7 @@ export function partOf(whole: BufferGeometry, { index, tree }: BodyPart): Buffer
   const part = new BufferGeometry();
   for (const [name, attribute] of Object.entries(whole.attributes)) part.setAttribute(name, attribute);
   part.setIndex(new BufferAttribute(index, 1));
+  part.boundingSphere = whole.boundingSphere; // as large at most; over all vertices it would take as long as a frame may
   part.boundsTree = MeshBVH.deserialize(tree, part, { setIndex: false });
   return part;
 }

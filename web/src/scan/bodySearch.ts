@@ -28,8 +28,8 @@ function open(): Worker | null {
 export function findBody(file: ArrayBuffer, whole: BufferGeometry, tableNormal: Vector | null, crops: Crops): Promise<Body | null> {
   return new Promise((done) => {
     const question: BodyQuestion = {
-      positions: Float32Array.from(whole.attributes.position!.array),
-      index: Uint32Array.from(whole.index!.array),
+      positions: new Float32Array(whole.attributes.position!.array),
+      index: new Uint32Array(whole.index!.array),
       isSplit: whole.hasAttribute("uv"),
       tableNormal,
       crops,

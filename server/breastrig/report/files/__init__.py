@@ -1,0 +1,1 @@
+"""Lines and surfaces of a fit as files for other programs."""

@@ -1,0 +1,123 @@
+// What is looked at on the stage, as only a browser shows it: the even mixture of scan and model, the mirrored breast, the lasso,
+// and the measure that is pointed at in the table.
+import { expect, type Page } from "@playwright/test";
+import { overlaps, seriousFindings, smallTargets } from "./audit";
+import { hook, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { inTheme } from "./states";
+
+/** Red over blue of the pixels around page places; skin-coloured clay has more red than a grey scan. */
+async function warmth(page: Page, places: readonly { x: number; y: number }[]): Promise<number[]> {
+  const shot = [...(await page.screenshot())];
+  return page.evaluate(
+    async ([bytes, at]) => {
+      const image = await createImageBitmap(new Blob([new Uint8Array(bytes)]));
+      const canvas = new OffscreenCanvas(image.width, image.height);
+      const pen = canvas.getContext("2d")!;
+      pen.drawImage(image, 0, 0);
+      const scale = image.width / innerWidth;
+      return at.map(({ x, y }) => {
+        const [red, , blue] = pen.getImageData(Math.round(x * scale), Math.round(y * scale), 1, 1).data;
+        return red! / Math.max(1, blue!);
+      });
+    },
+    [shot, places] as const,
+  );
+}
+
+const spread = (values: readonly number[]): number => {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted[Math.floor(0.95 * sorted.length)]! - sorted[Math.floor(0.05 * sorted.length)]!;
+};
+
+test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  await page.keyboard.press("2");
+  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
+  await page.keyboard.press("3");
+  await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).first().click();
+  await untilFitted(page);
+  await page.waitForFunction(() => window.__breastrig?.state().fit?.distances);
+  const truth = trueLandmarks();
+  const places: { x: number; y: number }[] = [];
+
+  await test.step("each pixel of the body is one and the same share of scan and model", async () => {
+    await page.getByRole("button", { name: "Both", exact: true }).click();
+    await page.keyboard.press("f");
+    await untilStill(page);
+    // A grid over the belly and the chest, between the landmarks, where the two surfaces pass through one another everywhere.
+    const [top, low] = [await hook.project(page, truth.xiphoid!), await hook.project(page, truth.umbilicus!)];
+    const half = Math.abs((await hook.project(page, truth.nipple_L!)).x - (await hook.project(page, truth.nipple_R!)).x) / 2;
+    for (let i = 0; i < 14; i += 1) for (let k = 0; k < 14; k += 1) places.push({ x: top.x + half * (i / 6.5 - 1), y: top.y + 10 + (low.y - top.y - 20) * (k / 13) });
+    const both = await warmth(page, places);
+    await page.getByRole("button", { name: "Model", exact: true }).click();
+    await untilStill(page);
+    const model = await warmth(page, places);
+    const median = (values: readonly number[]): number => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)]!;
+    expect(median(model) - median(both), "some of it is the grey scan").toBeGreaterThan(0.03);
+    expect(spread(both), "in patches it would be the difference of clay and grey").toBeLessThan(0.5 * (median(model) - 0.95));
+  });
+
+  await test.step("the left breast on the right one", async () => {
+    await page.getByRole("button", { name: "Scan", exact: true }).click();
+    await untilStill(page);
+    const before = (await hook.picture(page)).checksum;
+    await page.getByRole("button", { name: "Left on right" }).click();
+    await expect(page.getByText(/^Differs by \d+\.\d mm/)).toBeVisible();
+    expect((await hook.picture(page)).checksum).not.toBe(before);
+    for (const viewport of [{ width: 1024, height: 768 }, { width: 1280, height: 720 }]) {
+      await page.setViewportSize(viewport);
+      expect(await overlaps(page)).toEqual([]);
+      expect(await smallTargets(page)).toEqual([]);
+    }
+    expect(await seriousFindings(page)).toEqual([]);
+    await page.getByRole("button", { name: "Left on right" }).click();
+    await expect(page.getByText(/^Differs by/)).toBeHidden();
+  });
+
+  await test.step("the lasso hides an arm, and Z brings it back", async () => {
+    await page.keyboard.press("1");
+    await page.getByRole("button", { name: "Lasso" }).click();
+    await untilStill(page);
+    const arm = await hook.project(page, truth.acromion_R!);
+    const at = { x: arm.x - 20, y: arm.y + 60 };
+    const pick = () => page.evaluate(([x, y]) => window.__breastrig!.pickAt(x, y)?.face ?? null, [at.x, at.y] as const);
+    const face = await pick();
+    expect(face).not.toBeNull();
+    await page.mouse.move(at.x - 60, at.y - 60);
+    await page.mouse.down();
+    for (const [x, y] of [[30, -60], [30, 200], [-150, 200], [-150, -60]] as const) await page.mouse.move(at.x + x, at.y + y, { steps: 6 });
+    await page.mouse.up();
+    await expect.poll(pick).toBeNull();
+    await expect(page.getByText("Fits, measures and files still see the whole scan.", { exact: false })).toHaveCount(0); // the lasso is still in the hand
+    await page.keyboard.press("z");
+    await expect.poll(pick).toBe(face);
+    await page.keyboard.press("Escape");
+    expect(await seriousFindings(page)).toEqual([]);
+  });
+
+  await test.step("a measure that is pointed at runs over the body, beside its table", async () => {
+    await page.locator("#measures").click();
+    const tape = page.locator("[data-measure=notch_nipple][data-kind='along the skin']");
+    await expect(tape).toBeVisible();
+    const lengths = (await tape.locator("td").allTextContents()).slice(0, 2);
+    await page.locator("#measures-title").hover();
+    await expect(page.locator(".tape-label")).toHaveCount(0);
+    await tape.hover();
+    await expect(page.locator(".tape-label")).toHaveText(lengths.map((length) => `${length}\u00a0mm`));
+    const dialog = (await page.getByRole("dialog").boundingBox())!;
+    for (const name of ["suprasternal_notch", "nipple_L", "nipple_R"]) {
+      const { x } = await hook.project(page, truth[name]!);
+      expect(x, "the table lies beside the body").toBeLessThan(dialog.x);
+    }
+    await page.locator("[data-measure=nipple_nipple][data-kind=straight] .measure-name").focus();
+    await page.locator("#measures-title").hover();
+    expect(await seriousFindings(page)).toEqual([]);
+    await inTheme(page, "dark");
+    expect(await seriousFindings(page, { runOnly: ["color-contrast"] })).toEqual([]);
+    await page.keyboard.press("Escape");
+    await expect(page.locator(".tape-label")).toHaveCount(0);
+  });
+  expect(troubles).toEqual([]);
+});
