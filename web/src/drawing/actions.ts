@@ -5,7 +5,7 @@ import type { LandmarksSlice } from "../landmarks/state";
 import { landmarks as landmarkText } from "../landmarks/text";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
-import { messageOf, withProblem } from "../store/problems";
+import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { formatMmWhole } from "../ui/units";
 import type { ViewSlice } from "../viewer/state";
@@ -35,6 +35,7 @@ export interface KeepsLines {
 export function drawingActions(store: Store<State>, plan: KeepsLines) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let waiting: { scan: Scan; lines: readonly OwnLine[] } | null = null;
+  let unsaid: string | null = null; // what saving has complained about last
   let skin: () => Skin | null = () => null; // the view has the mesh
 
   const drawn = (): DrawnState => store.get().drawn;
@@ -51,9 +52,10 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
         show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, lines: { ...withStep(state), present: kept.lines }, saving: "saved" }, announcement: words.merged, ...withProblem(state, "drawing", words.merged) } : {}));
         return;
       }
-      show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, saving: "saved" }, ...withProblem(state, "drawing", null) } : {}));
+      show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, saving: "saved" }, ...withoutMessage(state, "drawing", unsaid) } : {}));
     } catch (error) {
-      show((state) => ({ drawn: { ...state.drawn, saving: "unsaved" }, ...withProblem(state, "drawing", messageOf(error)) }));
+      unsaid = messageOf(error);
+      show((state) => ({ drawn: { ...state.drawn, saving: "unsaved" }, ...withProblem(state, "drawing", unsaid) }));
     }
   }
 

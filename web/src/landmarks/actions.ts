@@ -4,7 +4,7 @@ import type { Scan, Vector } from "../api/types";
 import type { ScanSlice } from "../scan/state";
 import { record, redo, undo } from "../store/history";
 import type { PageSlice } from "../store/page";
-import { messageOf, withProblem } from "../store/problems";
+import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { type Certain, certainAt, certainNames } from "./certain";
@@ -29,6 +29,7 @@ interface Followed {
 export function landmarkActions(store: Store<State>, client: Client, followed: Followed) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let waiting: { scan: Scan; picks: Picks; certain: Certain } | null = null;
+  let unsaid: string | null = null; // what saving has complained about last
   const answers = new WeakSet<Picks>(); // picks that an answer has made: undoing it asks for another fit as well
 
   const list = () => store.get().meta?.landmarks ?? [];
@@ -44,9 +45,10 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     show(() => ({ saving: "saving" }));
     try {
       await client.saveLandmarks(scan, { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks }, certain: certainNames(picks, certain) });
-      show((state) => (state.picks.present === picks && state.certain === certain ? { saving: "saved", ...withProblem(state, "landmarks", null) } : {}));
+      show((state) => (state.picks.present === picks && state.certain === certain ? { saving: "saved", ...withoutMessage(state, "landmarks", unsaid) } : {}));
     } catch (error) {
-      show((state) => ({ saving: "unsaved", ...withProblem(state, "landmarks", messageOf(error)) }));
+      unsaid = messageOf(error);
+      show((state) => ({ saving: "unsaved", ...withProblem(state, "landmarks", unsaid) }));
     }
   }
 

@@ -6,7 +6,7 @@ import { type DrawingSlice, type PlanStep, withStep } from "../drawing/state";
 import { type FitSlice, initialFit } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
-import { messageOf, withProblem } from "../store/problems";
+import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
 import { depthOn, drawingOn, linesOn, noteOn, stepOn, withDepth, withDrawing, withLines, withNote, withStepOn } from "./items";
 import { createPlanKeeper } from "./keeper";
@@ -26,6 +26,7 @@ export interface PlannedOnScan {
 
 export function planActions(store: Store<State>, client: Client) {
   const keeper = createPlanKeeper(client);
+  let unsaid: string | null = null; // what saving has complained about last
   let ledTo: { link: string; version: number; text: string } | null = null; // the last step back beyond this page
   const link = (scan: Pick<Scan, "links">): string => scan.links.plan;
 
@@ -41,9 +42,10 @@ export function planActions(store: Store<State>, client: Client) {
   async function change(scan: Scan, what: (items: readonly PlanItem[]) => PlanItem[]): Promise<void> {
     try {
       await keeper.save(link(scan), what);
-      store.set((state) => withProblem(state, "drawing", null));
+      store.set((state) => withoutMessage(state, "drawing", unsaid));
     } catch (error) {
-      store.set((state) => withProblem(state, "drawing", messageOf(error)));
+      unsaid = messageOf(error);
+      store.set((state) => withProblem(state, "drawing", unsaid));
     }
   }
 

@@ -8,6 +8,10 @@ export function withProblem(state: Pick<PageSlice, "problems">, place: Place, me
   return { problems: message === null ? rest : { ...rest, [place]: message } };
 }
 
+/** Takes away this message alone: another one that came meanwhile stays, for nobody has mended it. */
+export const withoutMessage = (state: Pick<PageSlice, "problems">, place: Place, message: string | null): Partial<Pick<PageSlice, "problems">> =>
+  message !== null && state.problems[place] === message ? withProblem(state, place, null) : {};
+
 export function messageOf(error: unknown): string {
   if (error instanceof ApiError) return error.message;
   return unexpected(error instanceof Error ? error.message : String(error));

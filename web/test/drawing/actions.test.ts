@@ -105,6 +105,18 @@ test("a failed request loses nothing: the lines stay, it is said, and the next t
   expect(store.get().problems.drawing).toBeUndefined();
 });
 
+test("what was wrong with a file stays said while lines from before are saved", async () => {
+  const { store, actions } = await drawing();
+  const line = { schema: "breastrig/drawing@1", unit: "mm", shapes: [{ name: "one", closed: false, color: "#b83280", points: [[0, 0, 0], [10, 0, 0]] }] };
+  const file = (text: string): File => new File([text], "d.json");
+  await actions.drawing.importFile(file(JSON.stringify(line)));
+  await actions.drawing.importFile(file("{"));
+  const said = store.get().problems.drawing;
+  expect(said).toContain("not valid JSON");
+  await vi.advanceTimersByTimeAsync(5000);
+  expect(store.get()).toMatchObject({ drawn: { saving: "saved" }, problems: { drawing: said } });
+});
+
 test("a tumour is a circle with its radius along the skin; the radius stays within what the model takes", async () => {
   const { actions, store } = await drawing();
   actions.drawing.radius(500);
