@@ -24,6 +24,8 @@ async function warmth(page: Page, places: readonly { x: number; y: number }[]): 
   );
 }
 
+const GREY = 0.915; // of the scan beside the model: --view-scan by day
+
 const spread = (values: readonly number[]): number => {
   const sorted = [...values].sort((a, b) => a - b);
   return sorted[Math.floor(0.95 * sorted.length)]! - sorted[Math.floor(0.05 * sorted.length)]!;
@@ -44,10 +46,11 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
 
   await test.step("each pixel of the body is one and the same share of scan and model", async () => {
     await page.getByRole("button", { name: "Both", exact: true }).click();
+    await page.locator(".timeline input[type=range]").fill("2"); // early, when the model is some millimetres off, here before and there behind
     await page.keyboard.press("f");
     await untilStill(page);
-    // A grid over the belly and the chest, between the landmarks, where the two surfaces pass through one another everywhere.
-    const [top, low] = [await hook.project(page, truth.xiphoid!), await hook.project(page, truth.umbilicus!)];
+    // A grid over chest, breasts and belly.
+    const [top, low] = [await hook.project(page, truth.suprasternal_notch!), await hook.project(page, truth.umbilicus!)];
     const half = Math.abs((await hook.project(page, truth.nipple_L!)).x - (await hook.project(page, truth.nipple_R!)).x) / 2;
     for (let i = 0; i < 14; i += 1) for (let k = 0; k < 14; k += 1) places.push({ x: top.x + half * (i / 6.5 - 1), y: top.y + 10 + (low.y - top.y - 20) * (k / 13) });
     const both = await warmth(page, places);
@@ -56,7 +59,8 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
     const model = await warmth(page, places);
     const median = (values: readonly number[]): number => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)]!;
     expect(median(model) - median(both), "some of it is the grey scan").toBeGreaterThan(0.03);
-    expect(spread(both), "in patches it would be the difference of clay and grey").toBeLessThan(0.5 * (median(model) - 0.95));
+    expect(spread(both), "in patches it is the difference of the mixture and grey; the light alone makes half of that").toBeLessThan(0.7 * (median(both) - GREY));
+    await page.locator(".timeline input[type=range]").press("End");
   });
 
   await test.step("the left breast on the right one", async () => {
