@@ -5,7 +5,7 @@ import pytest
 from helpers.surfaces import sphere
 
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.refine import refined, stiffness_and_area
+from breastrig.fitting.refine import BENDING, _Systems, refined, stiffness_and_area
 from breastrig.geometry.normals import face_normals, vertex_normals
 from breastrig.scan.clean import compact
 
@@ -102,3 +102,17 @@ def test_the_cotangent_stiffness_is_that_of_the_sphere() -> None:
     x = vertices[:, 0]
     assert abs(x @ (stiffness @ x) / (x @ (area * x)) / 200.0 - 1.0) < 0.01
     assert abs(area.sum() / (4.0 * np.pi * 0.01) - 1.0) < 0.01
+
+
+def test_the_systems_are_those_of_their_formula() -> None:
+    vertices, faces = sphere(0.1, 3)
+    rng, count = np.random.default_rng(4), len(vertices)
+    stiffness, area = stiffness_and_area(vertices, faces)
+    weight, flat = rng.uniform(0.0, 1e6, count), rng.uniform(0.0, 1e4, count)
+    k = stiffness.toarray()
+    edges = 0.5 * (flat[:, None] + flat) * (k - np.diag(np.diag(k)))
+    wanted = k @ np.diag(1.0 / (area * BENDING**2)) @ k + edges - np.diag(edges.sum(axis=1)) + np.diag(weight)
+    systems = _Systems(stiffness, area)
+    for _ in range(2):  # the second is not disturbed by the first
+        found = systems.system(weight, flat).toarray()
+        np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())

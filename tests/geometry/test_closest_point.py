@@ -199,3 +199,15 @@ def test_a_search_works_in_the_callers_thread_alone(rng: np.random.Generator) ->
     search.query(points)
     here = time.thread_time() - here
     assert here > 0.9 * (time.process_time() - everyone)
+
+
+@pytest.mark.parametrize("make", [soup_of_all_sizes, refined_into_a_corner, hole_filled_with_a_fan])
+def test_distances_alone_are_those_of_the_whole_answer(make: Callable[..., Mesh], rng: np.random.Generator) -> None:
+    vertices, triangles = make(rng)
+    search, points = ClosestPointSearch(vertices, triangles), rng.uniform(-0.3, 0.3, (2500, 3))
+    points[7] = np.nan
+    whole, (faces, distances) = search.query(points), search.distances(points)
+    np.testing.assert_allclose(distances, whole.distances, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(faces, whole.faces)
+    assert (faces[7], distances[7]) == (-1, np.inf)
+    assert ClosestPointSearch(vertices, triangles[:0]).distances(points)[0].tolist() == [-1] * len(points)

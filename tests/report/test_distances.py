@@ -1,10 +1,18 @@
 """The reported numbers on surfaces whose distance is known."""
 
 import numpy as np
+import pytest
 from helpers.surfaces import sphere
 
 from breastrig.correspondence.target import ScanTarget
-from breastrig.report.distances import landmark_summary_mm, summary_mm, surface_distances, surface_summary_mm
+from breastrig.report import distances as module
+from breastrig.report.distances import (
+    Comparison,
+    landmark_summary_mm,
+    summary_mm,
+    surface_distances,
+    surface_summary_mm,
+)
 
 
 def test_two_spheres_are_as_far_apart_as_their_radii_both_ways() -> None:
@@ -26,6 +34,24 @@ def test_what_the_scan_does_not_show_has_no_distance() -> None:
     distances = surface_distances(ScanTarget(vertices, front), vertices, faces)
     assert np.isnan(distances.model[vertices[:, 2] < -0.03]).all()
     assert np.isfinite(distances.model[vertices[:, 2] > 0.03]).all()
+
+
+@pytest.mark.parametrize("stride", [1, 2, 3, 4, 7])
+def test_a_part_of_the_scan_is_measured_as_in_the_whole(stride: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    vertices, faces = sphere(0.1, 5)
+    front = faces[(vertices[faces][:, :, 2] > -0.05).all(axis=1)]
+    target = ScanTarget(*sphere(0.102, 5))
+    monkeypatch.setattr(module, "MAX_SCAN_POINTS", len(target.vertices) // 2)
+    compared = Comparison(target, vertices, front)
+    _ = compared.distances  # of every second of the scan's vertices
+    alone = Comparison(target, vertices, front)._looked_at(stride)
+    for found, wanted in zip(compared.from_scan(stride), alone, strict=True):
+        np.testing.assert_array_equal(found, wanted)
+    distances, inside, facing = alone
+    whole = compared.search.query(target.vertices[::stride])
+    np.testing.assert_allclose(distances, whole.distances, rtol=0, atol=1e-12)
+    assert 0.5 < inside.mean() < 1.0  # what lies beyond the opening is left out
+    assert facing[inside].all()
 
 
 def test_nothing_measured_is_none_and_not_zero() -> None:
