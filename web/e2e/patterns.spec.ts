@@ -189,3 +189,30 @@ test("the tape measures along the skin from click to click and leaves nothing; a
   });
   expect(troubles).toEqual([]);
 });
+
+test("a tab that is looked at again says what was written in another one, and shows it when asked to", async ({ page, base, troubles, context }) => {
+  await page.goto(base);
+  await page.getByRole("button", { name: /standing/i }).click();
+  await hook.ready(page);
+  const second = await context.newPage();
+  await second.goto(page.url());
+  await hook.ready(second);
+  await second.keyboard.press("4");
+  await untilStill(second);
+  await second.keyboard.press("p");
+  const place = await hook.project(second, trueLandmarks().nipple_L!);
+  await second.mouse.move(place.x, place.y - 30);
+  await second.mouse.down();
+  for (let i = 1; i <= 12; i += 1) await second.mouse.move(place.x + 2 * i, place.y - 30 - i);
+  await second.mouse.up();
+  await expect(second.locator(".drawing-saved")).toHaveText("Saved");
+  await page.bringToFront();
+  await page.evaluate(() => window.dispatchEvent(new Event("focus"))); // without windows none comes by itself
+  await expect(page.getByText("The plan was changed in another tab or by somebody else.")).toBeVisible();
+  expect((await state(page)).drawn.lines.present).toHaveLength(0);
+  await page.getByRole("button", { name: "Show it as it is now" }).click();
+  await expect.poll(async () => (await state(page)).drawn.lines.present.map(({ name }) => name)).toEqual(["Line 1"]);
+  await expect(page.getByText("The plan was changed in another tab or by somebody else.")).toBeHidden();
+  await second.close();
+  expect(troubles).toEqual([]);
+});
