@@ -1,5 +1,6 @@
 """Only what a command needs is imported, and every command is known by its name."""
 
+import gc
 import subprocess
 import sys
 from pathlib import Path
@@ -56,3 +57,16 @@ def test_what_is_no_command_is_refused_with_those_that_are(capsys: pytest.Captur
         main(["fits"])
     assert left.value.code == 2
     assert "purge" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("wanted", [True, False])
+def test_the_collector_of_garbage_is_as_before_after_a_command(
+    wanted: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    try:
+        (gc.enable if wanted else gc.disable)()
+        assert main(["model", "info"]) == 0
+        assert gc.isenabled() is wanted
+    finally:
+        gc.enable()
+    assert "triangles" in capsys.readouterr().out

@@ -5,10 +5,12 @@ who asks for help or mistypes a word waits for neither.
 """
 
 import argparse
+import gc
 import importlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from breastrig import __version__
 from breastrig.cli import interruption
@@ -35,13 +37,26 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
     return root
 
 
+@contextmanager
+def _no_garbage() -> Iterator[None]:
+    """While modules are imported: nothing of them is garbage, and looking for it takes a fifth of the time."""
+    before = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if before:
+            gc.enable()
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs one command; every expected error is one line on stderr."""
     words = sys.argv[1:] if arguments is None else arguments
     before = os.umask(0o077)  # results show patients: whatever a command writes is for its user alone
     try:
         options = parser(words[0] if words and words[0] in COMMANDS else None).parse_args(words)
-        command = importlib.import_module(f"breastrig.cli.{options.command}_command")
+        with _no_garbage():
+            command = importlib.import_module(f"breastrig.cli.{options.command}_command")
         interruption.work_begins()
         return int(command.run(options))
     except BreastRigError as error:
