@@ -1,30 +1,28 @@
-"""The JSON of a glTF document: what pygltflib writes of the same objects."""
+"""The JSON of a glTF document: what pygltflib itself writes, faster."""
 
 import json
-from typing import Any
 
-import pygltflib
 import pytest
 
 from breastrig.gltf import document as ours
 
 
-def whole(kinds: Any, document_kind: Any) -> Any:
-    """Something of every kind, of the classes in the module `kinds`."""
-    ink = kinds.Material(
+def whole() -> ours.Document:
+    """Something of every kind."""
+    ink = ours.Material(
         name="ink",
         doubleSided=True,
-        pbrMetallicRoughness=kinds.PbrMetallicRoughness(
-            baseColorFactor=[0.5, 0.25, 1e-7, 1.0], metallicFactor=0.0, baseColorTexture=kinds.TextureInfo(index=0)
+        pbrMetallicRoughness=ours.PbrMetallicRoughness(
+            baseColorFactor=[0.5, 0.25, 1e-7, 1.0], metallicFactor=0.0, baseColorTexture=ours.TextureInfo(index=0)
         ),
         extensions={"KHR_materials_unlit": {}},
     )
-    primitive = kinds.Primitive(
-        attributes=kinds.Attributes(POSITION=0, COLOR_0=1),
+    primitive = ours.Primitive(
+        attributes=ours.Attributes(POSITION=0, COLOR_0=1),
         indices=2,
-        mode=kinds.LINE_STRIP,
+        mode=ours.LINE_STRIP,
         material=0,
-        targets=[kinds.Attributes(POSITION=0), kinds.Attributes(NORMAL=0)],
+        targets=[ours.Attributes(POSITION=0), ours.Attributes(NORMAL=0)],
         extras={
             "label": "",
             "closed": False,
@@ -32,38 +30,34 @@ def whole(kinds: Any, document_kind: Any) -> Any:
             "deep": {"empty": {}, "full": [1, [], {"a": None, "b": 2}]},
         },
     )
-    sampler = kinds.AnimationSampler(input=0, output=0)
-    channel = kinds.AnimationChannel(sampler=0, target=kinds.AnimationChannelTarget(node=0, path="weights"))
-    document = document_kind(
-        asset=kinds.Asset(generator="ä", extras={"notice": "no"}),
+    channel = ours.AnimationChannel(sampler=0, target=ours.AnimationChannelTarget(node=0, path="weights"))
+    document = ours.Document(
+        asset=ours.Asset(generator="ä", extras={"notice": "no"}),
         scene=0,
-        scenes=[kinds.Scene(nodes=[0])],
-        nodes=[kinds.Node(name="a", mesh=0, children=[1], translation=[0.0, -0.5, 1e-9]), kinds.Node(name="b", skin=0)],
-        meshes=[kinds.Mesh(name="m", primitives=[primitive], extras={"targetNames": ["x"]})],
-        materials=[ink, kinds.Material(name="plain")],
-        accessors=[kinds.Accessor(bufferView=0, componentType=kinds.FLOAT, count=3, type="VEC3", min=[0.1], max=[2.5])],
-        bufferViews=[kinds.BufferView(buffer=0, byteLength=36, target=kinds.ARRAY_BUFFER)],
-        buffers=[kinds.Buffer(byteLength=36, uri="x.bin")],
-        images=[kinds.Image(mimeType="image/png", bufferView=0)],
-        samplers=[kinds.Sampler(magFilter=kinds.LINEAR, minFilter=kinds.LINEAR_MIPMAP_LINEAR)],
-        textures=[kinds.Texture(sampler=0, source=0)],
-        skins=[kinds.Skin(name="s", joints=[1], skeleton=1, inverseBindMatrices=0)],
-        animations=[kinds.Animation(name="r", channels=[channel], samplers=[sampler])],
+        scenes=[ours.Scene(nodes=[0])],
+        nodes=[ours.Node(name="a", mesh=0, children=[1], translation=[0.0, -0.5, 1e-9]), ours.Node(name="b", skin=0)],
+        meshes=[ours.Mesh(name="m", primitives=[primitive], extras={"targetNames": ["x"]})],
+        materials=[ink, ours.Material(name="plain")],
+        accessors=[ours.Accessor(bufferView=0, componentType=ours.FLOAT, count=3, type="VEC3", min=[0.1], max=[2.5])],
+        bufferViews=[ours.BufferView(buffer=0, byteLength=36, target=ours.ARRAY_BUFFER)],
+        buffers=[ours.Buffer(byteLength=36, uri="x.bin")],
+        images=[ours.Image(mimeType="image/png", bufferView=0)],
+        samplers=[ours.Sampler(magFilter=ours.LINEAR, minFilter=ours.LINEAR_MIPMAP_LINEAR)],
+        textures=[ours.Texture(sampler=0, source=0)],
+        skins=[ours.Skin(name="s", joints=[1], skeleton=1, inverseBindMatrices=0)],
+        animations=[ours.Animation(name="r", channels=[channel], samplers=[ours.AnimationSampler(input=0, output=0)])],
         extensionsUsed=["KHR_materials_unlit"],
     )
     return document
 
 
 def test_the_json_is_that_of_the_library() -> None:
-    library = whole(pygltflib, pygltflib.GLTF2)
-    text = ours.json_of(whole(ours, ours.Document)).decode()
-    assert text == library.gltf_to_json(separators=(",", ":"), indent=None)
+    document = whole()
+    assert ours.json_of(document).decode() == document.gltf_to_json(separators=(",", ":"), indent=None)
 
 
 def test_an_empty_document_too() -> None:
-    asset = {"generator": "nobody"}
-    library = pygltflib.GLTF2(asset=pygltflib.Asset(**asset)).gltf_to_json(separators=(",", ":"), indent=None)
-    assert ours.json_of(ours.Document(asset=ours.Asset(**asset))) == library.encode()
+    assert ours.json_of(ours.Document()) == ours.Document().gltf_to_json(separators=(",", ":"), indent=None).encode()
 
 
 def test_a_nodes_weights_are_written() -> None:
@@ -73,4 +67,4 @@ def test_a_nodes_weights_are_written() -> None:
 
 def test_numbers_that_are_not_finite_are_refused() -> None:
     with pytest.raises(ValueError, match="not JSON compliant"):
-        ours.json_of(ours.Document(nodes=[ours.Node(name="a", scale=[float("nan"), 1.0, 1.0])]))
+        ours.json_of(ours.Document(nodes=[ours.Node(scale=[float("nan"), 1.0, 1.0])]))

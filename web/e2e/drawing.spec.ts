@@ -286,6 +286,8 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await untilFitted(page);
   const first = (await hook.fit(page))!.id;
   await page.keyboard.press("4");
+  await untilStill(page);
+  const before = await hook.picture(page);
   const pattern = page.locator(".pattern");
   await pattern.locator("summary").click();
   await pattern.locator("select").first().selectOption("reduction");
@@ -300,14 +302,13 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await pattern.locator("[data-parameter=clock]").press("Tab");
   const wanted = "reduction:areola_mm=45+tumour:side=L,clock=10,distance_mm=40,radius_mm=15";
   expect((await page.evaluate(() => window.__breastrig!.state())).drawing).toBe(wanted);
-  await untilStill(page);
-  const before = await hook.picture(page);
   const names = ["wise_L", "wise_R", "areola_L", "tumour_L"];
   for (const name of names) await expect(page.locator(`[data-layer=reference] [data-line="${name}"]`)).toHaveCount(1, { timeout: 20_000 });
   expect((await hook.fit(page))!.id, "the fit stays").toBe(first);
   const file = (await (await page.request.get(`${base}/api/fits/${first}/plan.json`)).json()) as { shapes: { name: string; points: Vector[] }[] };
   expect(file.shapes.map(({ name }) => name)).toEqual(expect.arrayContaining(names));
   await expect(page.locator("[data-layer=reference]").locator("xpath=..")).toContainText("Reduction (Wise pattern), Tumour");
+  await untilStill(page);
   expect((await hook.picture(page)).checksum).not.toBe(before.checksum);
   await page.reload();
   await hook.ready(page);

@@ -1,21 +1,14 @@
 """The parts of SciPy that a fit needs, without the rest of it: sparse arrays, k-d trees, LAPACK and SuperLU.
 
 Importing `scipy.linalg`, `scipy.spatial` and `scipy.sparse.linalg` takes three times as long as a fit's own arithmetic,
-and a command, a worker and the server pay for it at each start.  Nearly all of it is for nothing here:
-
-* SciPy copies NumPy's whole namespace when it starts, and so loads what NumPy itself loads only when it is asked for
-  (f2py, the test tools, polynomials): half of the time.  They are out of NumPy's list of names meanwhile, and
-  nowhere else; who asks for `numpy.testing` gets it as ever.
-* The packages import all their modules (special functions, rotations, eigenvalue solvers), of which a fit calls four
-  that are compiled: these are loaded alone.
+and a command, a worker and the server pay for it at each start.  These packages import all their modules (special
+functions, rotations, eigenvalue solvers), of which a fit calls three that are compiled: they are loaded alone.
 
 Where a future SciPy has arranged its modules in another way, the public ones are imported as usual; it takes longer
 and computes the same.
 """
 
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib import import_module
 from importlib.machinery import PathFinder
 from importlib.util import module_from_spec
@@ -25,26 +18,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 
-SLOW_TO_LOAD = frozenset(
-    ("char", "core", "ctypeslib", "f2py", "ma", "matlib", "polynomial", "rec", "strings", "testing")
-)  # of NumPy's modules; SciPy's copy of NumPy's names is only asked for array functions
-
 PANEL = 4  # columns that SuperLU takes together: a fit's matrices are narrow, the usual 10 take a third longer
-
-
-@contextmanager
-def _quick_names() -> Iterator[None]:
-    """NumPy names its slow modules neither in `__all__` nor in `dir()`."""
-    names, directory = np.__all__, np.__dict__.get("__dir__")
-    if directory is None or "scipy.sparse" in sys.modules:
-        yield
-        return
-    np.__all__ = [name for name in names if name not in SLOW_TO_LOAD]
-    np.__dict__["__dir__"] = lambda: [name for name in directory() if name not in SLOW_TO_LOAD]
-    try:
-        yield
-    finally:
-        np.__all__, np.__dict__["__dir__"] = names, directory
 
 
 def _alone(name: str, public: str, needed: str) -> Any:
@@ -71,8 +45,8 @@ if TYPE_CHECKING:
     from scipy.sparse import coo_array, csc_array, csr_array, diags_array
     from scipy.spatial import cKDTree
 else:
-    with _quick_names():
-        from scipy.sparse import coo_array, csc_array, csr_array, diags_array
+    from scipy.sparse import coo_array, csc_array, csr_array, diags_array
+
     cKDTree = _alone("scipy.spatial._ckdtree", "scipy.spatial", "cKDTree").cKDTree
     lapack = _alone("scipy.linalg._flapack", "scipy.linalg.lapack", "dpotrf")
 

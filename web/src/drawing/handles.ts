@@ -64,6 +64,7 @@ export function handleActions(store: Store<State>, client: Pick<Client, "pattern
   let wanted: (() => Promise<PatternOnScan>) | null = null; // the newest question that waits
   let busy: Promise<void> | null = null;
   let asked = ""; // the handles of this are on their way, or came
+  let isLooking = false; // one question at a time: numbers that are typed must not make a queue
   let calm: ReturnType<typeof setTimeout> | undefined;
 
   const live = (): Live | null => store.get().drawn.live;
@@ -75,23 +76,24 @@ export function handleActions(store: Store<State>, client: Pick<Client, "pattern
   async function look(): Promise<void> {
     const state = store.get();
     const key = keyOf(state);
-    if (held || !hasHandles(state) || !state.fit || key === asked || (key === live()?.key && live()?.handles.length)) return;
+    if (held || isLooking || !hasHandles(state) || !state.fit || key === asked || (key === live()?.key && live()?.handles.length)) return;
     asked = key;
+    isLooking = true;
     const parts = partsOf(state);
     const link = state.fit.links.self;
     const late: unknown[] = []; // too many ask just now, or the service is away
-    const answers = await Promise.all(
-      parts.map(({ part, name, values }) =>
-        client.pattern(link, { name, parameters: parametersOf(values) }).then(
-          (answer) => handlesOf(part, answer),
-          (error: unknown) => {
-            if (!(error instanceof ApiError && error.status === REFUSED)) late.push(error);
-            return []; // the plan says why it cannot be drawn
-          },
-        ),
-      ),
-    );
-    if (isHeld() || keyOf(store.get()) !== key) return;
+    const answers = [];
+    for (const { part, name, values } of parts) {
+      if (isHeld() || keyOf(store.get()) !== key) break;
+      try {
+        answers.push(handlesOf(part, await client.pattern(link, { name, parameters: parametersOf(values) })));
+      } catch (error) {
+        if (!(error instanceof ApiError && error.status === REFUSED)) late.push(error); // else the plan says why it cannot be drawn
+      }
+    }
+    isLooking = false;
+    if (isHeld()) return;
+    if (keyOf(store.get()) !== key) return look();
     if (late.length > 0) {
       setTimeout(() => {
         asked = "";
