@@ -47,6 +47,28 @@ test("handles are there in the step of drawing without a pen, once the body is f
   expect(hasHandles({ ...store.get(), drawn: { ...store.get().drawn, tool: "pen" } })).toBe(false);
 });
 
+test("numbers that are typed quickly are one question at a time, and the last ones have their handles", async () => {
+  const free: (() => void)[] = [];
+  let isSlow = false;
+  const { actions, asked, live } = await begun(async (question) => {
+    if (isSlow) await new Promise<void>((done) => free.push(done));
+    return answer(question);
+  });
+  isSlow = true;
+  for (const width of [41, 42, 43, 44]) {
+    actions.drawing.choosePattern(`ellipse:width_mm=${width}`);
+    await vi.advanceTimersByTimeAsync(10);
+  }
+  expect(free).toHaveLength(1);
+  free.shift()!();
+  await vi.advanceTimersByTimeAsync(10);
+  expect(free).toHaveLength(1);
+  free.shift()!();
+  await vi.advanceTimersByTimeAsync(10);
+  expect(asked.mock.calls.map(([{ parameters }]) => parameters?.width_mm)).toEqual([undefined, 41, 44]);
+  expect(live()!.handles.map(({ at_mm }) => at_mm[0])).toEqual([44]);
+});
+
 test("of the places that come while the service draws, only the newest is asked for", async () => {
   let free: (() => void)[] = [];
   const { actions, asked, live } = await begun(async (question) => {
