@@ -5,18 +5,18 @@ its deletion.  Which fits belong to the patient's other scans is decided here: o
 """
 
 import json
-import logging
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.errors import BreastRigError, Conflict, FitFailed, NotFound
+from breastrig.core.errors import BreastRigError, Conflict, NotFound
 from breastrig.core.indented_json import indented
 from breastrig.drawings.drawing_file import lines_on_scan
 from breastrig.execution.fair_processes import FairProcesses
 from breastrig.gltf.lines.with_lines import with_lines
 from breastrig.report.files.line_files import rgb
+from breastrig.service.failed_tasks import explained
 from breastrig.service.remembered import Remembered
 from breastrig.service.single_flight import SingleFlight
 from breastrig.storage.files import fit_place
@@ -29,8 +29,6 @@ from breastrig.workflow.lines.plan_on_fit import PlanJob, PlannedFit, empty_plan
 UNFITTED = "It was made on a scan that is not fitted yet; fit that one to see it here."
 WALL_S = 60.0  # two scans take one to two seconds; a slow machine with huge scans may take many
 REMEMBERED = 32  # plans on scans, of some hundred kilobytes each
-
-log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -137,21 +135,12 @@ class Plans:
 
     def _made(self, planned: PlannedFits) -> dict[str, Any]:
         fits = (planned.fit, *planned.others)
-        try:
-            with ExitStack() as stack:
-                reading = self._storage.files.reading
-                folders = [PlannedFit(stack.enter_context(reading(fit_place(fit.id))), fit.scan) for fit in fits]
-                job = PlanJob(planned.document, folders[0], tuple(folders[1:]), self._model)
-                found: dict[str, Any] = self._processes.result(plan_on_fit, (job,), WALL_S)
-        except BreastRigError:
-            for fit in fits:
-                get_fit(self._storage, fit.id)
-            raise
-        except TimeoutError as error:
-            raise FitFailed(f"Carrying this plan took longer than {WALL_S:g} s; give smaller scans.") from error
-        except (OSError, RuntimeError) as error:
-            log.warning("the process that carried a plan died: %r", error)
-            raise FitFailed("Carrying this plan needs more memory than it may use; give smaller scans.") from error
+        ids = [fit.id for fit in fits]
+        with explained("Carrying this plan", WALL_S, "give smaller scans", self._storage, ids), ExitStack() as stack:
+            reading = self._storage.files.reading
+            folders = [PlannedFit(stack.enter_context(reading(fit_place(fit.id))), fit.scan) for fit in fits]
+            job = PlanJob(planned.document, folders[0], tuple(folders[1:]), self._model)
+            found: dict[str, Any] = self._processes.result(plan_on_fit, (job,), WALL_S)
         return found
 
     def _empty(self, planned: PlannedFits) -> dict[str, Any]:

@@ -12,8 +12,9 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 
-from breastrig.core.errors import BreastRigError, FitFailed, NotFound
+from breastrig.core.errors import NotFound
 from breastrig.execution.fair_processes import FairProcesses
+from breastrig.service.failed_tasks import explained
 from breastrig.service.plans import Plans
 from breastrig.service.remembered import Remembered
 from breastrig.service.single_flight import SingleFlight
@@ -121,22 +122,10 @@ class Reports:
             raise
 
     def _made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
-        try:
-            with ExitStack() as stack:
-                places = [fit_place(one) for one in (fit_id, other_id) if one is not None]
-                folders = [stack.enter_context(self._storage.files.reading(place)) for place in places]
-                fits = (fit_id, other_id) if name in PLANNED else ()
-                plans = tuple(self._plans.lines_on_fit(one) for one in fits if one is not None)
-                job = ReportJob(folders[0], None if other_id is None else folders[1], self._model, plans)
-                content: bytes = self._processes.result(MAKERS[name], (job,), WALL_S)
-        except BreastRigError:
-            for known in (fit_id, other_id):
-                if known is not None:
-                    get_fit(self._storage, known)
-            raise
-        except TimeoutError as error:
-            raise FitFailed(f"This report took longer than {WALL_S:g} s; fit a smaller scan.") from error
-        except (OSError, RuntimeError) as error:
-            log.warning("the process that made a report died: %r", error)
-            raise FitFailed("This report needs more memory than it may use; fit a smaller scan.") from error
+        ids = [one for one in (fit_id, other_id) if one is not None]
+        with explained("This report", WALL_S, "fit a smaller scan", self._storage, ids), ExitStack() as stack:
+            folders = [stack.enter_context(self._storage.files.reading(fit_place(one))) for one in ids]
+            plans = tuple(self._plans.lines_on_fit(one) for one in (ids if name in PLANNED else ()))
+            job = ReportJob(folders[0], None if other_id is None else folders[1], self._model, plans)
+            content: bytes = self._processes.result(MAKERS[name], (job,), WALL_S)
         return content

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from breastrig.core.assets import asset_folder
-from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound, NotRemoved, unknown_name
+from breastrig.core.errors import BadScan, NotFound, NotRemoved, unknown_name
 from breastrig.execution.executor import Executor
 from breastrig.execution.fair_processes import FairProcesses
 from breastrig.execution.fork_server import preload
@@ -26,6 +26,7 @@ from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.processes import Processes
 from breastrig.execution.scratch_sweeper import scratch_swept
 from breastrig.scan.stored_scan import STORED
+from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
 from breastrig.service.follow import Heartbeat, Notifier, Queued, follow
 from breastrig.service.moving.live_patterns import LivePatterns
@@ -45,7 +46,7 @@ from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, uplo
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
 from breastrig.storage.rows.events import StoredEvent
-from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, get_fit, made_before
+from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, made_before
 from breastrig.storage.rows.patients import get_patient, scans_of_patient
 from breastrig.storage.rows.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
@@ -292,22 +293,14 @@ class Service:
 
         Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
         """
-        files = self.storage.files
-        try:
-            with files.reading(fit_place(from_fit)) as source, files.reading(fit_place(to_fit)) as goal:
-                job = TransferJob(source, goal, drawing, other_patient, self._model)
-                carried: dict[str, Any] = self._readers.result(transfer, (job,), TRANSFER_WALL_S)
-        except BreastRigError:
-            for fit_id in (from_fit, to_fit):
-                get_fit(self.storage, fit_id)
-            raise
-        except TimeoutError as error:
-            raise FitFailed(
-                f"Carrying this drawing took longer than {TRANSFER_WALL_S:g} s; give smaller scans."
-            ) from error
-        except (OSError, RuntimeError) as error:
-            log.warning("the process that carried a drawing died: %r", error)
-            raise FitFailed("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
+        reading, both = self.storage.files.reading, (from_fit, to_fit)
+        with (
+            explained("Carrying this drawing", TRANSFER_WALL_S, "give smaller scans", self.storage, both),
+            reading(fit_place(from_fit)) as source,
+            reading(fit_place(to_fit)) as goal,
+        ):
+            job = TransferJob(source, goal, drawing, other_patient, self._model)
+            carried: dict[str, Any] = self._readers.result(transfer, (job,), TRANSFER_WALL_S)
         return carried
 
     def _read(self, job: UploadJob) -> dict[str, object]:

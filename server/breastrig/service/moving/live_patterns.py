@@ -4,20 +4,18 @@ What it has prepared is of one patient's body, so it is in no other process's me
 deletion of the scan.
 """
 
-import logging
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.errors import BreastRigError, Conflict, FitFailed
+from breastrig.core.errors import BreastRigError, Conflict
 from breastrig.execution.kept_processes import KeptProcesses
+from breastrig.service.failed_tasks import explained
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
 from breastrig.workflow.moving.live_pattern import LiveQuestion, live_pattern, read_and_live_pattern
 
 WALL_S = 30.0  # an answer takes a tenth of a second, the first one; huge scans on a slow machine take many
-
-log = logging.getLogger(__name__)
 
 
 class LivePatterns:
@@ -36,17 +34,9 @@ class LivePatterns:
         fit = get_fit(self._storage, fit_id)
         if fit.state != "done":
             raise Conflict(f"The fit {fit.id} is {fit.state}; patterns are drawn on fits that are done.")
-        try:
+        with explained("Drawing this pattern", WALL_S, "give a smaller scan", self._storage, [fit_id]):
             found: dict[str, Any] | None = self._processes.result(fit_id, live_pattern, (fit_id, question), WALL_S)
-            if found is None:
-                found = self._read_and_answer(fit_id, question)
-        except TimeoutError as error:
-            raise FitFailed(f"Drawing this pattern took longer than {WALL_S:g} s; give a smaller scan.") from error
-        except (OSError, RuntimeError) as error:
-            get_fit(self._storage, fit_id)  # it was deleted, and its process with it
-            log.warning("the process that drew a pattern died: %r", error)
-            raise FitFailed("Drawing this pattern needs more memory than it may use; give a smaller scan.") from error
-        return found
+            return self._read_and_answer(fit_id, question) if found is None else found
 
     def _read_and_answer(self, fit_id: str, question: LiveQuestion) -> dict[str, Any]:
         try:

@@ -4,13 +4,13 @@ Nothing is stored: what comes of a drag is a fit like any other, which is asked 
 """
 
 import json
-import logging
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.errors import Conflict, FitFailed, NotFound
+from breastrig.core.errors import Conflict, NotFound
 from breastrig.execution.kept_processes import KeptProcesses
+from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import earlier_fit, fit_job
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.rows.events import events_of_kind
@@ -20,8 +20,6 @@ from breastrig.storage.storage import Storage
 from breastrig.workflow.moving.moved_landmarks import FollowJob, follow_landmarks, moved_landmarks
 
 WALL_S = 30.0  # an answer takes a twentieth of a second, the first one; huge scans on a slow machine take many
-
-log = logging.getLogger(__name__)
 
 
 class MovedLandmarks:
@@ -40,15 +38,9 @@ class MovedLandmarks:
         fit = get_fit(self._storage, fit_id)
         if fit.state != "done":
             raise Conflict(f"The fit {fit.id} is {fit.state}; landmarks can be moved live on fits that are done.")
-        try:
+        with explained("Following this landmark", WALL_S, "fit anew instead", self._storage, [fit_id]):
             found: dict[str, Any] | None = self._processes.result(fit_id, moved_landmarks, (fit_id, landmarks), WALL_S)
-            if found is None:
-                found = self._read_and_moved(fit, landmarks)
-        except (OSError, RuntimeError) as error:  # TimeoutError is one
-            get_fit(self._storage, fit_id)  # it was deleted, and its process with it
-            log.warning("the process that followed landmarks died: %r", error)
-            raise FitFailed("The model cannot follow landmarks on this scan; fit it anew instead.") from error
-        return found
+            return self._read_and_moved(fit, landmarks) if found is None else found
 
     def _read_and_moved(self, fit: FitRow, landmarks: Points) -> dict[str, Any]:
         scan = get_scan(self._storage, fit.scan)
