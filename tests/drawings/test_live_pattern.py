@@ -33,7 +33,7 @@ PATTERNS: dict[str, Parameters] = {
 }
 HANDLES = {
     "reduction": {"new_nipple", "areola", "limb_first", "limb_second", "angle_first", "angle_second"}
-    | {"opening_first", "opening_second"},
+    | {"opening_first", "opening_second", "fold"},
     "vertical": {"new_nipple", "areola", "end", "width_first", "width_second"},
     "periareolar": {"areola", "outer", "outer_below", "lift"},
     "ellipse": {"length_lateral", "length_medial", "width_upper", "width_lower", "axis"},
@@ -152,6 +152,7 @@ def test_a_dragged_handle_comes_to_where_it_is_dragged(scans: dict[str, FittedSc
         ("tumour", "radius_L", 1.0),
         ("periareolar", "lift_L", 1.0),
         ("reduction", "limb_first_L", 1.0),
+        ("reduction", "fold_L", 2.0),  # the skin next to a place below a crease lies aside
     ):
         start = handle(live.drawn(name, PATTERNS[name]), one)
         way = start.handle.grows if start.handle.grows.any() else np.array([0.0, 1.0, 0.0])

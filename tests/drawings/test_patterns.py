@@ -247,6 +247,28 @@ def test_another_rig_without_the_needed_marks_says_which(toy_rig: Rig) -> None:
         drawn(bare, bare.template, "reduction")
 
 
+@pytest.mark.parametrize("below", [12.0, -8.0])
+@pytest.mark.parametrize("side", ["L", "R"])
+def test_a_new_fold_lies_below_her_own_by_a_tapes_length_and_the_limbs_end_on_it(
+    torso: Rig, side: str, below: float
+) -> None:
+    skin = FittedSkin(torso, torso.template)
+    own = drawn(torso, torso.template, f"reduction:side={side},limb_mm=27.5")
+    new = drawn(torso, torso.template, f"reduction:side={side},limb_mm=27.5,fold_below_mm={below}")
+    before, after = (shapes[f"wise_fold_{side}"].points for shapes in (own, new))
+    assert len(before) == len(after)
+    tapes = [1e3 * skin.geodesics.distance(one(before, k), one(after, k)) for k in range(0, len(before), 5)]
+    assert tapes == pytest.approx([abs(below)] * len(tapes), abs=1.0)
+    down = (skin.at(before) - skin.at(after)) @ skin.axes[:, 1]
+    assert (np.sign(down) == np.sign(below)).all()
+    ends = skin.at(new[f"wise_{side}"].points)[[0, -1]]
+    folds = skin.at(after)[[0, -1]]
+    gaps = np.linalg.norm(ends[:, None] - folds, axis=2).min(axis=1)
+    assert gaps.max() < 1e-3
+    for name in (f"areola_{side}", f"new_nipple_{side}"):
+        assert np.array_equal(own[name].points.faces, new[name].points.faces)
+
+
 def test_only_a_rig_with_breasts_and_folds_is_offered_the_wise_pattern(torso: Rig, toy_rig: Rig) -> None:
     names = ["reduction", "vertical", "periareolar", "ellipse"]
     assert [name for name, _ in offered_patterns(torso)] == names

@@ -6,7 +6,7 @@ at the drawing board (Wise, Plast. Reconstr. Surg. 17, 1956), each length geodes
 * the new nipple lies on the meridian (midclavicle to nipple) at the height of the fold, never below the nipple;
 * the keyhole is an arc around it whose length is the new areola's circumference, open below by `opening_deg`;
 * two vertical limbs of equal length leave its ends and diverge;
-* horizontal limbs join their lower ends to the ends of the fold.
+* horizontal limbs join their lower ends to the ends of the fold, which may be planned above or below her own.
 
 Both sides are drawn each from its own landmarks: real breasts differ.
 """
@@ -21,6 +21,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.core.scipy_parts import cKDTree
 from breastrig.drawings.clock import SIDES, FittedSkin, circle_around, on_clock
+from breastrig.drawings.constructions.new_fold import fold_line
 from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import MARGIN, length
 from breastrig.geometry.surface_points import SurfacePoints, joined
@@ -60,6 +61,9 @@ class Reduction(BaseModel):
     nipple_above_fold_mm: float = Field(
         0.0, title="New nipple above the fold", ge=-20.0, le=40.0, description="new nipple over the fold's height"
     )
+    fold_below_mm: float = Field(
+        0.0, title="New fold below the fold", ge=-20.0, le=30.0, description="new fold under her own, along the skin"
+    )
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """Four lines for each side; BadDrawing when the pattern does not fit on the breast."""
@@ -71,7 +75,7 @@ class Reduction(BaseModel):
             kept, mark = circle_around(skin, breast.nipple, rim), circle_around(skin, breast.new, MARK)
             shapes += [
                 DrawnShape(f"wise_{side}", label, False, CUT, *breast.cut(skin)),
-                DrawnShape(f"wise_fold_{side}", f"{word} fold", False, FOLD, fold_line(skin, side)),
+                DrawnShape(f"wise_fold_{side}", f"{word} fold", False, FOLD, breast.fold),
                 DrawnShape(f"areola_{side}", f"{word} areola to keep", True, CUT, kept),
                 DrawnShape(f"new_nipple_{side}", f"new place of the {word} nipple", True, FOLD, mark),
             ]
@@ -91,7 +95,8 @@ class Reduction(BaseModel):
         rim = 0.5e-3 * self.areola_mm
         nipples = {side: skin.landmark(f"nipple_{side}") for side in sides}
         clavicles = [skin.landmark(f"midclavicle_{side}") for side in sides]
-        folds = {side: _on_observers_left(skin, fold_line(skin, side)) for side in sides}
+        new_folds = {side: fold_line(skin, side, 1e-3 * self.fold_below_mm) for side in sides}
+        folds = {side: _on_observers_left(skin, new_folds[side]) for side in sides}
         meridians = skin.geodesics.paths(joined(clavicles), joined(list(nipples.values())))
         new = {
             side: self.new_nipple(skin, side, nipples[side], way) for side, way in zip(sides, meridians, strict=True)
@@ -106,7 +111,14 @@ class Reduction(BaseModel):
             to_arc, from_arc = skin.geodesics.paths(lower[side], ends(arcs[side]))
             first, last = outer[2 * number : 2 * number + 2]
             found[side] = WiseBreast(
-                nipples[side], meridian, new[side], arcs[side], lower[side], (to_arc, from_arc), (first, last)
+                nipples[side],
+                meridian,
+                new[side],
+                arcs[side],
+                new_folds[side],
+                lower[side],
+                (to_arc, from_arc),
+                (first, last),
             )
         return found
 
@@ -184,6 +196,7 @@ class WiseBreast:
     meridian: Array  # from the collarbone to the nipple
     new: SurfacePoints  # one point
     arc: SurfacePoints  # the keyhole
+    fold: SurfacePoints  # as it is planned
     lower: SurfacePoints  # two points: the limbs' lower ends
     limbs: tuple[Array, Array]  # from the lower ends to the keyhole's
     outer: tuple[Array, Array]  # from the fold's ends to the limbs' lower ends
@@ -207,13 +220,3 @@ def _on_observers_left(skin: FittedSkin, fold: SurfacePoints) -> SurfacePoints:
     if (start - finish) @ skin.axes[:, 0] > 0.0:
         return SurfacePoints(fold.faces[::-1], fold.barycentric[::-1])
     return fold
-
-
-def fold_line(skin: FittedSkin, side: str) -> SurfacePoints:
-    """The model's line inframammary_fold_L or _R."""
-    name = f"inframammary_fold_{side}"
-    for drawing in skin.rig.drawings:
-        for shape in drawing.shapes:
-            if shape.name == name and not shape.closed:
-                return shape.points
-    raise BadDrawing(f"This drawing ends at the line {name}, which no drawing of this model has.")

@@ -1,12 +1,13 @@
-"""The handles of the Wise pattern: new nipple, ends and angle of the limbs, opening of the keyhole, areola.
+"""The handles of the Wise pattern: new nipple, ends and angle of the limbs, opening of the keyhole, areola, fold.
 
-Its fold is the patient's own and has no parameter; neither is the new nipple moved sideways, off the meridian.
+The new nipple is not moved sideways, off the meridian: that has no parameter.
 """
 
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.drawings.clock import FittedSkin, clock_place
+from breastrig.drawings.constructions.new_fold import middle_of_fold
 from breastrig.drawings.constructions.reduction import Reduction, WiseBreast, ends
 from breastrig.drawings.handles.areola import areola_handle
 from breastrig.drawings.handles.handle import Handle, towards, turned
@@ -27,6 +28,7 @@ def wise_handles(pattern: Reduction, skin: FittedSkin) -> list[Handle]:
             *(_limb(skin, side, breast, k) for k in (0, 1)),
             *(_angle(pattern, skin, side, breast, k) for k in (0, 1)),
             *(_opening(pattern, skin, side, breast, k) for k in (0, 1)),
+            _fold(pattern, skin, side, breast),
         ]
     return found
 
@@ -79,6 +81,18 @@ def _opening(pattern: Reduction, skin: FittedSkin, side: str, breast: WiseBreast
         towards(at[1 - k], at[k]),
         values_at,
     )
+
+
+def _fold(pattern: Reduction, skin: FittedSkin, side: str, breast: WiseBreast) -> Handle:
+    """At the new fold below the middle of her own: how far down the skin."""
+    number, middle = middle_of_fold(skin, side)
+    here = skin.at(breast.fold)[number]
+
+    def values_at(place: SurfacePoints) -> dict[str, float]:
+        distance, angle = clock_place(skin, middle, place)
+        return {"fold_below_mm": -1e3 * distance * float(np.cos(angle))}
+
+    return Handle(f"fold_{side}", side, {"fold_below_mm": pattern.fold_below_mm}, here, -skin.axes[:, 1], values_at)
 
 
 def _end(arc: SurfacePoints, k: int) -> SurfacePoints:
