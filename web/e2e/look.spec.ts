@@ -105,6 +105,24 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
     await page.locator("#measures").click();
     const tape = page.locator("[data-measure=notch_nipple][data-kind='along the skin']");
     await expect(tape).toBeVisible();
+    const head = await page.locator(".measures-scroll").evaluate(async (scroll: HTMLElement) => {
+      scroll.style.maxHeight = "200px";
+      scroll.scrollTop = 60; // rows go below the head, which hides them wholly
+      await new Promise(requestAnimationFrame);
+      const cells = [...scroll.querySelectorAll("thead th")].map((cell) => ({ cell, box: cell.getBoundingClientRect() }));
+      const answer = {
+        scrolled: scroll.scrollTop,
+        colours: cells.map(({ cell }) => getComputedStyle(cell).backgroundColor),
+        hidden: cells.filter(({ cell, box }) => !cell.contains(document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2))).length,
+        gap: Math.max(...cells.map(({ box }) => box.top)) - Math.min(...cells.map(({ box }) => box.bottom)),
+      };
+      scroll.style.maxHeight = "";
+      scroll.scrollTop = 0;
+      return answer;
+    });
+    expect(head).toMatchObject({ scrolled: 60, hidden: 0 });
+    expect(head.colours.filter((colour) => !colour.startsWith("rgb(")), "a head that numbers show through").toEqual([]);
+    expect(head.gap, "between its rows").toBeLessThan(0.5);
     const lengths = (await tape.locator("td").allTextContents()).slice(0, 2);
     await page.locator("#measures-title").hover();
     await expect(page.locator(".tape-label")).toHaveCount(0);
