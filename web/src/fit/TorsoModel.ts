@@ -3,6 +3,7 @@
 // its own inside.
 import { DoubleSide, FrontSide, type Material, MeshStandardMaterial, type Object3D, SkinnedMesh, Vector3 } from "three";
 import type { NodePose } from "../api/types";
+import type { ScanSlice } from "../scan/state";
 import { disposeTree, readGltf } from "../viewer/gltf";
 import { bringNearer, depthMaterial, MODEL_SHARE, ORDER } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
@@ -10,7 +11,7 @@ import type { VertexAt } from "../viewer/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { type Shown, shownPoses, showsFittedSurface } from "./state";
 
-type State = Shown & Pick<ViewSlice, "overlay">;
+type State = Shown & Pick<ViewSlice & ScanSlice, "overlay" | "scan">;
 
 export class TorsoModel implements Part<State> {
   mesh: SkinnedMesh | null = null;
@@ -32,10 +33,10 @@ export class TorsoModel implements Part<State> {
   }
 
   update(state: State): void {
-    const bytes = state.model?.glb ?? null;
-    if (bytes !== this.wanted) {
+    const bytes = (state.scan && state.model?.glb) ?? null; // without a body nobody looks at it
+    if (bytes && bytes !== this.wanted) {
       this.wanted = bytes;
-      if (bytes) void this.load(bytes);
+      void this.load(bytes);
     }
     const poses = shownPoses(state);
     if (!this.mesh || !this.root) return;
