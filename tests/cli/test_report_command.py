@@ -69,7 +69,8 @@ def document(folder: Path, name: str) -> dict:
 def test_csv_and_json_hold_the_same_rows(report: Path) -> None:
     rows = document(report, "report.json")["measures"]
     table = list(csv.DictReader((report / "measures.csv").read_text().splitlines()))
-    assert [{k: "" if v is None else str(v) for k, v in row.items()} for row in rows] == table
+    flat = [{k: "" if v is None else str(v) for k, v in row.items() if k != "paths"} for row in rows]
+    assert flat == table  # lines on the body have no place in a table
     assert {row["stance"] for row in rows} == {"standing", "supine", "supine - standing"}
     for row in rows:
         assert row["landmarks"]

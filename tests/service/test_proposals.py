@@ -48,6 +48,14 @@ def test_another_model_proposes_anew(serving, storage: Storage, scan_id: str) ->
         assert get_proposals(storage, scan_id, "a" * 64) is None
 
 
+def test_another_model_does_not_get_what_is_being_found_for_the_first(serving, storage: Storage, scan_id: str) -> None:
+    scan = get_scan(storage, scan_id)
+    with serving(fake_fit.quick) as service:
+        assert service.proposed_landmarks(scan, "a" * 64, 0.0) is None
+        assert service.proposed_landmarks(scan, "b" * 64, 20.0) == FOUND
+        until(lambda: times_made(storage, scan_id) == 2, "the other model's search")
+
+
 def test_who_does_not_wait_finds_them_later(serving, storage: Storage, scan_id: str) -> None:
     scan = get_scan(storage, scan_id)
     with serving(fake_fit.quick) as service:

@@ -2,7 +2,8 @@
 
 import importlib
 
-from breastrig.gltf.lines import ribbon, skinned
+from breastrig.gltf import skinned
+from breastrig.gltf.lines import ribbon
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig import vertex_groups
 from breastrig.workflow import default_model

@@ -37,7 +37,7 @@ class Proposals:
         self._proposer = proposer
         self._model = model
         self._lock = threading.Lock()
-        self._running: dict[str, Any] = {}  # scan id -> future; a failed one stays until it has been raised
+        self._running: dict[tuple[str, str], Any] = {}  # by scan and model; a failed one stays until it was raised
 
     def get(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
         """{name: {point (mm), confidence, on_scan, error_mm}}; None when it takes more than `wait_s` and goes on.
@@ -56,20 +56,21 @@ class Proposals:
         except CancelledError as error:
             raise NotFound("This scan was deleted.") from error
         except Exception as error:
-            self._forget(scan.id, future)
+            self._forget((scan.id, model_sha256), future)
             get_scan(self._storage, scan.id)
             raise self._as_sentence(error) from error
 
     def drop(self, scan_id: str) -> None:
         """Stops what runs for a scan that is being deleted."""
         with self._lock:
-            future = self._running.pop(scan_id, None)
-        if future is not None:
+            dropped = [self._running.pop(key) for key in list(self._running) if key[0] == scan_id]
+        for future in dropped:
             future.cancel()
 
     def _future(self, scan: ScanRow, model_sha256: str) -> Any:
+        key = scan.id, model_sha256
         with self._lock:
-            future = self._running.get(scan.id)
+            future = self._running.get(key)
             if future is not None:
                 return future
             fetched = ExitStack()
@@ -83,7 +84,7 @@ class Proposals:
             except BaseException:
                 fetched.close()
                 raise
-            self._running[scan.id] = future
+            self._running[key] = future
         future.add_done_callback(lambda _ended: fetched.close())
         future.add_done_callback(lambda ended: self._keep(scan.id, model_sha256, ended))
         return future
@@ -97,12 +98,12 @@ class Proposals:
                 put_proposals(self._storage, scan_id, model_sha256, future.result())
         except Exception:
             log.exception("the proposed landmarks of a scan cannot be stored")
-        self._forget(scan_id, future)
+        self._forget((scan_id, model_sha256), future)
 
-    def _forget(self, scan_id: str, future: Any) -> None:
+    def _forget(self, key: tuple[str, str], future: Any) -> None:
         with self._lock:
-            if self._running.get(scan_id) is future:
-                del self._running[scan_id]
+            if self._running.get(key) is future:
+                del self._running[key]
 
     def _as_sentence(self, error: Exception) -> BreastRigError:
         if isinstance(error, BreastRigError):
