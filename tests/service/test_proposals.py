@@ -98,7 +98,7 @@ def test_deleting_the_scan_ends_the_search_and_removes_what_was_found(serving, s
 
         thread = threading.Thread(target=ask)
         thread.start()
-        until(lambda: scan_id in service._proposals._running, "the search")
+        until(lambda: (scan_id, "a" * 64) in service._proposals._running, "the search")
         service.delete_scan(scan_id)
         thread.join(timeout=10)
         assert [type(error) for error in raised] == [NotFound]
