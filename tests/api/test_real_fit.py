@@ -163,6 +163,8 @@ def test_the_model_follows_a_landmark_that_is_dragged_and_nothing_is_kept(real: 
     assert client.get(links["events"] + ".json").json["events"] == before
     for wrong, word in (("umbilikus", "umbilikus"), ("xiphoid", "outside of the scan")):
         assert word in problem(client.post(links["moved"], json={"landmarks": {wrong: [9e3, 0.0, 0.0]}}), 422)
+    endless = problem(client.post(links["moved"], json={"landmarks": {"xiphoid": [1e308, 0.0, 0.0]}}), 422)
+    assert endless.startswith("xiphoid lies more than 1,000 km outside of the scan;")
     nowhere = {name: np.add(place, [0.0, 0.0, 200.0]).tolist() for name, place in picked.items()}
     assert client.post(links["moved"], json={"landmarks": nowhere}).status_code == 200
     again = [client.post(links["moved"], json={"landmarks": moved}).json for _ in range(3)][-1]  # it came back

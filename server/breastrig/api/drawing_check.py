@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from breastrig.api.beyond_scan import metres_outside, outside_text
 from breastrig.core.errors import BadDrawing
 from breastrig.storage.rows.scans import ScanRow
 
@@ -10,11 +11,10 @@ REACH_M = 0.05  # beyond the scan's bounds: a line may cross a hole at the rim, 
 
 def check_near_scan(name: str, points: Sequence[Sequence[float]], scan: ScanRow) -> None:
     """Raises BadDrawing with a sentence when one of the points (mm, scan frame) lies far outside."""
-    low, high = scan.facts["bounds_m"]["min"], scan.facts["bounds_m"]["max"]
     for point in points:
-        outside = max(max(a - x / 1000, x / 1000 - b) for x, a, b in zip(point, low, high, strict=True))
+        outside = metres_outside(point, scan)
         if outside > REACH_M:
             raise BadDrawing(
-                f'A point of "{name}" lies {outside:.2f} m outside of the scan; drawings are millimetres in '
+                f'A point of "{name}" lies {outside_text(outside)} outside of the scan; drawings are millimetres in '
                 f"the scan's own frame, and this scan was read in {scan.facts['unit']}."
             )

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from breastrig.api.beyond_scan import metres_outside, outside_text
 from breastrig.api.served_model import ServedModel
 from breastrig.core.errors import BadLandmarks, unknown_name
 from breastrig.scan.landmark_files import checked_certain
@@ -14,13 +15,12 @@ def check_landmarks(points_mm: Points, certain: Sequence[str], scan: ScanRow, mo
     """Raises BadLandmarks with a sentence."""
     checked_certain(certain, points_mm, {})
     names = model.rig.landmark_names
-    low, high = scan.facts["bounds_m"]["min"], scan.facts["bounds_m"]["max"]
     for name, point in points_mm.items():
         if name not in names:
             raise BadLandmarks(unknown_name("landmark", name, names))
-        outside = max(max(a - x / 1000, x / 1000 - b) for x, a, b in zip(point, low, high, strict=True))
+        outside = metres_outside(point, scan)
         if outside > REACH_M:
             raise BadLandmarks(
-                f"{name} lies {outside:.2f} m outside of the scan; landmarks are millimetres in the scan's own frame, "
-                f"and this scan was read in {scan.facts['unit']}."
+                f"{name} lies {outside_text(outside)} outside of the scan; landmarks are millimetres in the scan's own "
+                f"frame, and this scan was read in {scan.facts['unit']}."
             )

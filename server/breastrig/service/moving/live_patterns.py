@@ -7,9 +7,10 @@ deletion of the scan.
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.errors import BreastRigError, Conflict
+from breastrig.core.errors import Conflict
 from breastrig.execution.kept_processes import KeptProcesses
 from breastrig.service.failed_tasks import explained
+from breastrig.service.moving.deleted_fits import drop_if_deleted
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
@@ -43,12 +44,6 @@ class LivePatterns:
             with self._storage.files.reading(fit_place(fit_id)) as folder:
                 job = (fit_id, folder, self._model, question)
                 found: dict[str, Any] = self._processes.result(fit_id, read_and_live_pattern, job, WALL_S)
-            get_fit(self._storage, fit_id)
-        except BreastRigError:
-            try:
-                get_fit(self._storage, fit_id)
-            except BreastRigError:  # deleted while it was read
-                self._processes.drop(fit_id)
-                raise
-            raise
+        finally:
+            drop_if_deleted(self._storage, self._processes, fit_id)
         return found

@@ -8,10 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from breastrig.core.errors import Conflict, NotFound
+from breastrig.core.errors import Conflict
 from breastrig.execution.kept_processes import KeptProcesses
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import earlier_fit, fit_job
+from breastrig.service.moving.deleted_fits import drop_if_deleted
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.rows.events import events_of_kind
 from breastrig.storage.rows.fits import FitRow, get_fit
@@ -48,12 +49,10 @@ class MovedLandmarks:
             job = fit_job(scan, fit, folder, folder, self._model)
             job = replace(job, stance=fit.stance, drawing=None, earlier=earlier_fit(self._storage, fit.id))
             asked = (fit.id, FollowJob(job, self._not_followed(fit)), landmarks)
-            found: dict[str, Any] = self._processes.result(fit.id, follow_landmarks, asked, WALL_S)
-        try:
-            get_fit(self._storage, fit.id)
-        except NotFound:  # deleted while it was read
-            self._processes.drop(fit.id)
-            raise
+            try:
+                found: dict[str, Any] = self._processes.result(fit.id, follow_landmarks, asked, WALL_S)
+            finally:
+                drop_if_deleted(self._storage, self._processes, fit.id)
         return found
 
     def _not_followed(self, fit: FitRow) -> tuple[str, ...]:
