@@ -257,13 +257,12 @@ def test_a_picture_hidden_in_a_data_address_is_checked_too() -> None:
 @pytest.mark.parametrize(
     ("files", "word"),
     [
-        ({}, "0 meshes"),
-        ({"a.ply": b"x", "b.obj": b"y"}, "2 meshes"),
-        ({"../a.ply": b"x"}, "folders"),
-        ({"scan/a.ply": b"x"}, "folders"),
-        ({"C:\\a.ply": b"x"}, "folders"),
-        ({"a.ply": b"x", "run.exe": b"y"}, "leave it out"),
-        ({"a.ply": b"x", "inner.zip": b"y"}, "leave it out"),
+        ({}, "no mesh"),
+        ({"notes.txt": b"x", "inner.zip": b"y"}, "no mesh"),
+        ({"standing.ply": b"x", "supine.ply": b"y"}, "2 scans"),
+        ({"standing/model.obj": b"x", "supine/model.obj": b"y"}, "2 scans"),
+        ({"../a.ply": b"x"}, "lead out"),
+        ({"C:\\a.ply": b"x"}, "lead out"),
         ({"a.ply": b"x", "A.PLY": b"y"}, "same name"),
         ({"a.ply": b""}, "empty"),
     ],
@@ -275,7 +274,7 @@ def test_a_zip_with_the_wrong_things_in_it(files: dict[str, bytes], word: str) -
 def test_a_zip_with_too_much_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
     import breastrig.scan.formats.archive as archive
 
-    assert "files" in refused(zipped({f"{i}.jpg": b"x" for i in range(21)}), TooLarge)
+    assert "files" in refused(zipped({f"{i}.jpg": b"" for i in range(2001)}), TooLarge)
     assert "times" in refused(zipped({"a.obj": bytes(2_000_000)}), TooLarge)
     monkeypatch.setattr(archive, "FILE_BYTES", 1000)
     assert "unpacks" in refused(zipped({"a.ply": as_bytes(tube(), "ply")}), TooLarge)
@@ -356,7 +355,7 @@ def test_zipfile_is_asked_for_nothing_before_the_checks(monkeypatch: pytest.Monk
     def never(*_: object, **__: object) -> bytes:
         raise AssertionError("an entry was unpacked before the archive was checked")
 
-    data = zipped({f"{i}.jpg": b"x" for i in range(21)})
+    data = zipped({f"{i}.jpg": b"" for i in range(2001)})
     monkeypatch.setattr(zipfile.ZipFile, "read", never)
     refused(data, TooLarge)
 
@@ -398,9 +397,9 @@ def test_a_zip_that_is_packed_so_that_no_limit_holds(packing: int) -> None:
 
 
 def test_a_zip_with_a_list_of_entries_that_takes_long_to_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    data = zip_of([(f"{index}.jpg", b"") for index in range(20_000)])
+    data = zip_of([(f"{index}.jpg", b"") for index in range(21_000)])
     monkeypatch.setattr(zipfile, "ZipFile", None)  # which reads the whole list before it can be counted
-    assert "far more than the 20 files" in refused(data, TooLarge)
+    assert "far more than the 2,000 files" in refused(data, TooLarge)
 
 
 def test_a_zip_whose_list_is_announced_in_the_record_for_huge_ones() -> None:

@@ -49,14 +49,15 @@ def read_scan(source: Path | bytes, file_type: str | None = None, units: str = "
         return replace(scan, vertices=vertices, unit=unit, metres_per_unit=metres, unit_reason=reason)
     data = _bytes(source)
     siblings: Mapping[str, bytes] = {}
+    sorting: tuple[str, ...] = ()
     if file_type is None and isinstance(source, Path):
         file_type = source.suffix
     found = file_type_of(data, file_type)
     mesh = data
     if found == "zip":
-        name, files = unpacked(data)
-        mesh, siblings = files[name], files
-        found = file_type_of(mesh, name.rsplit(".", 1)[-1])
+        packed = unpacked(data)
+        mesh, siblings, sorting = packed.mesh, packed.companions, packed.notes
+        found = file_type_of(mesh, packed.ending)
         if found == "zip":
             raise BadScan("This zip holds another zip; pack the mesh itself.")
     elif found in ("obj", "ply") and isinstance(source, Path) and texture:
@@ -82,7 +83,7 @@ def read_scan(source: Path | bytes, file_type: str | None = None, units: str = "
         metres_per_unit=metres,
         unit_reason=reason,
         sha256=hashlib.sha256(data).hexdigest(),
-        notes=(*notes, *strays, *_far_away(whole.vertices, metres)),
+        notes=(*sorting, *notes, *strays, *_far_away(whole.vertices, metres)),
         colours=whole.colours if jpeg is None else None,
         uv=None if jpeg is None else whole.uv,
         texture=jpeg,
