@@ -25,7 +25,7 @@ class Scan:
     vertices: Array  # (V, 3) in `unit`, the scan's own frame
     faces: Integers  # (F, 3)
     colours: NDArray[np.uint8] | None  # (V, 3) sRGB
-    unit: str  # m, dm, cm, mm or in
+    unit: str  # m, dm, cm, mm, in or ft
     metres_per_unit: float
     unit_reason: str  # one sentence: how the unit was decided
     sha256: str  # of the file's bytes

@@ -38,7 +38,7 @@ def read_scan(source: Path | bytes, file_type: str | None = None, units: str = "
     """Reads PLY, OBJ, STL, GLB or a zip of one of them with its MTL and pictures.
 
     `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
-    `units` is auto or m, dm, cm, mm, in; `texture=False` saves the time of decoding the pictures.  Raises BadScan,
+    `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures.  Raises BadScan,
     TooLarge (over a limit) or BadSettings (no such unit), each with one sentence.
     """
     if file_type == STORED and isinstance(source, Path):

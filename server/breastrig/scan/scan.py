@@ -17,7 +17,7 @@ class Scan:
 
     vertices: Array  # (V, 3) m, the scan's own frame
     faces: Integers  # (F, 3)
-    unit: str  # of the file: m, dm, cm, mm or in
+    unit: str  # of the file: m, dm, cm, mm, in or ft
     metres_per_unit: float
     unit_reason: str  # one sentence
     sha256: str  # of the file's bytes

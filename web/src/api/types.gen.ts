@@ -14,7 +14,7 @@ export type CarriedDrawing = {
   schema: "breastrig/drawing@1";
   name: string;
   /** of the second scan */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   notice: string;
   carried_by: "skin" | "model";
   shapes: CarriedShape[];
@@ -69,7 +69,7 @@ export type DrawingFile = {
   schema: "breastrig/drawing@1";
   name?: string | null;
   /** of the points; the scan's */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   shapes: DrawnShape[];
 };
 
@@ -115,7 +115,7 @@ export type ExampleScan = {
   /** id of the patient whose scan it is */
   patient: string;
   /** unit that the file was read in */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   unit_reason: string;
   vertices: number;
   triangles: number;
@@ -247,7 +247,7 @@ export type GivenDrawing = {
   schema?: "breastrig/drawing@1";
   name?: string | null;
   /** by default the scan's */
-  unit?: "m" | "dm" | "cm" | "mm" | "in" | null;
+  unit?: "m" | "dm" | "cm" | "mm" | "in" | "ft" | null;
   shapes: GivenShape[];
 };
 
@@ -600,7 +600,7 @@ export type PatternOnScan = {
   /** as asked, or as dragged */
   parameters: Record<string, number | string>;
   /** of the points; the scan's */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   shapes: PatternShape[];
   handles: PatternHandle[];
   /** why the drag went no farther, in words; empty where it did not end */
@@ -692,7 +692,7 @@ export type PlanOnScan = {
   schema: "breastrig/drawing@1";
   name: string;
   /** of the scan */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   notice: string;
   shapes: PlannedShape[];
   notes: PlannedNote[];
@@ -859,7 +859,7 @@ export type Scan = {
   /** id of the patient whose scan it is */
   patient: string;
   /** unit that the file was read in */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   unit_reason: string;
   vertices: number;
   triangles: number;
@@ -903,7 +903,7 @@ export type ScanUpload = {
   /** PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image */
   file: Blob;
   /** unit of the file's numbers; auto decides from the size and says so */
-  units?: "auto" | "m" | "dm" | "cm" | "mm" | "in";
+  units?: "auto" | "m" | "dm" | "cm" | "mm" | "in" | "ft";
   /** id of the patient whose scan it is; without it she is a new one */
   patient?: string | null;
 };

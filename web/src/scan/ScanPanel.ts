@@ -15,7 +15,7 @@ export const SCAN_FILES = ".ply,.obj,.stl,.glb,.zip";
 const TURNS: Turn[] = ["around", "sideways", "forwards"];
 
 export const unitOptions = (): Option<UnitChoice>[] =>
-  (["auto", "mm", "cm", "dm", "m", "in"] as const).map((value) => ({ value, label: text.units[value] }));
+  (["auto", "mm", "cm", "dm", "m", "in", "ft"] as const).map((value) => ({ value, label: text.units[value] }));
 
 type Shown = Pick<ScanSlice & PageSlice, "scan" | "units" | "showColours" | "isCropping" | "problems"> & { readonly isUnconfirmed: boolean };
 

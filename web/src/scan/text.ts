@@ -38,6 +38,7 @@ export const units = {
   dm: "Decimetres",
   m: "Metres",
   in: "Inches",
+  ft: "Feet",
 };
 
 export const loading = {

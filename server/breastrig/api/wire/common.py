@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 from breastrig.drawings.drawing_schema import SurfacePoint
 from breastrig.workflow.events import FitEvent, NodePose
 
-Units = Literal["auto", "m", "dm", "cm", "mm", "in"]
+Units = Literal["auto", "m", "dm", "cm", "mm", "in", "ft"]
 StanceWish = Literal["auto", "standing", "supine"]
 StanceName = Literal["standing", "supine"]
 FitState = Literal["queued", "running", "done", "failed", "cancelled"]
@@ -22,7 +22,7 @@ Point = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Three = Annotated[list[float], Field(min_length=3, max_length=3)]
 Name = Annotated[str, Field(min_length=1, max_length=100)]
 
-UNITS: tuple[Units, ...] = ("auto", "m", "dm", "cm", "mm", "in")
+UNITS: tuple[Units, ...] = ("auto", "m", "dm", "cm", "mm", "in", "ft")
 
 
 CERTAIN = (
@@ -77,7 +77,7 @@ class ScanLinks(Wire):
 class Scan(Wire):
     id: str
     patient: str = Field(description="id of the patient whose scan it is")
-    unit: Literal["m", "dm", "cm", "mm", "in"] = Field(description="unit that the file was read in")
+    unit: Literal["m", "dm", "cm", "mm", "in", "ft"] = Field(description="unit that the file was read in")
     unit_reason: str
     vertices: int
     triangles: int

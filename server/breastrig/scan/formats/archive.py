@@ -38,7 +38,7 @@ LEADS_ELSEWHERE = re.compile(r"^/|^[A-Za-z]:|\\|(?:^|/)\.\.(?:/|$)")
 NAMES_A_PICTURE = re.compile(r"\.(?:jpe?g|png)\b", re.IGNORECASE)
 WORD = re.compile(r"[^\W_]+")
 # Words of file names that say what kind of file of one scan this is, not which scan: 3D Scanner App writes export.obj,
-# export_refined.obj and textured_output.obj; Structure Model.obj; Polycam raw.glb; Revopoint NAME_mesh, NAME_pc, NAME_tex.
+# export_refined.obj and textured_output.obj; Structure Model.obj; Polycam raw.glb; Revopoint _mesh, _pc and _tex.
 PREVIEW = frozenset(("preview", "thumb", "thumbnail", "lowres", "lowpoly", "low"))
 POINTS = frozenset(("pc", "pcd", "points", "pointcloud", "cloud"))
 TEXTURED = frozenset(("textured", "texture", "tex"))

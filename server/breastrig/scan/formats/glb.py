@@ -23,7 +23,7 @@ from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.glb import split_glb
 from breastrig.core.gltf_arrays import GltfArrays, entry, whole
 from breastrig.geometry.rotations import rotation_from_quaternion
-from breastrig.scan.formats.texture import LEFT_OUT, plain_picture
+from breastrig.scan.formats.texture import LEFT_OUT, TURNED, is_turned, plain_picture
 from breastrig.scan.limits import (
     GLTF_DEPTH,
     GLTF_ENTRIES,
@@ -230,6 +230,8 @@ class _Drawn:
                 start = whole(view.get("byteOffset", 0), "an offset")
                 content = self._binary[start : start + whole(view.get("byteLength"), "a length")]
             self._pictures[index] = plain_picture(content)
+            if self._pictures[index] is not None and is_turned(content):
+                self._notes.append(TURNED)
         return self._pictures[index]
 
 
