@@ -11,7 +11,7 @@ import { createCropRow } from "./CropRow";
 import type { ScanSlice } from "./state";
 import * as text from "./text";
 
-export const SCAN_FILES = ".ply,.obj,.stl,.glb,.zip";
+export const SCAN_FILES = ".ply,.obj,.stl,.glb,.zip,.usdz,.usd,.usda,.usdc";
 const TURNS: Turn[] = ["around", "sideways", "forwards"];
 
 export const unitOptions = (): Option<UnitChoice>[] =>

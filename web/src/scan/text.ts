@@ -42,6 +42,7 @@ export const units = {
 };
 
 export const loading = {
+  unpacking: (title: string) => `Unpacking ${title} in this browser`,
   sending: (title: string) => `Sending ${title}`,
   preparing: (title: string) => `Reading and checking ${title}`,
 };

@@ -36,7 +36,7 @@ from breastrig.scan.limits import (
 )
 from breastrig.scan.piece import Piece, Pieces
 
-HARMLESS = ("KHR_materials_", "KHR_texture_transform", "KHR_lights_punctual", "EXT_materials_")
+HARMLESS = ("KHR_materials_", "KHR_texture_transform", "KHR_lights_punctual", "EXT_materials_", "KHR_mesh_quantization")
 COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
 PLACED_OTHERWISE = "The texture is placed by an extension that is not read here, and was left out."
 POSED = "The file poses its mesh with bones or shapes, which is not followed; if it looks wrong, export the posed mesh."
