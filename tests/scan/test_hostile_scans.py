@@ -69,7 +69,7 @@ def test_a_text_file_with_the_ending_of_a_scan(named: str) -> None:
 
 
 def test_a_file_of_an_unknown_kind() -> None:
-    assert "not a PLY, OBJ, STL, GLB or zip" in refused(b"\x89HDF\r\n\x1a\n" + bytes(100))
+    assert "not a PLY, OBJ, STL, GLB, PCD or zip" in refused(b"\x89HDF\r\n\x1a\n" + bytes(100))
 
 
 def test_a_missing_file(tmp_path: Path) -> None:

@@ -122,6 +122,8 @@ export type ExampleScan = {
   /** metres, the scan's own axes */
   bounds_m: Bounds;
   colours: "none" | "vertex" | "texture";
+  /** the file held points without triangles; the surface was made from them */
+  reconstructed_from_points?: boolean;
   /** what reading found, one sentence each */
   notes: string[];
   frame: Frame;
@@ -866,6 +868,8 @@ export type Scan = {
   /** metres, the scan's own axes */
   bounds_m: Bounds;
   colours: "none" | "vertex" | "texture";
+  /** the file held points without triangles; the surface was made from them */
+  reconstructed_from_points?: boolean;
   /** what reading found, one sentence each */
   notes: string[];
   frame: Frame;
@@ -900,7 +904,7 @@ export type ScanOwner = {
 };
 
 export type ScanUpload = {
-  /** PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image */
+  /** PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images */
   file: Blob;
   /** unit of the file's numbers; auto decides from the size and says so */
   units?: "auto" | "m" | "dm" | "cm" | "mm" | "in" | "ft";

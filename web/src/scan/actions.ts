@@ -12,7 +12,7 @@ import { type Crop, type Crops, NO_CROPS } from "./crop";
 import type { ScanSlice, ScanState } from "./state";
 import * as text from "./text";
 
-export const READABLE = /\.(ply|obj|stl|glb|zip|usdz|usd|usda|usdc)$/i;
+export const READABLE = /\.(ply|obj|stl|glb|zip|pcd|xyz|asc|pts|usdz|usd|usda|usdc)$/i;
 
 type State = PageSlice & ViewSlice & ScanSlice;
 

@@ -37,7 +37,7 @@ class Wire(BaseModel):
 
 class ScanUpload(Wire):
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
-    file: UploadFile = Field(description="PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image")
+    file: UploadFile = Field(description="PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images")
     units: Units = Field("auto", description="unit of the file's numbers; auto decides from the size and says so")
     patient: str | None = Field(
         None, max_length=64, description="id of the patient whose scan it is; without it she is a new one"
@@ -83,6 +83,9 @@ class Scan(Wire):
     triangles: int
     bounds_m: Bounds = Field(description="metres, the scan's own axes")
     colours: Literal["none", "vertex", "texture"]
+    reconstructed_from_points: bool = Field(
+        False, description="the file held points without triangles; the surface was made from them"
+    )
     notes: list[str] = Field(description="what reading found, one sentence each")
     frame: Frame
     stance: Stance

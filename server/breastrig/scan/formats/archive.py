@@ -28,8 +28,9 @@ from breastrig.scan.limits import (
     ZIP_RATIO_FROM,
 )
 
-MESHES = ("obj", "ply", "stl", "glb")
-MESH_RANK = {"stl": 0, "ply": 1, "obj": 1, "glb": 2}  # of one scan in several formats: the one that carries a picture
+MESHES = ("obj", "ply", "stl", "glb", "pcd", "xyz")
+# Of one scan in several formats the one that carries a picture is the best.
+MESH_RANK = {"xyz": 0, "pcd": 0, "stl": 1, "ply": 2, "obj": 2, "glb": 3}
 PICTURES = ("jpg", "jpeg", "png")
 COMPANIONS = ("mtl", *PICTURES)
 LEFT_BY_MACOS = "__MACOSX"  # a folder added silently by the Finder; skipped unread

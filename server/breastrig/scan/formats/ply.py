@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from breastrig.scan.limits import PLY_HEADER_BYTES
 
 FORMATS = ("ascii", "binary_little_endian", "binary_big_endian")
+BYTE_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
 TYPES = {  # numpy's names
     **{"char": "<i1", "uchar": "<u1", "short": "<i2", "ushort": "<u2", "int": "<i4", "uint": "<u4"},
     **{"int8": "<i1", "uint8": "<u1", "int16": "<i2", "uint16": "<u2", "int32": "<i4", "uint32": "<u4"},

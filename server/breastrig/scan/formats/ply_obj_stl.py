@@ -13,6 +13,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput, BadScan, TooLarge
 from breastrig.scan.file_type import BINARY_STL_HEADER, BINARY_STL_TRIANGLE, is_binary_stl
+from breastrig.scan.formats.bare_points import obj_points, ply_points
 from breastrig.scan.formats.obj import check_end, check_work, colours_as_shares, polygons, uniform_text
 from breastrig.scan.formats.plain_meshes import plain_pieces
 from breastrig.scan.formats.ply import as_binary, ply_header, text_rows
@@ -26,6 +27,8 @@ def mesh_pieces(data: bytes, kind: str, files: Mapping[str, bytes], texture: boo
     Raises BadScan, or TooLarge when a limit is passed, each with a sentence.
     """
     data, promised, notes = {"ply": _ply, "obj": _obj, "stl": _stl}[kind](data)
+    if promised == 0 and kind in ("ply", "obj"):
+        return Pieces((), has_points=True, cloud=ply_points(data) if kind == "ply" else obj_points(data))
     try:
         found = plain_pieces(data, kind, texture)
         if found is None:
