@@ -18,6 +18,7 @@ MATERIALS = 256  # of an OBJ, each becomes a mesh of its own that looks at all v
 MATERIAL_FILE_BYTES = 1 * MEBIBYTE  # 256 materials of ten lines have some 100 kB
 STL_SOLIDS = 256  # each becomes a mesh of its own; a scan is one
 PLY_HEADER_BYTES = 100_000  # a header that is longer than this is none
+USD_PRIMS = 10_000  # parts of a scene; object scans have some ten
 GLTF_JSON_BYTES = 16 * MEBIBYTE  # 2 s of work; numbers and pictures lie in the binary part
 GLTF_ENTRIES = 20_000  # in any one list of the document; our own fitted.glb has some 600 accessors
 GLTF_NODES = 10_000  # 0.1 s of work
