@@ -1,7 +1,9 @@
 """The toy rig's tube as USD, in text and as a package, for tests of what reads it."""
 
 import io
+import tempfile
 import zipfile
+from pathlib import Path
 
 import numpy as np
 
@@ -73,3 +75,15 @@ def usdz(files: dict[str, bytes], packing: int = zipfile.ZIP_STORED) -> bytes:
         for name, content in files.items():
             archive.writestr(name, content)
     return stream.getvalue()
+
+
+def usd_crate(text: bytes) -> bytes:
+    """The layer as Pixar's binary form."""
+    from pxr import Sdf
+
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    layer.ImportFromString(text.decode())
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scan.usdc"
+        layer.Export(str(path))
+        return path.read_bytes()

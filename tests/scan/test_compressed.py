@@ -10,11 +10,12 @@ import pytest
 from helpers.draco_scan import draco_glb
 from helpers.scan_files import picture
 from helpers.toy_rig import toy_rig
-from helpers.usd_scan import usda, usdz
+from helpers.usd_scan import usd_crate, usda, usdz
 
 from breastrig.core.errors import BadScan
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.formats import usd
 from breastrig.scan.formats.texture import LEFT_OUT
 from breastrig.scan.read import read_scan
 
@@ -65,6 +66,12 @@ def test_damaged_draco_data_is_one_sentence() -> None:
             read_scan(pack_glb(text, broken + bytes(len(binary) - len(broken))))
 
 
+@pytest.fixture
+def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """USD is read here: a process for each file takes half a second, and what these files do is known."""
+    monkeypatch.setattr("breastrig.scan.read.usd_pieces", usd.usd_pieces)
+
+
 MOVED = RIG.template + np.array([0.25, 0.0, 0.0])
 
 
@@ -79,6 +86,7 @@ def test_a_usdz_has_the_triangles_the_picture_and_the_place_that_its_scene_gives
     assert scan.notes == ()
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_axis_and_unit_of_a_usd_are_followed() -> None:
     scan = read_scan(usda(head='metersPerUnit = 0.5\n    upAxis = "Z"'))
     x, y, z = 0.5 * MOVED.T
@@ -86,6 +94,7 @@ def test_axis_and_unit_of_a_usd_are_followed() -> None:
     assert scan.unit == "m"
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_colours_of_points_in_a_usd_are_kept() -> None:
     linear = np.random.default_rng(4).integers(0, 256, (len(RIG.template), 3)) / 255.0
     scan = read_scan(usda(colours=linear))
@@ -94,16 +103,11 @@ def test_colours_of_points_in_a_usd_are_kept() -> None:
     assert np.abs(scan.colours - 255.0 * srgb).max() < 0.6
 
 
-def test_a_usd_crate_is_read_as_its_text(tmp_path: Path) -> None:
-    from pxr import Sdf
-
-    layer = Sdf.Layer.CreateAnonymous(".usda")
-    layer.ImportFromString(usda().decode())
-    layer.Export(str(tmp_path / "scan.usdc"))
-    scan = read_scan(tmp_path / "scan.usdc")
-    np.testing.assert_allclose(scan.vertices, MOVED, atol=1e-6)
+def test_a_usd_crate_is_read_as_its_text() -> None:
+    np.testing.assert_allclose(read_scan(usd_crate(usda())).vertices, MOVED, atol=1e-6)
 
 
+@pytest.mark.usefixtures("in_this_process")
 @pytest.mark.parametrize("kind", ["references", "payload"])
 def test_no_other_layer_is_ever_opened(kind: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "other.usda").write_bytes(usda())
@@ -120,6 +124,7 @@ def test_no_other_layer_is_ever_opened(kind: str, tmp_path: Path, capfd: pytest.
     assert "Mustermann" not in "".join(capfd.readouterr())
 
 
+@pytest.mark.usefixtures("in_this_process")
 @pytest.mark.parametrize("name", ["/etc/passwd", "../../secret.jpg", "https://example.org/a.jpg", "missing.png"])
 def test_a_picture_that_a_usd_names_elsewhere_is_left_out_and_said(name: str) -> None:
     scan = read_scan(usdz({"scan.usda": usda(name), "0/skin.jpg": picture()}))
@@ -128,11 +133,12 @@ def test_a_picture_that_a_usd_names_elsewhere_is_left_out_and_said(name: str) ->
 
 
 def test_without_pixars_library_one_sentence_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pxr", None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(BadScan, match=r'open it in the page, .* install "breastrig\[formats\]"'):
         read_scan(usda())
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_usd_that_is_wrong_is_one_sentence() -> None:
     text = usda()
     wrong = [
@@ -148,3 +154,14 @@ def test_a_usd_that_is_wrong_is_one_sentence() -> None:
     for data in wrong:
         with pytest.raises(BadScan, match=r"\.$"):
             read_scan(data)
+
+
+def test_a_usd_that_ends_its_reader_or_fills_the_memory_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    crate = bytearray(usd_crate(usda()))
+    sections = int.from_bytes(crate[16:24], "little")  # where the table of contents begins
+    crate[sections : sections + 8] = (2**40).to_bytes(8, "little")
+    with pytest.raises(BadScan, match=r"\.$"):
+        read_scan(bytes(crate))
+    monkeypatch.setattr("sys.executable", "/bin/false")
+    with pytest.raises(BadScan, match="more memory or time"):
+        read_scan(usda())

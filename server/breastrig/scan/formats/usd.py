@@ -1,4 +1,4 @@
-"""The meshes of USDZ and USD files, by Pixar's own library, which the extra `breastrig[formats]` brings.
+"""The meshes of USDZ and USD files, by Pixar's own library; runs in a process of its own (usd_process.py).
 
 A USD layer can name other layers and files anywhere, which the library would open.  So only the package's first layer
 is read, as one that has no place, and all that it names beyond itself is struck out before anything is composed.
@@ -24,17 +24,14 @@ from breastrig.scan.piece import Piece, Pieces
 
 CRATE = b"PXR-USDC"
 PICTURES = (".png", ".jpg", ".jpeg")
-WITHOUT_LIBRARY = 'This is a USD file; open it in the page, which reads it, or install "breastrig[formats]".'
 DAMAGED = "This USD file is damaged, or holds nothing that can be read here; export the scan as GLB, PLY or OBJ."
 NESTED = "This USD file keeps its mesh in other layers; open it in the page, or export the scan as GLB, PLY or OBJ."
 
 
 def usd_pieces(data: bytes, texture: bool) -> Pieces:
     """What the scene draws, in metres and with +Y up.  BadScan or TooLarge with a sentence."""
-    try:
-        from pxr import UsdUtils
-    except ImportError:
-        raise BadScan(WITHOUT_LIBRARY) from None
+    from pxr import UsdUtils
+
     silent = UsdUtils.CoalescingDiagnosticDelegate()  # its warnings name what is in the file
     try:
         layer, files = _opened(data)
