@@ -43,6 +43,8 @@ def without_background(vertices: Array, faces: Integers) -> WithoutBackground:
     table: Table | None = None
     while frame.table is not None and len(planes) < PLANES:
         table = found_table(vertices, faces, *frame.table)
+        if _all_is_low(vertices[faces[~table.triangles, 0]] @ frame.table[0] - frame.table[1]):
+            break  # as above any table, and what is left need not be taken apart
         kept = _left_by(table, vertices, faces)
         body = None if kept is None else _body(vertices, kept)
         if kept is None or body is None or not _is_background(vertices[body] @ frame.table[0] - frame.table[1]):
@@ -97,6 +99,11 @@ def _is_background(heights: Array) -> bool:
     """Whether a body with its vertices so high (m) above a plane does not lie on it."""
     low, high = np.quantile(heights, REACHES)
     return bool(high > HIGH or low > AWAY)
+
+
+def _all_is_low(heights: Array) -> bool:
+    """Whether all that is left of a scan lies so (m) above a plane as a body that lies on it."""
+    return bool(len(heights) and heights.max() <= HIGH and np.quantile(heights, REACHES[0]) <= AWAY)
 
 
 def only_body(vertices: Array, faces: Integers) -> Booleans:
