@@ -7,12 +7,13 @@ import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { tidyFrame, type Turn, turned } from "../viewer/frame";
 import { fromFront, type ViewSlice } from "../viewer/state";
+import { containerKind } from "./containers/kind";
 import { type Crop, type Crops, cropsOf, NO_CROPS } from "./crop";
 import { keepCrops, keptCrops, type TabMemory } from "./keptCrops";
 import type { ScanSlice, ScanState } from "./state";
 import * as text from "./text";
 
-export const READABLE = /\.(ply|obj|stl|glb|zip)$/i;
+export const READABLE = /\.(ply|obj|stl|glb|zip|pcd|xyz|asc|pts|usdz|usd|usda|usdc)$/i;
 
 type State = PageSlice & ViewSlice & ScanSlice;
 
@@ -26,6 +27,14 @@ export interface ScanContents {
   interrupted(): object;
   /** Nothing goes on with the scan that was open. */
   stop(): void;
+}
+
+/** What is sent of a file: itself, or the plain triangles of one that is compressed or nested. */
+async function plain(file: File, onUnpacking: () => void): Promise<File> {
+  const kind = await containerKind(file);
+  if (!kind) return file;
+  onUnpacking();
+  return (await import("./containers/unpack")).unpack(file, kind);
 }
 
 /** `memory`: what this tab remembers over a reload. */
@@ -93,8 +102,9 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
           const phase = share < 1 ? "sending" : "preparing";
           if (mine === generation) store.set({ loading: { phase, share, title } });
         };
+        const sent = await plain(file, () => mine === generation && store.set({ loading: { phase: "unpacking", share: 0, title } }));
         progress(0);
-        return { info: await client.upload(file, units, progress), file, own: null, isNew: true };
+        return { info: await client.upload(sent, units, progress), file, own: null, isNew: true };
       });
     },
 
