@@ -44,3 +44,19 @@ DIFFERENT_INK = 6.0e-3  # m of gap that a full difference counts as
 LENGTH = 8.0e-3  # shorter strokes are moles and grain
 SPACING = 1.0e-3  # between points of a line
 SMOOTH = 1.5e-3  # standard deviation along a line
+
+# Kinds of strokes
+FINE_ENOUGH = 1.5e-3  # m between texels or coloured vertices; with coarser ones a pen's line falls between
+CURLY = 110.0  # rad for each m of a stroke: circles of 9 mm; letters, curls and arrow heads turn more, lines less
+STRAIGHT_STROKE = 40.0  # rad for each m; crosses and the shafts of arrows turn less
+DETAIL, DETAIL_REACH = 4.0e-3, 4.0e-3  # shorter strokes than LENGTH count when they touch a longer one of this ink
+WORD = 6.0e-3  # between strokes of one word
+WORD_STROKE = 25.0e-3  # strokes of letters without curls are no longer
+TATTOO = 60.0e-3  # of curly black strokes at one place: more than a surgeon's letters or numbers
+GREY = 0.35  # by how much red, green and blue of black may differ, as share of the largest
+PLAN = 30.0e-3  # a scan without a line of this length has no plan on it: marks alone are tattoos and stains
+CROSS = 25.0e-3  # arms of crosses are no longer
+CROSS_MIDDLE = 4.0e-3  # from the middle of one arm to the other
+CROSS_ANGLE = 0.7  # cosine of 45 degrees
+ARROW, ARROW_HEAD, ARROW_TIP = 60.0e-3, 30.0e-3, 4.0e-3  # longest shaft, longest head, between the two
+DASHES, DASH, DASH_GAP = 4, 25.0e-3, 1.5e-3  # at least so many, no longer on average, with gaps no shorter
