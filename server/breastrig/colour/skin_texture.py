@@ -59,6 +59,11 @@ class SkinPicture:
         number[self._shown] = np.arange(len(self._shown))
         return number
 
+    def depths(self, rows: Array | Integers, columns: Array | Integers, faces: Integers) -> Array:
+        """(M,) pixels away from the viewer, at (M,) rows and columns on the planes of (M,) triangles."""
+        plane = self._plane[self._number[faces]]
+        return np.asarray(plane[:, 0] * columns + plane[:, 1] * rows + plane[:, 2])
+
     def places(self, rows: Array | Integers, columns: Array | Integers, faces: Integers | None = None) -> Array:
         """(M, 3) m places on the skin, in the scan's frame, of (M,) rows and columns, fractions of pixels too.
 
@@ -67,9 +72,7 @@ class SkinPicture:
         """
         if faces is None:
             faces = self.faces[np.rint(rows).astype(np.int64), np.rint(columns).astype(np.int64)].astype(np.int64)
-        plane = self._plane[self._number[faces]]
-        depth = plane[:, 0] * columns + plane[:, 1] * rows + plane[:, 2]
-        seen = np.stack([columns, rows, depth], axis=1)
+        seen = np.stack([columns, rows, self.depths(rows, columns, faces)], axis=1)
         return np.asarray(self.corner + self.texel * seen @ self.axes)
 
 

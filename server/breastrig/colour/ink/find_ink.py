@@ -10,12 +10,11 @@ import numpy as np
 
 from breastrig.colour.ink import limits
 from breastrig.colour.ink.kinds import Kind, sorted_out
-from breastrig.colour.ink.markers import Marker, marker_of
+from breastrig.colour.ink.markers import Marker, markers_of
 from breastrig.colour.ink.pieces import pieces
 from breastrig.colour.ink.ridges import DENSITY, ridge_points
 from breastrig.colour.ink.strokes import strokes
 from breastrig.colour.skin_texture import skin_texture
-from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan
 from breastrig.geometry.polyline import Polyline
 from breastrig.scan.scan import Scan
@@ -49,15 +48,16 @@ def find_ink(scan: Scan) -> tuple[InkLine, ...]:
     found = [ridge_points(picture, texture.owner == number) for number, picture in enumerate(texture.pictures)]
     if not found:
         return ()
-    lit = np.percentile(DENSITY[texture.face_colours], LIT, axis=0)
-    result = []
-    for stroke, kind in sorted_out(strokes(pieces(texture, found), scan.vertices)):
-        marker = marker_of(stroke.added, lit)
-        name = f"ink_{len(result) + 1}"
-        line = Polyline(name, stroke.closed, marker.color, on_the_skin(stroke.places), stroke.bridged)
-        result.append(InkLine(line, kind, marker, stroke.length))
-    return tuple(result)
-
-
-def on_the_skin(places: Array) -> Array:
-    return places
+    lit = np.percentile(DENSITY[texture.face_colours], LIT, axis=0).astype(np.float64)
+    drawn = sorted_out(strokes(pieces(texture, found), scan.vertices))
+    added = np.array([stroke.added for stroke, _ in drawn]).reshape(-1, 3)
+    markers = markers_of(added, np.array([stroke.length for stroke, _ in drawn]), lit)
+    return tuple(
+        InkLine(
+            Polyline(f"ink_{number}", stroke.closed, marker.color, stroke.places, stroke.bridged),
+            kind,
+            marker,
+            stroke.length,
+        )
+        for number, ((stroke, kind), marker) in enumerate(zip(drawn, markers, strict=True), 1)
+    )

@@ -40,12 +40,13 @@ def sorted_out(strokes: list[Stroke]) -> list[tuple[Stroke, Kind]]:
     strokes, near = [strokes[number] for number in kept], near[np.ix_(kept, kept)]
     turns = np.array([turn(stroke) for stroke in strokes])
     kinds = [_line(stroke) for stroke in strokes]
-    for number in np.flatnonzero(_writing(strokes, near, turns)):
-        kinds[number] = Kind.WRITING
-    for number in _arrows(strokes, near, turns):
-        kinds[number] = Kind.ARROW
-    for number in _crosses(strokes, near, turns):
-        kinds[number] = Kind.CROSS
+    for kind, numbers in (
+        (Kind.WRITING, set(np.flatnonzero(_writing(strokes, near, turns)).tolist())),
+        (Kind.ARROW, _arrows(strokes, near, turns)),
+        (Kind.CROSS, _crosses(strokes, near, turns)),
+    ):
+        for number in numbers:
+            kinds[number] = kind
     tattooed = _tattoos(strokes, near, turns)
     found = [(stroke, kind) for stroke, kind, no in zip(strokes, kinds, tattooed, strict=True) if not no]
     if max((stroke.length for stroke, kind in found if not kind.is_mark), default=0.0) < limits.PLAN:
@@ -78,7 +79,7 @@ def _distances(strokes: list[Stroke]) -> Array:
     one, other = one[apart], other[apart]
     distance = np.linalg.norm(places[one] - places[other], axis=1)
     np.minimum.at(near, (owner[one], owner[other]), distance)
-    return np.minimum(near, near.T)
+    return np.asarray(np.minimum(near, near.T))
 
 
 def _line(stroke: Stroke) -> Kind:

@@ -28,9 +28,26 @@ MARKERS = (
 )
 
 
-def marker_of(added: Array, skin: Array) -> Marker:
-    """Of a stroke that adds densities (3,) to well-lit skin of densities (3,), red, green, blue."""
-    missing = 1.0 - np.exp(-np.asarray(added))
-    inks = 1.0 - np.array([marker.light for marker in MARKERS]) / np.exp(-np.asarray(skin))
-    likeness = inks @ missing / np.linalg.norm(inks, axis=1)
-    return MARKERS[int(np.argmax(likeness))]
+DOUBT = 0.012  # likenesses this close say nothing; a faint stroke is then of the marker that drew most
+EXPOSURES = np.geomspace(0.25, 1.0, 9)  # light that white would send back in the picture; 1 is its brightest
+
+
+def markers_of(added: Array, lengths: Array, skin: Array) -> list[Marker]:
+    """Of N strokes that add densities (N, 3) over (N,) m to well-lit skin of densities (3,), red, green, blue.
+
+    How bright the picture is as a whole is not known beforehand; the exposure under which the strokes look most
+    like markers is taken, the same for all.
+    """
+    if not len(added):
+        return []
+    missing = 1.0 - np.exp(-added)
+    missing /= np.maximum(np.linalg.norm(missing, axis=1, keepdims=True), 1e-9)
+    light = np.array([marker.light for marker in MARKERS])
+    inks = 1.0 - EXPOSURES[:, None, None] * light / np.exp(-skin)  # (E, 5, 3)
+    inks /= np.linalg.norm(inks, axis=2, keepdims=True)
+    likeness = np.einsum("eki,ni->enk", inks, missing)
+    exposure = int(np.argmax(likeness.max(axis=2) @ lengths))
+    looks = likeness[exposure]
+    used = np.bincount(looks.argmax(axis=1), lengths, len(MARKERS))
+    possible = looks >= looks.max(axis=1, keepdims=True) - DOUBT
+    return [MARKERS[number] for number in np.where(possible, used, -1.0).argmax(axis=1)]

@@ -22,6 +22,7 @@ Single = NDArray[np.float32]
 DARKEST = 2e-3  # of full light: sRGB 1 of 255 is 0.3e-3, and noise decides there
 SHARE = 0.2  # of the filter's weight that must lie on skin
 TRUNCATE = 3.0  # standard deviations
+JUMP, STEEPEST = 2e-3, 2.0  # m of depth, and m for each m aside, that skin which is seen at all may reach
 OFFSETS: Array = frozen(0.5e-3 * np.arange(-8, 9))  # m across a line; all of a pen's width, and bare skin on both sides
 
 
@@ -90,7 +91,14 @@ def profiles(picture: SkinPicture, points: RidgePoints) -> NDArray[np.float32]:
     row, column = np.rint(at).astype(np.int64).transpose(2, 0, 1)
     off = (row < 0) | (row >= high) | (column < 0) | (column >= wide)
     cell = np.where(off, 0, row * wide + column)
-    off |= picture.faces.ravel().take(cell) < 0
+    faces = picture.faces.ravel().take(cell)
+    off |= faces < 0
+    # where nearer skin hides what is beside the line, or the line lies on the edge of the nearer skin, depth jumps
+    depth = picture.depths(row.ravel(), column.ravel(), np.where(off, points.faces[:, None], faces).ravel())
+    jump = np.abs(
+        depth.reshape(row.shape) - picture.depths(points.spots[:, 0], points.spots[:, 1], points.faces)[:, None]
+    )
+    off |= jump > (JUMP + STEEPEST * np.abs(OFFSETS)) / picture.texel
     found = DENSITY.take(picture.pixels.reshape(-1, 3).take(cell, axis=0))
     found[off] = np.nan
     return found
