@@ -32,8 +32,10 @@ class InkLine:
     length: float  # m of ink, without gaps
 
 
-def find_ink(scan: Scan) -> tuple[InkLine, ...]:
+def find_ink(scan: Scan, factor: float = 1.0) -> tuple[InkLine, ...]:
     """All strokes of ink on a coloured scan, longest first; perhaps none.
+
+    `factor` makes all thresholds of density larger or smaller, for evaluations.
 
     Raises BadScan, with one sentence, for a scan without colour or with colours too coarse for a pen's line.
     """
@@ -49,7 +51,7 @@ def find_ink(scan: Scan) -> tuple[InkLine, ...]:
     if not found:
         return ()
     lit = np.percentile(DENSITY[texture.face_colours], LIT, axis=0).astype(np.float64)
-    drawn = sorted_out(strokes(pieces(texture, found), scan.vertices))
+    drawn = sorted_out(strokes(pieces(texture, found, factor), scan.vertices, factor))
     added = np.array([stroke.added for stroke, _ in drawn]).reshape(-1, 3)
     markers = markers_of(added, np.array([stroke.length for stroke, _ in drawn]), lit)
     return tuple(

@@ -70,8 +70,8 @@ def ink_of(added: Array, width: float, share: float = 1.0) -> Ink | None:
     return Ink.BLACK if black and (width >= limits.NARROWEST_BLACK or red >= limits.CLEARLY_BLACK) else None
 
 
-def pieces(texture: SkinTexture, found: Sequence[RidgePoints]) -> list[Piece]:
-    """All pieces that may be ink, of the points found in each of the texture's pictures."""
+def pieces(texture: SkinTexture, found: Sequence[RidgePoints], factor: float = 1.0) -> list[Piece]:
+    """All pieces that may be ink, of the points found in each picture of the texture; `factor` is of densities."""
     places = np.concatenate([points.places for points in found])
     tangents = np.concatenate([points.tangents for points in found])
     heights = np.concatenate([points.heights for points in found])
@@ -89,7 +89,7 @@ def pieces(texture: SkinTexture, found: Sequence[RidgePoints]) -> list[Piece]:
     chroma = np.minimum(left[:, 2] - left[:, 0], right[:, 2] - right[:, 0])
     result = []
     for number in np.flatnonzero(chroma >= limits.SKIN_SHARE * usual):
-        if ink_of(added[number], width[number], limits.LENIENT) is not None:
+        if ink_of(added[number], width[number], factor * limits.LENIENT) is not None:
             chain, closed, length = chains[number]
             result.append(
                 Piece(places[chain], faces[chain], closed, length, added[number], skin[number], float(width[number]))

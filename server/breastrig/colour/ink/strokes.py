@@ -32,8 +32,8 @@ class Stroke:
     length: float  # m of ink, without gaps
 
 
-def strokes(pieces: list[Piece], on_skin: Array) -> list[Stroke]:
-    """All strokes; `on_skin` (M, 3) m are places of the scan, no farther from one another than its triangles."""
+def strokes(pieces: list[Piece], on_skin: Array, factor: float = 1.0) -> list[Stroke]:
+    """All strokes; `on_skin` (M, 3) m are places of the scan, as dense as its triangles; `factor` is of densities."""
     whole = [([(number, False)], True) for number, piece in enumerate(pieces) if piece.closed]
     ends = _Ends(pieces)
     joints = _joints(ends, pieces, on_skin)
@@ -42,7 +42,7 @@ def strokes(pieces: list[Piece], on_skin: Array) -> list[Stroke]:
     for chain, closed in chains:
         if not pieces[chain[0][0]].closed:
             whole.append((chain, closed))
-    found = [_stroke(pieces, chain, closed, on_skin) for chain, closed in whole]
+    found = [_stroke(pieces, chain, closed, on_skin, factor) for chain, closed in whole]
     return [stroke for stroke in found if stroke is not None]
 
 
@@ -98,14 +98,16 @@ def _off(places: Array, on_skin: Array) -> Booleans:
     return np.asarray(distance > 2.0 * OFF_SKIN)
 
 
-def _stroke(pieces: list[Piece], chain: list[tuple[int, bool]], closed: bool, on_skin: Array) -> Stroke | None:
+def _stroke(
+    pieces: list[Piece], chain: list[tuple[int, bool]], closed: bool, on_skin: Array, factor: float
+) -> Stroke | None:
     """The stroke of pieces, in order, those marked turned round; None when as a whole it is not ink."""
     parts = [pieces[number] for number, _ in chain]
     weight = np.array([part.length for part in parts])
     added = np.average([part.added for part in parts], axis=0, weights=weight)
     width = float(np.average([part.width for part in parts], weights=weight))
-    ink, length = ink_of(added, width), float(weight.sum())
-    if ink is None or length < limits.LENGTH:
+    ink, length = ink_of(added, width, factor), float(weight.sum())
+    if ink is None or length < limits.DETAIL:
         return None
     rows = []
     for number, (part, (_, turned)) in enumerate(zip(parts, chain, strict=True)):
