@@ -52,24 +52,20 @@ class Albedo:
         return np.asarray(colour)
 
     def _paint_areola(self, colour: Array, places: Array, areola: Areola) -> None:
-        offset = places - areola.nipple
-        away = np.linalg.norm(offset, axis=1)
-        near = np.flatnonzero(away < 0.05)
-        away, flat = away[near], offset[near] @ areola.axes[:2].T
+        from_nipple = np.linalg.norm(places - areola.nipple, axis=1)
+        near = np.flatnonzero(from_nipple < 0.05)
+        from_nipple, part = from_nipple[near], colour[near]
         if areola.state == COVERED:
             radius, patch = self._patch
-            part = colour[near]
-            _blend(part, patch, (away < radius).astype(np.float64))
-            colour[near] = part
-            return
-        if areola.state != NATURAL:
-            return
-        reach = areola.reach(np.arctan2(flat[:, 1], flat[:, 0]))
-        share = 1.0 / (1.0 + np.exp(np.clip((away - reach) / (0.45 * areola.softness), -50.0, 50.0)))
-        part = colour[near]
-        part += share[:, None] * (self._palette.areola - self._palette.skin)
-        tip = 1.0 / (1.0 + np.exp(np.clip((away - areola.nipple_radius) / 0.0006, -50.0, 50.0)))
-        part += tip[:, None] * (self._palette.nipple - self._palette.areola)
+            _blend(part, patch, (from_nipple < radius).astype(np.float64))
+        elif areola.state == NATURAL:
+            offset = places[near] - areola.centre
+            flat = offset @ areola.axes[:2].T
+            beyond = np.linalg.norm(offset, axis=1) - areola.reach(np.arctan2(flat[:, 1], flat[:, 0]))
+            share = 1.0 / (1.0 + np.exp(np.clip(beyond / (0.45 * areola.softness), -50.0, 50.0)))
+            part += share[:, None] * (self._palette.areola - self._palette.skin)
+            tip = 1.0 / (1.0 + np.exp(np.clip((from_nipple - areola.nipple_radius) / 0.0006, -50.0, 50.0)))
+            part += tip[:, None] * (self._palette.nipple - self._palette.areola)
         colour[near] = part
 
     def _cover(self, places: Array, stroke: Stroke, soft: float) -> Array:

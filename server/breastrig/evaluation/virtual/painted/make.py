@@ -24,7 +24,7 @@ from breastrig.evaluation.virtual.painted.tones import TONES, draw_palette
 from breastrig.evaluation.virtual.scan import SimulatedScan, scan_body
 
 SEED = 20_261_123
-PAINT_VERSION = 1  # of the formulas; another one paints all anew
+PAINT_VERSION = 2  # of the formulas; another one paints all anew
 TEXTURE = 1024  # texels a side
 
 

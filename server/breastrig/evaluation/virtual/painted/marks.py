@@ -5,7 +5,7 @@ from the front and dropped on the skin along that direction.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from breastrig.geometry.surface_points import SurfacePoints
 
 SPACING = 0.0008  # m between the points of a line
 RIM_POINTS = 120
+OFF_CENTRE = 0.002  # m on each axis, standard deviation of the areola's middle from the nipple
 FRONT = 0.5  # m before the body, from where lines are dropped
 NATURAL, COVERED, RECONSTRUCTED = "natural", "covered", "reconstructed"
 STATES = (NATURAL, COVERED, RECONSTRUCTED)
@@ -27,11 +28,13 @@ PLANS = ("none", "lumpectomy", "reduction", "mastectomy")
 
 @dataclass(frozen=True, eq=False)
 class Areola:
-    """Around one nipple: r(θ) = radius (1 + e cos 2(θ - turn) + f cos 3(θ - g)) in the skin's plane at the nipple."""
+    """Around a point beside the nipple: r(θ) = radius (1 + e cos 2(θ - turn) + f cos 3(θ - g)) in the skin's plane
+    there; real nipples are seldom in the middle of their areola."""
 
     side: str  # L | R
     state: str  # natural | covered | reconstructed
     nipple: Array  # (3,) m on the standing skin
+    centre: Array  # (3,) m, likewise
     axes: Array  # (3, 3) rows: two in the plane, the normal
     radius: float  # m, mean
     shape: tuple[float, float, float, float]  # e, turn, f, g
@@ -149,25 +152,18 @@ def _areola(skin: Skin, side: str, state: str, radius: float, softness: float, r
     normal = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0))
     across = _unit(np.cross([0.0, 1.0, 0.0], normal))
     axes = np.stack([across, np.cross(normal, across), normal])
+    centre = skin.places(skin.nearest((nipple + random.normal(0.0, OFF_CENTRE, 2) @ axes[:2])[None]))[0]
     shape = (random.uniform(0.0, 0.10), random.uniform(0, np.pi), random.uniform(0.0, 0.03), random.uniform(0, np.pi))
-    plain = Areola(
-        side,
-        state,
-        nipple,
-        axes,
-        radius,
-        shape,
-        softness,
-        float(random.uniform(0.0045, 0.0065)),
-        skin.nearest(nipple[None]),
-    )
+    tip = float(random.uniform(0.0045, 0.0065))
+    unplaced = skin.nearest(centre[None])
+    plain = Areola(side, state, nipple, centre, axes, radius, shape, softness, tip, unplaced)
     angle = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS, endpoint=False)
     reach = plain.reach(angle)[:, None]
-    points = nipple + reach * (np.cos(angle)[:, None] * axes[0] + np.sin(angle)[:, None] * axes[1])
+    points = centre + reach * (np.cos(angle)[:, None] * axes[0] + np.sin(angle)[:, None] * axes[1])
     for _ in range(8):  # onto the skin, then back to the border's distance
-        points = skin.places(skin.nearest(points)) - nipple
-        points = nipple + reach * points / np.linalg.norm(points, axis=1, keepdims=True)
-    return Areola(side, state, nipple, axes, radius, shape, softness, plain.nipple_radius, skin.nearest(points))
+        points = skin.places(skin.nearest(points)) - centre
+        points = centre + reach * points / np.linalg.norm(points, axis=1, keepdims=True)
+    return replace(plain, rim=skin.nearest(points))
 
 
 def _stroke(
