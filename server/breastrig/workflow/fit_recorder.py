@@ -60,11 +60,11 @@ class FitRecorder:
         rig, target = task.rig, task.target
         let_go = (*ready.exchanged, *last.not_followed)
         posterior = Posterior(without(task, let_go), last.parameters)
-        doubtful = (*let_go, *unusual(posterior))
+        doubtful = let_go if task.seen else (*let_go, *unusual(posterior))  # nobody can be asked about those
         vertices = posterior.state.vertices
         compared = Comparison(target, vertices, rig.faces)
         signals = fit_signals(rig, last.parameters, compared, ready.clearness)
-        placed = len(ready.task.landmarks) >= MIN_LANDMARKS
+        placed = len(task.landmarks.keys() - task.seen) >= MIN_LANDMARKS
         in_doubt = sum(len(doubt.names) for doubt in doubtful)
         found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed, in_doubt)
         if not found_verdict.is_torso:

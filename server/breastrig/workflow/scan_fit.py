@@ -19,19 +19,20 @@ from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.fitting.doubt import Doubt
-from breastrig.fitting.fit import FitIterate, FitTask
+from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
 from breastrig.fitting.picks.mistakes import sides_exchanged
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import orientation_from
+from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.scan.clean import clean
 from breastrig.scan.landmark_files import checked_certain
-from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
+from breastrig.workflow.coloured_scan import coloured_scan
 from breastrig.workflow.events import DoubtedPick, Started
 from breastrig.workflow.fit_start import EarlierFit, with_earlier_start, with_stance, with_start
 
@@ -168,7 +169,7 @@ def fit_plan(settings: FitSettings, rig: Rig, landmarks_mm: dict[str, list[float
 def scan_of_job(job: FitJob) -> tuple[Scan, float]:
     """The job's scan, and the seconds that reading it took; a BadInput says what is wrong with it."""
     clock = Clock()
-    return read_scan(job.scan, job.file_type, job.units, texture=False), clock.lap()
+    return coloured_scan(job.scan, job.file_type, job.units), clock.lap()
 
 
 def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
@@ -201,15 +202,16 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         task, clearness = with_start(task, ready, orientation)
         timing["align"] = clock.lap()
         task, stance = with_stance(task, settings.stance, ready, orientation)
+        task, begun, shown = _with_colour(task, stance.iterates, clearness, scan)
     else:
         task, stance = with_earlier_start(task, settings.stance, earlier)
-        clearness = None
+        clearness, begun, shown = None, (), ()
         timing["align"] = clock.lap()
     timing["solve"] = clock.lap()
     return ReadyScan(
         settings=settings,
         scan=scan,
-        notes=(*scan.notes, *ready.notes),
+        notes=(*scan.notes, *ready.notes, *shown),
         table_triangles=ready.table_triangles,
         landmarks=landmarks,
         exchanged=exchanged,
@@ -217,9 +219,26 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         stance_reason=stance.reason,
         task=task,
         clearness=clearness,
-        begun=stance.iterates,
+        begun=begun,
         timing_s=timing,
     )
+
+
+def _with_colour(
+    task: FitTask, begun: tuple[FitIterate, ...], clearness: float | None, scan: Scan
+) -> tuple[FitTask, tuple[FitIterate, ...], tuple[str, ...]]:
+    """The task with landmarks that the colours show, its iterates as far as they are known, and notes on that.
+
+    Only where no person has picked any: who has, has seen the proposals, which are made with the colours.
+    """
+    if task.landmarks or scan.colour_kind == "none":
+        return task, begun, ()
+    last = (begun or tuple(fit_iterates(task)))[-1]
+    shown = seen_landmarks(task, last, clearness, scan) if last.is_finite else {}
+    if not shown:
+        return task, begun, ()
+    reasons = {each.reason for each in shown.values()}
+    return with_seen(task, shown, last), (), (f"Found by colour: {', '.join(shown)} ({', '.join(sorted(reasons))}).",)
 
 
 def _exchanged(rig: Rig, recipe: Recipe, landmarks: dict[str, Array], certain: Collection[str]) -> tuple[Doubt, ...]:

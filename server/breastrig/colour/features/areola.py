@@ -21,9 +21,10 @@ from breastrig.colour.features.patch import ColouredSkin, Patch
 from breastrig.core.arrays import Array, Booleans
 
 RAYS = 72
+PIXEL = 0.001  # m, of the picture that is measured in; 72 rays find a border to a fraction of it
 STEP = 0.0005  # m along a ray
 HARMONICS = 3  # of the border's Fourier series: shift, ellipse, three lobes
-ROUNDS = 4  # of measuring, each from the middle that the last one found
+ROUNDS = 3  # of measuring, each from the middle that the last one found
 SECTORS = 6  # of the ring, each of which must differ
 
 
@@ -108,10 +109,10 @@ def candidates(patch: Patch, limits: AreolaLimits, spread: float) -> list[Candid
 
 
 def measured(skin: ColouredSkin, place: Array, outwards: Array, up: Array, radius: float) -> Areola | None:
-    """The areola whose middle is near `place` (3,) m and whose radius is about `radius` (m); None where there is none."""
+    """The areola whose middle is near `place` (3,) m and whose radius is about `radius` (m), or None."""
     for _ in range(ROUNDS):
         normal = skin.normal(place, outwards, max(radius, 0.008))
-        patch = skin.patch(place, normal, up, 2.2 * radius + 0.008, STEP)
+        patch = skin.patch(place, normal, up, 2.0 * radius + 0.008, PIXEL)
         found = _border(patch, radius)
         if found is None:
             return None

@@ -27,7 +27,17 @@ class AreolaLimits(_Part):
     least_clearness: Positive  # standard deviations
     most_scatter: Positive  # of the radius
     least_border: Positive  # share of rays
-    least_darkness: Positive  # Lab, of darker and redder together
+    least_redness: Positive  # Lab, of a* over the skin around; shade is dark and not red
+    sure_clearness: Positive  # with less redness than that it must be this clear,
+    sure_border: Positive  # have this much of a border
+    sure_redness: Positive  # and some redness still, as on dark skin; what covers a nipple has less than the skin
+    spot: Positive  # m, radius of a nipple
+    spot_weight: Positive  # of its colour against that of the areola, in the logarithm of a chance
+    bump_weight: Positive  # likewise of its height
+    off_centre: Positive  # m, of a nipple from the middle of its areola, on each axis
+    least_spread: Positive  # m; the form is never trusted to be nearer than this, root mean square
+    farthest: Positive  # times the spread; beyond, the form rules it out
+    least_apart: Positive  # m, of the left nipple from the right one towards the body's left
     floor: Positive  # m, error of the nipple's place that no scatter shows, on each axis of the skin
     radius_floor: Positive  # m, likewise of the radius
 

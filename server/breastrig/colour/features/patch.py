@@ -16,7 +16,6 @@ from breastrig.colour.skin_texture import lab
 from breastrig.core.arrays import Array, Booleans
 from breastrig.geometry.normals import face_crosses, face_normals
 from breastrig.geometry.rays import RayCaster
-from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.scan.formats.texture import pixels_of
 from breastrig.scan.scan import Scan
 
