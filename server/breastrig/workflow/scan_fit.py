@@ -5,10 +5,10 @@ read its scan already.  Everything that can be wrong with the request itself is 
 """
 
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,6 +35,9 @@ from breastrig.scan.scan import Scan
 from breastrig.workflow.coloured_scan import coloured_scan
 from breastrig.workflow.events import DoubtedPick, Started
 from breastrig.workflow.fit_start import EarlierFit, with_earlier_start, with_stance, with_start
+
+if TYPE_CHECKING:
+    from breastrig.colour.features.observe import Observation
 
 ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; none of them was followed."
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
@@ -133,6 +136,7 @@ class ReadyScan:
     stance_reason: str
     task: FitTask
     clearness: float | None  # of the start, where the scan alone placed it
+    shown: "Mapping[str, Observation] | None"  # what colours show of the landmarks; None: not looked at
     begun: tuple[FitIterate, ...]  # all iterates of the task's fit, where they were needed to find the stance
     timing_s: dict[str, float]  # solve is what the stance took
 
@@ -205,13 +209,13 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         task, begun, shown = _with_colour(task, stance.iterates, clearness, scan)
     else:
         task, stance = with_earlier_start(task, settings.stance, earlier)
-        clearness, begun, shown = None, (), ()
+        clearness, begun, shown = None, (), None
         timing["align"] = clock.lap()
     timing["solve"] = clock.lap()
     return ReadyScan(
         settings=settings,
         scan=scan,
-        notes=(*scan.notes, *ready.notes, *shown),
+        notes=(*scan.notes, *ready.notes, *_words(shown)),
         table_triangles=ready.table_triangles,
         landmarks=landmarks,
         exchanged=exchanged,
@@ -219,6 +223,7 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         stance_reason=stance.reason,
         task=task,
         clearness=clearness,
+        shown=shown,
         begun=begun,
         timing_s=timing,
     )
@@ -226,19 +231,24 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
 
 def _with_colour(
     task: FitTask, begun: tuple[FitIterate, ...], clearness: float | None, scan: Scan
-) -> tuple[FitTask, tuple[FitIterate, ...], tuple[str, ...]]:
-    """The task with landmarks that the colours show, its iterates as far as they are known, and notes on that.
+) -> tuple[FitTask, tuple[FitIterate, ...], "Mapping[str, Observation] | None"]:
+    """The task with landmarks that the colours show, its iterates as far as they are known, and what is shown.
 
     Only where no person has picked any: who has, has seen the proposals, which are made with the colours.
     """
     if task.landmarks or scan.colour_kind == "none":
-        return task, begun, ()
+        return task, begun, None
     last = (begun or tuple(fit_iterates(task)))[-1]
     shown = seen_landmarks(task, last, clearness, scan) if last.is_finite else {}
+    return (with_seen(task, shown, last), (), shown) if shown else (task, begun, shown)
+
+
+def _words(shown: "Mapping[str, Observation] | None") -> tuple[str, ...]:
+    """A note of what was found by colour."""
     if not shown:
-        return task, begun, ()
-    reasons = {each.reason for each in shown.values()}
-    return with_seen(task, shown, last), (), (f"Found by colour: {', '.join(shown)} ({', '.join(sorted(reasons))}).",)
+        return ()
+    reasons = sorted({each.reason for each in shown.values()})
+    return (f"Found by colour: {', '.join(shown)} ({', '.join(reasons)}).",)
 
 
 def _exchanged(rig: Rig, recipe: Recipe, landmarks: dict[str, Array], certain: Collection[str]) -> tuple[Doubt, ...]:

@@ -24,6 +24,7 @@ RAYS = 72
 PIXEL = 0.001  # m, of the picture that is measured in; 72 rays find a border to a fraction of it
 STEP = 0.0005  # m along a ray
 HARMONICS = 3  # of the border's Fourier series: shift, ellipse, three lobes
+NORMAL_90 = 1.645  # standard deviations to each side
 ROUNDS = 3  # of measuring, each from the middle that the last one found
 SECTORS = 6  # of the ring, each of which must differ
 
@@ -37,11 +38,16 @@ class Areola:
     rim: Array  # (RAYS, 3) m, its border on the skin
     radius: float  # m, of the circle of the same area, along the skin
     covariance: Array  # (3, 3) m², of the centre, from the scatter of its border
-    radius_error: float  # m, standard deviation, likewise
+    radius_error: float  # m, standard deviation, likewise and of what no scatter shows
     contrast: Array  # (3,) Lab, from the skin around to it
     clearness: float  # how many standard deviations of the texture its colour lies from that of the skin around
     roundness: float  # relative scatter of the border around its own smooth form; small is round
     border: float  # share of the rays on which a border was found
+
+    @property
+    def diameter_half(self) -> float:
+        """m, half the band that holds the true diameter with 90 %."""
+        return 2.0 * NORMAL_90 * self.radius_error
 
 
 @dataclass(frozen=True)
@@ -108,8 +114,14 @@ def candidates(patch: Patch, limits: AreolaLimits, spread: float) -> list[Candid
     return kept[: limits.looked_at]
 
 
-def measured(skin: ColouredSkin, place: Array, outwards: Array, up: Array, radius: float) -> Areola | None:
-    """The areola whose middle is near `place` (3,) m and whose radius is about `radius` (m), or None."""
+def measured(
+    skin: ColouredSkin, place: Array, outwards: Array, up: Array, radius: float, floor: float
+) -> Areola | None:
+    """The areola whose middle is near `place` (3,) m and whose radius is about `radius` (m), or None.
+
+    `floor` (m) is the error of a measured radius that its scatter does not show.
+    """
+    found: _Border | None = None
     for _ in range(ROUNDS):
         normal = skin.normal(place, outwards, max(radius, 0.008))
         patch = skin.patch(place, normal, up, 2.0 * radius + 0.008, PIXEL)
@@ -120,6 +132,7 @@ def measured(skin: ColouredSkin, place: Array, outwards: Array, up: Array, radiu
         if moved is None:
             return None
         place, radius = moved, found.radius
+    assert found is not None
     rim = [patch.place(*point) for point in found.points]
     kept = np.array([point for point in rim if point is not None])
     if len(kept) < RAYS // 2:
@@ -135,7 +148,7 @@ def measured(skin: ColouredSkin, place: Array, outwards: Array, up: Array, radiu
         rim=kept,
         radius=_area_radius(kept, place),
         covariance=covariance,
-        radius_error=scatter / np.sqrt(count),
+        radius_error=float(np.hypot(scatter / np.sqrt(count), floor)),
         contrast=found.contrast,
         clearness=found.clearness,
         roundness=scatter / radius,
@@ -217,13 +230,14 @@ def _change_points(value: Array, known: Booleans, patch: Patch, turn: Array, rad
 def _fitted_series(radii: Array, good: Booleans, turn: Array) -> tuple[Array, Array]:
     """((2 H + 1,) coefficients through the borders, (G,) m what they leave), robust against a third of wrong ones."""
     rows = _rows(turn)[good]
-    weight = np.ones(len(rows))
+    weight: Array = np.ones(len(rows))
+    rest: Array = np.zeros(len(rows))
     ridge = np.diag([0.0, *np.repeat([0.5, 0.5, 2.0], 2)])  # prefers a circle where a part of the border is unseen
     shape = np.zeros(rows.shape[1])
     for _ in range(6):
         weighted = rows * weight[:, None]
         shape = np.linalg.solve(weighted.T @ rows + ridge, weighted.T @ radii[good])
-        rest = radii[good] - rows @ shape
+        rest = np.asarray(radii[good] - rows @ shape)
         scale = max(1.4826 * float(np.median(np.abs(rest))), 0.0003)
         weight = 1.0 / (1.0 + (rest / (2.0 * scale)) ** 2) ** 2
     return shape, rest

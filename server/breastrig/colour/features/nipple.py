@@ -41,7 +41,7 @@ def find_nipple(
     patch = skin.patch(expected, normal, up, SEARCH_HALF, SEARCH_PIXEL)
     for candidate in candidates(patch, limits, spread):
         place = patch.place(candidate.right, candidate.up)
-        areola = None if place is None else measured(skin, place, normal, up, candidate.radius)
+        areola = None if place is None else measured(skin, place, normal, up, candidate.radius, limits.radius_floor)
         if areola is None or not is_areola(areola, limits):
             continue
         if np.linalg.norm(areola.centre - expected) > limits.farthest * spread:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from breastrig.colour.features.areola import Areola
 from breastrig.colour.features.limits import Features, features
 from breastrig.colour.features.nipple import NippleSeen, find_nipple
 from breastrig.colour.features.patch import ColouredSkin
@@ -39,6 +40,7 @@ class Observation:
     place: Array  # (3,) m, on the skin, in the scan's frame
     covariance: Array  # (3, 3) m²
     reason: str  # a few words
+    areola: Areola | None = None  # of a nipple, with which it was found
 
     @property
     def error(self) -> float:
@@ -60,7 +62,7 @@ def observed_landmarks(
     except BreastRigError:
         return {}
     nipples = _nipples(skin, expected, left, up, features())
-    return {name: Observation(each.place, each.covariance, AREOLA_SEEN) for name, each in nipples.items()}
+    return {name: Observation(each.place, each.covariance, AREOLA_SEEN, each.areola) for name, each in nipples.items()}
 
 
 def _nipples(

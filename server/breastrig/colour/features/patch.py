@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from breastrig.colour.skin_texture import lab
-from breastrig.core.arrays import Array, Booleans
+from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.normals import face_crosses, face_normals
 from breastrig.geometry.rays import RayCaster
 from breastrig.scan.formats.texture import pixels_of
@@ -111,7 +111,7 @@ class ColouredSkin:
         shape = (count, count, 3)
         return Patch(pixel, colours.reshape(shape), places.reshape(shape), axes)
 
-    def _colours(self, corners: Array, weights: Array) -> Array:
+    def _colours(self, corners: Integers, weights: Array) -> Array:
         """(M, 3) sRGB, 0 to 1."""
         if self._pixels is None:
             assert self._scan.colours is not None

@@ -12,18 +12,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from breastrig.core.arrays import Array
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.unit_vectors import unit_vectors
+from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.skinning import pose
 from breastrig.scan.scan import Scan
 
 if TYPE_CHECKING:
-    from breastrig.colour.features.observe import Observation
+    from breastrig.colour.features.observe import Expectation, Observation
 
 UNKNOWN = 0.02  # m, error of the form with models of which nobody knows how far bodies are from them
 
@@ -35,20 +37,33 @@ def seen_landmarks(task: FitTask, last: FitIterate, margin: float | None, scan: 
     """
     if scan.colour_kind == "none":
         return {}
-    from breastrig.colour.features.observe import Expectation, observed_landmarks  # loads image filters
+    from breastrig.colour.features.observe import observed_landmarks  # loads image filters
 
     rig = task.rig
-    vertices = pose(rig, last.parameters)
+    known = radii(Posterior(task, last.parameters), margin)
+    errors = {name: UNKNOWN if known is None else known.landmarks[name] / HOLDS_90 for name in rig.landmark_names}
+    body, expected = expectations(rig, pose(rig, last.parameters), errors, {})
+    return observed_landmarks(scan, expected, body[:, 0], body[:, 1])
+
+
+def expectations(
+    rig: Rig, vertices: Array, errors: Mapping[str, float], picked: Mapping[str, Array]
+) -> tuple[Array, dict[str, "Expectation"]]:
+    """((3, 3) columns: the body's left, up and front, by name where the landmarks with these errors (m) are expected).
+
+    By the fitted model of (V, 3) m `vertices`, or where they were `picked`, in the scan's frame.
+    """
+    from breastrig.colour.features.observe import Expectation  # loads image filters
+
     points = rig.landmark_points()
     places = points.positions(vertices, rig.faces)
     outwards = unit_vectors(points.positions(vertex_normals(vertices, rig.faces), rig.faces))
-    known = radii(Posterior(task, last.parameters), margin)
     expected = {
-        name: Expectation(places[k], outwards[k], UNKNOWN if known is None else known.landmarks[name] / HOLDS_90)
+        name: Expectation(np.asarray(picked.get(name, places[k])), outwards[k], errors[name])
         for k, name in enumerate(rig.landmark_names)
+        if name in errors
     }
-    body = umeyama(points.positions(rig.template, rig.faces), places).rotation
-    return observed_landmarks(scan, expected, body[:, 0], body[:, 1])
+    return umeyama(points.positions(rig.template, rig.faces), places).rotation, expected
 
 
 def with_seen(task: FitTask, seen: Mapping[str, "Observation"], last: FitIterate) -> FitTask:
