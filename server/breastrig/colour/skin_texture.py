@@ -59,6 +59,11 @@ class SkinPicture:
         number[self._shown] = np.arange(len(self._shown))
         return number
 
+    def depths(self, rows: Array | Integers, columns: Array | Integers, faces: Integers) -> Array:
+        """(M,) pixels away from the viewer, at (M,) rows and columns on the planes of (M,) triangles."""
+        plane = self._plane[self._number[faces]]
+        return np.asarray(plane[:, 0] * columns + plane[:, 1] * rows + plane[:, 2])
+
     def places(self, rows: Array | Integers, columns: Array | Integers, faces: Integers | None = None) -> Array:
         """(M, 3) m places on the skin, in the scan's frame, of (M,) rows and columns, fractions of pixels too.
 
@@ -67,9 +72,7 @@ class SkinPicture:
         """
         if faces is None:
             faces = self.faces[np.rint(rows).astype(np.int64), np.rint(columns).astype(np.int64)].astype(np.int64)
-        plane = self._plane[self._number[faces]]
-        depth = plane[:, 0] * columns + plane[:, 1] * rows + plane[:, 2]
-        seen = np.stack([columns, rows, depth], axis=1)
+        seen = np.stack([columns, rows, self.depths(rows, columns, faces)], axis=1)
         return np.asarray(self.corner + self.texel * seen @ self.axes)
 
 
@@ -79,6 +82,7 @@ class SkinTexture:
 
     scan: Scan
     pictures: tuple[SkinPicture, ...]
+    owner: Integers  # (F,) number of the picture that sees a triangle best, -1 for what none shows
     node: Integers  # (V,) the scan's vertices as nodes of its skin: vertices at one place, along seams, are one
     face_colours: NDArray[np.uint8]  # (F, 3) sRGB in the middle of each triangle of the scan
     source_texel: float  # m, how far apart the scanner's own texels or coloured vertices are, median
@@ -128,19 +132,21 @@ def skin_texture(scan: Scan, texel: float = TEXEL) -> SkinTexture:
     turns = _smooth_normals(scan, node)
     pictures = []
     directions = [_view(axes, axis, sign) for axis in range(3) for sign in (1.0, -1.0)]
-    unseen = np.ones(len(scan.faces), dtype=np.bool_)
-    for view in directions:
-        found, shown = _seen_along(scan, source, np.flatnonzero(turns @ -view[2] >= FACING), view, texel)
+    facing = np.stack([turns @ -view[2] for view in directions], axis=1)
+    owner, best = np.full(len(scan.faces), -1), np.zeros(len(scan.faces))
+    for number, view in enumerate(directions):
+        found, shown = _seen_along(scan, source, np.flatnonzero(facing[:, number] >= FACING), view, texel)
         pictures += found
-        unseen[shown] = False
-    nearest = np.argmax(np.stack([turns @ -view[2] for view in directions], axis=1), axis=1)
+        better = shown[facing[shown, number] > best[shown]]
+        owner[better], best[better] = len(pictures) - 1, facing[better, number]
+    nearest = facing.argmax(axis=1)
     for number, view in enumerate(directions):
         for _ in range(LAYERS):
-            for part in _parts(scan, node, np.flatnonzero(unseen & (nearest == number))):
+            for part in _parts(scan, node, np.flatnonzero((owner < 0) & (nearest == number))):
                 found, shown = _seen_along(scan, source, part, view, texel)
                 pictures += found
-                unseen[shown] = False
-    return SkinTexture(scan, tuple(pictures), node, source.middles(), source.texel)
+                owner[shown] = len(pictures) - 1
+    return SkinTexture(scan, tuple(pictures), owner, node, source.middles(), source.texel)
 
 
 def welded(vertices: Array, within: float = 1e-6) -> Integers:
@@ -342,7 +348,8 @@ class _VertexSource:
 
     def middles(self) -> NDArray[np.uint8]:
         """(F, 3) sRGB in the middle of each triangle."""
-        return np.rint(self._values.mean(axis=1)).astype(np.uint8)
+        mixed: NDArray[np.uint8] = np.rint(self._values.mean(axis=1)).astype(np.uint8)
+        return mixed
 
 
 def _size_of_texels(scan: Scan, at: Array) -> float:
@@ -363,5 +370,5 @@ def _packed(image: NDArray[np.uint8]) -> NDArray[np.uint32]:
 
 
 def _unpacked(words: NDArray[np.uint32]) -> NDArray[np.uint8]:
-    found: NDArray[np.uint8] = np.ascontiguousarray(words).view(np.uint8).reshape(-1, 4)
-    return found[:, :3]
+    four: NDArray[np.uint8] = np.ascontiguousarray(words).view(np.uint8).reshape(-1, 4)
+    return four[:, :3]
