@@ -17,9 +17,10 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_task, scan_orientation
-from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
+from breastrig.fitting.seen.landmarks import areola_of, seen_landmarks, with_seen
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.geometry.normals import vertex_normals
+from breastrig.report.areolae import SeenAreola
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 from breastrig.scan.scan import Scan
@@ -44,6 +45,7 @@ class Proposal:
     on_scan: bool  # on skin that the scan shows
     error: float | None = None  # m, radius that holds the true place with 90 %; None: nobody knows it for this model
     reason: str | None = None  # what shows it beside the form of the body, in a few words
+    areola: SeenAreola | None = None  # around a nipple that colour shows
 
 
 def confidence_of(error: float) -> float:
@@ -83,8 +85,9 @@ def propose_landmarks(
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
         if name in shown:
-            at, error = shown[name].place, shown[name].error
-            proposals[name] = Proposal(at, round(confidence_of(error), 2), True, HOLDS_90 * error, shown[name].reason)
+            each = shown[name]
+            sure = round(confidence_of(each.error), 2)
+            proposals[name] = Proposal(each.place, sure, True, HOLDS_90 * each.error, each.reason, areola_of(each))
             continue
         radius = None if known is None else known.landmarks[name]
         confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)

@@ -233,7 +233,7 @@ def _fitted_series(radii: Array, good: Booleans, turn: Array) -> tuple[Array, Ar
     weight: Array = np.ones(len(rows))
     rest: Array = np.zeros(len(rows))
     ridge = np.diag([0.0, *np.repeat([0.5, 0.5, 2.0], 2)])  # prefers a circle where a part of the border is unseen
-    shape = np.zeros(rows.shape[1])
+    shape: Array = np.zeros(rows.shape[1])
     for _ in range(6):
         weighted = rows * weight[:, None]
         shape = np.linalg.solve(weighted.T @ rows + ridge, weighted.T @ radii[good])

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.seen.landmarks import expectations
+from breastrig.fitting.seen.landmarks import areola_of, expectations
 from breastrig.report.areolae import SeenAreola
 from breastrig.rig.model import Rig
 from breastrig.scan.scan import Scan
@@ -40,6 +40,5 @@ def seen_areolae(
         observed = observed_landmarks(scan, expected, body[:, 0], body[:, 1])
     found: dict[str, SeenAreola | None] = {}
     for name, side in sides.items():
-        areola = observed[name].areola if name in observed else None
-        found[side] = None if areola is None else SeenAreola(2.0 * areola.radius, areola.diameter_half, areola.rim)
+        found[side] = areola_of(observed[name]) if name in observed else None
     return found

@@ -19,6 +19,7 @@ from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.unit_vectors import unit_vectors
+from breastrig.report.areolae import SeenAreola
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.skinning import pose
@@ -64,6 +65,12 @@ def expectations(
         if name in errors
     }
     return umeyama(points.positions(rig.template, rig.faces), places).rotation, expected
+
+
+def areola_of(observation: "Observation") -> SeenAreola | None:
+    """The areola that a nipple was found in, as measures have it."""
+    areola = observation.areola
+    return None if areola is None else SeenAreola(2.0 * areola.radius, areola.diameter_half, areola.rim)
 
 
 def with_seen(task: FitTask, seen: Mapping[str, "Observation"], last: FitIterate) -> FitTask:
