@@ -41,17 +41,17 @@ def read_scan(
     file_type: str | None = None,
     units: str = "auto",
     texture: bool = True,
-    anew: bool = True,
+    for_display: bool = True,
 ) -> Scan:
     """Reads PLY, OBJ, STL, GLB, PCD, rows of points, or a zip of one of them with its MTL and pictures.
 
     `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
-    `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures, and
-    `anew=False` leaves the picture as it is in the file, still to be decoded, for who wants its pixels and not to
-    show it.  Raises BadScan, TooLarge (over a limit) or BadSettings (no such unit), each with one sentence.
+    `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures, `for_display=False`
+    that of writing a smaller one to be shown: whoever decodes it then finds out whether it is sound.  Raises BadScan,
+    TooLarge (over a limit) or BadSettings (no such unit), each with one sentence.
     """
     if file_type == STORED and isinstance(source, Path):
-        scan = read_stored(source, texture, anew)
+        scan = read_stored(source, texture, for_display)
         unit, reason = decide_unit(_extent(scan.vertices, scan.faces) / scan.metres_per_unit, units)
         metres = METRES_PER_UNIT[unit]
         vertices = scan.vertices if unit == scan.unit else scan.vertices * (metres / scan.metres_per_unit)
@@ -93,7 +93,7 @@ def read_scan(
         unit, reason = decide_unit(_extent(whole.vertices, whole.faces), units)
     metres = METRES_PER_UNIT[unit]
     whole, strays = _placed(whole, metres)
-    jpeg = None if whole.picture is None else written_anew(whole.picture) if anew else whole.picture
+    jpeg = whole.picture if whole.picture is None or not for_display else written_anew(whole.picture)
     if whole.picture is not None and jpeg is None:
         notes += ("The texture is damaged and was left out.",)
     return Scan(

@@ -816,6 +816,8 @@ export type ProposedLandmark = {
   on_scan: boolean;
   /** radius that holds the true place with 90 %; null where it is not known */
   error_mm?: number | null;
+  /** what shows it beside the form of the body, as: areola seen; null where nothing does */
+  reason?: string | null;
 };
 
 export type ProposedLandmarks = {

@@ -112,6 +112,9 @@ class ProposedLandmark(Wire):
     error_mm: float | None = Field(
         None, description="radius that holds the true place with 90 %; null where it is not known"
     )
+    reason: str | None = Field(
+        None, description="what shows it beside the form of the body, as: areola seen; null where nothing does"
+    )
 
 
 class ProposedLandmarks(Wire):
