@@ -10,7 +10,7 @@ from breastrig.scan.scan import Scan
 
 @pytest.fixture(scope="session")
 def inked() -> Scan:
-    return read_scan(inked_zip(), units="m", anew=False)
+    return read_scan(inked_zip(), units="m", for_display=False)
 
 
 @pytest.fixture(scope="session")

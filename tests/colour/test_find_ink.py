@@ -59,13 +59,13 @@ def test_lines_lie_on_the_skin_evenly_and_are_named(ink: tuple[InkLine, ...], in
 
 @pytest.mark.parametrize("marker", ["black", "blue", "green"])
 def test_every_marker_is_found_and_known(marker: str) -> None:
-    lines = find_ink(read_scan(inked_zip(marker), units="m", anew=False))
+    lines = find_ink(read_scan(inked_zip(marker), units="m", for_display=False))
     assert missed_and_false(lines)[:2] < (0.06, 5.0)
     assert {each.marker.name for each in lines} == {marker}
 
 
 def test_moles_scars_hair_and_grain_are_no_ink() -> None:
-    assert find_ink(read_scan(inked_zip(bare=True), units="m", anew=False)) == ()
+    assert find_ink(read_scan(inked_zip(bare=True), units="m", for_display=False)) == ()
 
 
 def test_a_turned_and_moved_scan_gives_the_same_lines(inked: Scan, ink: tuple[InkLine, ...]) -> None:

@@ -29,6 +29,7 @@ from breastrig.evaluation.studies.plan import Plan
 from breastrig.evaluation.studies.result_cache import FILES
 from breastrig.evaluation.studies.rotation_counts import QUICK_ROTATIONS, ROTATIONS
 from breastrig.evaluation.tables.accuracy import console, failures_table
+from breastrig.evaluation.tables.colour_landmarks import console as landmarks_by_colour
 from breastrig.evaluation.tables.ink import console as colour_console
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path
@@ -146,8 +147,9 @@ def run(options: argparse.Namespace) -> int:
             published(results, about, out, lambda what: bar.set_postfix_str(what))
     if plan.plain:
         print(console(results.records, plan.recipes[0].name))
-    if colour := colour_console(results.records):
-        print(colour)
+    for colour in (landmarks_by_colour(results.records), colour_console(results.records)):
+        if colour:
+            print(colour)
     failed = len(failures_table(results.records).rows)
     if failed:
         print(f"{failed} fits were not possible; {options.output / 'failures.csv'} says why.")

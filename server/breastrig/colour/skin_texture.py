@@ -108,8 +108,8 @@ def has_colour(scan: Scan) -> bool:
     return scan.colour_kind != "none"
 
 
-def lab(pixels: NDArray[np.uint8]) -> Array:
-    """(..., 3) CIE Lab (D65) of (..., 3) sRGB; L from 0 to 100."""
+def lab(pixels: NDArray[np.uint8] | Array) -> Array:
+    """(..., 3) CIE Lab (D65) of (..., 3) sRGB, bytes or 0 to 1; L from 0 to 100."""
     from skimage.color import rgb2lab  # it takes 0.3 s to load, and most scans need it not
 
     return np.asarray(rgb2lab(pixels), dtype=np.float64)

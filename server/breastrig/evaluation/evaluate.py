@@ -8,6 +8,7 @@ from breastrig.evaluation.studies.plan import Plan, shape_effects
 from breastrig.evaluation.studies.result_cache import Record, records
 from breastrig.evaluation.tables import accuracy as tables
 from breastrig.evaluation.tables import certainty as certainty_tables
+from breastrig.evaluation.tables import colour_landmarks as colour_landmark_tables
 from breastrig.evaluation.tables import ink as ink_tables
 from breastrig.evaluation.tables import measures as measures_tables
 from breastrig.evaluation.tables import studies as study_tables
@@ -68,6 +69,8 @@ def all_tables(results: Results) -> list[Table]:
         certainty_tables.reliability_table(found),
         certainty_tables.believed_table(found),
         measures_tables.measures_table(found),
+        colour_landmark_tables.colour_landmarks_table(found),
+        colour_landmark_tables.areolae_table(found),
         ink_tables.ink_table(found),
         ink_tables.ink_transfer_table(found),
         tables.failures_table(found),

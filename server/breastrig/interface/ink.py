@@ -42,7 +42,7 @@ def find_ink(scan: Scan | str | Path, *, units: str = "auto") -> Ink:
         found, file = scan.in_metres, scan.file
     else:
         file = existing(scan)
-        found = scan_files.read_scan(file, None, units, anew=False)
+        found = scan_files.read_scan(file, None, units, for_display=False)
     with one_thread():
         strokes = search.find_ink(found)
     document: dict[str, Any] = ink_document(strokes, found.unit, found.metres_per_unit)

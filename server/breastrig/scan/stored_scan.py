@@ -20,11 +20,12 @@ from breastrig.scan.scan import Scan
 
 STORED = "stored"  # the file type, for which no upload can pass
 FACTS = ("unit", "metres_per_unit", "unit_reason", "sha256", "notes")
+LATER_FACTS = {"from_points": False}  # those of earlier versions lack them
 
 
 def write_stored(scan: Scan, path: Path) -> None:
     """Writes the scan to the file `path`.  Raises OSError."""
-    facts = {name: getattr(scan, name) for name in FACTS}
+    facts = {name: getattr(scan, name) for name in (*FACTS, *LATER_FACTS)}
     arrays: dict[str, NDArray[Any]] = {
         "facts": np.frombuffer(json.dumps(facts).encode(), np.uint8),
         "vertices": scan.vertices,
@@ -38,17 +39,17 @@ def write_stored(scan: Scan, path: Path) -> None:
         np.savez(file, allow_pickle=False, **arrays)
 
 
-def read_stored(path: Path, texture: bool = True, anew: bool = True) -> Scan:
-    """What `write_stored` wrote, without its picture if `texture` is false; BadScan when it is damaged.
+def read_stored(path: Path, texture: bool = True, for_display: bool = True) -> Scan:
+    """What `write_stored` wrote, without its picture if `texture` is false, with it as it is if not `for_display`.
 
-    The texture is written anew to be shown, or with `anew=False` the picture itself, not yet decoded.
+    BadScan when it is damaged.
     """
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             facts = json.loads(arrays["facts"].tobytes())
             painted = texture and "picture" in arrays
             picture = arrays["picture"].tobytes() if painted else None
-            jpeg = None if picture is None else written_anew(picture) if anew else picture
+            jpeg = picture if picture is None or not for_display else written_anew(picture)
             return Scan(
                 vertices=arrays["vertices"],
                 faces=arrays["faces"],
@@ -57,6 +58,7 @@ def read_stored(path: Path, texture: bool = True, anew: bool = True) -> Scan:
                 texture=jpeg,
                 picture=None if jpeg is None else picture,
                 **{name: facts[name] for name in FACTS} | {"notes": tuple(facts["notes"])},
+                **{name: facts.get(name, earlier) for name, earlier in LATER_FACTS.items()},
             )
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise BadScan("The stored scan is damaged; upload it again.") from error

@@ -26,7 +26,7 @@ class InkJob:
 def find_ink_on_file(job: InkJob) -> dict[str, Any]:
     """The drawing, in mm, ready for JSON.  Raises a BreastRigError with a sentence."""
     try:
-        scan = read_scan(job.scan, job.file_type, job.units, anew=False)
+        scan = read_scan(job.scan, job.file_type, job.units, for_display=False)
         return ink_document(find_ink(scan), "mm", 1e-3)
     except MemoryError as error:
         raise BadScan("Finding ink on this scan needs more memory than it may use; simplify it first.") from error

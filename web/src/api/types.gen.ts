@@ -14,7 +14,7 @@ export type CarriedDrawing = {
   schema: "breastrig/drawing@1";
   name: string;
   /** of the second scan */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   notice: string;
   carried_by: "skin" | "model";
   shapes: CarriedShape[];
@@ -69,7 +69,7 @@ export type DrawingFile = {
   schema: "breastrig/drawing@1";
   name?: string | null;
   /** of the points; the scan's */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   shapes: DrawnShape[];
 };
 
@@ -115,13 +115,15 @@ export type ExampleScan = {
   /** id of the patient whose scan it is */
   patient: string;
   /** unit that the file was read in */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   unit_reason: string;
   vertices: number;
   triangles: number;
   /** metres, the scan's own axes */
   bounds_m: Bounds;
   colours: "none" | "vertex" | "texture";
+  /** the file held points without triangles; the surface was made from them */
+  reconstructed_from_points?: boolean;
   /** what reading found, one sentence each */
   notes: string[];
   frame: Frame;
@@ -247,7 +249,7 @@ export type GivenDrawing = {
   schema?: "breastrig/drawing@1";
   name?: string | null;
   /** by default the scan's */
-  unit?: "m" | "dm" | "cm" | "mm" | "in" | null;
+  unit?: "m" | "dm" | "cm" | "mm" | "in" | "ft" | null;
   shapes: GivenShape[];
 };
 
@@ -626,7 +628,7 @@ export type PatternOnScan = {
   /** as asked, or as dragged */
   parameters: Record<string, number | string>;
   /** of the points; the scan's */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   shapes: PatternShape[];
   handles: PatternHandle[];
   /** why the drag went no farther, in words; empty where it did not end */
@@ -718,7 +720,7 @@ export type PlanOnScan = {
   schema: "breastrig/drawing@1";
   name: string;
   /** of the scan */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   notice: string;
   shapes: PlannedShape[];
   notes: PlannedNote[];
@@ -814,6 +816,8 @@ export type ProposedLandmark = {
   on_scan: boolean;
   /** radius that holds the true place with 90 %; null where it is not known */
   error_mm?: number | null;
+  /** what shows it beside the form of the body, as: areola seen; null where nothing does */
+  reason?: string | null;
 };
 
 export type ProposedLandmarks = {
@@ -885,13 +889,15 @@ export type Scan = {
   /** id of the patient whose scan it is */
   patient: string;
   /** unit that the file was read in */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   unit_reason: string;
   vertices: number;
   triangles: number;
   /** metres, the scan's own axes */
   bounds_m: Bounds;
   colours: "none" | "vertex" | "texture";
+  /** the file held points without triangles; the surface was made from them */
+  reconstructed_from_points?: boolean;
   /** what reading found, one sentence each */
   notes: string[];
   frame: Frame;
@@ -927,10 +933,10 @@ export type ScanOwner = {
 };
 
 export type ScanUpload = {
-  /** PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image */
+  /** PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images */
   file: Blob;
   /** unit of the file's numbers; auto decides from the size and says so */
-  units?: "auto" | "m" | "dm" | "cm" | "mm" | "in";
+  units?: "auto" | "m" | "dm" | "cm" | "mm" | "in" | "ft";
   /** id of the patient whose scan it is; without it she is a new one */
   patient?: string | null;
 };

@@ -20,7 +20,7 @@ TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, del
 
 scans = APIBlueprint("scans", __name__, url_prefix="/api/scans", tag=TAG)
 
-FILE_TYPES = ("ply", "obj", "stl", "glb", "zip")
+FILE_TYPES = ("ply", "obj", "stl", "glb", "zip", "pcd", "xyz", "asc", "pts", "usdz", "usd", "usda", "usdc")
 
 
 @scans.post("")
@@ -37,7 +37,9 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
     """
     suffix = PurePosixPath(files_data.file.filename or "").suffix.lower().lstrip(".")
     if suffix not in FILE_TYPES:
-        raise refuse(415, "This is not a scan file; send PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image.")
+        raise refuse(
+            415, "This is not a scan file; send PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images."
+        )
     row = app_context().service.add_scan(files_data.file.stream, suffix, files_data.units, files_data.patient or None)
     answer = scan_answer(row)
     return answer, 201, {"Location": answer.links.self}

@@ -30,6 +30,8 @@ TABLES = (
         "certainty",
         "reliability",
         "believed",
+        "colour_landmarks",
+        "areolae",
         "ink",
         "ink_transfer",
         "failures",

@@ -60,7 +60,11 @@ class Plan:
     def _of_colour(self) -> list[Unit]:
         """What is asked of coloured cases, and of the stances of one patient."""
         coloured = [case for case in self.cases if case.coloured]
-        units = [Unit((case,), "ink", self.recipes[0], self.model) for case in coloured]
+        units = [
+            Unit((case,), question, self.recipes[0], self.model)
+            for case in coloured
+            for question in ("colour_landmarks", "ink")
+        ]
         for _, group in groupby(coloured, lambda case: case.patient):
             cases = tuple(group)
             if {case.stance for case in cases} >= {"standing", "supine"}:

@@ -31,14 +31,14 @@ from breastrig.rig.model import Rig
 
 FILES = (
     *("scan.ply", "scan.zip", "landmarks.json", "case.json", "truth.ply"),
-    *("ink.json", "ink_in_standing.json", "ink_in_supine.json"),
+    *("skin.json", "ink.json", "ink_in_standing.json", "ink_in_supine.json"),
 )
 ANSWERING = (  # the code that an answer depends on, besides the module of the question
     *("core", "geometry", "least_squares", "rig", "scan", "correspondence", "energies", "gltf", "fitting", "report"),
     *("evaluation/studies/case.py", "evaluation/studies/reliability.py", "evaluation/cohort.py", "__init__.py"),
 )
 WITH_DRAWINGS = ("two_stances", "transfer", "other_patient", "ink_transfer")
-OF_COLOUR = ("ink", "ink_transfer")
+OF_COLOUR = ("colour_landmarks", "ink", "ink_transfer")
 
 
 @dataclass(frozen=True, eq=False)
