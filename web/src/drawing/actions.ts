@@ -231,6 +231,13 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
       change(withoutLine(lines(), name), { chosen: forget(drawn().chosen), open: forget(drawn().open), corner: null }, words.announceErased(name));
     },
 
+    /** Lines that were found elsewhere become the scan's own, as one step to undo. */
+    adopt(found: readonly OwnLine[], announcement: string): void {
+      const all = [...lines()];
+      for (const line of found) all.push({ ...line, id: newId(), name: freeName(all, line.name) });
+      change(all, { start: null, open: null, corner: null }, announcement);
+    },
+
     /** Lines that could not be saved before; what the service has is one undo away. */
     restore: (kept: readonly OwnLine[]): void => change(kept, {}, ""),
 
