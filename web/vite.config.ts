@@ -1,10 +1,19 @@
 // The page is built to dist/, which the service serves at "/".  While developing, Vite serves the sources and
 // passes /api on to a running service (BREASTRIG_SERVICE, by default the port of `make serve`).
+import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
 
 const service = process.env.BREASTRIG_SERVICE ?? "http://127.0.0.1:8321";
 
+// Draco's decoder is a script from before modules: it is given an end that makes it one, and told that this is no Node.
+const dracoAsModule: Plugin = {
+  name: "draco-as-module",
+  transform: (code, id) => (id.includes("draco_wasm_wrapper.js") ? `const [process, exports, module, define] = [];\n${code}\nexport default DracoDecoderModule;` : null),
+};
+
 export default defineConfig({
+  plugins: [dracoAsModule],
+  worker: { format: "es", plugins: () => [dracoAsModule] },
   base: "/", // the page stands at the root and at /s
   server: { host: "127.0.0.1", port: 5173, proxy: { "/api": service, "/healthz": service } },
   build: {
@@ -16,5 +25,5 @@ export default defineConfig({
     chunkSizeWarningLimit: 1000,
     modulePreload: { polyfill: false },
   },
-  test: { include: ["test/**/*.test.ts"], environment: "node", testTimeout: 60_000 }, // none of them waits; a busy machine takes its time
+  test: { include: ["test/**/*.test.ts"], environment: "node", server: { deps: { inline: [/draco_wasm_wrapper/] } }, testTimeout: 60_000 }, // none of them waits; a busy machine takes its time
 });

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from helpers.damage import BOUNDED, Edits, damage, damaged
+from helpers.point_files import front, pcd, point_ply, xyz
 from helpers.refusals import refused_or_sound, sound_landmarks_or_refused
 from helpers.scan_files import as_bytes, picture, textured_obj, tube, zipped
 from helpers.toy_rig import toy_rig
@@ -18,6 +19,10 @@ SCANS = {kind: as_bytes(tube(), kind) for kind in ("ply", "obj", "stl", "stl_asc
 SCANS["ply_ascii"] = tube().export(file_type="ply", encoding="ascii")
 SCANS["textured_glb"] = mesh_glb(toy_rig().template, toy_rig().faces, uv=toy_rig().uv, texture=picture())
 SCANS["zip"] = zipped({**textured_obj(), "skin.jpg": picture()})
+POINTS = front(0.0065)[0]
+POINTS = POINTS[POINTS[:, 1] < -0.05]
+SCANS |= {f"pcd_{form}": pcd(POINTS, form) for form in ("ascii", "binary", "binary_compressed")}
+SCANS |= {"points_ply": point_ply(POINTS), "xyz": xyz(POINTS)}
 LANDMARKS = {
     kind: landmark_file({"nipple_L": np.array([1.0, 2.5, -3.0]), "xiphoid": np.array([0.0, 1e-3, 9.0])}, kind, "mm")
     for kind in ("json", "csv", "pp", "mrk.json")

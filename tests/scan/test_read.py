@@ -1,6 +1,7 @@
 """Scans of every kind are read whole, in metres, in their own frame."""
 
 import hashlib
+import io
 from pathlib import Path
 
 import numpy as np
@@ -8,9 +9,10 @@ import pytest
 import trimesh
 from helpers.scan_files import as_bytes, picture, ply_text, textured_obj, tube, zipped
 from helpers.toy_rig import toy_rig
+from PIL import Image
 
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.scan.formats.texture import is_picture
+from breastrig.scan.formats.texture import TURNED, is_picture
 from breastrig.scan.read import read_scan
 
 
@@ -61,6 +63,46 @@ def test_vertex_colours_are_kept(kind: str) -> None:
     assert scan.colour_kind == "vertex"
     assert scan.colours is not None
     assert np.abs(scan.colours.astype(int) - colours).max() <= 1
+
+
+COLOURED = np.random.default_rng(6).integers(0, 256, (len(toy_rig().template), 3))
+
+
+def coloured_text(kind: str, numbers: str, colours: np.ndarray, names: str = "red green blue") -> bytes:
+    """The tube as text with these colours behind its places."""
+    rig = toy_rig()
+    rows = [
+        " ".join([*(f"{number:.9g}" for number in place), *(f"{number:.9g}" for number in colour)])
+        for place, colour in zip(rig.template, colours, strict=True)
+    ]
+    if kind == "obj":
+        faces = ["f {} {} {}".format(*(face + 1)) for face in rig.faces]
+        return "\n".join([*(f"v {row}" for row in rows), *faces, ""]).encode()
+    head, body = ply_text(rig.template, rig.faces).split(b"end_header\n", 1)
+    faces = body.decode().splitlines()[len(rows) :]
+    more = "".join(f"property {numbers} {name}\n" for name in names.split())
+    text = head.decode().replace("element face", f"{more}element face") + "end_header\n"
+    return (text + "\n".join([*rows, *faces, ""])).encode()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        coloured_text("obj", "", COLOURED / 255.0),
+        coloured_text("obj", "", COLOURED),
+        coloured_text("obj", "", np.column_stack([COLOURED / 255.0, np.ones(len(COLOURED))])),
+        coloured_text("ply", "uchar", COLOURED),
+        coloured_text("ply", "float", COLOURED / 255.0),
+        coloured_text("ply", "ushort", COLOURED * 257),
+        coloured_text("ply", "uchar", COLOURED, "diffuse_red diffuse_green diffuse_blue"),
+        coloured_text("ply", "uchar", COLOURED, "r g b"),
+    ],
+    ids=["OBJ to 1", "OBJ to 255", "OBJ with opacity", "PLY", "PLY to 1", "PLY of 16 bits", "diffuse", "r g b"],
+)
+def test_vertex_colours_are_read_however_a_program_writes_them(data: bytes) -> None:
+    scan = read_scan(data)
+    assert scan.colours is not None
+    np.testing.assert_array_equal(scan.colours, COLOURED)
 
 
 def test_our_own_display_mesh_comes_back_with_the_same_colours() -> None:
@@ -125,6 +167,22 @@ def test_a_picture_of_another_kind_is_left_out_and_said(tmp_path: Path) -> None:
     scan = read_scan(zipped({**textured_obj("skin.png"), "skin.png": b"GIF89a" + bytes(50)}))
     assert scan.texture is None
     assert scan.notes == ("The texture is neither JPEG nor PNG, or damaged, and was left out.",)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_picture_taken_with_the_camera_turned_is_used_as_stored_and_spoken_of(turned: bool) -> None:
+    """As mesh programs do: texture coordinates count stored pixels."""
+    rig, stream, exif = toy_rig(), io.BytesIO(), Image.Exif()
+    exif[0x0112] = 6 if turned else 1
+    pixels = np.random.default_rng(2).integers(0, 256, (8, 16, 3)).astype(np.uint8)
+    Image.fromarray(pixels).save(stream, "PNG", exif=exif)
+    glb = mesh_glb(rig.template, rig.faces, uv=rig.uv, texture=stream.getvalue())
+    for data in (glb, zipped({**textured_obj("skin.png"), "skin.png": stream.getvalue()})):
+        scan = read_scan(data)
+        assert scan.picture is not None
+        with Image.open(io.BytesIO(scan.picture)) as image:
+            np.testing.assert_array_equal(np.asarray(image), pixels)
+        assert scan.notes == ((TURNED,) if turned else ())
 
 
 def test_what_the_finder_adds_to_a_zip_does_not_matter() -> None:

@@ -64,8 +64,8 @@ def test_a_given_unit_is_kept_where_auto_would_ask() -> None:
 
 
 def test_an_unknown_unit_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(BadSettings, match='"ft" is not a unit; known are: auto, m, dm, cm, mm, in'):
-        decide_unit(1.0, "ft")
+    with pytest.raises(BadSettings, match='"yd" is not a unit; known are: auto, m, dm, cm, mm, in, ft'):
+        decide_unit(1.0, "yd")
 
 
 def test_a_few_stray_points_do_not_change_the_size() -> None:
@@ -74,3 +74,20 @@ def test_a_few_stray_points_do_not_change_the_size() -> None:
     clean = extent(points)
     points[:20] *= 1000.0
     assert extent(points) == pytest.approx(clean, rel=0.01)
+
+
+def test_feet_are_decided_where_nothing_else_fits_and_asked_about_where_decimetres_do() -> None:
+    assert decide_unit(2.8, "auto") == (
+        "ft",
+        "The scan is 2.8 units across, which fits a torso only in feet (0.853 m).",
+    )
+    with pytest.raises(
+        BadScan, match=r"could be decimetres \(0.35 m\) or feet \(1.07 m\); say which with units dm or ft"
+    ):
+        decide_unit(3.5, "auto")
+    assert decide_unit(3.5, "ft")[0] == "ft"
+
+
+@pytest.mark.parametrize("across", [0.3, 0.75, 1.0, 1.5, 1.9, 2.2, 2.6])
+def test_feet_never_make_a_scan_in_metres_doubtful(across: float) -> None:
+    assert decide_unit(across, "auto")[0] == "m"

@@ -47,7 +47,7 @@ async function samePlaces(page: Page, base: string, from: string, to: string): P
   const shapes = own.shapes.filter(({ carried }) => !carried).map(({ name, closed, color, points, bridged }) => ({ name, closed, color, points, bridged }));
   const drawing = { schema: "breastrig/drawing@1", unit: own.unit, shapes };
   const answer = (await (await page.request.post(`${base}/api/transfers`, { data: { from_fit: from, to_fit: to, drawing } })).json()) as CarriedDrawing;
-  const perUnit = { m: 1000, dm: 100, cm: 10, mm: 1, in: 25.4 }[answer.unit];
+  const perUnit = { m: 1000, dm: 100, cm: 10, mm: 1, in: 25.4, ft: 304.8 }[answer.unit];
   const carried = there.shapes.filter((shape) => shape.carried);
   expect(carried).toHaveLength(answer.shapes.length);
   for (const shape of answer.shapes) {

@@ -16,7 +16,12 @@ from breastrig.core.units import METRES_PER_UNIT
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     parser = commands.add_parser("fit", help=COMMANDS["fit"], description=__doc__)
-    parser.add_argument("scan", type=Path, metavar="SCAN", help="PLY, OBJ, STL, GLB, or a zip of one with its images")
+    parser.add_argument(
+        "scan",
+        type=Path,
+        metavar="SCAN",
+        help="PLY, OBJ, STL, GLB, USDZ, points as PCD, XYZ or PLY, or a zip of one with its images",
+    )
     parser.add_argument("--landmarks", type=Path, metavar="FILE", help="picked points: JSON, CSV, .pp or .mrk.json")
     parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
     parser.add_argument("--stance", default="auto", choices=STANCES)

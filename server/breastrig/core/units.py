@@ -1,7 +1,10 @@
 """Units of length at the door of the program; inside, everything is in metres."""
 
-METRES_PER_UNIT = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254}
-UNIT_NAMES = {"m": "metres", "dm": "decimetres", "cm": "centimetres", "mm": "millimetres", "in": "inches"}
+METRES_PER_UNIT = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+UNIT_NAMES = {
+    **{"m": "metres", "dm": "decimetres", "cm": "centimetres", "mm": "millimetres"},
+    **{"in": "inches", "ft": "feet"},
+}
 UNIT_CHOICES = ("auto", *METRES_PER_UNIT)
 BEYOND = 1e9  # in any unit; a coordinate that is larger is a mistake, and its square still a number
 

@@ -18,7 +18,7 @@ TITLE = 1_000  # characters, of a drawing: a fit's is made of the names of all d
 BLACK = "#101010"
 SCHEMA: Literal["breastrig/drawing@1"] = "breastrig/drawing@1"
 
-LineUnit = Literal["m", "dm", "cm", "mm", "in"]
+LineUnit = Literal["m", "dm", "cm", "mm", "in", "ft"]
 Colour = Annotated[
     str,
     Field(pattern=r"^#[0-9a-fA-F]{6}$"),

@@ -70,7 +70,7 @@ class _File(BaseModel):
     model_config = ConfigDict(extra="ignore", defer_build=True)
 
     name: str | None = None
-    unit: Literal["m", "dm", "cm", "mm", "in"]
+    unit: Literal["m", "dm", "cm", "mm", "in", "ft"]
     shapes: list[_Shape]
 
 

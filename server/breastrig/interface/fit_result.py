@@ -67,7 +67,7 @@ class Fit:
     """
 
     model: Rig
-    unit: str  # the scan's: m, dm, cm, mm or in
+    unit: str  # the scan's: m, dm, cm, mm, in or ft
     metres_per_unit: float
     vertices: Array  # (V, 3) the whole fitted model, unseen parts included, in the template's vertex order
     faces: Integers  # (F, 3)

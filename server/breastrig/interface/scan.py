@@ -26,7 +26,7 @@ class Scan:
     vertices: Array  # (V, 3) in `unit`, the scan's own frame
     faces: Integers  # (F, 3)
     colours: NDArray[np.uint8] | None  # (V, 3) sRGB
-    unit: str  # m, dm, cm, mm or in
+    unit: str  # m, dm, cm, mm, in or ft
     metres_per_unit: float
     unit_reason: str  # one sentence: how the unit was decided
     sha256: str  # of the file's bytes
@@ -45,9 +45,9 @@ class Scan:
 
 
 def read_scan(source: str | Path | bytes, units: str = "auto", *, texture: bool = False) -> Scan:
-    """Reads PLY, OBJ, STL, GLB, or a zip of one of them with its material and pictures; or the bytes of such a file.
+    """Reads PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one of them with its pictures; or the bytes of such a file.
 
-    `units` is the file's: m, dm, cm, mm, in, or auto to decide from the size (`Scan.unit_reason` says how).
+    `units` is the file's: m, dm, cm, mm, in, ft, or auto to decide from the size (`Scan.unit_reason` says how).
     `texture=True` decodes the picture as well (`Scan.in_metres` then holds it, with its uv): fits and proposed
     landmarks then look for the areolae in it.
     The scan's `vertices` (V, 3) are in the file's unit and frame.

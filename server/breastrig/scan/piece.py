@@ -22,9 +22,20 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
+class PointCloud:
+    """N points without triangles."""
+
+    points: Array  # (N, 3) the file's unit
+    normals: Array | None = None  # (N, 3) of any length, to the side that was seen
+    colours: NDArray[uint8] | None = None  # (N, 3) sRGB
+    sensor: Array | None = None  # (3,) where it was seen from, the file's unit
+
+
+@dataclass(frozen=True, eq=False)
 class Pieces:
     """Everything that a file holds."""
 
     pieces: tuple[Piece, ...]
     has_points: bool = False  # beside the triangles, or instead of them
     notes: tuple[str, ...] = ()  # one sentence each
+    cloud: PointCloud | None = None  # where there are points and no triangles at all

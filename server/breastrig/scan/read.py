@@ -21,9 +21,11 @@ from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import file_type_of
 from breastrig.scan.formats.archive import COMPANIONS, unpacked
 from breastrig.scan.formats.glb import glb_pieces
+from breastrig.scan.formats.pcd import pcd_points
+from breastrig.scan.formats.point_text import text_points
 from breastrig.scan.formats.texture import written_anew
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
-from breastrig.scan.piece import SEVERAL, Piece, Pieces
+from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
@@ -41,10 +43,10 @@ def read_scan(
     texture: bool = True,
     for_display: bool = True,
 ) -> Scan:
-    """Reads PLY, OBJ, STL, GLB or a zip of one of them with its MTL and pictures.
+    """Reads PLY, OBJ, STL, GLB, PCD, rows of points, or a zip of one of them with its MTL and pictures.
 
     `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
-    `units` is auto or m, dm, cm, mm, in; `texture=False` saves the time of decoding the pictures, `for_display=False`
+    `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures, `for_display=False`
     that of writing a smaller one to be shown: whoever decodes it then finds out whether it is sound.  Raises BadScan,
     TooLarge (over a limit) or BadSettings (no such unit), each with one sentence.
     """
@@ -56,27 +58,39 @@ def read_scan(
         return replace(scan, vertices=vertices, unit=unit, metres_per_unit=metres, unit_reason=reason)
     data = _bytes(source)
     siblings: Mapping[str, bytes] = {}
+    sorting: tuple[str, ...] = ()
     if file_type is None and isinstance(source, Path):
         file_type = source.suffix
     found = file_type_of(data, file_type)
     mesh = data
     if found == "zip":
-        name, files = unpacked(data)
-        mesh, siblings = files[name], files
-        found = file_type_of(mesh, name.rsplit(".", 1)[-1])
+        packed = unpacked(data)
+        mesh, siblings, sorting = packed.mesh, packed.companions, packed.notes
+        found = file_type_of(mesh, packed.ending)
         if found == "zip":
             raise BadScan("This zip holds another zip; pack the mesh itself.")
     elif found in ("obj", "ply") and isinstance(source, Path) and texture:
         siblings = _Siblings(source.parent)
     if found == "glb":
         pieces = glb_pieces(mesh, texture)
+    elif found in ("pcd", "xyz"):
+        pieces = Pieces((), has_points=True, cloud=pcd_points(mesh) if found == "pcd" else text_points(mesh))
     else:
         from breastrig.scan.formats.ply_obj_stl import mesh_pieces  # its parsers take 0.4 s to load
 
         pieces = mesh_pieces(mesh, found, siblings if texture else {}, texture)
-    whole, notes = _joined(pieces)
-    _check(whole, pieces.has_points)
-    unit, reason = decide_unit(_extent(whole.vertices, whole.faces), units)
+    from_points = pieces.cloud is not None and not pieces.pieces
+    if from_points and pieces.cloud is not None:
+        cloud = _sound_points(pieces.cloud)
+        unit, reason = decide_unit(extent(cloud.points), units)
+        from breastrig.scan.surface_from_points import FROM_POINTS, surface_from_points  # few scans are points
+
+        whole, notes = surface_from_points(cloud, METRES_PER_UNIT[unit]), (FROM_POINTS, *pieces.notes)
+        _check(whole, pieces.has_points)
+    else:
+        whole, notes = _joined(pieces)
+        _check(whole, pieces.has_points)
+        unit, reason = decide_unit(_extent(whole.vertices, whole.faces), units)
     metres = METRES_PER_UNIT[unit]
     whole, strays = _placed(whole, metres)
     jpeg = whole.picture if whole.picture is None or not for_display else written_anew(whole.picture)
@@ -89,11 +103,12 @@ def read_scan(
         metres_per_unit=metres,
         unit_reason=reason,
         sha256=hashlib.sha256(data).hexdigest(),
-        notes=(*notes, *strays, *_far_away(whole.vertices, metres)),
+        notes=(*sorting, *notes, *strays, *_far_away(whole.vertices, metres)),
         colours=whole.colours if jpeg is None else None,
         uv=None if jpeg is None else whole.uv,
         texture=jpeg,
         picture=None if jpeg is None else whole.picture,
+        from_points=from_points,
     )
 
 
@@ -158,6 +173,19 @@ def _joined(found: Pieces) -> tuple[Piece, tuple[str, ...]]:
     if len(coloured) == len(pieces):
         colours = np.concatenate(coloured)
     return Piece(vertices, faces, colours, None if picture is None else uv, picture), notes
+
+
+def _sound_points(cloud: PointCloud) -> PointCloud:
+    """The points that are places; BadScan when there are next to none."""
+    sound = (np.abs(cloud.points) < BEYOND).all(axis=1)  # false for what is no number, too
+    if int(sound.sum()) < MIN_TRIANGLES:
+        raise BadScan(f"This scan has only {int(sound.sum())} points and no triangles; export it as a triangle mesh.")
+    return PointCloud(
+        cloud.points[sound],
+        None if cloud.normals is None else np.nan_to_num(cloud.normals[sound], posinf=0.0, neginf=0.0),
+        None if cloud.colours is None else cloud.colours[sound],
+        cloud.sensor,
+    )
 
 
 def _check(whole: Piece, has_points: bool) -> None:

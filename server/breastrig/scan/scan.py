@@ -17,16 +17,15 @@ class Scan:
 
     vertices: Array  # (V, 3) m, the scan's own frame
     faces: Integers  # (F, 3)
-    unit: str  # of the file: m, dm, cm, mm or in
+    unit: str  # of the file: m, dm, cm, mm, in or ft
     metres_per_unit: float
     unit_reason: str  # one sentence
     sha256: str  # of the file's bytes
     notes: tuple[str, ...] = ()  # what reading found, one sentence each
     colours: NDArray[np.uint8] | None = None  # (V, 3) sRGB
     uv: Array | None = None  # (V, 2) origin at the lower left of the texture; only together with a texture
-    texture: bytes | None = (
-        None  # a JPEG without metadata, small enough to be shown; the picture where nobody will look
-    )
+    texture: bytes | None = None  # a JPEG without metadata, small enough to be shown; the picture where nobody will look
+    from_points: bool = False  # the file held points alone, and its triangles were laid through them
     picture: bytes | None = None  # behind it: the file's own JPEG or PNG, its pixels and nothing else
 
     def __post_init__(self) -> None:

@@ -20,11 +20,12 @@ from breastrig.scan.scan import Scan
 
 STORED = "stored"  # the file type, for which no upload can pass
 FACTS = ("unit", "metres_per_unit", "unit_reason", "sha256", "notes")
+LATER_FACTS = {"from_points": False}  # those of earlier versions lack them
 
 
 def write_stored(scan: Scan, path: Path) -> None:
     """Writes the scan to the file `path`.  Raises OSError."""
-    facts = {name: getattr(scan, name) for name in FACTS}
+    facts = {name: getattr(scan, name) for name in (*FACTS, *LATER_FACTS)}
     arrays: dict[str, NDArray[Any]] = {
         "facts": np.frombuffer(json.dumps(facts).encode(), np.uint8),
         "vertices": scan.vertices,
@@ -57,6 +58,7 @@ def read_stored(path: Path, texture: bool = True, for_display: bool = True) -> S
                 texture=jpeg,
                 picture=None if jpeg is None else picture,
                 **{name: facts[name] for name in FACTS} | {"notes": tuple(facts["notes"])},
+                **{name: facts.get(name, earlier) for name, earlier in LATER_FACTS.items()},
             )
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise BadScan("The stored scan is damaged; upload it again.") from error

@@ -3,7 +3,8 @@
 A scan of a torso is 0.3 m (one breast region) to 2.6 m (with arms, head and a table) across.  That is less
 than a factor of ten, so m, dm, cm and mm never fit together; inches overlap with cm and dm.  `auto` takes the
 only unit that fits; between a metric unit and inches it takes the metric one only if that gives an ordinary
-torso (0.45 to 1.7 m) and inches do not, and says so; else it asks.
+torso (0.45 to 1.7 m) and inches do not, and says so; else it asks.  Feet are three to a metre, so both would always
+fit: they are thought of only where metres do not fit and feet give an ordinary torso while nothing else does.
 """
 
 import numpy as np
@@ -34,13 +35,13 @@ def decide_unit(across: float, asked: str) -> tuple[str, str]:
     """
     if asked not in UNIT_CHOICES:
         raise BadSettings(unknown_name("unit", asked, UNIT_CHOICES))
-    fitting = [unit for unit in METRES_PER_UNIT if _within(across, unit, PLAUSIBLE)]
+    fitting = _fitting(across)
     if asked != "auto":
         return asked, _checked(across, asked, fitting)
     if len(fitting) == 1:
         unit = fitting[0]
         return unit, f"The scan is {across:.4g} units across, which fits a torso only in {_name(across, unit)}."
-    metric = [unit for unit in fitting if unit != "in" and _within(across, unit, ORDINARY)]
+    metric = [unit for unit in fitting if unit not in ("in", "ft") and _within(across, unit, ORDINARY)]
     if len(metric) == 1 and not _within(across, "in", ORDINARY):
         return metric[0], (
             f"The scan is {across:.4g} units across, read as {_name(across, metric[0])}; "
@@ -54,8 +55,15 @@ def decide_unit(across: float, asked: str) -> tuple[str, str]:
         )
     raise BadScan(
         f"The scan is {across:.4g} units across, which is no torso in any unit; "
-        "check the export, or give units (m, dm, cm, mm or in) if the scan is right."
+        "check the export, or give units (m, dm, cm, mm, in or ft) if the scan is right."
     )
+
+
+def _fitting(across: float) -> list[str]:
+    """The units in which this is plausible."""
+    fitting = [unit for unit in METRES_PER_UNIT if unit != "ft" and _within(across, unit, PLAUSIBLE)]
+    doubtful = "m" not in fitting and not any(_within(across, unit, ORDINARY) for unit in fitting)
+    return [*fitting, "ft"] if doubtful and _within(across, "ft", ORDINARY) else fitting
 
 
 def _checked(across: float, asked: str, fitting: list[str]) -> str:

@@ -68,6 +68,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
             "unit_reason": scan.unit_reason,
             "sha256": scan.sha256,
             "table_triangles": outcome.table_triangles,
+            **({"reconstructed_from_points": True} if scan.from_points else {}),
         },
         "model": {
             "name": rig.name,

@@ -46,7 +46,7 @@ class FitFolder:
 
     @property
     def unit(self) -> str:
-        """The scan's own: m, dm, cm, mm or in."""
+        """The scan's own: m, dm, cm, mm, in or ft."""
         return str(self.result["scan"]["unit"])
 
 
@@ -55,7 +55,7 @@ class _Part(BaseModel):
 
 
 class _Scan(_Part):
-    unit: Literal["m", "dm", "cm", "mm", "in"]
+    unit: Literal["m", "dm", "cm", "mm", "in", "ft"]
 
 
 class _Model(_Part):

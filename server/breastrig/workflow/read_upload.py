@@ -65,6 +65,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
         "triangles": len(scan.faces),
         "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},
         "colours": scan.colour_kind,
+        "reconstructed_from_points": scan.from_points,
         "notes": [*scan.notes, *surface.notes],
         "frame": orientation.body_frame(),
         "stance": {"proposed": orientation.stance, "reason": orientation.stance_reason},

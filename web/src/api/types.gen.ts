@@ -14,7 +14,7 @@ export type CarriedDrawing = {
   schema: "breastrig/drawing@1";
   name: string;
   /** of the second scan */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   notice: string;
   carried_by: "skin" | "model";
   shapes: CarriedShape[];
@@ -69,7 +69,7 @@ export type DrawingFile = {
   schema: "breastrig/drawing@1";
   name?: string | null;
   /** of the points; the scan's */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   shapes: DrawnShape[];
 };
 
@@ -115,13 +115,15 @@ export type ExampleScan = {
   /** id of the patient whose scan it is */
   patient: string;
   /** unit that the file was read in */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   unit_reason: string;
   vertices: number;
   triangles: number;
   /** metres, the scan's own axes */
   bounds_m: Bounds;
   colours: "none" | "vertex" | "texture";
+  /** the file held points without triangles; the surface was made from them */
+  reconstructed_from_points?: boolean;
   /** what reading found, one sentence each */
   notes: string[];
   frame: Frame;
@@ -247,7 +249,7 @@ export type GivenDrawing = {
   schema?: "breastrig/drawing@1";
   name?: string | null;
   /** by default the scan's */
-  unit?: "m" | "dm" | "cm" | "mm" | "in" | null;
+  unit?: "m" | "dm" | "cm" | "mm" | "in" | "ft" | null;
   shapes: GivenShape[];
 };
 
@@ -280,6 +282,32 @@ export type HandleNumber = {
 
 export type Health = {
   status: "ok";
+};
+
+/** A drawing (breastrig/drawing@1): the lines that were found on the skin, the longest first. */
+export type Ink = {
+  schema?: "breastrig/drawing@1";
+  unit?: "mm";
+  shapes: InkShape[];
+};
+
+/** One stroke of a pen on the skin. */
+export type InkShape = {
+  name: string;
+  label?: string;
+  closed?: boolean;
+  color?: string;
+  /** on the scan's skin, in its frame and the drawing's unit */
+  points: [number, number, number][];
+  /** for each point whether it is not on the skin, because the scan has a hole there */
+  bridged?: boolean[] | null;
+  /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
+  error_mm?: (number | null)[] | null;
+  /** the first three are lines of a plan, the others marks beside it */
+  kind: "line" | "closed" | "dashed" | "cross" | "arrow" | "writing";
+  marker: "violet" | "black" | "blue" | "green" | "red";
+  /** of ink, without gaps */
+  length_mm: number;
 };
 
 export type Iterated = {
@@ -600,7 +628,7 @@ export type PatternOnScan = {
   /** as asked, or as dragged */
   parameters: Record<string, number | string>;
   /** of the points; the scan's */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   shapes: PatternShape[];
   handles: PatternHandle[];
   /** why the drag went no farther, in words; empty where it did not end */
@@ -692,7 +720,7 @@ export type PlanOnScan = {
   schema: "breastrig/drawing@1";
   name: string;
   /** of the scan */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   notice: string;
   shapes: PlannedShape[];
   notes: PlannedNote[];
@@ -861,13 +889,15 @@ export type Scan = {
   /** id of the patient whose scan it is */
   patient: string;
   /** unit that the file was read in */
-  unit: "m" | "dm" | "cm" | "mm" | "in";
+  unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   unit_reason: string;
   vertices: number;
   triangles: number;
   /** metres, the scan's own axes */
   bounds_m: Bounds;
   colours: "none" | "vertex" | "texture";
+  /** the file held points without triangles; the surface was made from them */
+  reconstructed_from_points?: boolean;
   /** what reading found, one sentence each */
   notes: string[];
   frame: Frame;
@@ -882,6 +912,7 @@ export type ScanLinks = {
   mesh: string;
   landmarks: string;
   proposed: string;
+  ink: string;
   drawing: string;
   fits: string;
   patient: string;
@@ -902,10 +933,10 @@ export type ScanOwner = {
 };
 
 export type ScanUpload = {
-  /** PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image */
+  /** PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images */
   file: Blob;
   /** unit of the file's numbers; auto decides from the size and says so */
-  units?: "auto" | "m" | "dm" | "cm" | "mm" | "in";
+  units?: "auto" | "m" | "dm" | "cm" | "mm" | "in" | "ft";
   /** id of the patient whose scan it is; without it she is a new one */
   patient?: string | null;
 };

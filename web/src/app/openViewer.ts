@@ -141,7 +141,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     return info ? tableNormalOf(info) : null;
   };
   actions.drawing.setSkin(skinFrom(() => scan.parts, tableNormal));
-  listenToLasso(stage.canvas, viewer, scan, store, actions.scan); // before the pen, which says last what turns the body
+  listenToLasso(stage.canvas, viewer, scan, cross, store, actions.scan); // before the pen, which says last what turns the body
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
   const mayDrag = (): boolean => store.get().active === null && !store.get().isCropping && isFree(store.get());

@@ -104,6 +104,9 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     setSkin: (now: () => Skin | null): void => void (skin = now),
     skin: (): Skin | null => skin(),
 
+    penSeen: (): void => store.set({ hasPen: true, announcement: text.canvas.pen }),
+    drawWithFingers: (fingersDraw: boolean): void => store.set({ fingersDraw, announcement: fingersDraw ? text.canvas.fingersDraw : text.canvas.pen }),
+
     take: (tool: Tool): void => {
       const chosen = tool === "points" ? (drawn().chosen ?? lines().at(-1)?.name ?? null) : drawn().chosen;
       store.set((state) => ({

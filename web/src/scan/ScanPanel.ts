@@ -11,11 +11,11 @@ import { createCropRow } from "./CropRow";
 import type { ScanSlice } from "./state";
 import * as text from "./text";
 
-export const SCAN_FILES = ".ply,.obj,.stl,.glb,.zip";
+export const SCAN_FILES = ".ply,.obj,.stl,.glb,.zip,.pcd,.xyz,.asc,.pts,.usdz,.usd,.usda,.usdc";
 const TURNS: Turn[] = ["around", "sideways", "forwards"];
 
 export const unitOptions = (): Option<UnitChoice>[] =>
-  (["auto", "mm", "cm", "dm", "m", "in"] as const).map((value) => ({ value, label: text.units[value] }));
+  (["auto", "mm", "cm", "dm", "m", "in", "ft"] as const).map((value) => ({ value, label: text.units[value] }));
 
 type Shown = Pick<ScanSlice & PageSlice, "scan" | "units" | "showColours" | "isCropping" | "problems"> & { readonly isUnconfirmed: boolean };
 
@@ -68,6 +68,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
           row(text.scan.triangles, formatCount(info.triangles)),
           row(text.scan.unit, text.units[info.unit].toLowerCase()),
           row(text.scan.size, text.scan.sizeValue(w!, h!, d!), "cm"),
+          ...(info.reconstructed_from_points ? [row(text.scan.surface, text.scan.fromPoints)] : []),
           row(text.scan.stance, text.scan.stances[info.stance.proposed].toLowerCase(), "", info.stance.reason),
         ];
       });

@@ -2,7 +2,7 @@
 
 export const empty = {
   title: "Drop a 3D scan of the torso here",
-  formats: "PLY, OBJ, STL, GLB, or a zip with OBJ, MTL and image.",
+  formats: "PLY, OBJ, STL, GLB, USDZ, points (PCD, XYZ, PLY), or a zip as scanner apps make it.",
   limit: (megabytes: string) => `Up to ${megabytes} MB.`,
   choose: "Choose a scan file",
   units: "Unit of the file",
@@ -21,7 +21,8 @@ export const crop = {
   undo: "Bring back what was hidden last (Z)",
   redo: "Hide it again (Shift+Z)",
   all: "Show all",
-  how: "Draw around what is to be hidden; everything behind it goes too. The second button or two fingers turn the body; Escape puts the lasso down.",
+  how: "Draw around what is to be hidden; everything behind it goes too. The second button or two fingers turn the body; Escape puts the lasso down. By keys: arrows on the body move a cross, Enter sets a corner, twice hides.",
+  corner: (count: number) => `Corner ${count} of the lasso. Enter again at the same place hides what lies within.`,
   note: (count: number) => (count === 0 ? "For this view alone: fits, measures and files see the whole scan." : "Hidden here cannot be picked or drawn on. Fits, measures and files still see the whole scan."),
   hidden: "Hidden.",
   shown: "Shown again.",
@@ -38,9 +39,11 @@ export const units = {
   dm: "Decimetres",
   m: "Metres",
   in: "Inches",
+  ft: "Feet",
 };
 
 export const loading = {
+  unpacking: (title: string) => `Unpacking ${title} in this browser`,
   sending: (title: string) => `Sending ${title}`,
   preparing: (title: string) => `Reading and checking ${title}`,
 };
@@ -52,6 +55,8 @@ export const scan = {
   sizeValue: (w: string, h: string, d: string) => `${w} × ${h} × ${d}`,
   unit: "Unit",
   stance: "Stance",
+  surface: "Surface",
+  fromPoints: "made from points",
   stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine" },
   facingFrom: { landmarks: "Upright by its landmarks.", fit: "Upright by the fitted model's spine.", person: "Turned by you." },
   why: "How this was found out",
@@ -75,7 +80,7 @@ export const scan = {
 };
 
 export const errors = {
-  notAScan: (name: string) => `“${name}” is not a 3D scan that can be read here: choose a PLY, OBJ, STL or GLB file, or a zip.`,
+  notAScan: (name: string) => `“${name}” is not a 3D scan that can be read here: choose a PLY, OBJ, STL, GLB, USDZ, PCD or XYZ file, or a zip.`,
   noScan: "This scan is no longer kept by the service. Load it again.",
   mesh: "The scan cannot be drawn: the service sent a mesh that is not valid glTF.",
 };

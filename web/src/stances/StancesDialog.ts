@@ -1,4 +1,5 @@
 // Where the second scan comes from: a file, the example patient, or a scan that was open in this tab.
+import { SCAN_FILES } from "../scan/ScanPanel";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
@@ -17,7 +18,7 @@ type Shown = Pick<PageSlice & ScanSlice & StancesSlice, "examples" | "problems" 
 
 export function createStancesDialog(stances: StancesActions, dismiss: () => void): Panel<Shown> {
   const close = (): void => stances.dialog(false);
-  const file = fileButton(words.upload, ".ply,.obj,.stl,.glb,.zip", "outlined wide", (chosen) => void stances.upload(chosen));
+  const file = fileButton(words.upload, SCAN_FILES, "outlined wide", (chosen) => void stances.upload(chosen));
   file.querySelector("input")!.id = "second-scan-file";
   const examples = el("div", { class: "choices" });
   const known = el("ul", { class: "choices" });

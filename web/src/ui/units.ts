@@ -1,7 +1,7 @@
 // The only place where metres become millimetres, and numbers become text.
 import type { Unit } from "../api/types";
 
-const MM_IN: Record<Unit, number> = { m: 1000, dm: 100, cm: 10, mm: 1, in: 25.4 };
+const MM_IN: Record<Unit, number> = { m: 1000, dm: 100, cm: 10, mm: 1, in: 25.4, ft: 304.8 };
 
 export const mmFromMetres = (metres: number): number => metres * 1000;
 export const metresFromMm = (mm: number): number => mm / 1000;
@@ -10,7 +10,7 @@ export const toUnit = (mm: number, unit: Unit): number => mm / MM_IN[unit];
 export const isUnit = (text: unknown): text is Unit => typeof text === "string" && Object.hasOwn(MM_IN, text);
 
 /** Of a file that names none of these. */
-export const unknownUnit = (unit: unknown): string => `The unit “${typeof unit === "string" ? unit : JSON.stringify(unit)}” is not known: use m, dm, cm, mm or in.`;
+export const unknownUnit = (unit: unknown): string => `The unit “${typeof unit === "string" ? unit : JSON.stringify(unit)}” is not known: use m, dm, cm, mm, in or ft.`;
 
 const grouped = new Intl.NumberFormat("en-GB");
 

@@ -20,7 +20,7 @@ TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, del
 
 scans = APIBlueprint("scans", __name__, url_prefix="/api/scans", tag=TAG)
 
-FILE_TYPES = ("ply", "obj", "stl", "glb", "zip")
+FILE_TYPES = ("ply", "obj", "stl", "glb", "zip", "pcd", "xyz", "asc", "pts", "usdz", "usd", "usda", "usdc")
 
 
 @scans.post("")
@@ -37,7 +37,9 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
     """
     suffix = PurePosixPath(files_data.file.filename or "").suffix.lower().lstrip(".")
     if suffix not in FILE_TYPES:
-        raise refuse(415, "This is not a scan file; send PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image.")
+        raise refuse(
+            415, "This is not a scan file; send PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images."
+        )
     row = app_context().service.add_scan(files_data.file.stream, suffix, files_data.units, files_data.patient or None)
     answer = scan_answer(row)
     return answer, 201, {"Location": answer.links.self}
@@ -144,6 +146,29 @@ def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
     return wire.ProposedLandmarks(landmarks=found)
 
 
+@scans.get("/<scan_id>/ink")
+@scans.output(wire.Ink)
+@scans.doc(
+    operation_id="findInk",
+    responses={
+        202: "Still being looked for; ask again after Retry-After seconds",
+        422: "The scan has no colours, or too coarse ones",
+    },
+)
+def find_ink(scan_id: str) -> wire.Ink | Response:
+    """Lines that were drawn on the skin, mm
+
+    Read from the scan's colours. The first call answers once they are found, most often within two seconds; later
+    calls answer at once. They are for a person to accept; only then are they lines of the plan.
+    """
+    context = app_context()
+    row = get_scan(context.service.storage, scan_id)
+    found = context.service.ink(row, context.config.proposal_wait_s)
+    if found is None:
+        return Response(status=202, headers={"Retry-After": "1"})
+    return wire.Ink.model_validate(found)
+
+
 def scan_answer(row: ScanRow) -> wire.Scan:
     """The stored row as the API shows it."""
     place = f"/api/scans/{row.id}"
@@ -153,6 +178,7 @@ def scan_answer(row: ScanRow) -> wire.Scan:
         mesh=f"{place}/mesh.glb",
         landmarks=f"{place}/landmarks",
         proposed=f"{place}/landmarks/proposed",
+        ink=f"{place}/ink",
         drawing=f"{place}/drawing",
         fits=f"{place}/fits",
         patient=f"/api/patients/{patient}",

@@ -10,10 +10,10 @@ from typing import Annotated, Literal
 from apiflask.fields import UploadFile
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from breastrig.drawings.drawing_schema import SurfacePoint
+from breastrig.drawings.drawing_schema import SCHEMA, DrawnShape, SurfacePoint
 from breastrig.workflow.events import FitEvent, NodePose
 
-Units = Literal["auto", "m", "dm", "cm", "mm", "in"]
+Units = Literal["auto", "m", "dm", "cm", "mm", "in", "ft"]
 StanceWish = Literal["auto", "standing", "supine"]
 StanceName = Literal["standing", "supine"]
 FitState = Literal["queued", "running", "done", "failed", "cancelled"]
@@ -22,7 +22,7 @@ Point = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Three = Annotated[list[float], Field(min_length=3, max_length=3)]
 Name = Annotated[str, Field(min_length=1, max_length=100)]
 
-UNITS: tuple[Units, ...] = ("auto", "m", "dm", "cm", "mm", "in")
+UNITS: tuple[Units, ...] = ("auto", "m", "dm", "cm", "mm", "in", "ft")
 
 
 CERTAIN = (
@@ -37,7 +37,7 @@ class Wire(BaseModel):
 
 class ScanUpload(Wire):
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
-    file: UploadFile = Field(description="PLY, OBJ, STL, GLB, or a zip of OBJ + MTL + image")
+    file: UploadFile = Field(description="PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images")
     units: Units = Field("auto", description="unit of the file's numbers; auto decides from the size and says so")
     patient: str | None = Field(
         None, max_length=64, description="id of the patient whose scan it is; without it she is a new one"
@@ -68,6 +68,7 @@ class ScanLinks(Wire):
     mesh: str
     landmarks: str
     proposed: str
+    ink: str
     drawing: str
     fits: str
     patient: str
@@ -77,12 +78,15 @@ class ScanLinks(Wire):
 class Scan(Wire):
     id: str
     patient: str = Field(description="id of the patient whose scan it is")
-    unit: Literal["m", "dm", "cm", "mm", "in"] = Field(description="unit that the file was read in")
+    unit: Literal["m", "dm", "cm", "mm", "in", "ft"] = Field(description="unit that the file was read in")
     unit_reason: str
     vertices: int
     triangles: int
     bounds_m: Bounds = Field(description="metres, the scan's own axes")
     colours: Literal["none", "vertex", "texture"]
+    reconstructed_from_points: bool = Field(
+        False, description="the file held points without triangles; the surface was made from them"
+    )
     notes: list[str] = Field(description="what reading found, one sentence each")
     frame: Frame
     stance: Stance
@@ -116,6 +120,24 @@ class ProposedLandmark(Wire):
 class ProposedLandmarks(Wire):
     unit: Literal["mm"] = "mm"
     landmarks: dict[str, ProposedLandmark]
+
+
+class InkShape(DrawnShape):
+    """One stroke of a pen on the skin."""
+
+    kind: Literal["line", "closed", "dashed", "cross", "arrow", "writing"] = Field(
+        description="the first three are lines of a plan, the others marks beside it"
+    )
+    marker: Literal["violet", "black", "blue", "green", "red"]
+    length_mm: float = Field(description="of ink, without gaps")
+
+
+class Ink(Wire):
+    """A drawing (breastrig/drawing@1): the lines that were found on the skin, the longest first."""
+
+    schema_: Literal["breastrig/drawing@1"] = Field(SCHEMA, alias="schema")
+    unit: Literal["mm"] = "mm"
+    shapes: list[InkShape]
 
 
 class FitRequest(Wire):

@@ -51,7 +51,7 @@ def find_ink(scan: Scan, factor: float = 1.0) -> tuple[InkLine, ...]:
     if not found:
         return ()
     lit = np.percentile(DENSITY[texture.face_colours], LIT, axis=0).astype(np.float64)
-    drawn = sorted_out(strokes(pieces(texture, found, factor), scan.vertices, factor))
+    drawn = sorted_out(strokes(pieces(texture, found, factor), scan.vertices[np.unique(scan.faces)], factor))
     added = np.array([stroke.added for stroke, _ in drawn]).reshape(-1, 3)
     markers = markers_of(added, np.array([stroke.length for stroke, _ in drawn]), lit)
     return tuple(

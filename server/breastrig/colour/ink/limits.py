@@ -16,11 +16,12 @@ REACH = 1.6e-3  # three pixels: what is seen obliquely has its points farther ap
 TURN = 0.7  # cosine of 45 degrees from one point to the next
 PIECE = 3.0e-3  # shorter chains are grain
 PIECE_HEIGHT = 0.12  # mean density of a chain
+BESIDE, BESIDE_SHARE = 1.2e-3, 0.7  # m, share of a piece that lies that near to a longer one: it is the same line
 
 # What is ink: density added in red, green, blue (R, G, B) against the skin on both sides
 COLOURED = 0.18  # R of violet, blue, green, which darken red; skin's own pigments darken it least, and B most
 COLOURED_OVER = 0.04  # R over the least of G and B; moles, veins, scars and areolae have the least in R
-PURE = 0.5  # what G or B, whichever is more, is at least for each R; cloth around the body is purer than ink on skin
+PURE = 0.48  # G for each R, where B is less than G: blue cloth around the body has less, each ink on skin more
 BLACK = 0.27  # R of black; loose hair and creases reach 0.25
 BLACK_BLUE = 1.2  # B for each R of black; brown spots have more
 RED = 0.36  # of G and B for red ink; red scars reach 0.33

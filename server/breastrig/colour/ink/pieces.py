@@ -18,7 +18,7 @@ from breastrig.colour.ink.chains import neighbours_joined
 from breastrig.colour.ink.ridges import DENSITY, OFFSETS, RidgePoints, profiles
 from breastrig.colour.skin_texture import SkinTexture
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.scipy_parts import csr_array
+from breastrig.core.scipy_parts import cKDTree, csr_array
 
 MIDDLE = np.abs(OFFSETS) < 0.8e-3
 LEFT, RIGHT = OFFSETS < -2.8e-3, OFFSETS > 2.8e-3
@@ -62,7 +62,7 @@ def ink_of(added: Array, width: float, share: float = 1.0) -> Ink | None:
         return None
     if min(green, blue) >= share * limits.RED and green - red >= share * limits.RED_OVER and green >= 1.2 * red:
         return Ink.RED if blue <= limits.RED_BLUE * green else None
-    if max(green, blue) < limits.PURE * red:
+    if blue < green < limits.PURE * red:
         return None
     if red >= share * limits.COLOURED and red - min(green, blue) >= share * limits.COLOURED_OVER:
         return Ink.COLOURED
@@ -94,7 +94,23 @@ def pieces(texture: SkinTexture, found: Sequence[RidgePoints], factor: float = 1
             result.append(
                 Piece(places[chain], faces[chain], closed, length, added[number], skin[number], float(width[number]))
             )
-    return result
+    return _without_doubles(result)
+
+
+def _without_doubles(found: list[Piece]) -> list[Piece]:
+    """Of pieces beside each other, where a broad line has two ridges or two pictures meet, the longer ones."""
+    if not found:
+        return found
+    places = np.concatenate([piece.places for piece in found])
+    owner = np.repeat(np.arange(len(found)), [len(piece.places) for piece in found])
+    pairs = cKDTree(places).query_pairs(limits.BESIDE, output_type="ndarray").astype(np.int64)
+    lengths = np.array([piece.length for piece in found])
+    one, other = owner[pairs].T
+    beside = np.zeros(len(places), dtype=np.bool_)
+    for column, shorter in ((0, lengths[one] < lengths[other]), (1, lengths[other] < lengths[one])):
+        beside[pairs[shorter & (one != other), column]] = True
+    share = np.bincount(owner, beside) / np.bincount(owner)
+    return [piece for piece, double in zip(found, share > limits.BESIDE_SHARE, strict=True) if not double]
 
 
 def _profiles(

@@ -48,7 +48,7 @@ class TrueLines:
 def ink_study(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[str, Any]:
     """{factor: {recall, precision, off_mm, false_mm, true_mm, lines, colours}}, and the time of one search."""
     (case,) = cases
-    scan = read_scan(case.scan, None, case.unit)
+    scan = read_scan(case.scan, None, case.unit, for_display=False)
     truth = _surface(case, scan.unit)
     lines = true_lines(case, None)
     answer: dict[str, Any] = {}

@@ -1,6 +1,6 @@
 """The meshes of an uploaded .glb: nothing outside, nothing compressed, nothing endless, nothing left out in silence.
 
-A .glb can name other files or addresses, hide its geometry in a compression whose decoded indices nobody checks,
+A .glb can name other files or addresses, hide its geometry in a compression (Draco's is unpacked in draco.py),
 build a scene that contains itself, claim arrays of any length, or say one small mesh 300,000 times.  All of that is
 found in the JSON alone, before an array is read.  Then only what the scene draws is read: positions, triangles,
 colours, texture coordinates and the picture of the base colour; names, extras, animations, cameras and what no node
@@ -23,7 +23,8 @@ from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.glb import split_glb
 from breastrig.core.gltf_arrays import GltfArrays, entry, whole
 from breastrig.geometry.rotations import rotation_from_quaternion
-from breastrig.scan.formats.texture import LEFT_OUT, plain_picture
+from breastrig.scan.formats import draco
+from breastrig.scan.formats.texture import LEFT_OUT, TURNED, is_turned, plain_picture
 from breastrig.scan.limits import (
     GLTF_DEPTH,
     GLTF_ENTRIES,
@@ -36,8 +37,11 @@ from breastrig.scan.limits import (
 )
 from breastrig.scan.piece import Piece, Pieces
 
-HARMLESS = ("KHR_materials_", "KHR_texture_transform", "KHR_lights_punctual", "EXT_materials_")
-COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
+HARMLESS = ("KHR_materials_", "KHR_texture_transform", "KHR_lights_punctual", "EXT_materials_", "KHR_mesh_quantization")
+MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+PACKED = (
+    "This GLB file is compressed (meshopt); open it in the page, which unpacks it, or export it without compression."
+)
 PLACED_OTHERWISE = "The texture is placed by an extension that is not read here, and was left out."
 POSED = "The file poses its mesh with bones or shapes, which is not followed; if it looks wrong, export the posed mesh."
 POINTS, TRIANGLE_LIST, TRIANGLE_STRIP, TRIANGLE_FAN = 0, 4, 5, 6  # glTF's modes; 1 to 3 are lines
@@ -77,10 +81,10 @@ def _document(data: bytes) -> tuple[dict[str, Any], bytes]:
 
 def _check_extensions(document: dict[str, Any]) -> None:
     used = {*document.get("extensionsUsed", []), *document.get("extensionsRequired", [])}
-    if used & set(COMPRESSED):
-        raise BadScan("This GLB file is compressed (Draco or meshopt); export it without compression.")
+    if used & set(MESHOPT):
+        raise BadScan(PACKED)
     for name in document.get("extensionsRequired", []):
-        if not str(name).startswith(HARMLESS):
+        if not str(name).startswith((*HARMLESS, draco.EXTENSION)):
             raise BadScan("This GLB file needs a glTF extension that is not read here; export it as plain glTF 2.0.")
 
 
@@ -100,6 +104,7 @@ class _Drawn:
         self._notes: list[str] = []
         self._read: dict[tuple[int, bool], NDArray[Any]] = {}
         self._pictures: dict[int, bytes | None] = {}
+        self._unpacked_primitives: dict[int, dict[str, Any]] = {}  # by the identity of what the document holds
         self._arrays: GltfArrays | None = None
 
     def pieces(self) -> Pieces:
@@ -149,8 +154,6 @@ class _Drawn:
             )
         triangles = vertices = 0
         for primitive in chain.from_iterable(drawn):
-            if any(name in primitive.get("extensions", {}) for name in COMPRESSED):
-                raise BadScan("This GLB file is compressed (Draco or meshopt); export it without compression.")
             points = self._count(primitive["attributes"]["POSITION"])
             corners = self._count(primitive["indices"]) if "indices" in primitive else points
             triangles += corners // 3 if _mode(primitive) == TRIANGLE_LIST else corners
@@ -162,9 +165,12 @@ class _Drawn:
         return whole(entry(self._document, "accessors", accessor).get("count"), "the length of an array")
 
     def _piece(self, primitive: dict[str, Any], transform: Array) -> Piece | None:
-        mode, attributes = _mode(primitive), primitive["attributes"]
+        mode = _mode(primitive)
         if mode not in (TRIANGLE_LIST, TRIANGLE_STRIP, TRIANGLE_FAN):
             return None
+        if draco.EXTENSION in primitive.get("extensions", {}):
+            primitive = self._unpacked(primitive)
+        attributes = primitive["attributes"]
         vertices = self._values(attributes["POSITION"], (3,))
         corners = self._values(primitive["indices"], ()) if "indices" in primitive else np.arange(len(vertices))
         if corners.dtype.kind != "i":
@@ -179,6 +185,39 @@ class _Drawn:
         colours = self._colours(attributes["COLOR_0"], len(vertices)) if "COLOR_0" in attributes else None
         uv, picture = self._painted(primitive, len(vertices))
         return Piece(vertices, faces, colours, uv, picture)
+
+    def _unpacked(self, primitive: dict[str, Any]) -> dict[str, Any]:
+        """The primitive with accessors of its own in place of those that Draco compressed."""
+        key = id(primitive)
+        if key not in self._unpacked_primitives:
+            compressed = primitive["extensions"][draco.EXTENSION]
+            arrays, faces = draco.decoded(self._content(compressed["bufferView"]))
+            accessors, attributes = self._document["accessors"], dict(primitive["attributes"])
+            for name, number in compressed["attributes"].items():
+                if name in attributes:
+                    accessor = entry(self._document, "accessors", attributes[name])
+                    values = np.asarray(arrays[number]).astype(draco.KINDS[accessor["componentType"]])
+                    attributes[name] = self._added(accessors, accessor, values)
+            corners = self._added(accessors, {"type": "SCALAR"}, faces.ravel())
+            self._unpacked_primitives[key] = {**primitive, "attributes": attributes, "indices": corners, "mode": 4}
+        return self._unpacked_primitives[key]
+
+    def _added(self, accessors: list[dict[str, Any]], like: dict[str, Any], values: NDArray[Any]) -> int:
+        """The number of a new accessor with these values, which are in no buffer."""
+        whole_numbers = values.dtype.kind in "iu"
+        read = values.astype(np.int64 if whole_numbers else np.float64)
+        if like.get("normalized") and whole_numbers:
+            read = np.maximum(values / np.iinfo(values.dtype).max, -1.0)
+        accessors.append({"type": like.get("type"), "count": len(values)})
+        self._read[len(accessors) - 1, True], self._read[len(accessors) - 1, False] = values, read
+        return len(accessors) - 1
+
+    def _content(self, view: Any) -> bytes:
+        """The bytes of a view of the binary part."""
+        found = entry(self._document, "bufferViews", view)
+        whole(found.get("buffer"), "a view's buffer", 1)
+        start = whole(found.get("byteOffset", 0), "an offset")
+        return self._binary[start : start + whole(found.get("byteLength"), "a length")]
 
     def _values(self, accessor: Any, shape: tuple[int, ...], stored: bool = False) -> NDArray[Any]:
         """(N, *shape) of an accessor, which many primitives may share."""
@@ -225,11 +264,10 @@ class _Drawn:
             if "uri" in image:
                 content = base64.b64decode(image["uri"].split(",", 1)[1])
             else:
-                view = entry(self._document, "bufferViews", image["bufferView"])
-                whole(view.get("buffer"), "a picture's buffer", 1)
-                start = whole(view.get("byteOffset", 0), "an offset")
-                content = self._binary[start : start + whole(view.get("byteLength"), "a length")]
+                content = self._content(image["bufferView"])
             self._pictures[index] = plain_picture(content)
+            if self._pictures[index] is not None and is_turned(content):
+                self._notes.append(TURNED)
         return self._pictures[index]
 
 

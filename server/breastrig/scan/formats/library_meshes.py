@@ -18,7 +18,7 @@ from trimesh.resolvers import Resolver
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats.obj import uniform_text
-from breastrig.scan.formats.texture import LEFT_OUT, plain_picture
+from breastrig.scan.formats.texture import LEFT_OUT, TURNED, is_turned, plain_picture
 from breastrig.scan.limits import MATERIAL_FILE_BYTES, MATERIALS
 from breastrig.scan.piece import Piece, Pieces
 
@@ -66,7 +66,7 @@ class _Files(Resolver):  # type: ignore[misc]
         self._names = {name.lower(): name for name in files}
         self.pictures: dict[str, bytes] = {}  # those asked for and given, without what is not picture
         self.too_large: TooLarge | None = None  # kept, because the library swallows what is raised here
-        self._refused = self._missing = False
+        self._refused = self._missing = self._turned = False
 
     def get(self, key: str) -> bytes:
         name = plain_name(key)
@@ -87,11 +87,13 @@ class _Files(Resolver):  # type: ignore[misc]
             self._refused = True
             raise KeyError(name)
         self.pictures[name] = picture
+        self._turned |= is_turned(content)
         return picture
 
     def notes(self) -> tuple[str, ...]:
         """What became of the files that were asked for."""
-        return tuple(note for found, note in ((self._refused, LEFT_OUT), (self._missing, MISSING)) if found)
+        found = ((self._refused, LEFT_OUT), (self._missing, MISSING), (self._turned, TURNED))
+        return tuple(note for is_so, note in found if is_so)
 
     def picture_of(self, image: Any) -> bytes | None:
         """The bytes behind a picture that the library has opened; it makes some up where there is none."""

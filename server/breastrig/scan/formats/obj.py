@@ -23,6 +23,7 @@ INDENTED = re.compile(rb"(?m)^ +")
 FACE = re.compile(rb"(?m)^f [^\n]*")
 POLYGON = re.compile(rb"(?m)^f(?: +[^ \n]+){3}")
 POINT = re.compile(rb"(?m)^v [^\n]*")
+COLOURED = re.compile(rb"^v(?: +[^ \n]+){3}(?: +[^ \n]+){3,4} *$")  # x y z r g b, with an opacity sometimes
 MATERIAL = re.compile(rb"(?m)^usemtl +([^\n]*)")
 ANNOUNCED = re.compile(rb"(?m)^# *Faces: *(\d{1,9}) *$")  # in MeshLab's header
 LARGE_POLYGON = re.compile(rb"(?m)^f [^\n]{20000}")
@@ -47,6 +48,26 @@ def uniform_text(data: bytes) -> bytes:
         data = data.decode("latin-1").encode()
     data = INDENTED.sub(b"", data.replace(b"\\\n", b" "))
     return _counted_forwards(data) if RELATIVE.search(data) else data
+
+
+def colours_as_shares(data: bytes) -> bytes:
+    """A uniform text whose points have colours from 0 to 1, where they go to 255: both are written."""
+    first = POINT.search(data)
+    if first is None or not COLOURED.match(first[0]):
+        return data
+    words = [line.split()[4:7] for line in POINT.findall(data)]
+    try:
+        if max((float(word) for colour in words for word in colour), default=0.0) <= 1.0:
+            return data
+        return POINT.sub(_shares, data)
+    except ValueError:
+        return data  # no numbers: the reader finds out
+
+
+def _shares(point: re.Match[bytes]) -> bytes:
+    words = point[0].split()
+    shares = [b"%.6f" % min(1.0, max(0.0, float(word) / 255.0)) for word in words[4:7]]
+    return b" ".join([*words[:4], *shares])
 
 
 def polygons(data: bytes) -> int:

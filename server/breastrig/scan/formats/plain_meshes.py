@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.scan.file_type import BINARY_STL_HEADER, BINARY_STL_TRIANGLE, is_binary_stl
-from breastrig.scan.formats.ply import TYPES, Element, ply_header
+from breastrig.scan.formats.ply import BYTE_ORDERS, COLOURS, TYPES, Element, ply_header
 from breastrig.scan.piece import Piece, Pieces
 
 TEXTURE = frozenset(("texture_u", "texture_v", "u", "v", "s", "t"))  # names of what only a picture needs
-COLOURS = ("red", "green", "blue")
 CORNERS = ("vertex_index", "vertex_indices")
-BYTE_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
 
 
 def plain_pieces(data: bytes, kind: str, texture: bool) -> Pieces | None:

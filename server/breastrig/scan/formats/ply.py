@@ -17,12 +17,15 @@ from numpy.typing import NDArray
 from breastrig.scan.limits import PLY_HEADER_BYTES
 
 FORMATS = ("ascii", "binary_little_endian", "binary_big_endian")
+BYTE_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
 TYPES = {  # numpy's names
     **{"char": "<i1", "uchar": "<u1", "short": "<i2", "ushort": "<u2", "int": "<i4", "uint": "<u4"},
     **{"int8": "<i1", "uint8": "<u1", "int16": "<i2", "uint16": "<u2", "int32": "<i4", "uint32": "<u4"},
     **{"int64": "<i8", "uint64": "<u8", "float16": "<f2", "float": "<f4", "float32": "<f4"},
     **{"double": "<f8", "float64": "<f8"},
 }
+COLOURS = ("red", "green", "blue")
+ALSO_COLOURS = (("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b"))  # where the usual names are missing
 READ = ("vertex", "face")  # elements; others are stepped over under a name that means nothing
 END = re.compile(rb"end_header[ \t]*(\r\n|\n|\r)")
 PICTURE = re.compile(r"comment\s+texturefile\s+(.+)", re.IGNORECASE)
@@ -91,7 +94,7 @@ def ply_header(data: bytes) -> PlyHeader:
         raise ValueError("an element twice")
     return PlyHeader(
         form,
-        tuple(Element(name, count, tuple(properties)) for name, count, properties in elements),
+        tuple(Element(name, count, _usual_colours(properties)) for name, count, properties in elements),
         tuple(dict.fromkeys(pictures)),
         end.end(),
     )
@@ -171,6 +174,16 @@ def _decoded(text: bytes) -> str:
         return text.decode()
     except UnicodeDecodeError:
         return text.decode("latin-1")
+
+
+def _usual_colours(properties: list[tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
+    """The properties, their colours under the names that readers know."""
+    names = {words[-1] for words in properties}
+    for others in ALSO_COLOURS:
+        if names.isdisjoint(COLOURS) and names.issuperset(others):
+            usual = dict(zip(others, COLOURS, strict=True))
+            return tuple((*words[:-1], usual.get(words[-1], words[-1])) for words in properties)
+    return tuple(properties)
 
 
 def _number(word: str) -> int:

@@ -13,7 +13,8 @@ import numpy as np
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput, BadScan, TooLarge
 from breastrig.scan.file_type import BINARY_STL_HEADER, BINARY_STL_TRIANGLE, is_binary_stl
-from breastrig.scan.formats.obj import check_end, check_work, polygons, uniform_text
+from breastrig.scan.formats.bare_points import obj_points, ply_points
+from breastrig.scan.formats.obj import check_end, check_work, colours_as_shares, polygons, uniform_text
 from breastrig.scan.formats.plain_meshes import plain_pieces
 from breastrig.scan.formats.ply import as_binary, ply_header, text_rows
 from breastrig.scan.limits import STL_SOLIDS, TRIANGLES, VERTICES
@@ -26,6 +27,8 @@ def mesh_pieces(data: bytes, kind: str, files: Mapping[str, bytes], texture: boo
     Raises BadScan, or TooLarge when a limit is passed, each with a sentence.
     """
     data, promised, notes = {"ply": _ply, "obj": _obj, "stl": _stl}[kind](data)
+    if promised == 0 and kind in ("ply", "obj"):
+        return Pieces((), has_points=True, cloud=ply_points(data) if kind == "ply" else obj_points(data))
     try:
         found = plain_pieces(data, kind, texture)
         if found is None:
@@ -83,7 +86,7 @@ def _ply(data: bytes) -> _Checked:
 
 def _obj(data: bytes) -> _Checked:
     """As uniform text."""
-    data = uniform_text(data)
+    data = colours_as_shares(uniform_text(data))
     faces = polygons(data)
     _check_sizes(faces, data.count(b"\nv "))
     check_work(data)

@@ -3,7 +3,8 @@
 A picture can say where and when it was taken, by which camera, and carry a second picture of the room.  Of a JPEG
 or PNG the parts that make its pixels are kept, byte for byte, and nothing else; colour profiles go too, which glTF
 says are to be ignored, and so does the camera's word on which side is up: texture coordinates count the pixels as they
-are stored.
+are stored, for modelling programs (Blender among them) and Pillow do.  Browsers turn such a picture, so a file that was
+made for them only may be painted wrongly here; a picture with such a word is therefore spoken of.
 """
 
 import io
@@ -21,6 +22,11 @@ FORMATS = ("JPEG", "PNG")
 JPEG_MARK, PNG_MARK = b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n"
 MARKS = (JPEG_MARK, PNG_MARK)
 QUALITY = 90  # JPEG
+TURNED = (
+    "A picture of this scan says that it was taken with the camera turned; its pixels were used as they are stored. "
+    "If the colours lie wrongly on the skin, save the picture upright and export the scan again."
+)
+ORIENTATION, UPRIGHT = 0x0112, 1  # EXIF's tag, and its value for a picture that is stored as it is seen
 LEFT_OUT = "The texture is neither JPEG nor PNG, or damaged, and was left out."
 
 PNG_KEPT = (b"IHDR", b"PLTE", b"tRNS", b"IDAT", b"IEND")
@@ -60,6 +66,19 @@ def is_picture(data: bytes) -> bool:
     if width * height > IMAGE_PIXELS:
         raise _too_large()
     return True
+
+
+def is_turned(data: bytes) -> bool:
+    """Whether these bytes, which are a picture, say that they are to be turned or mirrored to be upright."""
+    from PIL import Image  # as above
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(data), formats=FORMATS) as picture:
+                return bool(picture.getexif().get(ORIENTATION, UPRIGHT) != UPRIGHT)
+    except Exception:  # metadata is as hostile as the rest, and nobody needs it
+        return False
 
 
 def written_anew(data: bytes) -> bytes | None:
