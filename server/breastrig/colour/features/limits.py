@@ -60,11 +60,22 @@ class NavelLimits(_Part):
     floor: Positive  # m, error on each axis of the skin that the chances do not show
 
 
+class CrossLimits(_Part):
+    """Of colour/features/crosses.py."""
+
+    around: Positive  # m, how far around a landmark ink is looked for
+    aside: Positive  # m, of a cross from the form's midline
+    farthest: Positive  # times the spread; beyond, a cross marks something else
+    one_place: Positive  # m; crosses farther apart leave open which is meant
+    error: Positive  # m, root mean square, of a cross that was drawn on a landmark
+
+
 class Features(_Part):
     """All of features.toml."""
 
     areola: AreolaLimits
     navel: NavelLimits
+    crosses: CrossLimits
 
 
 @lru_cache(maxsize=1)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.colour.features.areola import Areola
+from breastrig.colour.features.crosses import marked_by_crosses
 from breastrig.colour.features.limits import Features, features
 from breastrig.colour.features.navel import find_navel
 from breastrig.colour.features.nipple import NippleSeen, find_nipple
@@ -23,6 +24,8 @@ from breastrig.scan.scan import Scan
 
 NIPPLES = {"L": "nipple_L", "R": "nipple_R"}
 NAVEL = "umbilicus"
+CROSSED = ("suprasternal_notch", "xiphoid")
+CROSS_SEEN = "marked by a cross"
 AREOLA_SEEN = "areola seen"
 NAVEL_SEEN = "navel seen"
 
@@ -71,7 +74,15 @@ def observed_landmarks(
         navel = find_navel(skin, form.place, form.outwards, up, form.spread, features().navel)
         if navel is not None:
             found[NAVEL] = Observation(navel.place, navel.covariance, NAVEL_SEEN)
-    return found
+    on_midline = {name: expected[name] for name in CROSSED if name in expected}
+    crosses = marked_by_crosses(
+        scan,
+        {name: each.place for name, each in on_midline.items()},
+        {name: each.spread for name, each in on_midline.items()},
+        left,
+        features().crosses,
+    )
+    return found | {name: Observation(each.place, each.covariance, CROSS_SEEN) for name, each in crosses.items()}
 
 
 def _nipples(
