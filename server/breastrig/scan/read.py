@@ -24,7 +24,6 @@ from breastrig.scan.formats.glb import glb_pieces
 from breastrig.scan.formats.pcd import pcd_points
 from breastrig.scan.formats.point_text import text_points
 from breastrig.scan.formats.texture import written_anew
-from breastrig.scan.formats.usd_process import usd_pieces
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
 from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud
 from breastrig.scan.scan import Scan
@@ -48,8 +47,8 @@ def read_scan(
 
     `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
     `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures,
-    `for_display=False` that of writing a smaller one to be shown: whoever decodes it then finds out whether it is
-    sound.  Raises BadScan, TooLarge (over a limit) or BadSettings (no such unit), each with one sentence.
+    `for_display=False` that of writing a smaller one to be shown: whoever decodes it then sees whether it is sound.
+    Raises BadScan, TooLarge (over a limit) or BadSettings (no such unit), each with one sentence.
     """
     if file_type == STORED and isinstance(source, Path):
         scan = read_stored(source, texture, for_display)
@@ -74,8 +73,6 @@ def read_scan(
         siblings = _Siblings(source.parent)
     if found == "glb":
         pieces = glb_pieces(mesh, texture)
-    elif found == "usd":
-        pieces = usd_pieces(mesh, texture)
     elif found in ("pcd", "xyz"):
         pieces = Pieces((), has_points=True, cloud=pcd_points(mesh) if found == "pcd" else text_points(mesh))
     else:
