@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     )
     from breastrig.interface.drawing import Drawing, Line
     from breastrig.interface.fit_result import Fit
+    from breastrig.interface.ink import Ink, InkLine, find_ink
     from breastrig.interface.landmarks import Proposal, propose_landmarks
     from breastrig.interface.measure import Measure, Number, measure
     from breastrig.interface.model import load_model
@@ -53,6 +54,8 @@ __all__ = [
     "FitFailed",
     "FitPair",
     "FitRun",
+    "Ink",
+    "InkLine",
     "Iterate",
     "Line",
     "Measure",
@@ -63,6 +66,7 @@ __all__ = [
     "Scan",
     "TooLarge",
     "__version__",
+    "find_ink",
     "fit",
     "fit_pair",
     "iterates",
@@ -78,6 +82,7 @@ _MODULES = {
     "core.errors": ("BadDrawing BadInput BadLandmarks BadModel BadScan BadSettings BreastRigError FitFailed TooLarge"),
     "interface.drawing": "Drawing Line",
     "interface.fit_result": "Fit",
+    "interface.ink": "Ink InkLine find_ink",
     "interface.landmarks": "Proposal propose_landmarks",
     "interface.measure": "Measure Number measure",
     "interface.model": "load_model",

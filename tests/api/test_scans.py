@@ -195,7 +195,13 @@ def test_landmarks_are_proposed_and_not_stored_as_picked(client: FlaskClient, sc
     assert answers[0].json == {
         "unit": "mm",
         "landmarks": {
-            "nipple_L": {"point": [70.0, 350.0, 120.0], "confidence": 0.5, "on_scan": True, "error_mm": 16.0}
+            "nipple_L": {
+                "point": [70.0, 350.0, 120.0],
+                "confidence": 0.5,
+                "on_scan": True,
+                "error_mm": 16.0,
+                "reason": "areola seen",
+            }
         },
     }
     assert answers[1].json == answers[0].json

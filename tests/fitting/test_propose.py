@@ -48,6 +48,35 @@ def test_a_confidence_is_that_of_its_error() -> None:
     for each in proposals.values():
         assert each.error is not None
         assert each.confidence == round(confidence_of(each.error / HOLDS_90), 2)
-        assert 0.01 < each.error < 0.08
+        if each.reason is None:
+            assert 0.01 < each.error < 0.08
+        else:
+            assert each.reason == "areola seen"
+            assert 0.003 < each.error < 0.013
     for error in (0.005, 0.01, 0.04):
         assert expected_error(confidence_of(error)) == pytest.approx(error)
+
+
+def test_areolae_that_the_scan_shows_place_the_nipples_and_without_colour_the_form_does() -> None:
+    rig, place = read_rig(default_rig_path()), STANDING.parent / "supine"
+    scan = read_scan(place / "scan.ply", "ply", "auto")
+    true, unit = read_landmarks(place / "landmarks.json")
+    per_unit = {"mm": 1e-3, "m": 1.0}[str(unit)]
+    coloured, plain = propose_on_scan(rig, scan), propose_on_scan(rig, replace(scan, colours=None))
+    for name in ("nipple_L", "nipple_R"):
+        off, form = (np.linalg.norm(each[name].point - per_unit * true[name]) for each in (coloured, plain))
+        assert off < 0.004
+        assert form > 0.008  # what the form alone can say
+        assert plain[name].reason is None
+    assert {name for name, each in coloured.items() if each.reason} == {"nipple_L", "nipple_R"}
+
+
+def test_a_scan_without_colour_is_not_looked_at_for_any(monkeypatch: pytest.MonkeyPatch) -> None:
+    import breastrig.colour.features.observe as observe
+
+    def never(*_: object) -> None:
+        raise AssertionError("there is no colour to look at")
+
+    monkeypatch.setattr(observe, "observed_landmarks", never)
+    scan = replace(read_scan(STANDING / "scan.ply", "ply", "auto"), colours=None)
+    assert all(each.reason is None for each in propose_on_scan(read_rig(default_rig_path()), scan).values())

@@ -14,7 +14,8 @@ def at_the_nipple(job: ProposeJob) -> dict[str, Any]:
     with job.scan.with_name("proposed").open("a") as count:
         count.write("once\n")
     time.sleep(0.1)
-    return {"nipple_L": {"point": [70.0, 350.0, 120.0], "confidence": 0.5, "on_scan": True, "error_mm": 16.0}}
+    found = {"point": [70.0, 350.0, 120.0], "confidence": 0.5, "on_scan": True, "error_mm": 16.0}
+    return {"nipple_L": found | {"reason": "areola seen"}}
 
 
 def failing(_job: ProposeJob) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BreastRigError
 
 SCAN = str(asset_folder("example") / "standing" / "scan.ply")
-PLACES = {"fit", "fit_pair", "iterates", "pair_iterates", "propose_landmarks", "read_scan", "transfer"}
+PLACES = {"find_ink", "fit", "fit_pair", "iterates", "pair_iterates", "propose_landmarks", "read_scan", "transfer"}
 
 
 def modules_after(code: str) -> set[str]:

@@ -63,6 +63,19 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
     await untilStill(page);
   });
 
+  await test.step("where that is wished for a finger draws again", async () => {
+    const wish = page.locator(".canvas-bar").getByRole("button", { name: "Fingers" });
+    await wish.tap();
+    await fingers("touchStart", [[470, 400]]);
+    for (let i = 1; i <= 8; i += 1) await fingers("touchMove", [[470 + 8 * i, 400]]);
+    await fingers("touchEnd", []);
+    expect(await lines()).toHaveLength(4);
+    await page.getByRole("button", { name: "Undo" }).first().tap();
+    expect(await lines()).toHaveLength(3);
+    await wish.tap();
+    await expect(wish).toHaveAttribute("aria-pressed", "false");
+  });
+
   await test.step("the hand on the glass neither draws nor turns while the pen draws", async () => {
     const before = await pose();
     await fingers("touchStart", [[600, 600]]);

@@ -97,7 +97,26 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
     await expect(page.getByText("Fits, measures and files still see the whole scan.", { exact: false })).toHaveCount(0); // the lasso is still in the hand
     await page.keyboard.press("z");
     await expect.poll(pick).toBe(face);
+    await page.locator("canvas.view").focus();
+    await page.keyboard.press("ArrowUp"); // there is the cross, in the middle
+    const box = (await page.locator("canvas.view").boundingBox())!;
+    const cross: [number, number] = [box.x + box.width / 2, box.y + box.height / 2];
+    for (const corner of [[-90, -60], [30, -60], [30, 200], [-150, 200]] as const) {
+      const to = [Math.round((at.x + corner[0] - cross[0]) / 6), Math.round((at.y + corner[1] - cross[1]) / 6)] as const;
+      for (const [axis, keys] of [[0, ["ArrowLeft", "ArrowRight"]], [1, ["ArrowUp", "ArrowDown"]]] as const) {
+        for (let i = 0; i < Math.abs(to[axis]); i += 1) await page.keyboard.press(keys[to[axis] > 0 ? 1 : 0]);
+        cross[axis] += 6 * to[axis];
+      }
+      await page.keyboard.press("Enter");
+    }
+    await page.keyboard.press("Enter");
+    await expect.poll(pick).toBeNull();
     await page.keyboard.press("Escape");
+    await page.reload(); // it is still hidden
+    await hook.ready(page);
+    await page.keyboard.press("1");
+    await expect(page.getByText("Hidden here cannot be picked or drawn on.", { exact: false })).toBeVisible();
+    await page.getByRole("button", { name: "Show all" }).click();
     expect(await seriousFindings(page)).toEqual([]);
   });
 

@@ -74,6 +74,10 @@ test("the plan at true scale and through a projector", async ({ page, base, trou
     expect(Number(mm)).toBeLessThan(5);
     expect(Number(pixels) / Number(mm)).toBeCloseTo(1900 / 1434, 0);
     expect(await drawn(screen)).toBeGreaterThan(50);
+    await screen.reload(); // what was clicked is still there
+    await screen.getByRole("button", { name: "Projector" }).click();
+    await expect(screen.getByText(residual!, { exact: true })).toBeVisible();
+    await expect.poll(() => drawn(screen)).toBeGreaterThan(50);
     await screen.keyboard.press("h");
     await expect(screen.locator(".projector-tools")).toBeHidden();
     await expect(screen.locator(".projector-mark"), "it still says what it is").toBeVisible();

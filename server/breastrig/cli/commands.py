@@ -7,6 +7,7 @@ COMMANDS = {
     "report": "measures and pictures of one or two fits",
     "export": "drawing and closed surface for other programs",
     "landmarks": "propose the landmarks on one scan",
+    "ink": "find lines that were drawn on the skin of one scan",
     "batch": "fit the model to many scans",
     "evaluate": "measure the fit on a folder of patients",
     "model": "describe, check or build the model",

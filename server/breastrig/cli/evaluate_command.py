@@ -29,6 +29,8 @@ from breastrig.evaluation.studies.plan import Plan
 from breastrig.evaluation.studies.result_cache import FILES
 from breastrig.evaluation.studies.rotation_counts import QUICK_ROTATIONS, ROTATIONS
 from breastrig.evaluation.tables.accuracy import console, failures_table
+from breastrig.evaluation.tables.colour_landmarks import console as landmarks_by_colour
+from breastrig.evaluation.tables.ink import console as colour_console
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path
 
@@ -143,7 +145,11 @@ def run(options: argparse.Namespace) -> int:
         about = Circumstances(_command(options), _kind(options), options.jobs)
         with all_or_nothing(output) as out:
             published(results, about, out, lambda what: bar.set_postfix_str(what))
-    print(console(results.records, plan.recipes[0].name))
+    if plan.plain:
+        print(console(results.records, plan.recipes[0].name))
+    for colour in (landmarks_by_colour(results.records), colour_console(results.records)):
+        if colour:
+            print(colour)
     failed = len(failures_table(results.records).rows)
     if failed:
         print(f"{failed} fits were not possible; {options.output / 'failures.csv'} says why.")

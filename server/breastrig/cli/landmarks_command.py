@@ -7,7 +7,7 @@ from breastrig.cli.output_options import files_of_model, output_file
 from breastrig.core.private_files import write_private
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.interface.landmarks import propose_landmarks
-from breastrig.interface.scan import read_scan
+from breastrig.interface.scan import read_coloured
 from breastrig.scan.landmark_files import landmark_file
 
 
@@ -20,7 +20,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _proposed(options: argparse.Namespace) -> bytes:
     """The landmark file."""
-    scan = read_scan(options.scan, options.units)
+    scan = read_coloured(options.scan, options.units)
     proposals = propose_landmarks(scan, model=options.model)
     places = {name: proposal.point for name, proposal in proposals.items()}
     name = options.output.name.lower()
@@ -33,5 +33,7 @@ def _proposed(options: argparse.Namespace) -> bytes:
             name: None if each.error is None else round(per_unit * each.error, 1) for name, each in proposals.items()
         }
         document = json.loads(content) | {"proposed": True, "confidence": confidence, "error_mm": errors}
+        reasons = {name: each.reason for name, each in proposals.items() if each.reason}
+        document |= {"reason": reasons} if reasons else {}
         content = (json.dumps(document, indent=1) + "\n").encode()
     return content

@@ -1,5 +1,8 @@
 """A folder of virtual or real patients: PATIENT/STANCE/{scan.ply, landmarks.json, case.json, truth.ply}.
 
+A coloured case has scan.zip (mesh, material, texture) instead of scan.ply, and ink.json, the true lines of ink; where
+they lie in the other stance says ink_in_STANCE.json.  Colour is all that is measured of it.
+
 case.json says the unit and the stance; truth.ply, the clean surface in the scan's frame, may be missing;
 PATIENT/patient.json states the family.  Bodies that share their origin with the template (MakeHuman) flatter it
 and are always reported apart from independent ones.
@@ -23,6 +26,19 @@ class Case:
     unit: str
     folder: Path
 
+    @property
+    def coloured(self) -> bool:
+        """Whether its colours are measured."""
+        return not (self.folder / PLAIN).is_file()
+
+    @property
+    def scan(self) -> Path:
+        """The file of the scan."""
+        return self.folder / (COLOURED if self.coloured else PLAIN)
+
+
+PLAIN, COLOURED = "scan.ply", "scan.zip"
+
 
 def _document(path: Path) -> dict[str, object]:
     try:
@@ -37,8 +53,7 @@ def _document(path: Path) -> dict[str, object]:
 def read_cohort(folder: Path) -> tuple[Case, ...]:
     """All cases of a cohort folder, in the order of their names; BadInput when there are none."""
     cases = []
-    for scan in sorted(folder.glob("*/*/scan.ply")):
-        place = scan.parent
+    for place in sorted({scan.parent for name in (PLAIN, COLOURED) for scan in folder.glob(f"*/*/{name}")}):
         about = _document(place / "case.json")
         patient = place.parent / "patient.json"
         origin = json.dumps(_document(patient)).lower() if patient.is_file() else ""
@@ -55,5 +70,5 @@ def read_cohort(folder: Path) -> tuple[Case, ...]:
             )
         )
     if not cases:
-        raise BadInput(f"{folder} holds no scans; a cohort has PATIENT/STANCE/scan.ply in it.")
+        raise BadInput(f"{folder} holds no scans; a cohort has PATIENT/STANCE/scan.ply (or scan.zip) in it.")
     return tuple(cases)

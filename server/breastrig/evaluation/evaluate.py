@@ -8,6 +8,8 @@ from breastrig.evaluation.studies.plan import Plan, shape_effects
 from breastrig.evaluation.studies.result_cache import Record, records
 from breastrig.evaluation.tables import accuracy as tables
 from breastrig.evaluation.tables import certainty as certainty_tables
+from breastrig.evaluation.tables import colour_landmarks as colour_landmark_tables
+from breastrig.evaluation.tables import ink as ink_tables
 from breastrig.evaluation.tables import measures as measures_tables
 from breastrig.evaluation.tables import studies as study_tables
 from breastrig.evaluation.tables import transfer as transfer_tables
@@ -31,7 +33,7 @@ def measured(plan: Plan, folder: Path, jobs: int, again: bool, progress: Callabl
     """All answers of the plan, kept under folder/work; `progress` gets how many there are, and each one's end."""
     rig = read_rig(plan.model)
     first = plan.first_round()
-    rehearsal = {case.name: rig.shape_names for case in plan.cases}
+    rehearsal = {case.name: rig.shape_names for case in plan.plain}
     total = len(first) + len(plan.second_round(rig, rehearsal))  # about: some shape sets are the same in both orders
     found = records(first, folder / WORK, jobs, again, lambda label: progress(total, label))
     useful = shape_effects(tables.of(found, "accuracy", plan.recipes[0].name), rig)
@@ -45,7 +47,7 @@ def measured(plan: Plan, folder: Path, jobs: int, again: bool, progress: Callabl
 def all_tables(results: Results) -> list[Table]:
     """Every table that has rows, Table 1 first."""
     found, presets = results.records, [recipe.name for recipe in results.plan.recipes]
-    rig, studied = read_rig(results.plan.model), not results.plan.quick
+    rig, studied = read_rig(results.plan.model), not results.plan.quick and bool(results.plan.plain)
     made = [
         tables.table_1(found, presets[0]),
         tables.refined_table(found, presets[0]),
@@ -67,6 +69,10 @@ def all_tables(results: Results) -> list[Table]:
         certainty_tables.reliability_table(found),
         certainty_tables.believed_table(found),
         measures_tables.measures_table(found),
+        colour_landmark_tables.colour_landmarks_table(found),
+        colour_landmark_tables.areolae_table(found),
+        ink_tables.ink_table(found),
+        ink_tables.ink_transfer_table(found),
         tables.failures_table(found),
     ]
     return [table for table in made if table.rows]

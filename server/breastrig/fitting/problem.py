@@ -145,8 +145,10 @@ class ScanProblem:
         )
 
     def _landmark_distance(self, vertices: Array) -> float | None:
-        """m, mean over the picked landmarks; None without picks."""
-        return None if self._picks is None else float(self._picks.gaps(self.task.rig, vertices).mean())
+        """m, mean over the picked landmarks; None without picks of a person."""
+        return (
+            None if self._picks is None or self.task.seen else float(self._picks.gaps(self.task.rig, vertices).mean())
+        )
 
 
 def mean_distance(matches: Correspondences, without: float) -> float:

@@ -17,10 +17,13 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_task, scan_orientation
+from breastrig.fitting.seen.landmarks import areola_of, seen_landmarks, with_seen
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.geometry.normals import vertex_normals
+from breastrig.report.areolae import SeenAreola
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
+from breastrig.scan.scan import Scan
 
 USEFUL = 0.01  # m; a proposal this far off still saves the user a search: confidence one half
 LEAST = 0.01  # confidence; 0.1 m off, which no longer pulls at anything
@@ -41,6 +44,8 @@ class Proposal:
     confidence: float  # 0 to 1
     on_scan: bool  # on skin that the scan shows
     error: float | None = None  # m, radius that holds the true place with 90 %; None: nobody knows it for this model
+    reason: str | None = None  # what shows it beside the form of the body, in a few words
+    areola: SeenAreola | None = None  # around a nipple that colour shows
 
 
 def confidence_of(error: float) -> float:
@@ -49,15 +54,26 @@ def confidence_of(error: float) -> float:
 
 
 def propose_landmarks(
-    rig: Rig, scan: PreparedScan, recipe: Recipe, orientation: ScanOrientation | None = None
+    rig: Rig,
+    scan: PreparedScan,
+    recipe: Recipe,
+    orientation: ScanOrientation | None = None,
+    coloured: Scan | None = None,
 ) -> dict[str, Proposal]:
-    """All landmarks of the rig on a scan; `orientation` when it is known already."""
+    """All landmarks of the rig on a scan; `orientation` when it is known already.
+
+    `coloured` is the scan as it was read, of which only the colours are looked at (seen/landmarks.py).
+    """
     begun: tuple[FitIterate, ...] = ()
     if orientation is None:
         orientation, task, begun = scan_orientation(rig, scan, recipe)
     else:
         task = orientation_task(rig, scan, orientation, recipe)
     *_, last = begun or fit_iterates(task)
+    shown = {} if coloured is None else seen_landmarks(task, last, orientation.margin, coloured)
+    if shown:
+        task = with_seen(task, shown, last)
+        *_, last = fit_iterates(task)
     vertices = pose(rig, last.parameters)
     points = rig.landmark_points()
     places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))
@@ -68,6 +84,11 @@ def propose_landmarks(
     known = radii(Posterior(task, last.parameters), orientation.margin)
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
+        if name in shown:
+            each = shown[name]
+            sure = round(confidence_of(each.error), 2)
+            proposals[name] = Proposal(each.place, sure, True, HOLDS_90 * each.error, each.reason, areola_of(each))
+            continue
         radius = None if known is None else known.landmarks[name]
         confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)
         proposals[name] = Proposal(places[k], round(confidence, 2), bool(seen[k]), radius)

@@ -47,3 +47,4 @@ class FitTask:
     stance: str = "standing"  # standing | supine
     landmark_errors: Mapping[str, float] = field(default_factory=dict)  # m, expected beyond a click's; absent: none
     certain: frozenset[str] = frozenset()  # picks that are followed whatever all else says
+    seen: frozenset[str] = frozenset()  # landmarks that colour shows and no person has picked

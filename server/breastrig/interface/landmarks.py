@@ -25,6 +25,7 @@ class Proposal:
     confidence: float  # 0 to 1; a person's own pick is 1
     on_scan: bool  # on skin that the scan shows
     error: float | None = None  # in the scan's unit: the radius that holds the true place with 90 %; None: not known
+    reason: str | None = None  # what shows it beside the body's form, as "areola seen"
 
 
 Landmarks = Mapping[str, ArrayLike | Proposal] | str | Path | None
@@ -47,6 +48,7 @@ def propose_landmarks(scan: Scan | str | Path, *, units: str = "auto", model: Mo
             each.confidence,
             each.on_scan,
             None if each.error is None else each.error / found.metres_per_unit,
+            each.reason,
         )
         for name, each in proposals.items()
     }

@@ -7,6 +7,7 @@ from typing import Protocol
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import Model
 from breastrig.interface.one_thread import one_thread
+from breastrig.report.areolae import areolae_of
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
 
@@ -69,6 +70,7 @@ def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
                 name=found.stance,
                 picked=found.landmarks,
                 landmark_radii={name: 1e-3 * radius for name, radius in uncertain.items()},
+                areolae=areolae_of(found.result, found.metres_per_unit),
                 radii=found.radii,
             )
         )

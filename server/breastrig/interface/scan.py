@@ -13,6 +13,7 @@ from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.private_files import is_ordinary, shown
 from breastrig.scan.scan import Scan as ScanInMetres
+from breastrig.workflow.coloured_scan import coloured_scan
 
 if TYPE_CHECKING:
     import trimesh
@@ -47,13 +48,24 @@ def read_scan(source: str | Path | bytes, units: str = "auto", *, texture: bool 
     """Reads PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one of them with its pictures; or the bytes of such a file.
 
     `units` is the file's: m, dm, cm, mm, in, ft, or auto to decide from the size (`Scan.unit_reason` says how).
-    `texture=True` decodes the picture as well, which no fit needs: `Scan.in_metres` then holds it, with its uv.
+    `texture=True` decodes the picture as well (`Scan.in_metres` then holds it, with its uv): fits and proposed
+    landmarks then look for the areolae in it.
     The scan's `vertices` (V, 3) are in the file's unit and frame.
 
     Raises BadScan, TooLarge or BadSettings (no such unit), each with one sentence.
     """
     file = None if isinstance(source, bytes) else existing(source)
-    found = scan_files.read_scan(source if isinstance(source, bytes) else Path(source), None, units, texture)
+    return _scan(
+        scan_files.read_scan(source if isinstance(source, bytes) else Path(source), None, units, texture), file
+    )
+
+
+def read_coloured(source: str | Path, units: str = "auto") -> Scan:
+    """As `read_scan` with the texture, but for looking at its colours only: where it is too large it is left out."""
+    return _scan(coloured_scan(existing(source), None, units), existing(source))
+
+
+def _scan(found: ScanInMetres, file: Path | None) -> Scan:
     return Scan(
         vertices=frozen(found.vertices / found.metres_per_unit),
         faces=found.faces,
@@ -95,6 +107,6 @@ class ScanSource:
         if self._read is None:
             assert isinstance(self._given, Path)
             began = perf_counter()
-            found = scan_files.read_scan(self._given, None, self._units, texture=False)
+            found = coloured_scan(self._given, None, self._units)
             self._read = found, perf_counter() - began
         return self._read

@@ -31,7 +31,9 @@ from breastrig.rig.model import DrawnShape
 SIDES = ("L", "R")
 STRAIGHT, ALONG_SKIN = "straight", "along the skin"
 SPACING = 0.002  # m between points of a line to which a distance is taken
+NAMES = {"L": "left", "R": "right"}
 OUTLINE = "breast base outline (model)"
+BORDER = "areola's border (colour)"
 LEVELS = 40  # heights at which a chord of the outline is measured: every 3 mm
 CHORD = "distance in space"
 TAPE = "shortest way on the fitted model's skin"
@@ -41,7 +43,7 @@ def measures(stance: Stance) -> tuple[Row, ...]:
     """All rows that the rig's landmarks and drawings allow."""
     table = _Table(stance)
     sorted_by_name = sorted(symmetry(stance, table.frame, table.places), key=lambda row: row.measure)
-    return (*table.lengths(), *_volumes(stance), *sorted_by_name)
+    return (*table.lengths(), *_areolae(stance), *_volumes(stance), *sorted_by_name)
 
 
 class _Table:
@@ -149,6 +151,20 @@ class _Table:
 
     def _on_skin(self, point: Array) -> SurfacePoints:
         return self.stance.on_model(point[None])
+
+
+def _areolae(stance: Stance) -> Iterator[Row]:
+    """The areolae's diameters, from the border that the scan's colours show; none where there is no texture."""
+    found = {side: stance.areolae.get(side) for side in SIDES}
+    seen = {side: areola for side, areola in found.items() if areola is not None}
+    if not seen:
+        return
+    values = {side: _mm(areola.diameter, areola.half) for side, areola in seen.items()}
+    unseen = [f"the {name} one is not seen" for side, name in NAMES.items() if side not in seen]
+    method = "; ".join(["diameter of the circle of its area, by the border of its colour on the scan", *unseen])
+    paths = {name: np.concatenate([seen[side].rim, seen[side].rim[:1]]) for side, name in NAMES.items() if side in seen}
+    left, right = values.get("L"), values.get("R")
+    yield Row("areola_diameter", "Areola diameter", ALONG_SKIN, "mm", left, right, None, (BORDER,), method, paths)
 
 
 def _volumes(stance: Stance) -> Iterator[Row]:

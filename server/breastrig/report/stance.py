@@ -14,6 +14,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.report.areolae import SeenAreola
 from breastrig.report.distances import signed_distances
 from breastrig.rig.model import DrawnShape, Rig
 
@@ -31,6 +32,7 @@ class Stance:
     lines: tuple[Polyline, ...] = ()  # on the scan
     remarks: tuple[str, ...] = ()  # what the plan says in words
     landmark_radii: Mapping[str, float] = field(default_factory=dict)  # m; 90 % of true places are within
+    areolae: Mapping[str, SeenAreola | None] = field(default_factory=dict)  # by side; None: not seen
     radii: Array | None = None  # (V,) m, likewise of the vertices; None: not known
 
     @cached_property

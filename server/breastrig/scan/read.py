@@ -24,7 +24,6 @@ from breastrig.scan.formats.glb import glb_pieces
 from breastrig.scan.formats.pcd import pcd_points
 from breastrig.scan.formats.point_text import text_points
 from breastrig.scan.formats.texture import written_anew
-from breastrig.scan.formats.usd_process import usd_pieces
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
 from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud
 from breastrig.scan.scan import Scan
@@ -37,15 +36,22 @@ STRAY = 1e3  # m from the scan's middle; no scanner sees so far, and single prec
 SHOWN_NAME = 60  # characters of a file's name in a sentence
 
 
-def read_scan(source: Path | bytes, file_type: str | None = None, units: str = "auto", texture: bool = True) -> Scan:
+def read_scan(
+    source: Path | bytes,
+    file_type: str | None = None,
+    units: str = "auto",
+    texture: bool = True,
+    for_display: bool = True,
+) -> Scan:
     """Reads PLY, OBJ, STL, GLB, PCD, rows of points, or a zip of one of them with its MTL and pictures.
 
     `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
-    `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures.  Raises BadScan,
-    TooLarge (over a limit) or BadSettings (no such unit), each with one sentence.
+    `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures,
+    `for_display=False` that of writing a smaller one to be shown: whoever decodes it then sees whether it is sound.
+    Raises BadScan, TooLarge (over a limit) or BadSettings (no such unit), each with one sentence.
     """
     if file_type == STORED and isinstance(source, Path):
-        scan = read_stored(source, texture)
+        scan = read_stored(source, texture, for_display)
         unit, reason = decide_unit(_extent(scan.vertices, scan.faces) / scan.metres_per_unit, units)
         metres = METRES_PER_UNIT[unit]
         vertices = scan.vertices if unit == scan.unit else scan.vertices * (metres / scan.metres_per_unit)
@@ -67,8 +73,6 @@ def read_scan(source: Path | bytes, file_type: str | None = None, units: str = "
         siblings = _Siblings(source.parent)
     if found == "glb":
         pieces = glb_pieces(mesh, texture)
-    elif found == "usd":
-        pieces = usd_pieces(mesh, texture)
     elif found in ("pcd", "xyz"):
         pieces = Pieces((), has_points=True, cloud=pcd_points(mesh) if found == "pcd" else text_points(mesh))
     else:
@@ -89,7 +93,7 @@ def read_scan(source: Path | bytes, file_type: str | None = None, units: str = "
         unit, reason = decide_unit(_extent(whole.vertices, whole.faces), units)
     metres = METRES_PER_UNIT[unit]
     whole, strays = _placed(whole, metres)
-    jpeg = None if whole.picture is None else written_anew(whole.picture)
+    jpeg = whole.picture if whole.picture is None or not for_display else written_anew(whole.picture)
     if whole.picture is not None and jpeg is None:
         notes += ("The texture is damaged and was left out.",)
     return Scan(

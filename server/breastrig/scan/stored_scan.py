@@ -39,14 +39,17 @@ def write_stored(scan: Scan, path: Path) -> None:
         np.savez(file, allow_pickle=False, **arrays)
 
 
-def read_stored(path: Path, texture: bool = True) -> Scan:
-    """What `write_stored` wrote, without its picture if `texture` is false; BadScan when it is damaged."""
+def read_stored(path: Path, texture: bool = True, for_display: bool = True) -> Scan:
+    """What `write_stored` wrote, without its picture if `texture` is false, with it as it is if not `for_display`.
+
+    BadScan when it is damaged.
+    """
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             facts = json.loads(arrays["facts"].tobytes())
             painted = texture and "picture" in arrays
             picture = arrays["picture"].tobytes() if painted else None
-            jpeg = None if picture is None else written_anew(picture)
+            jpeg = picture if picture is None or not for_display else written_anew(picture)
             return Scan(
                 vertices=arrays["vertices"],
                 faces=arrays["faces"],

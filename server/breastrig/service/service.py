@@ -29,6 +29,7 @@ from breastrig.scan.stored_scan import STORED
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
 from breastrig.service.follow import Heartbeat, Notifier, Queued, follow
+from breastrig.service.ink import InkSearch
 from breastrig.service.moving.live_patterns import LivePatterns
 from breastrig.service.moving.moved_landmarks import MovedLandmarks
 from breastrig.service.plain_meshes import PlainMeshes
@@ -103,6 +104,7 @@ class Service:
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
         self._model = model
         self._proposals = Proposals(storage, self._readers, self._uploads.wall_s, proposer, model)
+        self._ink = InkSearch(storage, self._readers, self._uploads.wall_s)
         self.plans = Plans(storage, self._readers, model)
         self.kept_processes = KeptProcesses(self._uploads.memory_bytes)
         self.live_patterns = LivePatterns(storage, self.kept_processes, model)
@@ -186,6 +188,7 @@ class Service:
         Raises NotRemoved when files are left; they are tried again from time to time.
         """
         self._proposals.drop(scan_id)
+        self._ink.drop(scan_id)
         fits = fits_of_scan(self.storage, scan_id)
         self._queue.drop(fits)
         gone = delete_rows(self.storage, scan_id)
@@ -203,6 +206,10 @@ class Service:
     def proposed_landmarks(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
         """The landmarks that the model proposes on the scan; None when they are still being looked for."""
         return self._proposals.get(scan, model_sha256, wait_s)
+
+    def ink(self, scan: ScanRow, wait_s: float) -> dict[str, Any] | None:
+        """The lines of ink on the scan's skin, a drawing in mm; None when they are still being looked for."""
+        return self._ink.found(scan, wait_s)
 
     def examples(self) -> tuple[Example, ...]:
         """The packaged example scans, in the order standing, supine, others."""

@@ -11,6 +11,7 @@ TASK_MODULES = (
     "breastrig.workflow.moving.live_pattern",
     "breastrig.workflow.lines.plan_on_fit",
     "breastrig.workflow.moving.moved_landmarks",
+    "breastrig.workflow.find_ink_on_scan",
     "breastrig.workflow.propose_on_scan",
     "breastrig.workflow.read_upload",
     "breastrig.workflow.report",

@@ -50,6 +50,13 @@ proposals = Table(
     Column("json", Text, nullable=False),  # {name: {point, confidence, on_scan, error_mm}}, mm, scan frame
 )
 
+ink = Table(
+    "ink",
+    metadata,
+    Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
+    Column("json", Text, nullable=False),  # breastrig/drawing@1, mm, scan frame
+)
+
 patients = Table(  # a woman under a code, never a name; one without scans is not kept
     "patients",
     metadata,

@@ -19,6 +19,7 @@ from breastrig.fitting.doubt import Doubt
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
+from breastrig.report.areolae import AREOLAE, areolae_document
 from breastrig.report.distances import (
     landmark_summary_mm,
     summary_mm,
@@ -98,6 +99,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         "landmark_uncertainty_mm": {} if outcome.radii is None else _in_mm(outcome.radii.landmarks),
         "landmarks": {name: _rounded(place / per_unit) for name, place in model_landmarks.items()},
         "landmarks_picked": {name: _rounded(place / per_unit) for name, place in outcome.landmarks.items()},
+        **({AREOLAE: areolae_document(outcome.areolae, per_unit)} if outcome.areolae else {}),
         "parameters": {
             "bones": [
                 {

@@ -1,5 +1,6 @@
 """What is known at the end of a fit, in memory: what its files, a report or a program's `Fit` are made from."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from breastrig.core.arrays import Array
@@ -9,6 +10,7 @@ from breastrig.fitting.uncertainty.radii import Radii
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.geometry.polyline import Polyline
 from breastrig.least_squares.newton import Status
+from breastrig.report.areolae import SeenAreola
 from breastrig.report.distances import SurfaceDistances
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.rig.parameters import RigParameters
@@ -51,4 +53,5 @@ class FitOutcome:
     radii: Radii | None  # None: nothing is known of this model's errors
     notes: tuple[str, ...]
     verdict: Verdict
+    areolae: Mapping[str, SeenAreola | None]  # by side, None where none is seen; empty for a scan without texture
     table_triangles: int  # of the scan, cut away as table

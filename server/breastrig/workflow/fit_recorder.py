@@ -16,6 +16,7 @@ from breastrig.fitting.picks.checked_fit import without
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
+from breastrig.fitting.seen.areolae import seen_areolae
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
@@ -60,11 +61,11 @@ class FitRecorder:
         rig, target = task.rig, task.target
         let_go = (*ready.exchanged, *last.not_followed)
         posterior = Posterior(without(task, let_go), last.parameters)
-        doubtful = (*let_go, *unusual(posterior))
+        doubtful = let_go if task.seen else (*let_go, *unusual(posterior))  # nobody can be asked about those
         vertices = posterior.state.vertices
         compared = Comparison(target, vertices, rig.faces)
         signals = fit_signals(rig, last.parameters, compared, ready.clearness)
-        placed = len(ready.task.landmarks) >= MIN_LANDMARKS
+        placed = len(task.landmarks.keys() - task.seen) >= MIN_LANDMARKS
         in_doubt = sum(len(doubt.names) for doubt in doubtful)
         found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed, in_doubt)
         if not found_verdict.is_torso:
@@ -80,6 +81,7 @@ class FitRecorder:
         drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()
         lines = with_errors(rig, compared.search, None if known is None else known.vertices, lines)
+        areolae = seen_areolae(rig, vertices, ready.landmarks, ready.scan, ready.shown)
         timing["total"] = clock.total()
         return FitOutcome(
             scan=ready.scan,
@@ -104,6 +106,7 @@ class FitRecorder:
             lines=lines,
             radii=known,
             notes=ready.notes,
+            areolae=areolae,
             table_triangles=ready.table_triangles,
             verdict=found_verdict,
         )

@@ -17,8 +17,8 @@ from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.scan.clean import clean
-from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
+from breastrig.workflow.coloured_scan import coloured_scan
 
 
 @dataclass(frozen=True)
@@ -33,14 +33,17 @@ class ProposeJob:
 def propose_on_scan(rig: Rig, scan: Scan, orientation: ScanOrientation | None = None) -> dict[str, Proposal]:
     """All landmarks of the rig, points in metres in the scan's own frame; `orientation` when it is known already."""
     ready = prepared(clean(scan), AUTO, None if orientation is None else orientation.frame)
-    return propose_landmarks(rig, ready, load_recipe("default"), orientation)
+    return propose_landmarks(rig, ready, load_recipe("default"), orientation, scan)
 
 
 def propose_on_file(job: ProposeJob) -> dict[str, Any]:
-    """{name: {point (mm), confidence, on_scan, error_mm}}, ready for JSON.  Raises a BreastRigError with a sentence."""
+    """{name: {point (mm), confidence, on_scan, error_mm, reason}}, ready for JSON.
+
+    Raises a BreastRigError with a sentence.
+    """
     try:
         rig = read_rig(job.model or default_rig_path())
-        scan = read_scan(job.scan, job.file_type, job.units, texture=False)
+        scan = coloured_scan(job.scan, job.file_type, job.units)
         proposals = propose_on_scan(rig, scan, orientation_from(job.orientation, rig))
     except MemoryError as error:
         raise BadScan("Finding landmarks on this scan needs more memory than it may use; simplify it first.") from error
@@ -50,6 +53,7 @@ def propose_on_file(job: ProposeJob) -> dict[str, Any]:
             "confidence": proposal.confidence,
             "on_scan": proposal.on_scan,
             "error_mm": None if proposal.error is None else round(1e3 * proposal.error, 1),
+            "reason": proposal.reason,
         }
         for name, proposal in proposals.items()
     }

@@ -14,6 +14,7 @@ from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan
 from breastrig.drawings.plan_schema import checked_plan
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.report.areolae import areolae_of
 from breastrig.report.document import Reported, report_document, stance_names
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
@@ -153,6 +154,7 @@ def stance_of(folder: Path, fit: FitFolder, plan: PlanLines | None = None) -> St
         lines=planned_lines(folder, fit.unit, plan),
         remarks=() if plan is None else _remarks(plan[0]),
         landmark_radii={n: 1e-3 * radius for n, radius in fit.result.get("landmark_uncertainty_mm", {}).items()},
+        areolae=areolae_of(fit.result, fit.metres_per_unit),
         radii=fit.radii,
     )
 

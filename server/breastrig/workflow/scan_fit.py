@@ -5,10 +5,10 @@ read its scan already.  Everything that can be wrong with the request itself is 
 """
 
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,21 +19,25 @@ from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.fitting.doubt import Doubt
-from breastrig.fitting.fit import FitIterate, FitTask
+from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
 from breastrig.fitting.picks.mistakes import sides_exchanged
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import orientation_from
+from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.scan.clean import clean
 from breastrig.scan.landmark_files import checked_certain
-from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
+from breastrig.workflow.coloured_scan import coloured_scan
 from breastrig.workflow.events import DoubtedPick, Started
 from breastrig.workflow.fit_start import EarlierFit, with_earlier_start, with_stance, with_start
+
+if TYPE_CHECKING:
+    from breastrig.colour.features.observe import Observation
 
 ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; none of them was followed."
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
@@ -132,6 +136,7 @@ class ReadyScan:
     stance_reason: str
     task: FitTask
     clearness: float | None  # of the start, where the scan alone placed it
+    shown: "Mapping[str, Observation] | None"  # what colours show of the landmarks; None: not looked at
     begun: tuple[FitIterate, ...]  # all iterates of the task's fit, where they were needed to find the stance
     timing_s: dict[str, float]  # solve is what the stance took
 
@@ -168,7 +173,7 @@ def fit_plan(settings: FitSettings, rig: Rig, landmarks_mm: dict[str, list[float
 def scan_of_job(job: FitJob) -> tuple[Scan, float]:
     """The job's scan, and the seconds that reading it took; a BadInput says what is wrong with it."""
     clock = Clock()
-    return read_scan(job.scan, job.file_type, job.units, texture=False), clock.lap()
+    return coloured_scan(job.scan, job.file_type, job.units), clock.lap()
 
 
 def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
@@ -201,15 +206,16 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         task, clearness = with_start(task, ready, orientation)
         timing["align"] = clock.lap()
         task, stance = with_stance(task, settings.stance, ready, orientation)
+        task, begun, shown = _with_colour(task, stance.iterates, clearness, scan)
     else:
         task, stance = with_earlier_start(task, settings.stance, earlier)
-        clearness = None
+        clearness, begun, shown = None, (), None
         timing["align"] = clock.lap()
     timing["solve"] = clock.lap()
     return ReadyScan(
         settings=settings,
         scan=scan,
-        notes=(*scan.notes, *ready.notes),
+        notes=(*scan.notes, *ready.notes, *_words(shown)),
         table_triangles=ready.table_triangles,
         landmarks=landmarks,
         exchanged=exchanged,
@@ -217,9 +223,32 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         stance_reason=stance.reason,
         task=task,
         clearness=clearness,
-        begun=stance.iterates,
+        shown=shown,
+        begun=begun,
         timing_s=timing,
     )
+
+
+def _with_colour(
+    task: FitTask, begun: tuple[FitIterate, ...], clearness: float | None, scan: Scan
+) -> tuple[FitTask, tuple[FitIterate, ...], "Mapping[str, Observation] | None"]:
+    """The task with landmarks that the colours show, its iterates as far as they are known, and what is shown.
+
+    Only where no person has picked any: who has, has seen the proposals, which are made with the colours.
+    """
+    if task.landmarks or scan.colour_kind == "none":
+        return task, begun, None
+    last = (begun or tuple(fit_iterates(task)))[-1]
+    shown = seen_landmarks(task, last, clearness, scan) if last.is_finite else {}
+    return (with_seen(task, shown, last), (), shown) if shown else (task, begun, shown)
+
+
+def _words(shown: "Mapping[str, Observation] | None") -> tuple[str, ...]:
+    """A note of what was found by colour."""
+    if not shown:
+        return ()
+    reasons = sorted({each.reason for each in shown.values()})
+    return (f"Found by colour: {', '.join(shown)} ({', '.join(reasons)}).",)
 
 
 def _exchanged(rig: Rig, recipe: Recipe, landmarks: dict[str, Array], certain: Collection[str]) -> tuple[Doubt, ...]:

@@ -9,6 +9,7 @@ import type {
   Fit,
   FitLinks,
   FitRequest,
+  Ink,
   LandmarkFile,
   MeasuresFile,
   Meta,
@@ -111,6 +112,12 @@ export const client = {
   async proposed(scan: Scan): Promise<ProposedLandmarks | { retryAfterS: number }> {
     const answer = await ask(scan.links.proposed);
     if (answer.status !== 202) return (await answer.json()) as ProposedLandmarks;
+    return { retryAfterS: Number(answer.headers.get("Retry-After")) || 1 };
+  },
+  /** Lines drawn on the skin; 202 as above. */
+  async ink(scan: Scan): Promise<Ink | { retryAfterS: number }> {
+    const answer = await ask(scan.links.ink);
+    if (answer.status !== 202) return (await answer.json()) as Ink;
     return { retryAfterS: Number(answer.headers.get("Retry-After")) || 1 };
   },
   /** Where the model of a fit lies with these picks (mm): for a drag, kept nowhere. */

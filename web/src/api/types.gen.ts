@@ -286,6 +286,32 @@ export type Health = {
   status: "ok";
 };
 
+/** A drawing (breastrig/drawing@1): the lines that were found on the skin, the longest first. */
+export type Ink = {
+  schema?: "breastrig/drawing@1";
+  unit?: "mm";
+  shapes: InkShape[];
+};
+
+/** One stroke of a pen on the skin. */
+export type InkShape = {
+  name: string;
+  label?: string;
+  closed?: boolean;
+  color?: string;
+  /** on the scan's skin, in its frame and the drawing's unit */
+  points: [number, number, number][];
+  /** for each point whether it is not on the skin, because the scan has a hole there */
+  bridged?: boolean[] | null;
+  /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
+  error_mm?: (number | null)[] | null;
+  /** the first three are lines of a plan, the others marks beside it */
+  kind: "line" | "closed" | "dashed" | "cross" | "arrow" | "writing";
+  marker: "violet" | "black" | "blue" | "green" | "red";
+  /** of ink, without gaps */
+  length_mm: number;
+};
+
 export type Iterated = {
   kind?: "iterated";
   /** 0 is the start, before the first step */
@@ -792,6 +818,8 @@ export type ProposedLandmark = {
   on_scan: boolean;
   /** radius that holds the true place with 90 %; null where it is not known */
   error_mm?: number | null;
+  /** what shows it beside the form of the body, as: areola seen; null where nothing does */
+  reason?: string | null;
 };
 
 export type ProposedLandmarks = {
@@ -888,6 +916,7 @@ export type ScanLinks = {
   mesh: string;
   landmarks: string;
   proposed: string;
+  ink: string;
   drawing: string;
   fits: string;
   patient: string;

@@ -10,6 +10,8 @@ export type {
   Fit,
   FitLinks,
   FitRequest,
+  Ink,
+  InkShape,
   Iterated,
   LandmarkFile,
   Measure,

@@ -58,6 +58,8 @@ export interface Stages {
 export interface Page {
   readonly elements: readonly HTMLElement[];
   readonly stages: Stages;
+  /** Where lines found on the skin are listed. */
+  readonly ink: { readonly scan: HTMLElement; readonly drawing: HTMLElement };
   /** From now on the page shows what is in the store. */
   follow(store: Store<Session>): void;
 }
@@ -88,7 +90,10 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const landmarks = createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks"));
   const fit = createFitPanel({ ...actions.fit, chooseDrawing: actions.drawing.choosePattern }, () => dismiss("fit"));
   const carry = createDrawingCarry(actions.stances);
+  const ink = { scan: el("div", {}), drawing: el("div", {}) }; // lines found on the skin, see ink/open.ts
+  scan.element.prepend(ink.scan);
   const drawing = createDrawingPanel(actions.drawing, actions.plan, () => dismiss("drawing"), () => dismiss("fit"), carry.element);
+  drawing.element.prepend(ink.drawing);
   const result = createResultPanel(actions.handPose);
   const next = createNextButton(actions);
   const bodies = { scan: scan.element, landmarks: landmarks.element, fit: fit.element, drawing: drawing.element, result: result.element };
@@ -115,6 +120,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
 
   return {
     elements: [top.element, steps.element, host, other.element, aside, timeline.element, footer, help.element, share.element, adding.element, measures.element, leave.element, deleting.element, live],
+    ink,
     stages: { main: { host, canvas, overlay }, other: other.stage, picture: guide.canvas, light: guide.light },
     follow(store): void {
       // Classes first: where a panel stands and whether it is seen decides what it can scroll to or focus.

@@ -31,11 +31,11 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const proposals = createProposalSearch(store, client);
   const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refit });
   const plan = planActions(store, client);
-  const scan = scanActions(store, client, scanContents(client, plan, fit.stop), proposals.lookOnce);
+  const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
+  const scan = scanActions(store, client, scanContents(client, plan, fit.stop), proposals.lookOnce, memory);
   const drawing = drawingActions(store, plan);
   const leaving = leavingActions(store, { landmarks, lines: drawing });
   const guarded = leaving.guarded(scan);
-  const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
   const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan }, memory);
   const patients = patientActions(store, client);
   const deletion = deletionActions(store, client, { scan, stances, patients });

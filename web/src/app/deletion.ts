@@ -12,7 +12,7 @@ import * as text from "./text";
 export const UNDO_MS = 10_000;
 
 interface Others {
-  readonly scan: Pick<ScanActions, "leave" | "open">;
+  readonly scan: Pick<ScanActions, "leave" | "open" | "forget">;
   readonly stances: Pick<StancesActions, "swap" | "remove">;
   readonly patients: { read(): Promise<void> };
 }
@@ -28,6 +28,7 @@ export function deletionActions(store: Store<Session>, client: Client, others: O
     store.set({ deletion: null });
     try {
       await client.deleteScan(deletion.scan);
+      others.scan.forget(deletion.scan.id);
       store.set({ announcement: text.deletion.announceDone });
       if (store.get().scan === null) void others.patients.read(); // the list stands there
     } catch (error) {

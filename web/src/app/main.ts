@@ -26,6 +26,12 @@ const page = createPage(actions, dismiss);
 document.body.append(...page.elements);
 page.follow(store);
 openViewer(store, actions, page.stages, prefersStill);
+let isInkOpen = false;
+store.select(only("scan"), ({ scan }) => {
+  if (isInkOpen || !scan || scan.info.colours === "none") return;
+  isInkOpen = true;
+  void import("../ink/open").then(({ openInk }) => openInk(store, client, actions, page.ink));
+});
 listenToKeys(store, actions);
 addEventListener("pagehide", () => void actions.landmarks.flush());
 addEventListener("pagehide", () => void actions.drawing.flush());

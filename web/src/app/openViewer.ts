@@ -52,7 +52,7 @@ import type { Session } from "./session";
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
   ...(["meta", "model", "theme", "step", "overlay", "swipe", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
-  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawn"] as const),
+  ...(["picks", "certain", "proposals", "active", "fit", "handPose", "followed", "showDistances", "drawn", "ink", "inkPointed"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
 
@@ -120,6 +120,16 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     viewer.invalidate();
   };
 
+  let hasInk = false;
+  store.select(only("ink"), ({ ink }) => {
+    if (hasInk || Object.keys(ink).length === 0) return;
+    hasInk = true;
+    void import("../ink/InkLines").then(({ InkLines }) => {
+      parts.push(new InkLines(viewer));
+      updateAll(store.get());
+    });
+  });
+
   let theme: Theme | null = null;
   let viewAsked = store.get().view.asked;
   store.select(only(...SEEN), (state: Seen) => {
@@ -141,7 +151,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     return info ? tableNormalOf(info) : null;
   };
   actions.drawing.setSkin(skinFrom(() => scan.parts, tableNormal));
-  listenToLasso(stage.canvas, viewer, scan, store, actions.scan); // before the pen, which says last what turns the body
+  listenToLasso(stage.canvas, viewer, scan, cross, store, actions.scan); // before the pen, which says last what turns the body
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
   const mayDrag = (): boolean => store.get().active === null && !store.get().isCropping && isFree(store.get());

@@ -2,6 +2,7 @@
 import type { Scan } from "../api/types";
 import { type DrawingSlice, initialDrawing } from "../drawing/state";
 import { type FitSlice, initialFit } from "../fit/state";
+import { initialInk, type InkSlice } from "../ink/state";
 import { type LandmarksSlice, startLandmarks } from "../landmarks/state";
 import { initialScan, type ScanSlice } from "../scan/state";
 import { initialPatients, type PatientsSlice } from "../patients/state";
@@ -19,7 +20,7 @@ export interface Deletion {
   readonly title: string;
 }
 
-export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, FitSlice, DrawingSlice, StancesSlice, PatientsSlice, ShareSlice {
+export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, FitSlice, DrawingSlice, StancesSlice, InkSlice, PatientsSlice, ShareSlice {
   readonly isSignedIn: boolean; // with a token; a service on one's own machine needs none
   readonly isHelpOpen: boolean;
   readonly leaving: readonly Unsaved[] | null; // asked: may they be lost?
@@ -36,6 +37,7 @@ export const initialSession: Session = {
   ...initialFit,
   ...initialDrawing,
   stances: initialStances,
+  ...initialInk,
   patients: initialPatients,
   ...initialShare,
   isSignedIn: false,

@@ -20,7 +20,7 @@ const TOOLS = ["none", "pen", "points", "erase", "tape"] as const satisfies read
 const PICTURES: Record<(typeof TOOLS)[number], IconName> = { none: "turn", pen: "pen", points: "points", erase: "eraser", tape: "tape" };
 const VIEWS = ["front", "left", "right", "back"] as const satisfies readonly ViewName[];
 
-type Shown = Pick<PageSlice & ScanSlice & DrawingSlice, "problems" | "drawn" | "isCanvasFull">;
+type Shown = Pick<PageSlice & ScanSlice & DrawingSlice, "problems" | "drawn" | "isCanvasFull" | "hasPen" | "fingersDraw">;
 
 /** A large button: a picture and one word. */
 function tool(picture: IconName | null, label: string, hint: string, pressed: () => void): HTMLButtonElement {
@@ -32,6 +32,7 @@ export function createCanvasBar(drawing: DrawingActions, lookFrom: (view: ViewNa
   const tools = TOOLS.map((name) => ({ name, button: tool(PICTURES[name], text.drawing.toolNames[name], text.drawing.toolHints[name], () => drawing.take(name)) }));
   const undo = tool("undo", "Undo", text.drawing.undo, () => drawing.undo());
   const redo = tool("redo", "Redo", text.drawing.redo, () => drawing.redo());
+  const fingers = tool("finger", words.fingers, words.fingersHint, () => drawing.drawWithFingers(!state?.fingersDraw));
   const views = VIEWS.map((name) => tool(null, viewText.names[name], viewText.hints[name], () => lookFrom(name)));
   const done = tool("check", words.done, words.doneHint, () => drawing.fullCanvas(false));
   const inks = INKS.map(({ color, name }) => {
@@ -48,7 +49,7 @@ export function createCanvasBar(drawing: DrawingActions, lookFrom: (view: ViewNa
   const element = el(
     "div",
     { class: "canvas-bars", hidden: true },
-    el("div", { class: "canvas-bar is-left", role: "toolbar", "aria-label": words.tools, "aria-orientation": "vertical" }, ...tools.map(({ button }) => button), undo, redo),
+    el("div", { class: "canvas-bar is-left", role: "toolbar", "aria-label": words.tools, "aria-orientation": "vertical" }, ...tools.map(({ button }) => button), undo, redo, fingers),
     el("div", { class: "canvas-bar is-right", role: "toolbar", "aria-label": words.views, "aria-orientation": "vertical" }, done, ...views),
     el("div", { class: "canvas-bar is-below" }, el("div", { class: "canvas-inks", role: "group", "aria-label": words.inks }, ...inks.map(({ button }) => button)), name, length, recolour, finish, says),
     el("p", { class: "canvas-notice" }, notice),
@@ -71,7 +72,7 @@ export function createCanvasBar(drawing: DrawingActions, lookFrom: (view: ViewNa
 
   return {
     element,
-    select: only("problems", "drawn", "isCanvasFull"),
+    select: only("problems", "drawn", "isCanvasFull", "hasPen", "fingersDraw"),
     update(now: Shown): void {
       const isOther = now.isCanvasFull !== (state?.isCanvasFull ?? false);
       state = now;
@@ -83,6 +84,8 @@ export function createCanvasBar(drawing: DrawingActions, lookFrom: (view: ViewNa
       for (const each of tools) each.button.setAttribute("aria-pressed", String(each.name === drawn.tool));
       for (const each of inks) each.button.setAttribute("aria-pressed", String(each.color === drawn.ink));
       redo.disabled = drawn.lines.future.length === 0;
+      show(fingers, now.hasPen);
+      fingers.setAttribute("aria-pressed", String(now.fingersDraw));
       const line = chosen();
       show(name, line !== null);
       if (document.activeElement !== name) name.value = line?.name ?? "";

@@ -14,7 +14,7 @@ import * as text from "./text";
 
 const words = text.drawing;
 
-type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "problems" | "drawing" | "fit" | "isStarting" | "drawn">;
+type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "problems" | "drawing" | "fit" | "isStarting" | "drawn" | "hasPen" | "fingersDraw">;
 
 /** `more`: what other features have to say about the drawing, below the rest. */
 export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dismiss: () => void, dismissFit: () => void, more: HTMLElement): Panel<Shown> {
@@ -28,6 +28,8 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   full.id = "full-canvas";
   full.title = text.canvas.openHint;
   const hint = el("p", { class: "tool-hint muted small", id: "tool-hint" });
+  const withFingers = el("input", { type: "checkbox", onchange: () => drawing.drawWithFingers(withFingers.checked) });
+  const fingers = el("label", { class: "check", hidden: true }, withFingers, el("span", {}, text.canvas.fingersHint));
   const radius = el("input", { type: "number", min: 1, max: 80, step: 1, inputmode: "numeric", onchange: () => drawing.radius(radius.valueAsNumber) });
   const size = el("label", { class: "field inline short", hidden: true }, el("span", {}, words.radius), radius);
   const finish = button(words.finish, () => drawing.finish(), "quiet outlined");
@@ -54,6 +56,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
     el("div", { class: "tool-row" }, tools.element),
     hint,
     full,
+    fingers,
     size,
     finish,
     measured,
@@ -66,12 +69,14 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   );
   return {
     element,
-    select: only("meta", "model", "problems", "drawing", "fit", "isStarting", "drawn"),
+    select: only("meta", "model", "problems", "drawing", "fit", "isStarting", "drawn", "hasPen", "fingersDraw"),
     update(session: Shown): void {
       state = session;
       const { drawn } = session;
       tools.set(drawn.tool);
       setText(hint, words.hints[drawn.tool]);
+      show(fingers, session.hasPen);
+      withFingers.checked = session.fingersDraw;
       show(size, drawn.tool === "tumour");
       if (document.activeElement !== radius && radius.valueAsNumber !== drawn.radiusMm) radius.valueAsNumber = drawn.radiusMm;
       show(finish, drawn.tool === "pen" && (drawn.open !== null || drawn.start !== null));

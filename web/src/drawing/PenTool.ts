@@ -33,7 +33,10 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, 
   let held: Held | null = null;
   const pointers = new Set<number>(); // that may draw
   const isDrawing = (): boolean => store.get().step === "drawing" && store.get().drawn.tool !== "none";
-  const palms = rejectPalms(canvas, isDrawing, follow);
+  const palms = rejectPalms(canvas, isDrawing, () => {
+    if (palms.hasPen !== store.get().hasPen) drawing.penSeen();
+    follow();
+  });
   const point = (event: { clientX: number; clientY: number }): Vector | null => skinAt(viewer, scan, drawing.skin(), event.clientX, event.clientY);
 
   function letGo(): void {
@@ -134,13 +137,14 @@ export function listenToPen(canvas: HTMLElement, viewer: Viewer, scan: Surface, 
 
   /** What turns the body. */
   function follow(): void {
-    viewer.drawWith(!isDrawing() ? "nothing" : palms.hasPen ? "pen" : "anything");
+    viewer.drawWith(!isDrawing() ? "nothing" : palms.areFingersFree ? "pen" : "anything");
     viewer.mayTurn = !(isDrawing() && palms.isPenDown);
   }
 
   store.select(
-    ({ step, drawn: { tool } }) => ({ step, tool }),
-    ({ tool }) => {
+    ({ step, drawn: { tool }, fingersDraw }) => ({ step, tool, fingersDraw }),
+    ({ tool, fingersDraw }) => {
+      palms.fingersDraw = fingersDraw;
       const isOn = isDrawing();
       follow();
       canvas.classList.toggle("is-drawing", isOn && tool !== "points");

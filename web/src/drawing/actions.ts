@@ -104,6 +104,9 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     setSkin: (now: () => Skin | null): void => void (skin = now),
     skin: (): Skin | null => skin(),
 
+    penSeen: (): void => store.set({ hasPen: true, announcement: text.canvas.pen }),
+    drawWithFingers: (fingersDraw: boolean): void => store.set({ fingersDraw, announcement: fingersDraw ? text.canvas.fingersDraw : text.canvas.pen }),
+
     take: (tool: Tool): void => {
       const chosen = tool === "points" ? (drawn().chosen ?? lines().at(-1)?.name ?? null) : drawn().chosen;
       store.set((state) => ({
@@ -226,6 +229,13 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     erase(name: string): void {
       const forget = (known: string | null): string | null => (known === name ? null : known);
       change(withoutLine(lines(), name), { chosen: forget(drawn().chosen), open: forget(drawn().open), corner: null }, words.announceErased(name));
+    },
+
+    /** Lines that were found elsewhere become the scan's own, as one step to undo. */
+    adopt(found: readonly OwnLine[], announcement: string): void {
+      const all = [...lines()];
+      for (const line of found) all.push({ ...line, id: newId(), name: freeName(all, line.name) });
+      change(all, { start: null, open: null, corner: null }, announcement);
     },
 
     /** Lines that could not be saved before; what the service has is one undo away. */

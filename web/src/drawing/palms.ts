@@ -1,10 +1,12 @@
-// A tablet with a stylus: once a pen was seen, fingers draw nothing any more, they turn the body; and what touches the
+// A tablet with a stylus: once a pen was seen, fingers turn the body, until somebody wants them to draw again; and what touches the
 // glass while the pen is on it is the hand that holds it, until it is lifted.  Pressure is not looked at: a marker's line
 // is as wide as it is.
 
 export class Palms {
   /** A pen has come near in this page. */
   hasPen = false;
+  /** Wished for, though there is a pen: it may be empty or lie elsewhere. */
+  fingersDraw = false;
   private pen: number | null = null; // on the glass
   private readonly touches = new Set<number>();
   private readonly palms = new Set<number>();
@@ -39,7 +41,12 @@ export class Palms {
     return this.pen !== null;
   }
 
-  mayDraw = (kind: string): boolean => !(kind === "touch" && this.hasPen);
+  /** Fingers turn the body with whatever tool. */
+  get areFingersFree(): boolean {
+    return this.hasPen && !this.fingersDraw;
+  }
+
+  mayDraw = (kind: string): boolean => !(kind === "touch" && this.areFingersFree);
 }
 
 /**

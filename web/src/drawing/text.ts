@@ -51,6 +51,9 @@ export const canvas = {
   recolourShort: "Use colour",
   noLine: "No line is chosen",
   pen: "The pen draws; fingers turn, move and zoom.",
+  fingers: "Fingers",
+  fingersHint: "Fingers draw too, though a pen was seen",
+  fingersDraw: "The pen and one finger draw; two fingers turn the body.",
 };
 
 export const drawing = {

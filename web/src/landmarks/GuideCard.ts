@@ -53,7 +53,7 @@ export function createGuideCard(actions: LandmarkActions): GuideCard {
       light.className = `lit-point side-${where}`;
       const proposal = openProposals(state.proposals, state.picks.present).find((each) => each.name === wanted.name);
       show(take, proposal !== undefined);
-      if (proposal) take.title = text.proposals.errorHint(errorOf(proposal) ?? text.proposals.unknown);
+      if (proposal) take.title = text.proposals.errorHint(errorOf(proposal) ?? text.proposals.unknown, proposal.reason);
       setText(latin, wanted.latin);
       setText(definition, wanted.definition);
     },

@@ -140,9 +140,9 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
       show(confirm, proposal !== null);
       confirm.classList.toggle("is-rough", proposal !== null && !isLikely(proposal));
       setText(words, text.proposals.errorShort(mm));
-      confirm.title = proposal?.on_scan === false ? text.proposals.offScanHint : text.proposals.errorHint(mm);
+      confirm.title = proposal?.on_scan === false ? text.proposals.offScanHint : text.proposals.errorHint(mm, proposal?.reason);
       confirm.setAttribute("aria-label", `${text.proposals.confirm(text.landmarks.spoken(entry))}, ${text.proposals.error(mm)}`);
-      const missing = proposal ? text.proposals.rowState(mm) : text.landmarks.missing;
+      const missing = proposal ? text.proposals.rowState(mm, proposal.reason) : text.landmarks.missing;
       const placed = isAsked ? text.questions.state : isKept ? text.questions.keptState : text.landmarks.placed;
       setText(status, isPlaced ? placed : isSkipped ? text.landmarks.skippedState : missing);
     },

@@ -82,13 +82,14 @@ export const proposals = {
   confirm: (label: string) => `Confirm the proposed ${label}`,
   confirmLikely: (count: number) => (count === 1 ? "Confirm the likely point" : `Confirm the ${count} likely points`),
   error: (mm: string) => `±\u00a0${mm}\u00a0mm`,
-  errorHint: (mm: string) => `The true place lies within ${mm} mm of the proposal in 90 of 100 cases.`,
+  errorHint: (mm: string, reason: string | null | undefined) =>
+    `${reason ? `Found by colour: ${reason}. ` : ""}The true place lies within ${mm} mm of the proposal in 90 of 100 cases.`,
   offScan: "no skin there",
   offScanHint: "The scan shows no skin here: the model alone says where it would be.",
   unknown: "?",
   take: "Take the proposal",
   errorShort: (mm: string) => `±\u00a0${mm}`,
-  rowState: (mm: string) => `proposed, within ${mm} millimetres`,
+  rowState: (mm: string, reason: string | null | undefined) => `proposed${reason ? ` (${reason})` : ""}, within ${mm} millimetres`,
   announceFound: (count: number) => `${plural(count, "landmark is", "landmarks are")} proposed.`,
   announceConfirmed: (labels: readonly string[]) =>
     labels.length === 1 ? `Confirmed: ${labels[0]}.` : `${labels.length} proposed landmarks confirmed.`,

@@ -12,7 +12,7 @@ import { ARROWS } from "../viewer/keys";
 import { type Camera, parallelCamera, type Place } from "./camera";
 import { Picture } from "./Picture";
 import { type Opened, openFit, readLines } from "./read";
-import { CARD_MM, initialProjector, nextWanted, projectionOf, type ProjectorState, screenKey, withClick, withoutClick } from "./state";
+import { CARD_MM, initialProjector, nextWanted, projectionOf, type ProjectorState, clicksKey, keptClicks, screenKey, withClick, withoutClick } from "./state";
 import * as text from "./text";
 import { createTools } from "./Tools";
 
@@ -77,7 +77,13 @@ async function begin(): Promise<void> {
   }
   try {
     opened = await openFit(client, id);
-    store.set((state) => ({ landmarks: opened!.landmarks, wanted: nextWanted({ landmarks: opened!.landmarks, clicks: state.clicks }, null) }));
+    const { landmarks } = opened;
+    const clicks = keptClicks(sessionStorage.getItem(clicksHere(id)), landmarks);
+    store.set({ landmarks, clicks, wanted: nextWanted({ landmarks, clicks }, null) });
+    store.select(
+      ({ clicks }) => ({ clicks }),
+      ({ clicks }) => sessionStorage.setItem(clicksHere(id), JSON.stringify(clicks)),
+    );
     await readPlan();
     show(waiting, false);
     setInterval(() => void readIfChanged(), LOOK_MS);
@@ -158,9 +164,10 @@ function listen(): void {
   });
   for (const kind of ["pointerup", "pointercancel"] as const) canvas.addEventListener(kind, () => (held = null));
   addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || (event.target instanceof HTMLElement && event.target.closest("input, button"))) return;
-    const arrow = ARROWS[event.key];
     const key = event.key.toLowerCase();
+    const takesKey = key === "enter" ? "input, button" : "input"; // Enter presses the button that has the focus
+    if (event.ctrlKey || event.metaKey || event.altKey || (event.target instanceof HTMLElement && event.target.closest(takesKey))) return;
+    const arrow = ARROWS[event.key];
     const far = event.shiftKey ? 10 : 1;
     if (arrow && store.get().mode === "projector") moveCross([cursor[0] + far * arrow[0], cursor[1] + far * arrow[1]]);
     else if (arrow) store.set(({ moved }) => ({ moved: [moved[0] + far * arrow[0], moved[1] + far * arrow[1]] }));
@@ -188,6 +195,8 @@ function followZoom(): void {
   read();
   wait();
 }
+
+const clicksHere = (fit: string): string => clicksKey(fit, screenKey(screen, devicePixelRatio));
 
 function remember(pixelsPerMm: number): void {
   localStorage.setItem(screenKey(screen, devicePixelRatio), String(pixelsPerMm));

@@ -76,6 +76,20 @@ export function withoutClick(state: ProjectorState, name: string): Partial<Proje
 /** What is remembered of a screen: it holds for its size and for one zoom. */
 export const screenKey = ({ width, height }: { readonly width: number; readonly height: number }, zoom: number): string => `breastrig.screen.${width}x${height}@${zoom}`;
 
+/** The places that were clicked for a fit, which hold for the same screen as long as the projector stands. */
+export const clicksKey = (fit: string, screen: string): string => `${screen}.${fit}`;
+
+/** Those of a landmark of this fit; none where nothing can be read. */
+export function keptClicks(kept: string | null, landmarks: readonly Landmark[]): ProjectorState["clicks"] {
+  try {
+    const found = (JSON.parse(kept ?? "{}") ?? {}) as Record<string, unknown>;
+    const isPlace = (place: unknown): place is Place => Array.isArray(place) && place.length === 2 && place.every(Number.isFinite);
+    return Object.fromEntries(landmarks.flatMap(({ name }) => (isPlace(found[name]) ? [[name, found[name]]] : [])));
+  } catch {
+    return {};
+  }
+}
+
 /** Of a colour that is too dark on black: the same hue, lighter. */
 export function onBlack(color: string): string {
   const [r, g, b] = [1, 3, 5].map((at) => parseInt(color.slice(at, at + 2), 16) / 255) as [number, number, number];

@@ -1,18 +1,26 @@
 // The lasso on the canvas: drawn with the first button, a pen or one finger; what it goes around is hidden when it is let go.
+// Without a pointer: arrows move a cross, Enter sets a corner, and Enter at the same place again hides what lies within.
 import { Matrix4 } from "three";
+import type { PageSlice } from "../store/page";
 import type { Store } from "../store/store";
 import { svg } from "../ui/dom";
+import type { Crosshair } from "../viewer/Crosshair";
+import { ARROWS, onCanvasKey } from "../viewer/keys";
 import type { Viewer } from "../viewer/Viewer";
 import type { ScanActions } from "./actions";
 import { type Crop, shareWithin } from "./crop";
 import type { ScanMesh } from "./ScanMesh";
 import type { ScanSlice } from "./state";
+import * as text from "./text";
 
 const STEP_PX = 3; // between corners: a hand's tremble is less
 const LEAST_CORNERS = 6; // less is a click
+const LEAST_SET = 3; // corners by keys
+const CROSS_PX = 6; // as with the pen's cross
 const ALL = 0.98; // of what is shown: nothing would be left to see
 
-export function listenToLasso(canvas: HTMLElement, viewer: Viewer, scan: ScanMesh, store: Store<ScanSlice>, actions: Pick<ScanActions, "crop" | "cropRefused">): void {
+export function listenToLasso(canvas: HTMLElement, viewer: Viewer, scan: ScanMesh, cross: Crosshair, store: Store<ScanSlice & Pick<PageSlice, "announcement">>, actions: Pick<ScanActions, "crop" | "cropRefused">): void {
+  let set: { x: number; y: number }[] = []; // corners by keys
   let held: { readonly id: number; readonly corners: { x: number; y: number }[] } | null = null;
   const pointers = new Set<number>();
   const line = svg("polygon", { points: "" });
@@ -26,8 +34,47 @@ export function listenToLasso(canvas: HTMLElement, viewer: Viewer, scan: ScanMes
 
   function letGo(): void {
     held = null;
+    set = [];
     show([]);
   }
+
+  function hide(corners: readonly { x: number; y: number }[], least: number): void {
+    const geometry = scan.mesh?.geometry;
+    if (!store.get().isCropping || corners.length < least || !geometry) return;
+    const crop = cropOf(corners);
+    const share = shareWithin(geometry.attributes.position!.array, geometry.index!.array, crop);
+    if (share >= ALL) actions.cropRefused();
+    else actions.crop(crop);
+  }
+
+  function setCorner({ x, y }: { readonly x: number; readonly y: number }): void {
+    const last = set.at(-1);
+    if (last && Math.hypot(x - last.x, y - last.y) < STEP_PX) {
+      const corners = set;
+      letGo();
+      hide(corners, LEAST_SET);
+      return;
+    }
+    set.push({ x, y });
+    show(set);
+    store.set({ announcement: text.crop.corner(set.length) });
+  }
+
+  /** True when the key meant something here. */
+  function press(key: string, far: number): boolean {
+    if (!store.get().isCropping) return false;
+    const arrow = ARROWS[key];
+    if (key === "Enter" && cross.place) setCorner(cross.place);
+    else if (key === "Backspace" && set.length > 0) show(set = set.slice(0, -1));
+    else if (!arrow) return false;
+    else if (cross.isShown) cross.moveBy(far * CROSS_PX * arrow[0], far * CROSS_PX * arrow[1]);
+    else {
+      const box = viewer.host.getBoundingClientRect();
+      cross.show(box.left + viewer.paneWidth / 2, box.top + box.height / 2);
+    }
+    return true;
+  }
+  onCanvasKey(canvas, press);
 
   function cropOf(corners: readonly { x: number; y: number }[]): Crop {
     viewer.scene.updateMatrixWorld();
@@ -59,12 +106,7 @@ export function listenToLasso(canvas: HTMLElement, viewer: Viewer, scan: ScanMes
     if (event.pointerId !== held?.id) return;
     const { corners } = held;
     letGo();
-    const geometry = scan.mesh?.geometry;
-    if (!store.get().isCropping || corners.length < LEAST_CORNERS || !geometry) return;
-    const crop = cropOf(corners);
-    const share = shareWithin(geometry.attributes.position!.array, geometry.index!.array, crop);
-    if (share >= ALL) actions.cropRefused();
-    else actions.crop(crop);
+    hide(corners, LEAST_CORNERS);
   });
   canvas.addEventListener("pointercancel", (event) => {
     pointers.delete(event.pointerId);
@@ -75,7 +117,9 @@ export function listenToLasso(canvas: HTMLElement, viewer: Viewer, scan: ScanMes
     ({ isCropping }) => {
       viewer.drawWith(isCropping ? "anything" : "nothing");
       canvas.classList.toggle("is-cropping", isCropping);
-      if (!isCropping) letGo();
+      if (isCropping) return;
+      letGo();
+      cross.hide();
     },
   );
 }

@@ -1,6 +1,6 @@
 // The scan: matte grey or its own colours, the inside and the rims of holes darker, ready for picking by BVH.
 import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, type MeshBasicMaterial, MeshLambertMaterial, type Texture, type Vector3 } from "three";
-import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
+import { acceleratedRaycast, type MeshBVH } from "three-mesh-bvh";
 import { extent } from "../viewer/extent";
 import { disposeTree, firstMesh, readGltf } from "../viewer/gltf";
 import type { Surface } from "../viewer/picking";
@@ -8,9 +8,8 @@ import { depthMaterial, ORDER, wipesDepth } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
 import { nearestNormal } from "../viewer/surfacePoints";
 import { type Viewer, viewFromScan } from "../viewer/Viewer";
-import { type Body, partOf, type ScanParts, tableNormalOf } from "./body";
-import { findBody, knownBody } from "./bodySearch";
-import { borderEdges } from "./borders";
+import { type Body, type Outline, partOf, type ScanParts, setTree, tableNormalOf } from "./body";
+import { knownBody, knownOutline, searchScan } from "./bodySearch";
 import { type Crops, cropsOf, NO_CROPS } from "./crop";
 import type { ScanSlice } from "./state";
 
@@ -107,11 +106,11 @@ export class ScanMesh implements Surface {
       this.mesh = dress(read, this.relief);
       this.borders = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
       const whole = this.mesh.geometry;
-      this.rims.whole = new BufferAttribute(borderEdges(whole.attributes.position!.array, whole.index!.array, whole.hasAttribute("uv")), 3);
-      this.borders.geometry.setAttribute("position", this.rims.whole);
+      this.rims.whole = this.rims.body = null;
       this.parts = { whole, drawable: null, body: null };
-      const known = knownBody(bytes, this.crops);
-      if (known) this.take(known);
+      const [outline, known] = [knownOutline(bytes), knownBody(bytes, this.crops)];
+      if (outline) this.takeOutline(outline);
+      if (outline && known) this.take(known);
       this.borders.raycast = () => undefined;
       this.depth = new Mesh(whole, depthMaterial(true, DoubleSide));
       this.depth.renderOrder = ORDER.restore;
@@ -122,9 +121,9 @@ export class ScanMesh implements Surface {
       this.paint(this.mesh, state, hasModel);
       if (!this.viewer.keepsPose) this.viewer.lookFrom("front", false);
       this.viewer.keepsPose = false;
-      if (known) this.isSettled = true;
-      this.onReady(null);
-      if (!known) await this.findPatient(bytes, state, whole);
+      if (outline) this.onReady(null);
+      if (outline && known) this.isSettled = true;
+      else await this.findPatient(bytes, state, whole);
     } catch (error) {
       this.onReady(error);
     }
@@ -136,7 +135,15 @@ export class ScanMesh implements Surface {
     const wasKnown = this.found !== null; // she stands already
     this.isSettled = false;
     const { eye, target } = this.viewer.pose;
-    const body = knownBody(bytes, crops) ?? (await findBody(bytes, whole, scan && tableNormalOf(scan.info), crops));
+    const known = whole.boundsTree ? knownBody(bytes, crops) : null;
+    const search = known ? null : searchScan(bytes, whole, scan && tableNormalOf(scan.info), crops);
+    if (search && !whole.boundsTree) {
+      const outline = await search.outline;
+      if (bytes !== this.wanted) return;
+      this.takeOutline(outline);
+      this.onReady(null);
+    }
+    const body = known ?? (await search!.body);
     if (bytes !== this.wanted || crops !== this.crops) return;
     if (body) this.take(body);
     this.isSettled = true;
@@ -156,6 +163,22 @@ export class ScanMesh implements Surface {
     if (isUntouched) this.viewer.lookFrom("front", false);
   }
 
+  /** From now on it can be picked on, and its rims are seen. */
+  private takeOutline(outline: Outline): void {
+    const { whole } = this.parts!;
+    if (whole.boundsTree) return; // two searches began before either had ended
+    setTree(whole, outline);
+    this.rims.whole = new BufferAttribute(outline.rims, 3);
+    this.showRims(this.mesh!.geometry === whole ? this.rims.whole : this.rims.body);
+    this.viewer.invalidate();
+  }
+
+  private showRims(rims: BufferAttribute | null): void {
+    if (!this.borders) return;
+    this.borders.visible = rims !== null;
+    if (rims) this.borders.geometry.setAttribute("position", rims);
+  }
+
   private take(body: Body): void {
     const { whole, body: before } = this.parts!;
     before?.dispose();
@@ -171,7 +194,7 @@ export class ScanMesh implements Surface {
     const isHer = body !== null && !showLoose;
     mesh.geometry = isHer ? body : whole;
     if (this.depth) this.depth.geometry = mesh.geometry;
-    this.borders?.geometry.setAttribute("position", (isHer ? this.rims.body : this.rims.whole)!);
+    this.showRims(isHer ? this.rims.body : this.rims.whole);
   }
 
   private paint(mesh: Mesh<BufferGeometry, MeshLambertMaterial>, state: Shown, hasModel: boolean): void {
@@ -210,7 +233,6 @@ function dress(read: Mesh, relief: { value: number }): Mesh<BufferGeometry, Mesh
   geometry.applyMatrix4(read.matrixWorld);
   if (!geometry.index) geometry.setIndex([...Array(geometry.attributes.position!.count).keys()]);
   if (!geometry.hasAttribute("normal")) geometry.computeVertexNormals();
-  geometry.boundsTree = new MeshBVH(geometry, { indirect: true });
   const material = new MeshLambertMaterial({ side: DoubleSide });
   // Behind the model where both lie on one place: the eye then sees the clay and no flicker between the two.
   material.polygonOffset = true;

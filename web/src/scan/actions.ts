@@ -8,7 +8,8 @@ import type { Store } from "../store/store";
 import { tidyFrame, type Turn, turned } from "../viewer/frame";
 import { fromFront, type ViewSlice } from "../viewer/state";
 import { containerKind } from "./containers/kind";
-import { type Crop, type Crops, NO_CROPS } from "./crop";
+import { type Crop, type Crops, cropsOf, NO_CROPS } from "./crop";
+import { keepCrops, keptCrops, type TabMemory } from "./keptCrops";
 import type { ScanSlice, ScanState } from "./state";
 import * as text from "./text";
 
@@ -36,7 +37,8 @@ async function plain(file: File, onUnpacking: () => void): Promise<File> {
   return (await import("./containers/unpack")).unpack(file, kind);
 }
 
-export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void) {
+/** `memory`: what this tab remembers over a reload. */
+export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void, memory: TabMemory | null = null) {
   let generation = 0; // the scan asked for last wins over slower, earlier ones
 
   /** Shows `info` as the page's scan; everything that belonged to the one before is dropped. */
@@ -54,6 +56,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
         file,
         ...(own ? { frame: tidyFrame(own), frameFrom: "person" } : kept.stands),
         example: info.example_landmarks ?? null,
+        crops: startHistory(keptCrops(memory, info.id)),
       },
       step: "scan",
       overlay: "both",
@@ -79,8 +82,11 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     }
   }
 
-  const changeCrops = (change: (crops: History<Crops>) => History<Crops>, announcement: string): void =>
+  function changeCrops(change: (crops: History<Crops>) => History<Crops>, announcement: string): void {
     store.set((state) => (state.scan ? { scan: { ...state.scan, crops: change(state.scan.crops ?? startHistory(NO_CROPS)) }, showLoose: false, announcement, ...withProblem(state, "scan", null) } : {}));
+    const { scan } = store.get();
+    if (scan) keepCrops(memory, scan.info.id, cropsOf(scan));
+  }
 
   return {
     upload(file: File, units: UnitChoice = store.get().units): Promise<boolean> {
@@ -145,6 +151,8 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     uncrop: (): void => changeCrops((crops) => record(crops, NO_CROPS), text.crop.shown),
     undoCrop: (): void => changeCrops(undo, text.crop.shown),
     redoCrop: (): void => changeCrops(redo, text.crop.hidden),
+    /** Of a scan that is deleted nothing is remembered. */
+    forget: (scan: string): void => keepCrops(memory, scan, NO_CROPS),
     cropRefused: (): void => store.set((state) => withProblem(state, "scan", text.crop.nothingLeft)),
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),

@@ -1,5 +1,5 @@
-// The patient apart from the table and the loose pieces of her scan: her triangles with their search tree and their rims.
-// It takes as long as reading the scan does, so a worker makes it; what it hands over are plain buffers, made once for each scan.
+// A scan's search tree and rims, and the patient apart from the table and the loose pieces of it: her triangles with theirs.
+// It takes longer than reading the scan does, so a worker makes it; what it hands over are plain buffers, made once for each scan.
 import { BufferAttribute, BufferGeometry } from "three";
 import { MeshBVH, type SerializedBVH } from "three-mesh-bvh";
 import type { Scan, Vector } from "../api/types";
@@ -7,6 +7,12 @@ import { borderEdges } from "./borders";
 import { croppedFaces, type Crops } from "./crop";
 import { type Drawable, drawableOf } from "./drawable";
 import { reliefOf } from "./relief";
+
+/** What picking and drawing need of a surface. */
+export interface Outline {
+  readonly tree: SerializedBVH; // without its index, which is the surface's
+  readonly rims: Float32Array; // as of borderEdges
+}
 
 export interface Body {
   readonly drawable: Drawable;
@@ -16,11 +22,9 @@ export interface Body {
   readonly relief: Uint8Array | null;
 }
 
-export interface BodyPart {
+export interface BodyPart extends Outline {
   readonly index: Uint32Array; // her triangles, of the scan's vertices
   readonly faces: Uint32Array; // which of the scan's triangles each of them is
-  readonly tree: SerializedBVH;
-  readonly rims: Float32Array; // as of borderEdges
 }
 
 /** The whole scan, and the patient in it: a surface of her own where there is more than her. */
@@ -40,8 +44,22 @@ export interface BodyQuestion {
   readonly wantsRelief: boolean; // nothing but its shape is there to see
 }
 
+export type Surface = Pick<BodyQuestion, "positions" | "index" | "isSplit">;
+
 /** A patient who lies faces as her table does; without a table the service calls no scan lying. */
 export const tableNormalOf = (info: Pick<Scan, "stance" | "frame">): Vector | null => (info.stance.proposed === "supine" ? info.frame.front : null);
+
+export function outlineOf({ positions, index, isSplit }: Surface): Outline {
+  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3)).setIndex(new BufferAttribute(index, 1));
+  const tree = MeshBVH.serialize(new MeshBVH(geometry, { indirect: true }), { cloneBuffers: false });
+  tree.index = null; // whoever asks has it
+  return { tree, rims: borderEdges(positions, index, isSplit) };
+}
+
+/** Gives a surface the tree that was made of it. */
+export function setTree(geometry: BufferGeometry, { tree }: Outline): void {
+  geometry.boundsTree = MeshBVH.deserialize(tree, geometry, { setIndex: false });
+}
 
 /** What is hidden by hand is no skin either, unless that were all of it. */
 function without(hidden: Uint8Array, drawable: Drawable): Drawable {
@@ -63,18 +81,15 @@ export function bodyOf({ positions, index, isSplit, tableNormal, crops, wantsRel
     faces[next] = face;
     next += 1;
   });
-  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3)).setIndex(new BufferAttribute(hers, 1));
-  const tree = MeshBVH.serialize(new MeshBVH(geometry, { indirect: true }), { cloneBuffers: false });
-  tree.index = null; // it is handed over anyway
-  return { drawable, relief, part: { index: hers, faces, tree, rims: borderEdges(positions, hers, isSplit) } };
+  return { drawable, relief, part: { index: hers, faces, ...outlineOf({ positions, index: hers, isSplit }) } };
 }
 
 /** The scan's surface with her triangles only; it shares the vertices of the whole. */
-export function partOf(whole: BufferGeometry, { index, tree }: BodyPart): BufferGeometry {
+export function partOf(whole: BufferGeometry, hers: BodyPart): BufferGeometry {
   const part = new BufferGeometry();
   for (const [name, attribute] of Object.entries(whole.attributes)) part.setAttribute(name, attribute);
-  part.setIndex(new BufferAttribute(index, 1));
+  part.setIndex(new BufferAttribute(hers.index, 1));
   part.boundingSphere = whole.boundingSphere; // as large at most; over all vertices it would take as long as a frame may
-  part.boundsTree = MeshBVH.deserialize(tree, part, { setIndex: false });
+  setTree(part, hers);
   return part;
 }

@@ -3,6 +3,7 @@ import type { Client } from "../api/client";
 import type { Frame } from "../api/types";
 import { withStep } from "../drawing/state";
 import type { FitActions } from "../fit/actions";
+import { certainNames } from "../landmarks/certain";
 import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
 import type { PlanActions } from "../plan/actions";
@@ -23,7 +24,7 @@ type State = PageSlice & ViewSlice & Workspace & LandmarksSlice & FitSlice & Sta
 /** What of the page's other actions a second stance needs. */
 interface Others {
   readonly scan: Pick<ScanActions, "upload" | "takeExample" | "open">;
-  readonly fit: Pick<FitActions, "stop" | "open">;
+  readonly fit: Pick<FitActions, "stop" | "open" | "start">;
   readonly landmarks: { flush(): Promise<void> };
   readonly drawing: { flush(): Promise<void> };
   readonly plan: Pick<PlanActions, "read" | "isMoreThan" | "settled">;
@@ -146,6 +147,28 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     remove(): void {
       clearTimeout(watch);
       store.set((state) => ({ stances: { ...initialStances, known: state.stances.known } }));
+    },
+
+    /** Fits both scans, where that is not done: what is planned on one is then carried to the other. */
+    async fitBoth(): Promise<void> {
+      const { stances, preset, refine, fit } = store.get();
+      const { other } = stances;
+      if (!other?.scan || store.get().isStarting) return;
+      try {
+        if (other.fit === null || other.fit.state === "failed" || other.fit.state === "cancelled") {
+          const { scan, picks, certain, stance, drawing } = other;
+          const landmarks = { ...picks.present };
+          const kept = certainNames(picks.present, certain);
+          await others.plan.settled();
+          const { id } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, refine, landmarks, certain: kept });
+          const begun = await loadFit(client, id, picks.present, kept);
+          change(scan.info.id, () => ({ fit: begun }));
+          lookAfter();
+        }
+        if (fit?.state !== "done" && fit?.state !== "running") await others.fit.start();
+      } catch (error) {
+        fail(error);
+      }
     },
 
     compare: (isComparing: boolean): void =>

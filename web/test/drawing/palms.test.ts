@@ -13,6 +13,15 @@ test("fingers draw as long as no pen was seen, and none after", () => {
   expect([palms.mayDraw("mouse"), palms.mayDraw("pen")]).toEqual([true, true]);
 });
 
+test("fingers draw again when that is wished for, and palms are still rejected", () => {
+  const palms = new Palms();
+  palms.move(1, "pen");
+  palms.fingersDraw = true;
+  expect([palms.mayDraw("touch"), palms.areFingersFree]).toEqual([true, false]);
+  palms.down(1, "pen");
+  expect(palms.down(2, "touch")).toBe(false);
+});
+
 test("what touches the glass while the pen is on it means nothing until it is lifted, also when it was there before the pen", () => {
   const palms = new Palms();
   palms.down(1, "touch");

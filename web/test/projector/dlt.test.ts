@@ -7,17 +7,7 @@ import { projectionThrough, type Projection, type Refusal, type Sighting } from 
 import { symmetricEigen } from "../../src/projector/eigen";
 import { cross, dot } from "../../src/viewer/frame";
 import { mmFrom } from "../../src/ui/units";
-
-/** Numbers from 0 to 1 that are the same each time (mulberry32). */
-function seeded(seed: number): () => number {
-  let state = seed;
-  return () => {
-    state = (state + 0x6d2b79f5) | 0;
-    let t = Math.imul(state ^ (state >>> 15), 1 | state);
-    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
-    return ((t ^ (t >>> 14)) >>> 0) / 2 ** 32;
-  };
-}
+import { seeded } from "../seeded";
 
 const normal = (random: () => number): number => Math.sqrt(-2 * Math.log(1 - random())) * Math.cos(2 * Math.PI * random());
 

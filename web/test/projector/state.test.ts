@@ -1,7 +1,7 @@
 // The second screen as state: which place is asked for next, what a click does, what is remembered of a screen.
 import { expect, test } from "vitest";
 import type { Vector } from "../../src/api/types";
-import { initialProjector, nextWanted, onBlack, projectionOf, type ProjectorState, screenKey, sightingsOf, withClick, withoutClick } from "../../src/projector/state";
+import { clicksKey, initialProjector, keptClicks, nextWanted, onBlack, projectionOf, type ProjectorState, screenKey, sightingsOf, withClick, withoutClick } from "../../src/projector/state";
 
 const landmarks = ["a", "b", "c"].map((name, i) => ({ name, label: name, point: [i, 0, 0] as Vector }));
 const start: ProjectorState = { ...initialProjector, landmarks, wanted: "a" };
@@ -40,4 +40,11 @@ test("every colour can be seen on black, and keeps its hue", () => {
     expect(lifted.indexOf(Math.min(...lifted))).toBe(before.indexOf(Math.min(...before)));
   }
   expect([onBlack("#101010"), onBlack("#f4f4f4")]).toEqual(["#ffffff", "#ffffff"]);
+});
+
+test("what was clicked comes back for the same fit on the same screen, and nothing else does", () => {
+  expect(keptClicks('{"a":[10,20],"c":[1.5,2],"gone":[3,3]}', landmarks)).toEqual({ a: [10, 20], c: [1.5, 2] });
+  for (const wrong of [null, "", "{", "null", "3", '{"a":[1]}', '{"a":["x",2]}', '{"a":[null,2]}']) expect(keptClicks(wrong, landmarks)).toEqual({});
+  const screen = screenKey({ width: 1920, height: 1080 }, 1);
+  expect(new Set([clicksKey("f1", screen), clicksKey("f2", screen), clicksKey("f1", screenKey({ width: 1920, height: 1080 }, 1.5)), screen]).size).toBe(4);
 });

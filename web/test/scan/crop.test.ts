@@ -8,6 +8,7 @@ import { viewBarShown } from "../../src/fit/state";
 import { bodyOf, type BodyQuestion, partOf } from "../../src/scan/body";
 import { type Crop, croppedFaces, cropsOf, NO_CROPS, shareWithin } from "../../src/scan/crop";
 import { cropKey } from "../../src/scan/cropKeys";
+import { keepCrops, keptCrops } from "../../src/scan/keptCrops";
 import { half, made } from "../shapes";
 import { withScan } from "../fakes";
 
@@ -106,6 +107,22 @@ test("hiding is undone and redone step by step, belongs to its scan, and never r
   expect(savePlan).not.toHaveBeenCalled();
   await actions.scan.open("s2", null);
   expect(count()).toBe(0);
+});
+
+test("what is hidden stays so when its scan comes back and over a reload, and is forgotten with the scan", () => {
+  const stored = new Map<string, string>();
+  const memory = { getItem: (key: string) => stored.get(key) ?? null, setItem: (key: string, value: string) => void stored.set(key, value), removeItem: (key: string) => void stored.delete(key) };
+  keepCrops(memory, "s1", [rightOf(0.05), rightOf(0.03)]);
+  expect(keptCrops(memory, "s1")).toEqual([rightOf(0.05), rightOf(0.03)]);
+  expect(keptCrops(memory, "s2")).toEqual([]);
+  keepCrops(memory, "s1", []);
+  expect(stored.size).toBe(0);
+  for (const wrong of ["{", "null", "[3]", '[{"toPicture":[1],"lasso":[[0,0],[1,0],[0,1]]}]', '[{"toPicture":[null],"lasso":"x"}]']) {
+    stored.set("breastrig.hidden.s1", wrong);
+    expect(keptCrops(memory, "s1")).toEqual([]);
+  }
+  const full = { ...memory, setItem: () => { throw new Error("full"); } };
+  expect(() => keepCrops(full, "s1", [rightOf(0.05)])).not.toThrow();
 });
 
 test("in another step there is no lasso; one that takes all is refused with a sentence", async () => {

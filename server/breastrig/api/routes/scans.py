@@ -146,6 +146,29 @@ def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
     return wire.ProposedLandmarks(landmarks=found)
 
 
+@scans.get("/<scan_id>/ink")
+@scans.output(wire.Ink)
+@scans.doc(
+    operation_id="findInk",
+    responses={
+        202: "Still being looked for; ask again after Retry-After seconds",
+        422: "The scan has no colours, or too coarse ones",
+    },
+)
+def find_ink(scan_id: str) -> wire.Ink | Response:
+    """Lines that were drawn on the skin, mm
+
+    Read from the scan's colours. The first call answers once they are found, most often within two seconds; later
+    calls answer at once. They are for a person to accept; only then are they lines of the plan.
+    """
+    context = app_context()
+    row = get_scan(context.service.storage, scan_id)
+    found = context.service.ink(row, context.config.proposal_wait_s)
+    if found is None:
+        return Response(status=202, headers={"Retry-After": "1"})
+    return wire.Ink.model_validate(found)
+
+
 def scan_answer(row: ScanRow) -> wire.Scan:
     """The stored row as the API shows it."""
     place = f"/api/scans/{row.id}"
@@ -155,6 +178,7 @@ def scan_answer(row: ScanRow) -> wire.Scan:
         mesh=f"{place}/mesh.glb",
         landmarks=f"{place}/landmarks",
         proposed=f"{place}/landmarks/proposed",
+        ink=f"{place}/ink",
         drawing=f"{place}/drawing",
         fits=f"{place}/fits",
         patient=f"/api/patients/{patient}",

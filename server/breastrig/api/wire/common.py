@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from apiflask.fields import UploadFile
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from breastrig.drawings.drawing_schema import SurfacePoint
+from breastrig.drawings.drawing_schema import SCHEMA, DrawnShape, SurfacePoint
 from breastrig.workflow.events import FitEvent, NodePose
 
 Units = Literal["auto", "m", "dm", "cm", "mm", "in", "ft"]
@@ -68,6 +68,7 @@ class ScanLinks(Wire):
     mesh: str
     landmarks: str
     proposed: str
+    ink: str
     drawing: str
     fits: str
     patient: str
@@ -112,11 +113,32 @@ class ProposedLandmark(Wire):
     error_mm: float | None = Field(
         None, description="radius that holds the true place with 90 %; null where it is not known"
     )
+    reason: str | None = Field(
+        None, description="what shows it beside the form of the body, as: areola seen; null where nothing does"
+    )
 
 
 class ProposedLandmarks(Wire):
     unit: Literal["mm"] = "mm"
     landmarks: dict[str, ProposedLandmark]
+
+
+class InkShape(DrawnShape):
+    """One stroke of a pen on the skin."""
+
+    kind: Literal["line", "closed", "dashed", "cross", "arrow", "writing"] = Field(
+        description="the first three are lines of a plan, the others marks beside it"
+    )
+    marker: Literal["violet", "black", "blue", "green", "red"]
+    length_mm: float = Field(description="of ink, without gaps")
+
+
+class Ink(Wire):
+    """A drawing (breastrig/drawing@1): the lines that were found on the skin, the longest first."""
+
+    schema_: Literal["breastrig/drawing@1"] = Field(SCHEMA, alias="schema")
+    unit: Literal["mm"] = "mm"
+    shapes: list[InkShape]
 
 
 class FitRequest(Wire):

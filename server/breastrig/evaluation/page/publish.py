@@ -9,6 +9,7 @@ from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.evaluation.evaluate import WORK, Results, all_tables
 from breastrig.evaluation.page.charts import DARK, LIGHT, as_png, have_plots
 from breastrig.evaluation.page.figures import all_figures
+from breastrig.evaluation.page.ink_section import ink_pictures
 from breastrig.evaluation.page.page import Circumstances, page
 from breastrig.evaluation.page.pictures import fit_pictures
 from breastrig.evaluation.page.study_sections import all_sections
@@ -29,6 +30,10 @@ TABLES = (
         "certainty",
         "reliability",
         "believed",
+        "colour_landmarks",
+        "areolae",
+        "ink",
+        "ink_transfer",
         "failures",
     ),
 )
@@ -74,6 +79,11 @@ def published(results: Results, about: Circumstances, folder: Path, progress: Ca
     if "unseen" in tables:
         progress("pictures of cut scans")
         for name, png in unseen_pictures(results.records, rig, results.plan.recipes[0].name).items():
+            figures[name] = (png, png)
+            write(f"figures/{name}.png", png)
+    if "ink" in tables:
+        progress("pictures of ink")
+        for name, png in ink_pictures(results.records).items():
             figures[name] = (png, png)
             write(f"figures/{name}.png", png)
     pictures = fit_pictures(results.records, rig, results.plan.recipes[0].name, progress)

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.evaluate import Results
-from breastrig.evaluation.page import certainty_section, sections, transfer_sections, unseen_sections
+from breastrig.evaluation.page import certainty_section, ink_section, sections, transfer_sections, unseen_sections
+from breastrig.evaluation.page.colour_section import colour_section
 from breastrig.evaluation.page.measures_section import measures_section
 from breastrig.evaluation.page.section import Section, capital, mm
 from breastrig.evaluation.tables.accuracy import FAMILIES
@@ -158,7 +159,14 @@ def two_stances(table: Table) -> Section:
 
 def all_sections(results: Results, tables: dict[str, Table]) -> list[Section]:
     """What the page says, in its order; the pictures follow the first."""
-    found = [sections.surface(results), sections.landmarks(results)]
+    found = []
+    if "colour_landmarks" in tables:
+        found.append(colour_section(tables["colour_landmarks"], tables.get("areolae")))
+    if "ink" in tables:
+        found.append(ink_section.ink_section(results.records, tables["ink"]))
+    if not results.plan.plain:
+        return [*found, sections.failures(tables.get("failures"))]
+    found += [sections.surface(results), sections.landmarks(results)]
     if "turns" in tables:
         found.append(sections.turns(results))
     found += [sections.clicks(results), sections.wrong_picks(results)]

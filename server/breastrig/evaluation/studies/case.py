@@ -144,7 +144,7 @@ def ready(target: ScanTarget) -> ScanTarget:
 @lru_cache(maxsize=KEPT_SCENES)
 def read_scene(case: Case) -> Scene:
     """The case's files; BadInput says what is wrong with them."""
-    scan = read_scan(case.folder / "scan.ply", None, case.unit, texture=False)
+    scan = read_scan(case.scan, None, case.unit, texture=False)
     scanned = prepared(clean(scan), case.stance)
     places, unit = read_landmarks(case.folder / "landmarks.json")
     per_unit = METRES_PER_UNIT[unit or scan.unit]

@@ -29,9 +29,14 @@ class Plan:
     rotations: int
     quick: bool
 
+    @property
+    def plain(self) -> tuple[Case, ...]:
+        """The cases whose shape is measured."""
+        return tuple(case for case in self.cases if not case.coloured)
+
     def _each(self, question: str, recipe: Recipe | None = None, **settings: object) -> list[Unit]:
         chosen = recipe or self.recipes[0]
-        return [Unit((case,), question, chosen, self.model, dict(settings)) for case in self.cases]
+        return [Unit((case,), question, chosen, self.model, dict(settings)) for case in self.plain]
 
     def first_round(self) -> list[Unit]:
         """Everything but the number of blendshapes."""
@@ -48,12 +53,27 @@ class Plan:
                 for term, factor in compliances():
                     units += self._each("compliance", recipe, term=term, factor=factor)
             units += self._pairs_of_stances() + self._pairs_of_patients()
+        units += self._of_colour()
         place = {case: k for k, case in enumerate(self.cases)}
         return sorted(units, key=lambda unit: place[unit.cases[0]])  # by case, whose scan is then read once
 
+    def _of_colour(self) -> list[Unit]:
+        """What is asked of coloured cases, and of the stances of one patient."""
+        coloured = [case for case in self.cases if case.coloured]
+        units = [
+            Unit((case,), question, self.recipes[0], self.model)
+            for case in coloured
+            for question in ("colour_landmarks", "ink")
+        ]
+        for _, group in groupby(coloured, lambda case: case.patient):
+            cases = tuple(group)
+            if {case.stance for case in cases} >= {"standing", "supine"}:
+                units.append(Unit(cases, "ink_transfer", self.recipes[0], self.model))
+        return units
+
     def _pairs_of_stances(self) -> list[Unit]:
         units = []
-        for _, group in groupby(self.cases, lambda case: case.patient):
+        for _, group in groupby(self.plain, lambda case: case.patient):
             cases = tuple(group)
             if {case.stance for case in cases} >= {"standing", "supine"}:
                 units += [
@@ -64,8 +84,8 @@ class Plan:
     def _pairs_of_patients(self) -> list[Unit]:
         """Each patient with the next one of her family in the same setting, the last with the first."""
         units = []
-        for setting in dict.fromkeys((case.family, case.name) for case in self.cases):
-            same = [case for case in self.cases if (case.family, case.name) == setting]
+        for setting in dict.fromkeys((case.family, case.name) for case in self.plain):
+            same = [case for case in self.plain if (case.family, case.name) == setting]
             if len(same) > 1:
                 for first, second in zip(same, [*same[1:], same[0]], strict=True):
                     units.append(Unit((first, second), "other_patient", self.recipes[0], self.model))
@@ -74,7 +94,7 @@ class Plan:
     def second_round(self, rig: Rig, useful: dict[str, tuple[str, ...]]) -> list[Unit]:
         """The number of blendshapes in both orders; `useful` names the shapes of each setting, best first."""
         units = {}
-        for case in self.cases:
+        for case in self.plain:
             for order in ORDERS:
                 for count in counts(len(rig.shapes)):
                     names = first_shapes(rig, useful[case.name], order, count)

@@ -9,6 +9,8 @@ from breastrig.evaluation.studies import accuracy, certainty, peers, sensitivity
 from breastrig.evaluation.studies import landmarks as landmark_study
 from breastrig.evaluation.studies import orientation as orientation_study
 from breastrig.evaluation.studies.case import read_scene
+from breastrig.evaluation.studies.colour_landmarks import colour_landmarks
+from breastrig.evaluation.studies.ink import ink_study, ink_transfer_study
 from breastrig.evaluation.studies.measures import measures_study
 from breastrig.evaluation.studies.other_patient import other_patient
 from breastrig.evaluation.studies.transfer import transfer_study
@@ -50,4 +52,7 @@ ANSWERS: dict[str, Answer] = {
     "two_stances": two_stances,
     "transfer": transfer_study,
     "other_patient": other_patient,
+    "colour_landmarks": colour_landmarks,
+    "ink": ink_study,
+    "ink_transfer": ink_transfer_study,
 }

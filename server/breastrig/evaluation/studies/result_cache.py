@@ -29,12 +29,16 @@ from breastrig.fitting.recipe import Recipe
 from breastrig.gltf.read_rig import read_rig
 from breastrig.rig.model import Rig
 
-FILES = ("scan.ply", "landmarks.json", "case.json", "truth.ply")
+FILES = (
+    *("scan.ply", "scan.zip", "landmarks.json", "case.json", "truth.ply"),
+    *("skin.json", "ink.json", "ink_in_standing.json", "ink_in_supine.json"),
+)
 ANSWERING = (  # the code that an answer depends on, besides the module of the question
     *("core", "geometry", "least_squares", "rig", "scan", "correspondence", "energies", "gltf", "fitting", "report"),
     *("evaluation/studies/case.py", "evaluation/studies/reliability.py", "evaluation/cohort.py", "__init__.py"),
 )
-WITH_DRAWINGS = ("two_stances", "transfer", "other_patient")
+WITH_DRAWINGS = ("two_stances", "transfer", "other_patient", "ink_transfer")
+OF_COLOUR = ("colour_landmarks", "ink", "ink_transfer")
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +81,11 @@ def source_digest(question: str) -> str:
     """Hash of the code that answers: the numerics and the question's own module, as they were when first asked."""
     total = hashlib.sha256()
     module = ANSWERS[question].__module__.removeprefix("breastrig.").replace(".", "/") + ".py"
-    own = (module, "evaluation/studies/two_stances.py", "drawings") if question in WITH_DRAWINGS else (module,)
+    own: tuple[str, ...] = (
+        (module, "evaluation/studies/two_stances.py", "drawings") if question in WITH_DRAWINGS else (module,)
+    )
+    if question in OF_COLOUR:
+        own += ("colour",)
     for name in (*ANSWERING, *own):
         place = PACKAGE / name
         files = sorted(place.rglob("*")) if place.is_dir() else [place]

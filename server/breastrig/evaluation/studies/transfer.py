@@ -80,7 +80,7 @@ def _rows(rig: Rig, recipe: Recipe, scenes: tuple[Scene, Scene]) -> Iterator[dic
     wrong[WRONG_PICK] = scenes[0].along_the_skin(wrong[WRONG_PICK], WRONG, rng)
     asked: list[Places] = []
     for kind, picks in zip(PICKS, ([s.landmarks for s in scenes], off, [wrong, scenes[1].landmarks]), strict=True):
-        fits = [_fitted(rig, recipe, scene, given) for scene, given in zip(scenes, picks, strict=True)]
+        fits = [fitted(rig, recipe, scene, given) for scene, given in zip(scenes, picks, strict=True)]
         asked = asked or [places(rig, scenes, fits[0]), places(rig, scenes[::-1], fits[1])]
         for question, (a, b) in zip(asked, ((0, 1), (1, 0)), strict=True):
             carried = points_carried(rig, fits[a], fits[b], question.points)[0]
@@ -105,7 +105,7 @@ def _summary(gaps: Array) -> dict[str, float]:
     return {"mean_mm": round(float(gaps.mean()), 3), "p95_mm": round(float(np.percentile(gaps, 95)), 3)}
 
 
-def _fitted(rig: Rig, recipe: Recipe, scene: Scene, picks: Picks) -> FittedScan:
+def fitted(rig: Rig, recipe: Recipe, scene: Scene, picks: Picks) -> FittedScan:
     """The program's fit; picks that it doubts are left out of the transfer."""
     fit = scene.fitted(rig, recipe, picks)
     doubted = {name for doubt in fit.doubts for name in doubt.names}

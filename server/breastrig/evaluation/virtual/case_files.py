@@ -29,10 +29,23 @@ def write_case(
     more: dict[str, Any],
 ) -> None:
     """Everything of one stance with (F, 3) triangles `skin`, in a frame drawn here; case.json also says `more`."""
-    placed = _placed(unit, random)
+    placed = placed_at_random(unit, random)
     place.mkdir(parents=True, exist_ok=True)
-    _write_ply(place / "scan.ply", _moved(scan.vertices, placed), scan.faces)
-    _write_ply(place / "truth.ply", _moved(body.vertices, placed), skin)
+    _write_ply(place / "scan.ply", moved(scan.vertices, placed), scan.faces)
+    write_known(place, body, skin, scan, unit, placed, more)
+
+
+def write_known(
+    place: Path,
+    body: VirtualBody,
+    skin: Integers,
+    scan: SimulatedScan,
+    unit: str,
+    placed: Array,
+    more: dict[str, Any],
+) -> None:
+    """What is known of a scan in the frame that (4, 4) `placed` leads to: truth.ply, landmarks.json, case.json."""
+    _write_ply(place / "truth.ply", moved(body.vertices, placed), skin)
     names = sorted(body.landmarks)
     places = np.array([body.landmarks[name] for name in names])
     gaps, _ = cKDTree(scan.vertices).query(places)
@@ -42,7 +55,7 @@ def write_case(
             "schema": "breastrig/landmarks@1",
             "unit": unit,
             "landmarks": {
-                name: [round(x, 6) for x in at] for name, at in zip(names, _moved(places, placed).tolist(), strict=True)
+                name: [round(x, 6) for x in at] for name, at in zip(names, moved(places, placed).tolist(), strict=True)
             },
         },
     )
@@ -64,7 +77,7 @@ def write_case(
     )
 
 
-def _placed(unit: str, random: np.random.Generator) -> Array:
+def placed_at_random(unit: str, random: np.random.Generator) -> Array:
     """(4, 4) from body coordinates (m) into a scan's own frame and unit, turned and shifted at random."""
     result = np.eye(4)
     result[:3, :3] = Rotation.from_quat(random.standard_normal(4)).as_matrix()  # uniform over all
@@ -73,7 +86,8 @@ def _placed(unit: str, random: np.random.Generator) -> Array:
     return result
 
 
-def _moved(points: Array, placed: Array) -> Array:
+def moved(points: Array, placed: Array) -> Array:
+    """(M, 3) body coordinates (m) -> the frame and unit that (4, 4) `placed` leads to."""
     return np.asarray(points @ placed[:3, :3].T + placed[:3, 3])
 
 

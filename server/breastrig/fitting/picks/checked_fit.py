@@ -21,7 +21,7 @@ from breastrig.least_squares.newton import Status
 def checked_iterates(task: FitTask) -> Iterator[FitIterate]:
     """As fit_iterates; iterates after a pick was let go name it in `not_followed`."""
     first, rest = _parts(task.recipe)
-    if not task.landmarks or first is None or rest is None:
+    if not task.landmarks or task.seen or first is None or rest is None:
         yield from fit_iterates(task)
         return
     for iterate in fit_iterates(replace(task, recipe=first)):
@@ -52,7 +52,7 @@ def without(task: FitTask, doubts: Sequence[Doubt]) -> FitTask:
 
 def agreeing_picks(task: FitTask, begun: Sequence[FitIterate] = ()) -> tuple[FitTask, tuple[Doubt, ...]]:
     """The task without the picks that are let go, and these: of a fit of its own, or of `begun`, all its iterates."""
-    if not task.landmarks:
+    if not task.landmarks or task.seen:
         return task, ()
     *_, last = begun or checked_iterates(task)
     return without(task, last.not_followed), last.not_followed

@@ -10,6 +10,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.uncertainty.calibration import Calibration, Misfit, calibration
 
 HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three axes share it, 1.52 two, 1.64 one
+TWO_SEEN = 2  # as many landmarks seen by colour where the form has them say that the body lies as it was found
 FEW = 4  # fewer picks show no scatter
 OUTLYING = 6.0  # standard deviations; more is a wrong pick and says nothing of the others
 SEEN_DISTANCE, SEEN_COSINE = 0.015, 0.5  # m, cosine of 60 degrees: a vertex with scan this near, facing alike, is shown
@@ -33,8 +34,13 @@ def radii(posterior: Posterior, margin: float | None = None) -> Radii | None:
     if known is None:
         return None
     names = tuple(rig.landmark_names)
-    lost = 0.0 if margin is None else known.without_picks.lost(margin)
-    if task.landmarks:
+    lost = 0.0 if margin is None or len(task.seen) >= TWO_SEEN else known.without_picks.lost(margin)
+    if task.landmarks and task.seen.issuperset(task.landmarks):  # by colour alone: the form places all others
+        stretch = known.without_picks.stretch
+        misfits = [
+            known.landmark(name).shown if name in task.seen else known.without_picks.landmark(name) for name in names
+        ]
+    elif task.landmarks:
         stretch, misfits = known.stretch, [_of(known.landmark(name), name in task.landmarks) for name in names]
     else:
         stretch, misfits = known.without_picks.stretch, [known.without_picks.landmark(name) for name in names]
@@ -53,7 +59,7 @@ def _scatter(posterior: Posterior, known: Calibration) -> float:
 
     The square of the picks' root mean square deviation (leave_one_out.py), in units of what is usual.
     """
-    if posterior.picks is None or len(posterior.task.landmarks) < FEW:
+    if posterior.picks is None or len(posterior.task.landmarks) < FEW or posterior.task.seen:
         return 1.0
     deviations = np.array(list(LeaveOneOut(posterior).deviations().values()))
     scatter = np.sqrt(np.mean(np.minimum(deviations, OUTLYING) ** 2) / 3.0)

@@ -12,7 +12,10 @@ import re
 import struct
 import warnings
 
-from breastrig.core.errors import TooLarge
+import numpy as np
+from numpy.typing import NDArray
+
+from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.limits import IMAGE_PIXELS, JPEG_PASSES, TEXTURE_SIDE
 
 FORMATS = ("JPEG", "PNG")
@@ -100,6 +103,28 @@ def written_anew(data: bytes) -> bytes | None:
     except Exception:
         return None
     return stream.getvalue()
+
+
+def pixels_of(data: bytes) -> NDArray[np.uint8]:
+    """(H, W, 3) sRGB of at most TEXTURE_SIDE a side.  Raises BadScan for a picture that cannot be decoded, TooLarge.
+
+    The file's own picture is better than the one written anew: thin lines lose contrast with each writing.
+    """
+    from PIL import Image  # as above
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(data), formats=FORMATS) as picture:
+                if picture.width * picture.height > IMAGE_PIXELS:
+                    raise _too_large()
+                factor = -(-max(picture.size) // TEXTURE_SIDE)
+                plain = picture.convert("RGB")
+                return np.asarray(plain.reduce(factor) if factor > 1 else plain)
+    except TooLarge:
+        raise
+    except Exception as error:  # whatever a broken picture does to its decoder
+        raise BadScan("The texture of this scan cannot be decoded; export it again.") from error
 
 
 def _plain_png(data: bytes) -> bytes:

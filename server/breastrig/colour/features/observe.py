@@ -1,0 +1,104 @@
+"""What colour shows of the landmarks on one scan, given where the body's form expects them.
+
+Colour says precisely where something is but not always what it is, the form the reverse: so features are looked for
+near expected places only, a place that the form rules out is not taken, and a landmark of which nothing is seen
+(covered, reconstructed without pigment, outside of the scan) is left to the form.  Each side is looked for at its own
+expected place, and both are dropped where they would lie the wrong way round or be one and the same.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from breastrig.colour.features.areola import Areola
+from breastrig.colour.features.crosses import marked_by_crosses
+from breastrig.colour.features.limits import Features, features
+from breastrig.colour.features.navel import find_navel
+from breastrig.colour.features.nipple import NippleSeen, find_nipple
+from breastrig.colour.features.patch import ColouredSkin
+from breastrig.colour.skin_texture import has_colour
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BreastRigError
+from breastrig.scan.scan import Scan
+
+NIPPLES = {"L": "nipple_L", "R": "nipple_R"}
+NAVEL = "umbilicus"
+CROSSED = ("suprasternal_notch", "xiphoid")
+CROSS_SEEN = "marked by a cross"
+AREOLA_SEEN = "areola seen"
+NAVEL_SEEN = "navel seen"
+
+
+@dataclass(frozen=True, eq=False)
+class Expectation:
+    """Where the form has a landmark."""
+
+    place: Array  # (3,) m, in the scan's frame
+    outwards: Array  # (3,) unit, out of the body there
+    spread: float  # m, root mean square error
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """A landmark that colour shows."""
+
+    place: Array  # (3,) m, on the skin, in the scan's frame
+    covariance: Array  # (3, 3) m²
+    reason: str  # a few words
+    areola: Areola | None = None  # of a nipple, with which it was found
+
+    @property
+    def error(self) -> float:
+        """m, root mean square."""
+        return float(np.sqrt(np.trace(self.covariance)))
+
+
+def observed_landmarks(
+    scan: Scan, expected: Mapping[str, Expectation], left: Array, up: Array
+) -> dict[str, Observation]:
+    """Those of the `expected` landmarks that the colours show; none for a scan without any, or with a broken picture.
+
+    `left` and `up` (3,) are the body's unit directions in the scan's frame.
+    """
+    if not has_colour(scan):
+        return {}
+    try:
+        skin = ColouredSkin(scan)
+    except BreastRigError:
+        return {}
+    nipples = _nipples(skin, expected, left, up, features())
+    found = {name: Observation(each.place, each.covariance, AREOLA_SEEN, each.areola) for name, each in nipples.items()}
+    if NAVEL in expected:
+        form = expected[NAVEL]
+        navel = find_navel(skin, form.place, form.outwards, up, form.spread, features().navel)
+        if navel is not None:
+            found[NAVEL] = Observation(navel.place, navel.covariance, NAVEL_SEEN)
+    on_midline = {name: expected[name] for name in CROSSED if name in expected}
+    crosses = marked_by_crosses(
+        scan,
+        {name: each.place for name, each in on_midline.items()},
+        {name: each.spread for name, each in on_midline.items()},
+        left,
+        features().crosses,
+    )
+    return found | {name: Observation(each.place, each.covariance, CROSS_SEEN) for name, each in crosses.items()}
+
+
+def _nipples(
+    skin: ColouredSkin, expected: Mapping[str, Expectation], left: Array, up: Array, limits: Features
+) -> dict[str, NippleSeen]:
+    rules, seen = limits.areola, {}
+    for name in NIPPLES.values():
+        if name not in expected:
+            continue
+        form = expected[name]
+        spread = max(form.spread, rules.least_spread)
+        nipple = find_nipple(skin, form.place, form.outwards, up, spread, rules)
+        if nipple is not None:
+            seen[name] = nipple
+    if len(seen) == len(NIPPLES):
+        apart = seen[NIPPLES["L"]].place - seen[NIPPLES["R"]].place
+        if apart @ left < rules.least_apart:
+            return {}
+    return seen

@@ -1,0 +1,63 @@
+"""The numbers of ink detection, each with its reason.  Lengths in m, densities in units of the natural logarithm.
+
+They were chosen on virtual patients whose colours are painted by formula, few and round on purpose, and none to a
+single case; how the results are for a patient that was left out when they were chosen, `breastrig evaluate` shows.
+Ink of half the light adds a density of 0.7.
+"""
+
+# Ridges
+WIDTH = 1.0e-3  # standard deviation of the filter across a line: pens of 1 to 3 mm, blurred by the picture
+WEAK = 0.10  # density above the skin's down to which a line is followed; the skin's own grain reaches 0.05
+ON_SKIN = 0.6  # share of the filter's weight that must lie on skin: ends of the scan look like lines
+OFF_PIXEL = 0.6  # pixels from its pixel's middle; a half would lose ridges that lie between two pixels
+
+# Chains of neighbouring points
+REACH = 1.6e-3  # three pixels: what is seen obliquely has its points farther apart
+TURN = 0.7  # cosine of 45 degrees from one point to the next
+PIECE = 3.0e-3  # shorter chains are grain
+PIECE_HEIGHT = 0.12  # mean density of a chain
+BESIDE, BESIDE_SHARE = 1.2e-3, 0.7  # m, share of a piece that lies that near to a longer one: it is the same line
+
+# What is ink: density added in red, green, blue (R, G, B) against the skin on both sides
+COLOURED = 0.18  # R of violet, blue, green, which darken red; skin's own pigments darken it least, and B most
+COLOURED_OVER = 0.04  # R over the least of G and B; moles, veins, scars and areolae have the least in R
+PURE = 0.48  # G for each R, where B is less than G: blue cloth around the body has less, each ink on skin more
+BLACK = 0.27  # R of black; loose hair and creases reach 0.25
+BLACK_BLUE = 1.2  # B for each R of black; brown spots have more
+RED = 0.36  # of G and B for red ink; red scars reach 0.33
+RED_OVER = 0.12  # G over R
+RED_BLUE = 1.2  # B for each G; blood and melanin have more
+LENIENT = 0.65  # share of these densities that a piece needs to belong to a line that has them as a whole
+WIDEST, WIDEST_BLACK = 3.8e-3, 3.4e-3  # m; shadows and creases are wider
+NARROWEST_BLACK, CLEARLY_BLACK = 1.75e-3, 0.45  # m, unless R is that dark: loose hair is narrower and fainter
+SKIN_SHARE = 0.45  # of the scan's usual B over R of bare skin, on both sides; cloth, table and hair have less
+
+# Joining
+GAP = 9.0e-3  # between dashes, where a pen left the skin, at crossings
+HOLE = 20.0e-3  # where the scan has none of the skin between
+END = 5.0e-3  # at whose middle the direction of an end is taken
+STRAIGHT = 0.8  # cosine of 37 degrees between an end and the way to the next
+CROSSING, STRAIGHT_AT_CROSSING = 2.5e-3, 0.6  # nearer ends are at a crossing, where the filter rounds corners
+SAME_INK = 0.35  # how far the added densities of two pieces may differ, as share of the larger
+DIFFERENT_INK = 6.0e-3  # m of gap that a full difference counts as
+
+# Lines
+LENGTH = 8.0e-3  # shorter strokes are moles and grain
+SPACING = 1.0e-3  # between points of a line
+SMOOTH = 1.5e-3  # standard deviation along a line
+
+# Kinds of strokes
+FINE_ENOUGH = 1.5e-3  # m between texels or coloured vertices; with coarser ones a pen's line falls between
+CURLY = 110.0  # rad for each m of a stroke: circles of 9 mm; letters, curls and arrow heads turn more, lines less
+STRAIGHT_STROKE = 40.0  # rad for each m; crosses and the shafts of arrows turn less
+DETAIL, DETAIL_REACH = 4.0e-3, 4.0e-3  # shorter strokes than LENGTH count when they touch a longer one of this ink
+WORD = 10.0e-3  # between strokes of one word
+WORD_STROKE = 25.0e-3  # strokes of letters without curls are no longer
+TATTOO = 60.0e-3  # of curly black strokes at one place: more than a surgeon's letters or numbers
+GREY = 0.35  # by how much red, green and blue of black may differ, as share of the largest
+PLAN = 30.0e-3  # a scan without a line of this length has no plan on it: marks alone are tattoos and stains
+CROSS = 25.0e-3  # arms of crosses are no longer
+CROSS_MIDDLE = 4.0e-3  # from the middle of one arm to the other
+CROSS_ANGLE = 0.7  # cosine of 45 degrees
+ARROW, ARROW_HEAD, ARROW_TIP = 60.0e-3, 30.0e-3, 4.0e-3  # longest shaft, longest head, between the two
+DASHES, DASH, DASH_GAP = 4, 25.0e-3, 1.5e-3  # at least so many, no longer on average, with gaps no shorter

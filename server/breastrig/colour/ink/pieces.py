@@ -1,0 +1,162 @@
+"""Unbroken pieces of lines, and whether their colour is that of ink.
+
+A piece is judged by its mean profile across, red, green and blue, against the bare skin on both sides: grain and the
+picture's noise cancel along it.  Each marker adds density in its own way: violet, blue and green most in red, black
+alike in all, red in green and blue.  What else makes thin lines does otherwise: skin's pigments (moles, veins, scars,
+rims of areolae) add most in blue and least in red; creases and shadows are wider; loose hair is narrower and faint;
+at the edge of cloth or table there is no skin on the other side.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from breastrig.colour.ink import limits
+from breastrig.colour.ink.chains import neighbours_joined
+from breastrig.colour.ink.ridges import DENSITY, OFFSETS, RidgePoints, profiles
+from breastrig.colour.skin_texture import SkinTexture
+from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.scipy_parts import cKDTree, csr_array
+
+MIDDLE = np.abs(OFFSETS) < 0.8e-3
+LEFT, RIGHT = OFFSETS < -2.8e-3, OFFSETS > 2.8e-3
+WITHIN = np.abs(OFFSETS) < 2.8e-3
+
+
+class Ink(Enum):
+    """What a density may be of."""
+
+    COLOURED = "coloured"  # violet, blue, green
+    BLACK = "black"
+    RED = "red"
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """P points of an unbroken line, in order."""
+
+    places: Array  # (P, 3) m on the skin, in the scan's frame
+    faces: Integers  # (P,) triangles of the scan
+    closed: bool
+    length: float  # m
+    added: Array  # (3,) density of red, green, blue above the skin's
+    skin: Array  # (3,) density of the skin on both sides
+    width: float  # m
+
+    def ends(self) -> tuple[Array, Array]:
+        """((2, 3) m first and last place, (2, 3) unit vectors that lead out of them)."""
+        at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.places, axis=0), axis=1))])
+        back = min(limits.END, float(at[-1]))
+        inner = np.stack([np.interp([back, at[-1] - back], at, self.places[:, axis]) for axis in range(3)], axis=1)
+        tips = self.places[[0, -1]]
+        out = tips - inner
+        return tips, out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)
+
+
+def ink_of(added: Array, width: float, share: float = 1.0) -> Ink | None:
+    """Which ink adds (3,) densities in a line of that width (m); `share` lowers what is asked for."""
+    red, green, blue = (float(value) for value in added)
+    if width > limits.WIDEST:
+        return None
+    if min(green, blue) >= share * limits.RED and green - red >= share * limits.RED_OVER and green >= 1.2 * red:
+        return Ink.RED if blue <= limits.RED_BLUE * green else None
+    if blue < green < limits.PURE * red:
+        return None
+    if red >= share * limits.COLOURED and red - min(green, blue) >= share * limits.COLOURED_OVER:
+        return Ink.COLOURED
+    black = red >= share * limits.BLACK and blue <= limits.BLACK_BLUE * red and width <= limits.WIDEST_BLACK
+    return Ink.BLACK if black and (width >= limits.NARROWEST_BLACK or red >= limits.CLEARLY_BLACK) else None
+
+
+def pieces(texture: SkinTexture, found: Sequence[RidgePoints], factor: float = 1.0) -> list[Piece]:
+    """All pieces that may be ink, of the points found in each picture of the texture; `factor` is of densities."""
+    places = np.concatenate([points.places for points in found])
+    tangents = np.concatenate([points.tangents for points in found])
+    heights = np.concatenate([points.heights for points in found])
+    faces = np.concatenate([points.faces for points in found])
+    chains = []
+    for chain, closed in neighbours_joined(places, tangents, limits.REACH, limits.TURN):
+        length = float(np.linalg.norm(np.diff(places[chain], axis=0), axis=1).sum())
+        if length >= limits.PIECE and heights[chain].mean() >= limits.PIECE_HEIGHT:
+            chains.append((chain, closed, length))
+    across = _profiles(texture, found, chains)
+    usual = _usual_chroma(texture)
+    left, middle, right, width = _measured(across, [chain for chain, _, _ in chains])
+    skin = 0.5 * (left + right)
+    added = middle - skin
+    chroma = np.minimum(left[:, 2] - left[:, 0], right[:, 2] - right[:, 0])
+    result = []
+    for number in np.flatnonzero(chroma >= limits.SKIN_SHARE * usual):
+        if ink_of(added[number], width[number], factor * limits.LENIENT) is not None:
+            chain, closed, length = chains[number]
+            result.append(
+                Piece(places[chain], faces[chain], closed, length, added[number], skin[number], float(width[number]))
+            )
+    return _without_doubles(result)
+
+
+def _without_doubles(found: list[Piece]) -> list[Piece]:
+    """Of pieces beside each other, where a broad line has two ridges or two pictures meet, the longer ones."""
+    if not found:
+        return found
+    places = np.concatenate([piece.places for piece in found])
+    owner = np.repeat(np.arange(len(found)), [len(piece.places) for piece in found])
+    pairs = cKDTree(places).query_pairs(limits.BESIDE, output_type="ndarray").astype(np.int64)
+    lengths = np.array([piece.length for piece in found])
+    one, other = owner[pairs].T
+    beside = np.zeros(len(places), dtype=np.bool_)
+    for column, shorter in ((0, lengths[one] < lengths[other]), (1, lengths[other] < lengths[one])):
+        beside[pairs[shorter & (one != other), column]] = True
+    share = np.bincount(owner, beside) / np.bincount(owner)
+    return [piece for piece, double in zip(found, share > limits.BESIDE_SHARE, strict=True) if not double]
+
+
+def _profiles(
+    texture: SkinTexture, found: Sequence[RidgePoints], chains: Sequence[tuple[Integers, bool, float]]
+) -> Array:
+    """(M, 17, 3) of all points, nan for those of no chain."""
+    wanted = np.zeros(sum(len(points.places) for points in found), dtype=np.bool_)
+    for chain, _, _ in chains:
+        wanted[chain] = True
+    across = np.full((len(wanted), len(OFFSETS), 3), np.nan)
+    start = 0
+    for picture, points in zip(texture.pictures, found, strict=True):
+        rows = np.flatnonzero(wanted[start : start + len(points.places)])
+        if len(rows):
+            across[start + rows] = profiles(picture, points.at(rows))
+        start += len(points.places)
+    return across
+
+
+def _measured(across: Array, chains: Sequence[Integers]) -> tuple[Array, Array, Array, Array]:
+    """((N, 3) density left, in the middle, right, (N,) width in m) of N chains of points with (M, 17, 3) profiles.
+
+    Where there is no skin on one side the other counts for both; without any the densities are nan.
+    """
+    owner = np.repeat(np.arange(len(chains)), [len(chain) for chain in chains])
+    values = across[np.concatenate([np.zeros(0, dtype=np.int64), *chains])].reshape(len(owner), -1)
+    known = np.isfinite(values)
+    gather = csr_array((np.ones(len(owner)), (owner, np.arange(len(owner)))), shape=(len(chains), len(owner)))
+    count = np.asarray(gather @ known.astype(np.float64)).reshape(-1, len(OFFSETS), 3)
+    total = np.asarray(gather @ np.where(known, values, 0.0)).reshape(-1, len(OFFSETS), 3)
+
+    def mean(where: Booleans) -> Array:
+        counted = count[:, where].sum(axis=1)
+        return np.where(counted > 0, total[:, where].sum(axis=1) / np.maximum(counted, 1.0), np.nan)
+
+    left, middle, right = mean(LEFT), mean(MIDDLE), mean(RIGHT)
+    left, right = np.where(np.isfinite(left), left, right), np.where(np.isfinite(right), right, left)
+    share = np.linspace(0.0, 1.0, len(OFFSETS))[:, None]
+    whole = np.where(count > 0, total / np.maximum(count, 1.0), np.nan)
+    above = whole - (1.0 - share) * left[:, None] - share * right[:, None]
+    above = np.maximum(np.nan_to_num(above[:, :, :2].mean(axis=2)), 0.0)
+    top = np.maximum(above[:, MIDDLE].max(axis=1), 1e-6)
+    return left, middle, right, above[:, WITHIN].sum(axis=1) * (OFFSETS[1] - OFFSETS[0]) / top
+
+
+def _usual_chroma(texture: SkinTexture) -> float:
+    """Blue density over red of the scan's skin: the median, as skin is most of a scan of a body."""
+    density = DENSITY[texture.face_colours]
+    return float(np.median(density[:, 2] - density[:, 0]))

@@ -1,0 +1,86 @@
+"""The colour of the skin itself at points of the standing skin: tone, mottling, areolae, marks, ink; no light."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from breastrig.core.arrays import Array
+from breastrig.evaluation.virtual.painted.marks import COVERED, NATURAL, Areola, Marks, Skin, Stroke
+from breastrig.evaluation.virtual.painted.tones import Palette
+
+WAVES = 28  # plane waves of the mottling
+WAVE_LENGTHS = (0.006, 0.07)  # m
+MOTTLING = (1.5, 0.7, 0.7)  # L, a, b; standard deviation
+PATCH = (0.017, 0.024)  # m, radius of what covers a nipple
+NAVEL = (0.0065, 0.0095)  # m, half its width and height
+INK_FADES = 0.0004  # m, from full ink to none
+
+
+class Albedo:
+    """One woman's skin as a function of the place on it; drawn once, the same for both stances."""
+
+    def __init__(self, skin: Skin, palette: Palette, marks: Marks, random: np.random.Generator) -> None:
+        self._skin, self._palette, self._marks = skin, palette, marks
+        length = np.exp(random.uniform(np.log(WAVE_LENGTHS[0]), np.log(WAVE_LENGTHS[1]), WAVES))
+        direction = random.standard_normal((WAVES, 3))
+        self._waves = 2.0 * np.pi / length[:, None] * direction / np.linalg.norm(direction, axis=1, keepdims=True)
+        self._phases = random.uniform(0.0, 2.0 * np.pi, WAVES)
+        self._sizes = random.standard_normal((WAVES, 3)) * MOTTLING * np.sqrt(2.0 / WAVES)
+        fold = np.mean([p[1] for n, p in skin.body.landmarks.items() if n.startswith("inframammary")] or [0.3])
+        self._pressure = float(fold - random.uniform(0.005, 0.03)), float(random.uniform(0.0, 4.0))
+        self._patch = random.uniform(*PATCH), np.array([random.uniform(60.0, 85.0), random.uniform(0.0, 8.0), 12.0])
+
+    def lab(self, places: Array) -> Array:
+        """(N, 3) Lab at (N, 3) m, points of the standing skin."""
+        colour = self._palette.skin + np.cos(places @ self._waves.T + self._phases) @ self._sizes
+        height, redness = self._pressure
+        band = np.exp(-0.5 * ((places[:, 1] - height) / 0.006) ** 2)
+        colour += band[:, None] * np.array([-0.5, 1.0, 0.2]) * redness
+        for stroke in (*self._marks.veins, *self._marks.scars):
+            cover = self._cover(places, stroke, soft=0.5 * stroke.width)
+            colour += (stroke.strength * cover)[:, None] * stroke.lab
+        for areola in self._marks.areolae:
+            self._paint_areola(colour, places, areola)
+        navel = self._skin.body.landmarks.get("umbilicus")
+        if navel is not None:
+            away = np.linalg.norm((places - navel) / np.array([*NAVEL, 0.02]), axis=1)
+            _blend(colour, self._palette.crease, 1.0 / (1.0 + np.exp(np.minimum((away - 1.0) / 0.15, 50.0))))
+        for spot in self._marks.spots:
+            away = np.linalg.norm(places - spot.place, axis=1)
+            _blend(colour, self._palette.mole, 0.85 / (1.0 + np.exp(np.minimum((away - spot.radius) / 0.0004, 50.0))))
+        for stroke in self._marks.ink:
+            _blend(colour, stroke.lab, stroke.strength * self._cover(places, stroke, INK_FADES))
+        return np.asarray(colour)
+
+    def _paint_areola(self, colour: Array, places: Array, areola: Areola) -> None:
+        from_nipple = np.linalg.norm(places - areola.nipple, axis=1)
+        near = np.flatnonzero(from_nipple < 0.05)
+        from_nipple, part = from_nipple[near], colour[near]
+        if areola.state == COVERED:
+            radius, patch = self._patch
+            _blend(part, patch, (from_nipple < radius).astype(np.float64))
+        elif areola.state == NATURAL:
+            offset = places[near] - areola.centre
+            flat = offset @ areola.axes[:2].T
+            beyond = np.linalg.norm(offset, axis=1) - areola.reach(np.arctan2(flat[:, 1], flat[:, 0]))
+            share = 1.0 / (1.0 + np.exp(np.clip(beyond / (0.45 * areola.softness), -50.0, 50.0)))
+            part += share[:, None] * (self._palette.areola - self._palette.skin)
+            tip = 1.0 / (1.0 + np.exp(np.clip((from_nipple - areola.nipple_radius) / 0.0006, -50.0, 50.0)))
+            part += tip[:, None] * (self._palette.nipple - self._palette.areola)
+        colour[near] = part
+
+    def _cover(self, places: Array, stroke: Stroke, soft: float) -> Array:
+        """(N,) 0 to 1: how much of a place is under the stroke."""
+        points = self._skin.places(stroke.points)[stroke.inked]
+        if not len(points):
+            return np.zeros(len(places))
+        reach = 0.5 * stroke.width + 3.0 * soft
+        low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
+        near = np.flatnonzero(((places > low) & (places < high)).all(axis=1))
+        away, _ = cKDTree(points).query(places[near], distance_upper_bound=reach)
+        cover = np.zeros(len(places))
+        cover[near] = 1.0 / (1.0 + np.exp(np.clip((away - 0.5 * stroke.width) / (0.35 * soft), -50.0, 50.0)))
+        return cover
+
+
+def _blend(colour: Array, other: Array, share: Array) -> None:
+    colour += share[:, None] * (other - colour)

@@ -1,0 +1,1 @@
+"""What a scan shows of landmarks without anybody having picked them."""

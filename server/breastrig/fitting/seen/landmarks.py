@@ -1,0 +1,91 @@
+"""Landmarks that a scan's colours show, as observations of a fit that has no picks of a person.
+
+The form is fitted first and says where each landmark is expected, and how well it knows.  What colour shows near there
+enters the normal equations as picks do, but with an error of its own: that of the observation, and that of the model,
+whose landmark need not lie where a real body has it (the misfit of the presets).  So an areola moves the model's nipple
+there without bending the rest, and form that says otherwise more clearly keeps its place.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.fitting.fit import FitIterate
+from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.task import FitTask
+from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
+from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.unit_vectors import unit_vectors
+from breastrig.report.areolae import SeenAreola
+from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
+from breastrig.rig.skinning import pose
+from breastrig.scan.scan import Scan
+
+if TYPE_CHECKING:
+    from breastrig.colour.features.observe import Expectation, Observation
+
+UNKNOWN = 0.02  # m, error of the form with models of which nobody knows how far bodies are from them
+
+
+def seen_landmarks(task: FitTask, last: FitIterate, margin: float | None, scan: Scan) -> dict[str, "Observation"]:
+    """What the colours of the scan show of the rig's landmarks; nothing for a scan without colour.
+
+    `last` is where the fit of the `task` without landmarks ended, `margin` says how clear its start was (Start.margin).
+    """
+    if scan.colour_kind == "none":
+        return {}
+    from breastrig.colour.features.observe import observed_landmarks  # loads image filters
+
+    rig = task.rig
+    known = radii(Posterior(task, last.parameters), margin)
+    errors = {name: UNKNOWN if known is None else known.landmarks[name] / HOLDS_90 for name in rig.landmark_names}
+    body, expected = expectations(rig, pose(rig, last.parameters), errors, {})
+    return observed_landmarks(scan, expected, body[:, 0], body[:, 1])
+
+
+def expectations(
+    rig: Rig, vertices: Array, errors: Mapping[str, float], picked: Mapping[str, Array]
+) -> tuple[Array, dict[str, "Expectation"]]:
+    """((3, 3) columns: the body's left, up and front, by name where the landmarks with these errors (m) are expected).
+
+    By the fitted model of (V, 3) m `vertices`, or where they were `picked`, in the scan's frame.
+    """
+    from breastrig.colour.features.observe import Expectation  # loads image filters
+
+    points = rig.landmark_points()
+    places = points.positions(vertices, rig.faces)
+    outwards = unit_vectors(points.positions(vertex_normals(vertices, rig.faces), rig.faces))
+    expected = {
+        name: Expectation(np.asarray(picked.get(name, places[k])), outwards[k], errors[name])
+        for k, name in enumerate(rig.landmark_names)
+        if name in errors
+    }
+    return umeyama(points.positions(rig.template, rig.faces), places).rotation, expected
+
+
+def areola_of(observation: "Observation") -> SeenAreola | None:
+    """The areola that a nipple was found in, as measures have it."""
+    areola = observation.areola
+    return None if areola is None else SeenAreola(2.0 * areola.radius, areola.diameter_half, areola.rim)
+
+
+def with_seen(task: FitTask, seen: Mapping[str, "Observation"], last: FitIterate) -> FitTask:
+    """The task that goes on from the `last` iterate with what colour shows among its observations."""
+    if not seen:
+        return task
+    errors = {
+        name: float(np.hypot(each.error / np.sqrt(2.0), task.recipe.landmark_errors(name).misfit))
+        for name, each in seen.items()
+    }  # on each axis: the skin has two
+    return replace(
+        task,
+        start=last.parameters,
+        recipe=task.recipe.continued,
+        landmarks={name: each.place for name, each in seen.items()},
+        landmark_errors=errors,
+        seen=frozenset(seen),
+    )

@@ -1,0 +1,52 @@
+"""Ink on a scan: looked for once, kept with the scan, deleted with it."""
+
+import io
+
+import pytest
+from flask.testing import FlaskClient
+from helpers.inked_scan import inked_zip
+from helpers.waiting import until
+from sqlalchemy import func, select
+
+from breastrig.service import ink as ink_search
+from breastrig.service.service import Service
+from breastrig.storage import schema
+from breastrig.storage.rows.ink import get_ink
+
+
+@pytest.fixture
+def inked(client: FlaskClient) -> str:
+    answer = client.post("/api/scans", data={"file": (io.BytesIO(inked_zip()), "scan.zip"), "units": "m"})
+    assert answer.status_code == 201, answer.json
+    assert answer.json["colours"] == "texture"
+    return answer.json["id"]
+
+
+def test_ink_is_found_once_and_deleted_with_the_scan(
+    client: FlaskClient, service: Service, inked: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = client.get(f"/api/scans/{inked}").json["links"]["ink"]
+    assert place == f"/api/scans/{inked}/ink"
+    until(lambda: client.get(place).status_code == 200, "the ink")
+    found = client.get(place).json
+    assert (found["schema"], found["unit"]) == ("breastrig/drawing@1", "mm")
+    assert {shape["kind"] for shape in found["shapes"]} == {"line", "closed", "dashed", "cross", "writing"}
+    assert all(shape["length_mm"] > 10 for shape in found["shapes"])
+    until(lambda: get_ink(service.storage, inked) is not None, "the row")
+
+    def again(_job: object) -> None:
+        raise AssertionError("it was kept")
+
+    monkeypatch.setattr(ink_search, "find_ink_on_file", again)
+    assert client.get(place).json == found
+    assert client.delete(f"/api/scans/{inked}").status_code == 204
+    assert client.get(place).status_code == 404
+    with service.storage.database.reading() as connection:
+        assert connection.execute(select(func.count()).select_from(schema.ink)).scalar_one() == 0
+
+
+def test_a_scan_without_colour_is_one_sentence(client: FlaskClient, scan_id: str) -> None:
+    answer = client.get(f"/api/scans/{scan_id}/ink")
+    assert answer.status_code == 422
+    assert answer.json["detail"].startswith("This scan has no colour")
+    assert client.get("/api/scans/nothing/ink").status_code == 404

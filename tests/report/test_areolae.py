@@ -1,0 +1,74 @@
+"""Areolae from the colours of a fitted scan to the table of measures."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.painted_body import PaintedBody, painted_body
+
+import breastrig
+from breastrig.core.errors import BadInput
+from breastrig.evaluation.virtual.painted.files import scan_zip
+from breastrig.report.areolae import SeenAreola, areolae_document, areolae_of
+
+
+def disc(radius: float) -> np.ndarray:
+    turn = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+    return radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(40)], axis=1)
+
+
+def test_result_json_keeps_areolae_in_the_scans_unit_and_says_what_was_not_seen() -> None:
+    found = {"L": SeenAreola(0.036, 0.002, disc(0.018)), "R": None}
+    document = areolae_document(found, 1e-3)
+    assert document["R"] is None
+    assert document["L"]["diameter_mm"] == 36.0
+    assert document["L"]["rim"][0] == pytest.approx([18.0, 0.0, 0.0])
+    read = areolae_of({"areolae": document}, 1e-3)
+    assert read["R"] is None
+    assert read["L"] is not None
+    assert (read["L"].diameter, read["L"].half) == pytest.approx((0.036, 0.002))
+    np.testing.assert_allclose(read["L"].rim, found["L"].rim, atol=1e-9)
+    assert areolae_of({}, 1.0) == {}
+
+
+DAMAGES: list[Callable[[dict[str, Any]], object]] = [
+    lambda entry: entry.update(diameter_mm=-1.0),
+    lambda entry: entry.update(diameter_mm="wide"),
+    lambda entry: entry.update(rim=[[0.0, 0.0]]),
+    lambda entry: entry.pop("within_mm"),
+]
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_areolae_are_refused_with_a_sentence(damage: Callable[[dict[str, Any]], object]) -> None:
+    entry = areolae_document({"L": SeenAreola(0.036, 0.002, disc(0.018))}, 1.0)["L"]
+    damage(entry)
+    with pytest.raises(BadInput, match=r"areolae in result\.json are damaged"):
+        areolae_of({"areolae": {"L": entry}}, 1.0)
+
+
+@pytest.fixture(scope="module")
+def half_covered() -> PaintedBody:
+    return painted_body(tone=4, states=(("R", "covered"),), side=640)
+
+
+def test_a_textured_scan_has_the_diameter_of_the_areola_that_is_seen(half_covered: PaintedBody, tmp_path: Path) -> None:
+    woman, place = half_covered, tmp_path / "scan.zip"
+    scan = woman.scan
+    place.write_bytes(scan_zip(scan.vertices, scan.faces, woman.picture.atlas, woman.picture.picture.jpeg, 6))
+    fit = breastrig.fit(place, units="m", drawing=None, refine=False)
+    assert set(fit.result["areolae"]) == {"L", "R"}
+    assert fit.result["areolae"]["R"] is None
+    assert "Found by colour: nipple_L (areola seen)." in fit.notes
+    assert np.linalg.norm(fit.landmarks["nipple_L"] - woman.body.landmarks["nipple_L"]) < 0.006
+    (row,) = (each for each in breastrig.measure(fit) if each.name == "areola_diameter")
+    assert row.right is None
+    assert "the right one is not seen" in row.method
+    rim = woman.rims["L"] - woman.rims["L"].mean(axis=0)
+    true = 2e3 * np.sqrt(0.5 * np.linalg.norm(np.cross(rim, np.roll(rim, -1, axis=0)), axis=1).sum() / np.pi)
+    assert row.left is not None
+    assert row.left.value == pytest.approx(true, abs=4.0)
+    assert row.left.low is not None
+    assert row.left.low < row.left.value

@@ -1,0 +1,33 @@
+// Lines of ink that were found on a scan's skin, until a person has decided about each.
+import type { InkShape, Vector } from "../api/types";
+
+/** One stroke of a pen, as it may become a line of the plan. */
+export interface FoundLine {
+  readonly name: string; // one of its own among the found lines of the scan
+  readonly kind: InkShape["kind"];
+  readonly marker: InkShape["marker"];
+  readonly color: string;
+  readonly closed: boolean;
+  readonly points: readonly Vector[]; // mm, the scan's own axes
+  readonly lengthMm: number;
+}
+
+export type Search =
+  | { readonly state: "looking" }
+  | { readonly state: "failed"; readonly reason: string }
+  | { readonly state: "found"; readonly lines: readonly FoundLine[]; readonly count: number }; // of them some are decided
+
+export interface InkSlice {
+  readonly ink: Readonly<Record<string, Search>>; // by scan
+  readonly inkPointed: string | null; // the found line that is pointed at
+}
+
+export const initialInk: InkSlice = { ink: {}, inkPointed: null };
+
+/** Beside the plan: crosses, arrows and writing. */
+export const isMark = ({ kind }: Pick<FoundLine, "kind">): boolean => kind === "cross" || kind === "arrow" || kind === "writing";
+
+export const foundOn = (ink: InkSlice["ink"], scan: string | undefined): readonly FoundLine[] => {
+  const search = scan === undefined ? undefined : ink[scan];
+  return search?.state === "found" ? search.lines : [];
+};
