@@ -236,7 +236,7 @@ def _fitted_series(radii: Array, good: Booleans, turn: Array) -> tuple[Array, Ar
     shape: Array = np.zeros(rows.shape[1])
     for _ in range(6):
         weighted = rows * weight[:, None]
-        shape = np.linalg.solve(weighted.T @ rows + ridge, weighted.T @ radii[good])
+        shape = np.asarray(np.linalg.solve(weighted.T @ rows + ridge, weighted.T @ radii[good]), dtype=np.float64)
         rest = np.asarray(radii[good] - rows @ shape, dtype=np.float64)
         scale = max(1.4826 * float(np.median(np.abs(rest))), 0.0003)
         weight = np.asarray(1.0 / (1.0 + (rest / (2.0 * scale)) ** 2) ** 2, dtype=np.float64)
