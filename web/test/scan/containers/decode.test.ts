@@ -215,3 +215,28 @@ test("only compressed GLBs and USD are unpacked in the page", async () => {
   expect(await kind("scan.USDZ", "PK")).toBe("usd");
   expect(await kind("scan.ply", dracoGlb())).toBeNull();
 });
+
+const FUZZ = Number(process.env.BREASTRIG_FUZZ ?? "0.5"); // as in the tests of the service: `make fuzz` tries more
+
+test("damaged files are refused, or unpacked to a GLB that is whole", async () => {
+  vi.spyOn(console, "warn").mockImplementation(() => undefined);
+  vi.spyOn(console, "error").mockImplementation(() => undefined);
+  const usdz = new Uint8Array(await new USDZExporter().parseAsync(new Scene().add(tube())));
+  const files = [[dracoGlb(), (bytes: Uint8Array) => decodeGlb(bytes, tools)], [meshoptGlb(), (bytes: Uint8Array) => decodeGlb(bytes, tools)], [usdz, decodeUsd]] as const;
+  const outcomes = { refused: 0, unpacked: 0 };
+  const seed = FUZZ < 1 ? 1 : (Date.now() % 0x7ffffffe) + 1;
+  let state = seed;
+  const random = (below: number): number => Math.floor(((state = (state * 48271) % 0x7fffffff) / 0x7fffffff) * below);
+  for (let round = 0; round < Math.round(80 * FUZZ); round += 1) {
+    for (const [whole, decode] of files) {
+      const bytes = whole.slice();
+      for (let edit = 0; edit <= random(4); edit += 1) bytes[random(random(2) ? bytes.length : 600)] = random(256);
+      const glb = await decode(bytes).catch(() => null);
+      outcomes[glb ? "unpacked" : "refused"] += 1;
+      if (glb) expect(new DataView(glb.buffer).getUint32(8, true), `seed ${seed}`).toBe(glb.length);
+    }
+  }
+  expect(outcomes.refused).toBeGreaterThan(0);
+  expect(outcomes.unpacked).toBeGreaterThan(0);
+  vi.restoreAllMocks();
+});
