@@ -20,6 +20,7 @@ from breastrig.fitting.picks import checked_fit
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.write_rig import write_rig
+from breastrig.scan import background
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.workflow import propose_on_scan as propose_module
@@ -69,7 +70,8 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     for module in (stance_module, run_fit_module):
         monkeypatch.setattr(module, "checked_iterates", fitted)
     monkeypatch.setattr(propose, "fit_iterates", fitted)
-    monkeypatch.setattr(prepare_scan, "propose_frame", fronts)
+    for module in (prepare_scan, background):
+        monkeypatch.setattr(module, "propose_frame", fronts)
     for module in (orientation_module, scan_orientation):
         monkeypatch.setattr(module, "start_from_scan", starts)
     return count
