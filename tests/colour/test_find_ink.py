@@ -1,5 +1,7 @@
 """Lines of a pen are found on the skin, and nothing else is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.inked_scan import inked_zip, place, strokes, vertex_coloured
@@ -71,6 +73,31 @@ def test_moles_scars_hair_and_grain_are_no_ink() -> None:
 def test_a_scan_of_one_colour_has_no_ink() -> None:
     vertices, faces, colours = vertex_coloured(120)
     assert find_ink(Scan(vertices, faces, "m", 1.0, "", "", colours=np.full_like(colours, 140))) == ()
+
+
+@pytest.mark.parametrize(
+    "what", ["far uv", "random uv", "one uv", "one line", "one point", "huge", "cut off", "turned over"]
+)
+def test_hostile_scans_end_in_lines_or_one_sentence(what: str, inked: Scan) -> None:
+    uv = inked.uv
+    assert uv is not None
+    assert inked.picture is not None
+    half = inked.picture[:5000]
+    change = {
+        "far uv": {"uv": np.full_like(uv, 1.7e308)},
+        "random uv": {"uv": 3.0 * np.random.default_rng(0).normal(size=uv.shape)},
+        "one uv": {"uv": np.zeros_like(uv)},
+        "one line": {"vertices": inked.vertices * [1.0, 0.0, 0.0]},
+        "one point": {"vertices": inked.vertices * 0.0},
+        "huge": {"vertices": inked.vertices * 500.0},
+        "cut off": {"picture": half, "texture": half},
+        "turned over": {"faces": inked.faces[:, ::-1]},
+    }[what]
+    try:
+        assert len(find_ink(replace(inked, **change))) <= 10
+    except BadScan as error:
+        assert str(error).startswith("The ")
+        assert "inf" not in str(error)
 
 
 def test_a_turned_and_moved_scan_gives_the_same_lines(inked: Scan, ink: tuple[InkLine, ...]) -> None:

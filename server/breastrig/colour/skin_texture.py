@@ -33,6 +33,7 @@ LAYERS = 2  # further pictures of one direction; skin behind skin behind skin
 PART_AREA = 1e-4  # m², a square centimetre of hidden skin
 HIDDEN = 0.5  # share of a triangle's pixels that others cover, from which it comes into the next layer
 EPSILON = 1e-6  # pixels
+FARTHEST = 1e6  # pictures to the side; texture coordinates beyond are none
 UNKNOWN = 1e-9  # share of what is known around a triangle, under which nothing is
 
 
@@ -296,7 +297,7 @@ class _TextureSource:
         height, width = image.shape[:2]
         self._pixels = image.reshape(-1, 3)
         self._size = (width, height)
-        uv = scan.uv[scan.faces]
+        uv = np.clip(scan.uv, -FARTHEST, FARTHEST)[scan.faces]
         uv = uv - np.floor((uv[:, :1] + uv[:, 1:2] + uv[:, 2:]) / 3.0)  # textures repeat beyond 0 and 1
         self._at = np.stack([uv[:, :, 0] * width - 0.5, (1.0 - uv[:, :, 1]) * height - 0.5], axis=2)
         self.texel = _size_of_texels(scan, self._at)
