@@ -68,6 +68,11 @@ def test_moles_scars_hair_and_grain_are_no_ink() -> None:
     assert find_ink(read_scan(inked_zip(bare=True), units="m", for_display=False)) == ()
 
 
+def test_a_scan_of_one_colour_has_no_ink() -> None:
+    vertices, faces, colours = vertex_coloured(120)
+    assert find_ink(Scan(vertices, faces, "m", 1.0, "", "", colours=np.full_like(colours, 140))) == ()
+
+
 def test_a_turned_and_moved_scan_gives_the_same_lines(inked: Scan, ink: tuple[InkLine, ...]) -> None:
     turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))

@@ -132,7 +132,7 @@ def inked_zip(marker: str | None = None, bare: bool = False) -> bytes:
     Image.fromarray(_picture(() if bare else strokes(marker))).save(picture, "PNG")
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("scan.obj", "\n".join(lines))
+        archive.writestr("scan.obj", "\n".join(lines) + "\n")
         archive.writestr("scan.mtl", MATERIAL)
         archive.writestr("texture.png", picture.getvalue())
     return packed.getvalue()

@@ -1,6 +1,7 @@
 // The wiring plan: makes store, actions, page and view, and lets them follow the state.
 import "../style.css";
 import { client, onSignedOut } from "../api/client";
+import { mayShowInk } from "../ink/state";
 import { referenceOf } from "../plan/actions";
 import type { Place } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
@@ -28,7 +29,7 @@ page.follow(store);
 openViewer(store, actions, page.stages, prefersStill);
 let isInkOpen = false;
 store.select(only("scan"), ({ scan }) => {
-  if (isInkOpen || !scan || scan.info.colours === "none") return;
+  if (isInkOpen || !scan || !mayShowInk(scan.info)) return;
   isInkOpen = true;
   void import("../ink/open").then(({ openInk }) => openInk(store, client, actions, page.ink));
 });

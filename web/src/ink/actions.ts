@@ -7,7 +7,7 @@ import type { PageSlice } from "../store/page";
 import { messageOf } from "../store/problems";
 import type { Store } from "../store/store";
 import { asOwn, nearestJoint, readInk } from "./lines";
-import { type FoundLine, foundOn, type InkSlice, isMark, type Search } from "./state";
+import { type FoundLine, foundOn, type InkSlice, isMark, mayShowInk, type Search } from "./state";
 import * as text from "./text";
 
 type State = PageSlice & ScanSlice & DrawingSlice & InkSlice;
@@ -41,7 +41,7 @@ export function inkActions(store: Store<State>, client: Pick<Client, "ink">, dra
     /** Once for each scan that has colours. */
     async look(): Promise<void> {
       const { scan, ink } = store.get();
-      if (!scan || scan.info.colours === "none" || ink[scan.info.id]) return;
+      if (!scan || !mayShowInk(scan.info) || ink[scan.info.id]) return;
       const { info } = scan;
       put(info.id, { state: "looking" });
       try {
@@ -84,9 +84,11 @@ export function inkActions(store: Store<State>, client: Pick<Client, "ink">, dra
       keep(lines().filter((each) => each !== joint.other).map((each) => (each === line ? both : each)), text.ink.announceJoined(name, joint.other.name));
     },
 
-    point: (name: string | null): void => {
-      if (store.get().inkPointed !== name) store.set({ inkPointed: name });
-    },
+    /** Also while the list is written anew, which takes the row from under the pointer. */
+    point: (name: string | null): void =>
+      queueMicrotask(() => {
+        if (store.get().inkPointed !== name) store.set({ inkPointed: name });
+      }),
   };
 }
 

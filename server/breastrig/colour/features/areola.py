@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt, gaussian_filter, map_coordinates, median_filter
-from scipy.signal import fftconvolve
 
 from breastrig.colour.features.limits import AreolaLimits
 from breastrig.colour.features.patch import ColouredSkin, Patch
@@ -282,6 +281,17 @@ def _kernels(radius: float, pixel: float) -> tuple[Array, list[Array]]:
 
 def _mean(value: Array, known: Booleans, kernel: Array) -> tuple[Array, Array]:
     """((N, N) mean of the known values under the kernel, (N, N) share of it that is known)."""
-    weight = np.maximum(fftconvolve(known.astype(np.float64), kernel[::-1, ::-1], mode="same"), 0.0)
-    total = fftconvolve(np.where(known, value, 0.0), kernel[::-1, ::-1], mode="same")
+    weight = np.maximum(_correlated(known.astype(np.float64), kernel), 0.0)
+    total = _correlated(np.where(known, value, 0.0), kernel)
     return total / np.maximum(weight, 0.5), weight / kernel.sum()
+
+
+def _correlated(picture: Array, kernel: Array) -> Array:
+    """(N, M) sums of the (N, M) picture under the smaller (K, L) kernel; nothing lies beside the picture.
+
+    By transforms, as scipy.signal does it, whose import takes longer than everything else here.
+    """
+    shape = tuple(np.add(picture.shape, kernel.shape) - 1)
+    product = np.fft.rfft2(picture, shape) * np.fft.rfft2(kernel[::-1, ::-1], shape)
+    first = [(k - 1) // 2 for k in kernel.shape]
+    return np.fft.irfft2(product, shape)[tuple(slice(f, f + n) for f, n in zip(first, picture.shape, strict=True))]

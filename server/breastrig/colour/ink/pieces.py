@@ -81,6 +81,8 @@ def pieces(texture: SkinTexture, found: Sequence[RidgePoints], factor: float = 1
         length = float(np.linalg.norm(np.diff(places[chain], axis=0), axis=1).sum())
         if length >= limits.PIECE and heights[chain].mean() >= limits.PIECE_HEIGHT:
             chains.append((chain, closed, length))
+    if not chains:
+        return []
     across = _profiles(texture, found, chains)
     usual = _usual_chroma(texture)
     left, middle, right, width = _measured(across, [chain for chain, _, _ in chains])
