@@ -1,5 +1,7 @@
 """Lines of a pen are found on the skin, and nothing else is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.inked_scan import inked_zip, place, strokes, vertex_coloured
@@ -71,6 +73,41 @@ def test_moles_scars_hair_and_grain_are_no_ink() -> None:
 def test_a_scan_of_one_colour_has_no_ink() -> None:
     vertices, faces, colours = vertex_coloured(120)
     assert find_ink(Scan(vertices, faces, "m", 1.0, "", "", colours=np.full_like(colours, 140))) == ()
+
+
+@pytest.mark.parametrize(
+    ("what", "sentence"),
+    [
+        ("one uv", "does not lie on its triangles"),
+        ("one line", "does not lie on its triangles"),
+        ("one point", "does not lie on its triangles"),
+        ("huge", "too coarse"),
+        ("cut off", "cannot be decoded"),
+        ("far uv", "does not lie on its triangles"),
+    ],
+)
+def test_hostile_scans_end_in_one_sentence(what: str, sentence: str, inked: Scan) -> None:
+    assert inked.uv is not None
+    assert inked.picture is not None
+    half = inked.picture[:5000]
+    change = {
+        "one uv": {"uv": np.zeros_like(inked.uv)},
+        "far uv": {"uv": np.full_like(inked.uv, 1.7e308)},
+        "one line": {"vertices": inked.vertices * [1.0, 0.0, 0.0]},
+        "one point": {"vertices": inked.vertices * 0.0},
+        "huge": {"vertices": inked.vertices * 500.0},
+        "cut off": {"picture": half, "texture": half},
+    }[what]
+    with pytest.raises(BadScan, match=sentence):
+        find_ink(replace(inked, **change))
+
+
+def test_a_texture_at_random_shows_no_lines_and_a_scan_turned_inside_out_the_same(
+    inked: Scan, ink: tuple[InkLine, ...]
+) -> None:
+    assert inked.uv is not None
+    assert find_ink(replace(inked, uv=3.0 * np.random.default_rng(0).normal(size=inked.uv.shape))) == ()
+    assert [each.kind for each in find_ink(replace(inked, faces=inked.faces[:, ::-1]))] == [each.kind for each in ink]
 
 
 def test_a_turned_and_moved_scan_gives_the_same_lines(inked: Scan, ink: tuple[InkLine, ...]) -> None:

@@ -33,6 +33,7 @@ LAYERS = 2  # further pictures of one direction; skin behind skin behind skin
 PART_AREA = 1e-4  # m², a square centimetre of hidden skin
 HIDDEN = 0.5  # share of a triangle's pixels that others cover, from which it comes into the next layer
 EPSILON = 1e-6  # pixels
+FARTHEST = 1e6  # pictures to the side; texture coordinates beyond are none
 UNKNOWN = 1e-9  # share of what is known around a triangle, under which nothing is
 
 
@@ -125,8 +126,9 @@ def skin_texture(scan: Scan, texel: float = TEXEL) -> SkinTexture:
     source = _TextureSource(scan) if scan.colour_kind == "texture" else _VertexSource(scan)
     node = welded(scan.vertices)
     axes = _principal_axes(scan)
-    seen = scan.vertices[scan.faces.ravel()] @ axes.T
-    span = seen.max(axis=0) - seen.min(axis=0)
+    used = np.zeros(len(scan.vertices), dtype=np.bool_)
+    used[scan.faces.ravel()] = True
+    span = np.ptp(scan.vertices[used] @ axes.T, axis=0)
     area = 2.0 * (span[0] * span[1] + span[1] * span[2] + span[2] * span[0])
     texel = max(texel, float(np.sqrt(area / PIXELS)))
     turns = _smooth_normals(scan, node)
@@ -161,8 +163,8 @@ def welded(vertices: Array, within: float = 1e-6) -> Integers:
 
 def _principal_axes(scan: Scan) -> Array:
     """(3, 3) rows: principal axes, longest first."""
-    corners = scan.vertices[scan.faces]
-    middles = corners.mean(axis=1)
+    a, b, c = (scan.vertices.take(corner, axis=0) for corner in scan.faces.T)
+    middles = (a + b + c) / 3.0
     off = middles - middles.mean(axis=0)
     return np.asarray(np.linalg.eigh(off.T @ off)[1].T[::-1])
 
@@ -173,7 +175,8 @@ def _smooth_normals(scan: Scan, node: Integers) -> Array:
     incidence = VertexNormals(corners, int(node.max()) + 1)
     normals = face_crosses(scan.vertices, scan.faces)
     for _ in range(SMOOTHINGS):
-        normals = incidence.summed(normals)[corners].sum(axis=1)
+        around = incidence.summed(normals)
+        normals = around[corners[:, 0]] + around[corners[:, 1]] + around[corners[:, 2]]
     return unit_vectors(normals)
 
 
@@ -200,11 +203,15 @@ def _seen_along(
     """(The picture of the triangles that are wanted, if it shows any, and those that it does not hide)."""
     if not len(wanted):
         return [], wanted
-    corners = scan.vertices[scan.faces[wanted]] @ axes.T / texel  # (N, 3, 3) pixels
-    far_first = np.argsort(-corners[:, :, 2].mean(axis=1), kind="stable")  # the nearest is painted last
-    wanted, corners = wanted[far_first], corners[far_first]
-    low = np.floor(corners[:, :, :2].min(axis=(0, 1))) - 1.0
-    width, height = (int(size) for size in np.ceil(corners[:, :, :2].max(axis=(0, 1))) + 2.0 - low)
+    seen = scan.vertices @ (axes.T / texel)  # (V, 3) pixels
+    depths = np.ascontiguousarray(seen[:, 2])
+    a, b, c = scan.faces[wanted].T
+    far_first = np.argsort(-(depths[a] + depths[b] + depths[c]), kind="stable")  # the nearest is painted last
+    wanted = wanted[far_first]
+    corners = seen[scan.faces[wanted]]  # (N, 3, 3)
+    places = corners.reshape(-1, 3)
+    low = np.array([np.floor(places[:, axis].min()) - 1.0 for axis in range(2)])
+    width, height = (int(np.ceil(places[:, axis].max()) + 2.0 - low[axis]) for axis in range(2))
     flat = corners[:, :, :2] - low
     which, cells = _covered(flat, width)
     painted = np.full(height * width, -1, dtype=np.int32)
@@ -214,14 +221,14 @@ def _seen_along(
         return [], wanted
     index = painted[at]
     row, column = np.divmod(at.astype(np.int32), np.int32(width))
-    pixels = np.zeros(len(painted), dtype=np.uint32)
-    pixels[at] = source.words(wanted, flat, index, column.astype(np.float32), row.astype(np.float32))
+    pixels = np.zeros((len(painted), 3), dtype=np.uint8)
+    pixels[at] = source.colours(wanted, flat, index, column.astype(np.float32), row.astype(np.float32))
     faces = painted.copy()
     faces[at] = wanted.astype(np.int32)[index]
     covers = np.bincount(which, minlength=len(wanted))
     shown = wanted[np.bincount(index, minlength=len(wanted)) >= HIDDEN * covers]
     picture = SkinPicture(
-        _unpacked(pixels).reshape(height, width, 3),
+        pixels.reshape(height, width, 3),
         faces.reshape(height, width),
         texel,
         axes,
@@ -288,22 +295,22 @@ class _TextureSource:
         assert scan.texture is not None
         image = pixels_of(scan.picture or scan.texture)
         height, width = image.shape[:2]
-        self._words = _packed(image)
+        self._pixels = image.reshape(-1, 3)
         self._size = (width, height)
-        uv = scan.uv[scan.faces]
-        uv = uv - np.floor(uv.mean(axis=1, keepdims=True))  # textures repeat beyond 0 and 1
+        uv = np.clip(scan.uv, -FARTHEST, FARTHEST)[scan.faces]
+        uv = uv - np.floor((uv[:, :1] + uv[:, 1:2] + uv[:, 2:]) / 3.0)  # textures repeat beyond 0 and 1
         self._at = np.stack([uv[:, :, 0] * width - 0.5, (1.0 - uv[:, :, 1]) * height - 0.5], axis=2)
         self.texel = _size_of_texels(scan, self._at)
 
-    def words(
+    def colours(
         self,
         faces: Integers,
         corners: Array,
         index: NDArray[np.int32],
         columns: NDArray[np.float32],
         rows: NDArray[np.float32],
-    ) -> NDArray[np.uint32]:
-        """(M,) packed sRGB at (M,) columns and rows of triangles `faces[index]`, their (N, 3, 2) corners there."""
+    ) -> NDArray[np.uint8]:
+        """(M, 3) sRGB at (M,) columns and rows of triangles `faces[index]`, their (N, 3, 2) corners there."""
         by = _affine(corners, self._at[faces])
         by[:, 2] += 0.5  # so that cutting off rounds
         by = np.ascontiguousarray(by.transpose(2, 1, 0), dtype=np.float32)
@@ -315,13 +322,14 @@ class _TextureSource:
             at += by[axis, 2].take(index)
             np.clip(at, 0.0, self._size[axis] - 1, out=at)
             cells += at.astype(np.int32) * np.int32(stride)
-        return self._words.take(cells)
+        return self._pixels.take(cells, axis=0)
 
     def middles(self) -> NDArray[np.uint8]:
         """(F, 3) sRGB in the middle of each triangle."""
-        at = np.rint(self._at.mean(axis=1))
+        at = np.rint((self._at[:, 0] + self._at[:, 1] + self._at[:, 2]) / 3.0)
         column, row = (np.clip(at[:, axis], 0, self._size[axis] - 1).astype(np.int64) for axis in range(2))
-        return _unpacked(self._words[row * self._size[0] + column])
+        found: NDArray[np.uint8] = self._pixels.take(row * self._size[0] + column, axis=0)
+        return found
 
 
 class _VertexSource:
@@ -333,18 +341,19 @@ class _VertexSource:
         ends = scan.vertices[scan.faces]
         self.texel = float(np.median(np.linalg.norm(ends - np.roll(ends, 1, axis=1), axis=2)))
 
-    def words(
+    def colours(
         self,
         faces: Integers,
         corners: Array,
         index: NDArray[np.int32],
         columns: NDArray[np.float32],
         rows: NDArray[np.float32],
-    ) -> NDArray[np.uint32]:
+    ) -> NDArray[np.uint8]:
         """As _TextureSource's."""
         by = _affine(corners, self._values[faces]).astype(np.float32)
         at = by[index, 0] * columns[:, None] + by[index, 1] * rows[:, None] + by[index, 2]
-        return _packed(np.clip(np.rint(at), 0, 255).astype(np.uint8))
+        found: NDArray[np.uint8] = np.clip(np.rint(at), 0, 255).astype(np.uint8)
+        return found
 
     def middles(self) -> NDArray[np.uint8]:
         """(F, 3) sRGB in the middle of each triangle."""
@@ -360,15 +369,3 @@ def _size_of_texels(scan: Scan, at: Array) -> float:
     texels = np.abs(ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0])
     sound = (texels > EPSILON) & (area > 0.0)
     return float(np.sqrt(np.median(area[sound] / texels[sound]))) if sound.any() else np.inf
-
-
-def _packed(image: NDArray[np.uint8]) -> NDArray[np.uint32]:
-    """(..., 3) pixels, flat, as one number each: looked up in a third of the time."""
-    whole = np.zeros((*image.shape[:-1], 4), dtype=np.uint8)
-    whole[..., :3] = image
-    return whole.view(np.uint32).ravel()
-
-
-def _unpacked(words: NDArray[np.uint32]) -> NDArray[np.uint8]:
-    four: NDArray[np.uint8] = np.ascontiguousarray(words).view(np.uint8).reshape(-1, 4)
-    return four[:, :3]

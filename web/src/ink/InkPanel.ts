@@ -20,7 +20,7 @@ type Shown = Pick<ScanSlice & DrawingSlice & FitSlice & StancesSlice & InkSlice,
 
 export function createInkPanel(ink: InkActions, stances: Pick<StancesActions, "dialog" | "fitBoth">): Panel<Shown> {
   const says = el("p", { class: "muted small" });
-  const all = button("", () => ink.acceptAll(), "primary wide");
+  const all = button("", () => ink.acceptAll(), "quiet outlined wide", "check");
   all.id = "accept-ink";
   const allWords = all.querySelector("span")!;
   const list = el("ul", { class: "layers ink-lines" });
@@ -30,7 +30,7 @@ export function createInkPanel(ink: InkActions, stances: Pick<StancesActions, "d
   const rest = button(words.dropAll, () => ink.dropAll(), "quiet outlined wide");
   const add = button(words.add, () => stances.dialog(true), "quiet outlined wide");
   add.id = "ink-other-stance";
-  const both = button("", () => void stances.fitBoth(), "primary wide");
+  const both = button("", () => void stances.fitBoth(), "quiet outlined wide");
   both.id = "fit-both";
   const bothWords = both.querySelector("span")!;
   const note = el("p", { class: "muted small" });
@@ -44,6 +44,7 @@ export function createInkPanel(ink: InkActions, stances: Pick<StancesActions, "d
       type: "text",
       class: "line-name",
       value: name,
+      title: name,
       maxlength: 100,
       "aria-label": words.name(name),
       onchange: () => {
@@ -55,8 +56,7 @@ export function createInkPanel(ink: InkActions, stances: Pick<StancesActions, "d
       "li",
       { "data-line": name, onpointerenter: () => ink.point(name), onpointerleave: () => ink.point(null), onfocusin: () => ink.point(name), onfocusout: () => ink.point(null) },
       chip,
-      field,
-      el("span", { class: "muted small length" }, words.length(line.lengthMm)),
+      el("div", { class: "line-words" }, field, el("span", { class: "muted small length" }, words.length(line.lengthMm))),
       joint ? iconButton("link", words.join(name, joint.other.name), () => ink.join(name)) : null,
       iconButton("check", words.accept(name), () => ink.accept(name)),
       iconButton("close", words.drop(name), () => ink.drop(name)),

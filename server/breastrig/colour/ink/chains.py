@@ -58,8 +58,12 @@ def neighbours_joined(places: Array, tangents: Array, reach: float, turn: float)
     # the end 2 i + 1 is the one where the tangent of i leads out, 2 i the other
     joints = Joints(2 * one + (at_one[good] > 0), 2 * other + (at_other[good] < 0), length * (3.0 - 2.0 * straight))
     made = chosen(joints, 2 * len(places))
-    chains = walked(joints.first[made], joints.second[made], len(places))
-    return [(np.array([number for number, _ in chain]), closed) for chain, closed in chains if len(chain) > 1]
+    first, second = joints.first[made], joints.second[made]
+    used = np.unique(np.concatenate([first, second]) // 2)  # most are grain and have no neighbour
+    number = np.zeros(len(places), dtype=np.int64)
+    number[used] = np.arange(len(used))
+    chains = walked(2 * number[first // 2] + first % 2, 2 * number[second // 2] + second % 2, len(used))
+    return [(used[[each for each, _ in chain]], closed) for chain, closed in chains]
 
 
 def walked(first: Integers, second: Integers, count: int) -> list[tuple[list[tuple[int, bool]], bool]]:

@@ -41,7 +41,9 @@ def find_ink(scan: Scan, factor: float = 1.0) -> tuple[InkLine, ...]:
     """
     if scan.colour_kind == "none":
         raise BadScan("This scan has no colour, so no ink can be seen on it; scan again with colour.")
-    texture = skin_texture(scan)
+    texture = skin_texture(scan, limits.TEXEL)
+    if not np.isfinite(texture.source_texel):
+        raise BadScan("The texture of this scan does not lie on its triangles; export it again.")
     if texture.source_texel > limits.FINE_ENOUGH:
         raise BadScan(
             f"The colours of this scan are {1e3 * texture.source_texel:.1f} mm apart, too coarse for lines of a pen "

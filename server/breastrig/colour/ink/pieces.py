@@ -76,11 +76,19 @@ def pieces(texture: SkinTexture, found: Sequence[RidgePoints], factor: float = 1
     tangents = np.concatenate([points.tangents for points in found])
     heights = np.concatenate([points.heights for points in found])
     faces = np.concatenate([points.faces for points in found])
-    chains = []
-    for chain, closed in neighbours_joined(places, tangents, limits.REACH, limits.TURN):
-        length = float(np.linalg.norm(np.diff(places[chain], axis=0), axis=1).sum())
-        if length >= limits.PIECE and heights[chain].mean() >= limits.PIECE_HEIGHT:
-            chains.append((chain, closed, length))
+    joined = neighbours_joined(places, tangents, limits.REACH, limits.TURN)
+    if not joined:
+        return []
+    order = np.concatenate([chain for chain, _ in joined])
+    counts = np.array([len(chain) for chain, _ in joined])
+    starts = np.cumsum(counts) - counts
+    step = np.zeros(len(order))
+    step[1:] = np.sqrt(((places[order[1:]] - places[order[:-1]]) ** 2).sum(axis=1))
+    step[starts] = 0.0
+    lengths = np.add.reduceat(step, starts)
+    high = np.add.reduceat(heights[order], starts) / counts
+    kept = np.flatnonzero((lengths >= limits.PIECE) & (high >= limits.PIECE_HEIGHT))
+    chains = [(*joined[number], float(lengths[number])) for number in kept]
     if not chains:
         return []
     across = _profiles(texture, found, chains)

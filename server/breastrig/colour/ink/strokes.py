@@ -12,7 +12,7 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.scipy_parts import cKDTree
 from breastrig.geometry.curves import resampled
 
-OFF_SKIN = 2.0e-3  # m from the middle of a gap to the nearest vertex or place of the scan, beside its own spacing
+OFF_SKIN = 4.0e-3  # m from the middle of a gap to the nearest vertex; triangles have edges of some 5 mm
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,17 +32,29 @@ class Stroke:
     length: float  # m of ink, without gaps
 
 
+class _Skin:
+    """Where the scan has skin."""
+
+    def __init__(self, places: Array) -> None:
+        self._tree = cKDTree(places)
+
+    def is_off(self, places: Array) -> Booleans:
+        """(M,) whether the scan has nothing there."""
+        return np.asarray(self._tree.query(places, distance_upper_bound=OFF_SKIN)[0] > OFF_SKIN)
+
+
 def strokes(pieces: list[Piece], on_skin: Array, factor: float = 1.0) -> list[Stroke]:
     """All strokes; `on_skin` (M, 3) m are places of the scan, as dense as its triangles; `factor` is of densities."""
     whole = [([(number, False)], True) for number, piece in enumerate(pieces) if piece.closed]
     ends = _Ends(pieces)
-    joints = _joints(ends, pieces, on_skin)
+    skin = _Skin(on_skin)
+    joints = _joints(ends, pieces, skin)
     made = chosen(joints, 2 * len(pieces))
     chains = walked(joints.first[made], joints.second[made], len(pieces))
     for chain, closed in chains:
         if not pieces[chain[0][0]].closed:
             whole.append((chain, closed))
-    found = [_stroke(pieces, chain, closed, on_skin, factor) for chain, closed in whole]
+    found = [_stroke(pieces, chain, closed, skin, factor) for chain, closed in whole]
     return [stroke for stroke in found if stroke is not None]
 
 
@@ -56,7 +68,7 @@ class _Ends:
         self.open = np.repeat(np.array([not piece.closed for piece in pieces], dtype=np.bool_), 2)
 
 
-def _joints(ends: _Ends, pieces: list[Piece], on_skin: Array) -> Joints:
+def _joints(ends: _Ends, pieces: list[Piece], skin: _Skin) -> Joints:
     pairs = cKDTree(ends.tips).query_pairs(limits.HOLE, output_type="ndarray") if len(pieces) else np.zeros((0, 2))
     one, other = pairs.T.astype(np.int64)
     sound = ends.open[one] & ends.open[other]
@@ -81,7 +93,7 @@ def _joints(ends: _Ends, pieces: list[Piece], on_skin: Array) -> Joints:
     wide = np.flatnonzero(good & (gap > limits.GAP))
     if len(wide):
         middle = 0.5 * (ends.tips[one[wide]] + ends.tips[other[wide]])
-        good[wide] = _off(middle, on_skin)
+        good[wide] = skin.is_off(middle)
     one, other, gap, straight, differ = (each[good] for each in (one, other, gap, straight, differ))
     cost = gap * (3.0 - 2.0 * straight) + limits.DIFFERENT_INK * differ
     return Joints(one, other, cost)
@@ -92,14 +104,8 @@ def _kind(added: Array) -> Array:
     return np.asarray(added / np.maximum(np.abs(added).max(axis=1, keepdims=True), 1e-6))
 
 
-def _off(places: Array, on_skin: Array) -> Booleans:
-    """(M,) whether the scan has nothing there."""
-    distance, _ = cKDTree(on_skin).query(places)
-    return np.asarray(distance > 2.0 * OFF_SKIN)
-
-
 def _stroke(
-    pieces: list[Piece], chain: list[tuple[int, bool]], closed: bool, on_skin: Array, factor: float
+    pieces: list[Piece], chain: list[tuple[int, bool]], closed: bool, scanned: _Skin, factor: float
 ) -> Stroke | None:
     """The stroke of pieces, in order, those marked turned round; None when as a whole it is not ink."""
     parts = [pieces[number] for number, _ in chain]
@@ -128,7 +134,7 @@ def _stroke(
             smooth[:, axis] = _ends_kept(line[:, axis], sigma)
     bridged = ~drawn
     if bridged.any():
-        bridged[bridged] = _off(smooth[bridged], on_skin)
+        bridged[bridged] = scanned.is_off(smooth[bridged])
     skin = np.average([part.skin for part in parts], axis=0, weights=weight)
     return Stroke(
         smooth,
