@@ -206,6 +206,9 @@ def test_every_route_with_every_credential(
             assert status in expected(credential, call), (credential, call, status)
 
 
+REFUSED = ("report.pdf", "measures.json", "/ink")  # the fit here is a fake, and the scan has no colours
+
+
 def expected(credential: str, call: Call) -> set[int]:
     """The statuses that a call may have with a credential."""
     method, rule = call
@@ -229,8 +232,7 @@ def expected(credential: str, call: Call) -> set[int]:
             if rule.endswith("/unlock") or body(call, Patient("", "", "", {"url": ""}, ""))
             else {201, 409, 415, 422}
         )
-    # 422: the fit here is a fake, and the scan has no colours
-    return {422} if rule.endswith(("report.pdf", "measures.json", "/ink")) else {200}
+    return {422} if rule.endswith(REFUSED) else {200}
 
 
 def table(calls: list[Call], walks: dict[str, Walk]) -> list[str]:

@@ -61,7 +61,7 @@ def test_a_textured_scan_has_the_diameter_of_the_areola_that_is_seen(half_covere
     fit = breastrig.fit(place, units="m", drawing=None, refine=False)
     assert set(fit.result["areolae"]) == {"L", "R"}
     assert fit.result["areolae"]["R"] is None
-    assert "Found by colour: nipple_L (areola seen)." in fit.notes
+    assert "Found by colour: nipple_L, umbilicus (areola seen, navel seen)." in fit.notes
     assert np.linalg.norm(fit.landmarks["nipple_L"] - woman.body.landmarks["nipple_L"]) < 0.006
     (row,) = (each for each in breastrig.measure(fit) if each.name == "areola_diameter")
     assert row.right is None

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
-from helpers.damage import BOUNDED, Edits, damage, damaged
+from helpers.damage import BOUNDED, Edits, bounded, damage, damaged
+from helpers.draco_scan import draco_glb
 from helpers.point_files import front, pcd, point_ply, xyz
 from helpers.refusals import refused_or_sound, sound_landmarks_or_refused
 from helpers.scan_files import as_bytes, picture, textured_obj, tube, zipped
 from helpers.toy_rig import toy_rig
+from helpers.usd_scan import usd_crate, usda, usdz
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -22,7 +24,14 @@ SCANS["zip"] = zipped({**textured_obj(), "skin.jpg": picture()})
 POINTS = front(0.0065)[0]
 POINTS = POINTS[POINTS[:, 1] < -0.05]
 SCANS |= {f"pcd_{form}": pcd(POINTS, form) for form in ("ascii", "binary", "binary_compressed")}
+SCANS |= {
+    "glb_draco": draco_glb(toy_rig().template, toy_rig().faces, uv=toy_rig().uv, texture=picture()),
+    "usda": usda(),
+    "usdc": usd_crate(usda()),
+    "usdz": usdz({"scan.usdc": usd_crate(usda("0/skin.jpg")), "0/skin.jpg": picture()}),
+}
 SCANS |= {"points_ply": point_ply(POINTS), "xyz": xyz(POINTS)}
+FEW = bounded(6)  # each of these takes a process of its own
 LANDMARKS = {
     kind: landmark_file({"nipple_L": np.array([1.0, 2.5, -3.0]), "xiphoid": np.array([0.0, 1e-3, 9.0])}, kind, "mm")
     for kind in ("json", "csv", "pp", "mrk.json")
@@ -33,7 +42,7 @@ LANDMARKS = {
 def test_a_damaged_scan_is_refused_or_sound(kind: str) -> None:
     data = SCANS[kind]
 
-    @BOUNDED
+    @(FEW if kind.startswith("usd") else BOUNDED)
     @given(damage(len(data)))
     def run(edits: Edits) -> None:
         refused_or_sound(damaged(data, edits), kind.split("_")[0])

@@ -11,7 +11,15 @@ from breastrig.storage.rows.proposals import get_proposals
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 
-FOUND = {"nipple_L": {"point": [70.0, 350.0, 120.0], "confidence": 0.5, "on_scan": True, "error_mm": 16.0}}
+FOUND = {
+    "nipple_L": {
+        "point": [70.0, 350.0, 120.0],
+        "confidence": 0.5,
+        "on_scan": True,
+        "error_mm": 16.0,
+        "reason": "areola seen",
+    }
+}
 
 
 def times_made(storage: Storage, scan_id: str) -> int:

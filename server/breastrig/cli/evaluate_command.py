@@ -37,10 +37,12 @@ from breastrig.gltf.read_rig import default_rig_path
 
 def _cohort(options: argparse.Namespace) -> Path:
     """The folder of the patients; the virtual ones are made when they are not there yet."""
+    if options.painted:
+        return _painted(options)
     if options.warped is not None:
         return _warped(options)
     if options.half is not None:
-        raise BadInput("--half is a half of the warped bodies; give --warped N with it.")
+        raise BadInput("--half is a half of the warped or the painted patients; give --warped N or --painted.")
     if options.virtual and options.cohort is not None:
         raise BadInput("Give a COHORT folder or --virtual, not both.")
     if not options.virtual:
@@ -64,6 +66,31 @@ def _cohort(options: argparse.Namespace) -> Path:
 
             make_cohort(folder, progress)
     return folder
+
+
+def _painted(options: argparse.Namespace) -> Path:
+    """The folder of the painted patients of the half that is asked for, with those that were not there yet."""
+    from breastrig.evaluation.virtual.painted import make_painted
+
+    if options.virtual or options.warped is not None or options.cohort is not None:
+        raise BadInput("Give --painted alone: it makes its own patients.")
+    folder = Path(options.output) / "painted"
+    private_folder(folder)
+    with tqdm(unit="scan", disable=not sys.stderr.isatty(), leave=False, desc="painted patients") as bar:
+
+        def progress(what: str) -> None:
+            bar.set_postfix_str(what)
+            bar.update()
+            raise_if_asked()
+
+        make_painted(folder, progress, sorted(_painted_names(options)))
+    return folder
+
+
+def _painted_names(options: argparse.Namespace) -> set[str]:
+    from breastrig.evaluation.virtual.painted import painted_patients
+
+    return set(painted_patients(options.half or "both"))
 
 
 def _warped(options: argparse.Namespace) -> Path:
@@ -92,12 +119,15 @@ def _warped(options: argparse.Namespace) -> Path:
 def _cases(options: argparse.Namespace) -> tuple[Case, ...]:
     """Of the cohort; of the warped bodies only those asked for, for more may be there."""
     cases = read_cohort(_cohort(options))
+    if options.painted:
+        names = _painted_names(options)
+        return tuple(case for case in cases if case.patient in names)
     if options.warped is None:
         return cases
     from breastrig.evaluation.virtual.warped.make import names_of
 
-    names = names_of(options.warped, options.half or "both")
-    return tuple(case for case in cases if case.patient in names)
+    warped = names_of(options.warped, options.half or "both")
+    return tuple(case for case in cases if case.patient in warped)
 
 
 def _plan(options: argparse.Namespace) -> Plan:

@@ -25,7 +25,14 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         help="make N warped bodies into DIR/warped and take them; a COHORT's patients are warped, too",
     )
     parser.add_argument(
-        "--half", choices=("choose", "report", "both"), help="of the warped bodies; the halves share no source (both)"
+        "--painted",
+        action="store_true",
+        help="paint the virtual cohort into DIR/painted: colour is measured",
+    )
+    parser.add_argument(
+        "--half",
+        choices=("choose", "report", "both"),
+        help="of the warped bodies or the painted patients; the halves share no source (both)",
     )
     parser.add_argument(
         "--preset",

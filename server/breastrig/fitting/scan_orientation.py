@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from breastrig.core.arrays import Array
 from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
@@ -55,6 +56,7 @@ class ScanOrientation:
                 "stance_reason": frame.stance_reason,
                 "fronts": frame.fronts.tolist(),
                 "table": None if table is None else {"normal": table[0].tolist(), "height_m": table[1]},
+                **({"background": [_plane_facts(plane) for plane in frame.background]} if frame.background else {}),
             },
             "start": {
                 "scale": self.start.scale,
@@ -65,6 +67,10 @@ class ScanOrientation:
             "stance": self.stance,
             "stance_reason": self.stance_reason,
         }
+
+
+def _plane_facts(plane: tuple[Array, float]) -> dict[str, Any]:
+    return {"normal": plane[0].tolist(), "height_m": plane[1]}
 
 
 def orientation_from(facts: dict[str, Any] | None, rig: Rig) -> ScanOrientation | None:
@@ -84,6 +90,7 @@ def orientation_from(facts: dict[str, Any] | None, rig: Rig) -> ScanOrientation 
             stance_reason=seen["stance_reason"],
             fronts=np.array(seen["fronts"]),
             table=None if table is None else (np.array(table["normal"]), table["height_m"]),
+            background=tuple((np.array(each["normal"]), each["height_m"]) for each in seen.get("background", ())),
         ),
         start=Similarity(start["scale"], np.array(start["rotation"]), np.array(start["translation_m"])),
         margin=facts["margin"],

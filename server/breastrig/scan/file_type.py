@@ -4,7 +4,9 @@ import re
 
 from breastrig.core.errors import BadScan
 
-FILE_TYPES = ("ply", "obj", "stl", "glb", "zip", "pcd", "xyz")
+FILE_TYPES = ("ply", "obj", "stl", "glb", "zip", "pcd", "xyz", "usd")
+USD_LAYERS = (".usd", ".usda", ".usdc")
+USD_STARTS = (b"PXR-USDC", b"#usda")
 BINARY_STL_HEADER = 84  # bytes: a title and the number of triangles
 BINARY_STL_TRIANGLE = 50  # bytes
 LOOKED_AT = 4096  # bytes in which a text file shows what it is
@@ -28,6 +30,8 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
         return "glb"
     if re.match(rb"ply\s*[\r\n]", start):
         return "ply"
+    if start.startswith(USD_STARTS) or _is_usdz(start):
+        return "usd"
     if start.startswith((b"PK\x03\x04", b"PK\x05\x06")):
         return "zip"
     if is_binary_stl(data) or (re.match(rb"\s*solid\b", start, re.IGNORECASE) and b"facet" in start):
@@ -51,6 +55,12 @@ def is_binary_stl(data: bytes) -> bool:
     """Whether the length is just what the number of triangles asks for."""
     count = int.from_bytes(data[BINARY_STL_HEADER - 4 : BINARY_STL_HEADER], "little")
     return len(data) == BINARY_STL_HEADER + BINARY_STL_TRIANGLE * count and len(data) >= BINARY_STL_HEADER
+
+
+def _is_usdz(start: bytes) -> bool:
+    """Whether a zip's first file is a layer of USD, as the format of its packages wants it."""
+    length = int.from_bytes(start[26:28], "little")
+    return start.startswith(b"PK\x03\x04") and start[30 : 30 + length].decode("latin-1").lower().endswith(USD_LAYERS)
 
 
 def is_point_text(start: bytes) -> bool:

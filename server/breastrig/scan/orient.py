@@ -32,6 +32,7 @@ class Frame:
     stance_reason: str
     fronts: Array  # (N, 3) unit, where the front may be: one direction, or six when the scan shows all sides
     table: tuple[Array, float] | None = None  # (3,) unit normal of a table behind the body, and its height along it (m)
+    background: tuple[tuple[Array, float], ...] = ()  # planes of floors and walls that were cut away, as `table`
 
     @property
     def rotation(self) -> Array:

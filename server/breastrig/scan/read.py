@@ -47,8 +47,8 @@ def read_scan(
 
     `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
     `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures,
-    `for_display=False` that of writing a smaller one to be shown: whoever decodes it then finds out whether it is
-    sound.  Raises BadScan, TooLarge (over a limit) or BadSettings (no such unit), each with one sentence.
+    `for_display=False` that of writing a smaller one to be shown: whoever decodes it then sees whether it is sound.
+    Raises BadScan, TooLarge (over a limit) or BadSettings (no such unit), each with one sentence.
     """
     if file_type == STORED and isinstance(source, Path):
         scan = read_stored(source, texture, for_display)

@@ -24,7 +24,7 @@ class Scan:
     notes: tuple[str, ...] = ()  # what reading found, one sentence each
     colours: NDArray[np.uint8] | None = None  # (V, 3) sRGB
     uv: Array | None = None  # (V, 2) origin at the lower left of the texture; only together with a texture
-    texture: bytes | None = None  # a JPEG without metadata, small enough to be shown, or `picture` where nobody looks
+    texture: bytes | None = None  # a JPEG without metadata, small enough to be shown; else `picture` itself
     from_points: bool = False  # the file held points alone, and its triangles were laid through them
     picture: bytes | None = None  # behind it: the file's own JPEG or PNG, its pixels and nothing else
 

@@ -11,10 +11,12 @@ from PIL import Image
 from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array
+from breastrig.evaluation.virtual.painted import painted_patients
 from breastrig.evaluation.virtual.painted.atlas import make_atlas
 from breastrig.evaluation.virtual.painted.files import strokes_elsewhere, write_painted_case, write_shapes
 from breastrig.evaluation.virtual.painted.marks import COVERED, RECONSTRUCTED, draw_marks
 from breastrig.evaluation.virtual.scan import SimulatedScan
+from breastrig.evaluation.virtual.warped.sources import read_sources
 from breastrig.scan.read import read_scan
 
 
@@ -128,3 +130,12 @@ def test_covered_and_reconstructed_nipples_have_no_areola_in_the_truth(tmp_path:
     there = json.loads((tmp_path / "there.json").read_text())["shapes"]
     away, _ = cKDTree(1e3 * read.vertices).query(np.array(there[0]["points"]))
     assert away.max() < 12.0  # mm: on the scan, whose triangles are up to 10 mm large
+
+
+def test_the_halves_share_no_woman_and_are_those_of_the_warped_bodies() -> None:
+    choose, report = painted_patients("choose"), painted_patients("report")
+    assert not set(choose) & set(report)
+    assert set(choose) | set(report) == set(painted_patients())
+    halves = {source.name: source.half for source in read_sources()}
+    assert all(halves[f"cohort_{name}"] == "choose" for name in choose)
+    assert all(halves[f"cohort_{name}"] == "report" for name in report)

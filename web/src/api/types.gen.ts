@@ -124,6 +124,8 @@ export type ExampleScan = {
   colours: "none" | "vertex" | "texture";
   /** the file held points without triangles; the surface was made from them */
   reconstructed_from_points?: boolean;
+  /** area of floors and walls, which fits and measures do not see */
+  cut_away_cm2?: number;
   /** what reading found, one sentence each */
   notes: string[];
   frame: Frame;
@@ -898,6 +900,8 @@ export type Scan = {
   colours: "none" | "vertex" | "texture";
   /** the file held points without triangles; the surface was made from them */
   reconstructed_from_points?: boolean;
+  /** area of floors and walls, which fits and measures do not see */
+  cut_away_cm2?: number;
   /** what reading found, one sentence each */
   notes: string[];
   frame: Frame;

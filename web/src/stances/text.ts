@@ -58,6 +58,7 @@ export const stances = {
       notch_nipple: "Notch to nipple",
       midclavicle_nipple: "Midclavicle to nipple",
       nipple_fold: "Nipple to fold",
+      areola_diameter: "Areola diameter",
       nipple_midline: "Nipple to midline",
       nipple_nipple: "Nipple to nipple",
       base_width: "Base width",

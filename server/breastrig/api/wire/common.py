@@ -87,6 +87,7 @@ class Scan(Wire):
     reconstructed_from_points: bool = Field(
         False, description="the file held points without triangles; the surface was made from them"
     )
+    cut_away_cm2: int = Field(0, ge=0, description="area of floors and walls, which fits and measures do not see")
     notes: list[str] = Field(description="what reading found, one sentence each")
     frame: Frame
     stance: Stance

@@ -10,11 +10,12 @@ A moment's shade changes lightness and, with it, chroma; so a* and b* are first 
 around.  Thin things (ink, hair, scars) and small ones (moles) are taken out by a median.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import irfft2, next_fast_len, rfft2
 from scipy.ndimage import distance_transform_edt, gaussian_filter, map_coordinates, median_filter
-from scipy.signal import fftconvolve
 
 from breastrig.colour.features.limits import AreolaLimits
 from breastrig.colour.features.patch import ColouredSkin, Patch
@@ -85,13 +86,14 @@ def candidates(patch: Patch, limits: AreolaLimits, spread: float) -> list[Candid
     right, up = patch.offsets()
     expected = np.exp(-0.5 * (right**2 + up**2) / spread**2)
     found: list[Candidate] = []
-    for radius in limits.radii:
-        inner, sectors = _kernels(radius, patch.pixel)
-        disc, share = _mean(value, known, inner)
+    kernels = {radius: _kernels(radius, patch.pixel) for radius in limits.radii}
+    sums = _Sums(value, known, [kernel for inner, sectors in kernels.values() for kernel in (inner, *sectors)])
+    for radius, (inner, sectors) in kernels.items():
+        disc, share = sums.mean(inner)
         step = np.full(value.shape, np.inf)
         mean_step, seen = np.zeros(value.shape), np.zeros(value.shape)
         for sector in sectors:
-            around, enough = _mean(value, known, sector)
+            around, enough = sums.mean(sector)
             there = enough > 0.4
             step = np.where(there, np.minimum(step, disc - around), step)
             mean_step += np.where(there, disc - around, 0.0)
@@ -237,9 +239,9 @@ def _fitted_series(radii: Array, good: Booleans, turn: Array) -> tuple[Array, Ar
     for _ in range(6):
         weighted = rows * weight[:, None]
         shape = np.asarray(np.linalg.solve(weighted.T @ rows + ridge, weighted.T @ radii[good]), dtype=np.float64)
-        rest = np.asarray(radii[good] - rows @ shape)
+        rest = np.asarray(radii[good] - rows @ shape, dtype=np.float64)
         scale = max(1.4826 * float(np.median(np.abs(rest))), 0.0003)
-        weight = 1.0 / (1.0 + (rest / (2.0 * scale)) ** 2) ** 2
+        weight = np.asarray(1.0 / (1.0 + (rest / (2.0 * scale)) ** 2) ** 2, dtype=np.float64)
     return shape, rest
 
 
@@ -280,8 +282,22 @@ def _kernels(radius: float, pixel: float) -> tuple[Array, list[Array]]:
     return (away < 0.8 * radius).astype(np.float64), [(ring & (part == k)).astype(np.float64) for k in range(SECTORS)]
 
 
-def _mean(value: Array, known: Booleans, kernel: Array) -> tuple[Array, Array]:
-    """((N, N) mean of the known values under the kernel, (N, N) share of it that is known)."""
-    weight = np.maximum(fftconvolve(known.astype(np.float64), kernel[::-1, ::-1], mode="same"), 0.0)
-    total = fftconvolve(np.where(known, value, 0.0), kernel[::-1, ::-1], mode="same")
-    return total / np.maximum(weight, 0.5), weight / kernel.sum()
+class _Sums:
+    """Sums of a picture under many kernels, all smaller than it, by transforms; nothing lies beside the picture."""
+
+    def __init__(self, value: Array, known: Booleans, kernels: Iterable[Array]) -> None:
+        """(N, M) values and which of them are known; the largest of the kernels says how much room they need."""
+        self.size = value.shape
+        needed = np.max([kernel.shape for kernel in kernels], axis=0) + self.size - 1
+        self.room = tuple(next_fast_len(int(n), real=True) for n in needed)
+        self.known = rfft2(known.astype(np.float64), self.room)
+        self.total = rfft2(np.where(known, value, 0.0), self.room)
+
+    def mean(self, kernel: Array) -> tuple[Array, Array]:
+        """((N, M) mean of the known values under the kernel, (N, M) share of it that is known)."""
+        turned = rfft2(kernel[::-1, ::-1], self.room)
+        first = [(k - 1) // 2 for k in kernel.shape]
+        place = tuple(slice(f, f + n) for f, n in zip(first, self.size, strict=True))
+        weight = np.maximum(irfft2(self.known * turned, self.room)[place], 0.0)
+        total = irfft2(self.total * turned, self.room)[place]
+        return np.asarray(total / np.maximum(weight, 0.5)), np.asarray(weight / kernel.sum())

@@ -34,6 +34,7 @@ class AreolaLimits(_Part):
     spot: Positive  # m, radius of a nipple
     spot_weight: Positive  # of its colour against that of the areola, in the logarithm of a chance
     bump_weight: Positive  # likewise of its height
+    error_scale: Positive  # times the standard deviation of the chances
     off_centre: Positive  # m, of a nipple from the middle of its areola, on each axis
     least_spread: Positive  # m; the form is never trusted to be nearer than this, root mean square
     farthest: Positive  # times the spread; beyond, the form rules it out
@@ -42,10 +43,39 @@ class AreolaLimits(_Part):
     radius_floor: Positive  # m, likewise of the radius
 
 
+class NavelLimits(_Part):
+    """Of colour/features/navel.py."""
+
+    lightness: Positive  # weights of darker and redder
+    redness: Positive
+    spot: Positive  # m, radius of the spot of colour
+    dent: Positive  # m, radius of the dent
+    most: Positive  # standard deviations; more says no more
+    weight: Positive  # of one standard deviation in the logarithm of a chance
+    aside: Positive  # m, error of the form's midline
+    least_spread: Positive  # m; the form is never trusted to know the height better
+    one_place: Positive  # m, radius of what counts as the same place
+    least_chance: Positive  # of that place, against all others
+    least_spot: Positive  # standard deviations of colour
+    floor: Positive  # m, error on each axis of the skin that the chances do not show
+
+
+class CrossLimits(_Part):
+    """Of colour/features/crosses.py."""
+
+    around: Positive  # m, how far around a landmark ink is looked for
+    aside: Positive  # m, of a cross from the form's midline
+    farthest: Positive  # times the spread; beyond, a cross marks something else
+    one_place: Positive  # m; crosses farther apart leave open which is meant
+    error: Positive  # m, root mean square, of a cross that was drawn on a landmark
+
+
 class Features(_Part):
     """All of features.toml."""
 
     areola: AreolaLimits
+    navel: NavelLimits
+    crosses: CrossLimits
 
 
 @lru_cache(maxsize=1)

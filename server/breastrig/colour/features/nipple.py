@@ -74,7 +74,7 @@ def _within(skin: ColouredSkin, areola: Areola, up: Array, limits: AreolaLimits)
         return _at_the_middle(areola, limits)
     colour = limits.lightness * -level[..., 0] + limits.redness * level[..., 1]
     evidence = limits.spot_weight * _standing_out(colour, known, inside, limits.spot, patch.pixel)
-    evidence += limits.bump_weight * _standing_out(_height(patch), known, inside, limits.spot, patch.pixel)
+    evidence += limits.bump_weight * _standing_out(height_above(patch), known, inside, limits.spot, patch.pixel)
     evidence -= 0.5 * (away / limits.off_centre) ** 2
     chance = np.where(inside, np.exp(evidence - evidence[inside].max()), 0.0)
     chance /= chance.sum()
@@ -85,7 +85,7 @@ def _within(skin: ColouredSkin, areola: Areola, up: Array, limits: AreolaLimits)
     off = np.stack([right - mean[0], high - mean[1]], axis=-1)
     flat = np.einsum("rc,rci,rcj->ij", chance, off, off)
     axes = patch.axes[:2]
-    covariance = axes.T @ flat @ axes + areola.covariance + limits.floor**2 * np.eye(3)
+    covariance = limits.error_scale**2 * (axes.T @ flat @ axes) + areola.covariance + limits.floor**2 * np.eye(3)
     return NippleSeen(place, covariance, areola)
 
 
@@ -103,7 +103,7 @@ def _standing_out(value: Array, known: Booleans, inside: Booleans, radius: float
     return np.clip(difference / max(scatter, 1e-9), 0.0, 5.0)
 
 
-def _height(patch: Patch) -> Array:
+def height_above(patch: Patch) -> Array:
     """(N, N) m over the smooth form of the breast there (a paraboloid)."""
     middle = patch.places[len(patch.places) // 2, len(patch.places) // 2]
     origin = middle if np.isfinite(middle).all() else np.nanmean(patch.places, axis=(0, 1))

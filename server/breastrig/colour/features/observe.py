@@ -12,7 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.colour.features.areola import Areola
+from breastrig.colour.features.crosses import marked_by_crosses
 from breastrig.colour.features.limits import Features, features
+from breastrig.colour.features.navel import find_navel
 from breastrig.colour.features.nipple import NippleSeen, find_nipple
 from breastrig.colour.features.patch import ColouredSkin
 from breastrig.colour.skin_texture import has_colour
@@ -21,7 +23,11 @@ from breastrig.core.errors import BreastRigError
 from breastrig.scan.scan import Scan
 
 NIPPLES = {"L": "nipple_L", "R": "nipple_R"}
+NAVEL = "umbilicus"
+CROSSED = ("suprasternal_notch", "xiphoid")
+CROSS_SEEN = "marked by a cross"
 AREOLA_SEEN = "areola seen"
+NAVEL_SEEN = "navel seen"
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +68,21 @@ def observed_landmarks(
     except BreastRigError:
         return {}
     nipples = _nipples(skin, expected, left, up, features())
-    return {name: Observation(each.place, each.covariance, AREOLA_SEEN, each.areola) for name, each in nipples.items()}
+    found = {name: Observation(each.place, each.covariance, AREOLA_SEEN, each.areola) for name, each in nipples.items()}
+    if NAVEL in expected:
+        form = expected[NAVEL]
+        navel = find_navel(skin, form.place, form.outwards, up, form.spread, features().navel)
+        if navel is not None:
+            found[NAVEL] = Observation(navel.place, navel.covariance, NAVEL_SEEN)
+    on_midline = {name: expected[name] for name in CROSSED if name in expected}
+    crosses = marked_by_crosses(
+        scan,
+        {name: each.place for name, each in on_midline.items()},
+        {name: each.spread for name, each in on_midline.items()},
+        left,
+        features().crosses,
+    )
+    return found | {name: Observation(each.place, each.covariance, CROSS_SEEN) for name, each in crosses.items()}
 
 
 def _nipples(

@@ -28,9 +28,9 @@ from breastrig.scan.limits import (
     ZIP_RATIO_FROM,
 )
 
-MESHES = ("obj", "ply", "stl", "glb", "pcd", "xyz")
+MESHES = ("obj", "ply", "stl", "glb", "pcd", "xyz", "usdz")
 # Of one scan in several formats the one that carries a picture is the best.
-MESH_RANK = {"xyz": 0, "pcd": 0, "stl": 1, "ply": 2, "obj": 2, "glb": 3}
+MESH_RANK = {"xyz": 0, "pcd": 0, "stl": 1, "ply": 2, "obj": 2, "usdz": 3, "glb": 4}
 PICTURES = ("jpg", "jpeg", "png")
 COMPANIONS = ("mtl", *PICTURES)
 LEFT_BY_MACOS = "__MACOSX"  # a folder added silently by the Finder; skipped unread

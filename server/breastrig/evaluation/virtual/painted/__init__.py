@@ -4,6 +4,6 @@ All of it is formula.  Numbers found with it say that a method does what it shou
 photographs.
 """
 
-from breastrig.evaluation.virtual.painted.make import make_painted
+from breastrig.evaluation.virtual.painted.make import make_painted, painted_patients
 
-__all__ = ["make_painted"]
+__all__ = ["make_painted", "painted_patients"]

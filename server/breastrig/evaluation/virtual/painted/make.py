@@ -22,6 +22,8 @@ from breastrig.evaluation.virtual.painted.marks import COVERED, PLANS, RECONSTRU
 from breastrig.evaluation.virtual.painted.photograph import Photograph, photograph
 from breastrig.evaluation.virtual.painted.tones import TONES, draw_palette
 from breastrig.evaluation.virtual.scan import SimulatedScan, scan_body
+from breastrig.evaluation.virtual.warped.make import Half
+from breastrig.evaluation.virtual.warped.sources import CHOOSE, REPORT
 
 SEED = 20_261_123
 PAINT_VERSION = 2  # of the formulas; another one paints all anew
@@ -80,6 +82,12 @@ def painted_scan(
     albedo = painted.albedo if inked else painted.bare
     picture = photograph(albedo, painted.skin.vertices, body, painted.skin.faces, scan, atlas, random)
     return PaintedScan(body, scan, atlas, picture)
+
+
+def painted_patients(half: Half = "both") -> tuple[str, ...]:
+    """The names of the women of a half; as sources of warped bodies they are of the same one."""
+    halves = {patient.name: (CHOOSE, REPORT)[index % 2] for index, patient in enumerate(read_bodies().patients)}
+    return tuple(name for name, own in halves.items() if half in ("both", own))
 
 
 def make_painted(

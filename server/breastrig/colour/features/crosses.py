@@ -1,0 +1,63 @@
+"""Crosses that the surgeon drew: where one lies about where the form has a landmark of the midline, it marks it.
+
+Surgeons mark notch and xiphoid before they draw anything else.  Crosses elsewhere mark other things, so only those
+near the midline and nearer to one of the two than the form is sure of it count.  Ink is looked for around these places
+only, which takes a tenth of the time that the whole scan would.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from breastrig.colour.features.limits import CrossLimits
+from breastrig.colour.ink.find_ink import find_ink
+from breastrig.colour.ink.kinds import Kind
+from breastrig.core.arrays import Array
+from breastrig.core.errors import BreastRigError
+from breastrig.scan.scan import Scan
+
+
+@dataclass(frozen=True, eq=False)
+class CrossSeen:
+    """A landmark that a cross marks."""
+
+    place: Array  # (3,) m, in the scan's frame
+    covariance: Array  # (3, 3) m²
+
+
+def marked_by_crosses(
+    scan: Scan, expected: Mapping[str, Array], spreads: Mapping[str, float], left: Array, limits: CrossLimits
+) -> dict[str, CrossSeen]:
+    """Those of the `expected` places (3,) m, on the midline, that a cross marks.
+
+    `spreads` (m) say how far off they are as a rule, `left` (3,) is the body's unit direction.
+    """
+    if scan.colour_kind != "texture" or not expected:
+        return {}
+    part = _around(scan, np.array(list(expected.values())), limits.around)
+    try:
+        crosses = [each.line.points.mean(axis=0) for each in find_ink(part) if each.kind is Kind.CROSS]
+    except (BreastRigError, ValueError):
+        return {}
+    found = {}
+    for name, place in expected.items():
+        near = [cross for cross in crosses if abs((cross - place) @ left) < limits.aside]
+        near = [cross for cross in near if np.linalg.norm(cross - place) < limits.farthest * spreads[name]]
+        if near and np.ptp(near, axis=0).max() < limits.one_place:
+            found[name] = CrossSeen(np.mean(near, axis=0), limits.error**2 / 2.0 * np.eye(3))
+    return found
+
+
+def _around(scan: Scan, places: Array, reach: float) -> Scan:
+    """The triangles with a corner within `reach` (m) of one of (M, 3) places."""
+    near = (np.linalg.norm(scan.vertices[:, None] - places, axis=2) < reach).any(axis=1)
+    faces = scan.faces[near[scan.faces].any(axis=1)]
+    used, corners = np.unique(faces, return_inverse=True)
+    return replace(
+        scan,
+        vertices=scan.vertices[used],
+        faces=corners.reshape(-1, 3),
+        uv=None if scan.uv is None else scan.uv[used],
+        colours=None if scan.colours is None else scan.colours[used],
+    )

@@ -1,0 +1,68 @@
+"""The navel: a spot of darker or redder skin and a dent, one above the other, on the body's midline.
+
+The form knows the midline well and the height hardly: bellies have no shape that would say where the navel is.  So the
+picture is narrow and high, and both signs are looked for in it, each in units of how much the rest of the belly shows
+of it.  Where they leave one place, it is the navel; where they leave several, none is taken.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter
+
+from breastrig.colour.features.areola import level_colour
+from breastrig.colour.features.limits import NavelLimits
+from breastrig.colour.features.nipple import height_above
+from breastrig.colour.features.patch import ColouredSkin
+from breastrig.core.arrays import Array, Booleans
+
+PIXEL = 0.0015  # m
+HALF = 0.085  # m, half the side of the picture
+
+
+@dataclass(frozen=True, eq=False)
+class NavelSeen:
+    """Where it is."""
+
+    place: Array  # (3,) m, on the skin, in the scan's frame
+    covariance: Array  # (3, 3) m²
+
+
+def find_navel(
+    skin: ColouredSkin, expected: Array, outwards: Array, up: Array, spread: float, limits: NavelLimits
+) -> NavelSeen | None:
+    """Near the `expected` place (3,) m, which is `spread` m off as a rule; None where none can be told."""
+    patch = skin.patch(expected, skin.normal(expected, outwards, 0.03), up, HALF, PIXEL)
+    level, known = level_colour(patch)
+    right, high = patch.offsets()
+    inside = known & (np.abs(right) < 3.0 * limits.aside)
+    if inside.sum() < 0.3 * inside.size * 3.0 * limits.aside / HALF:
+        return None
+    colour = limits.lightness * -level[..., 0] + limits.redness * level[..., 1]
+    spot = _standing_out(colour, known, inside, limits.spot, patch.pixel)
+    dent = _standing_out(-height_above(patch), known, inside, limits.dent, patch.pixel)
+    evidence = limits.weight * (np.minimum(spot, limits.most) + np.minimum(dent, limits.most))
+    evidence = evidence - 0.5 * ((right / limits.aside) ** 2 + (high / max(spread, limits.least_spread)) ** 2)
+    chance = np.where(inside, np.exp(evidence - evidence[inside].max()), 0.0)
+    chance /= chance.sum()
+    best = np.unravel_index(int(np.where(inside, evidence, -np.inf).argmax()), evidence.shape)
+    near = np.hypot(right - right[best], high - high[best]) < limits.one_place
+    if chance[near].sum() < limits.least_chance or spot[near & inside].max() < limits.least_spot:
+        return None
+    share = np.where(near, chance, 0.0) / chance[near].sum()
+    mean = float((share * right).sum()), float((share * high).sum())
+    place = patch.place(*mean)
+    if place is None:
+        return None
+    off = np.stack([right - mean[0], high - mean[1]], axis=-1)
+    flat = np.einsum("rc,rci,rcj->ij", share, off, off)
+    axes = patch.axes[:2]
+    return NavelSeen(place, axes.T @ flat @ axes + limits.floor**2 * (axes.T @ axes))
+
+
+def _standing_out(value: Array, known: Booleans, inside: Booleans, radius: float, pixel: float) -> Array:
+    """(N, N) how much a spot of this radius (m) exceeds what is around it, in its scatter over the belly; 0 or more."""
+    filled = np.where(known, value, np.median(value[inside]))
+    difference = gaussian_filter(filled, 0.6 * radius / pixel) - gaussian_filter(filled, 1.6 * radius / pixel)
+    scatter = 1.4826 * float(np.median(np.abs(difference[inside] - np.median(difference[inside]))))
+    return np.asarray(np.maximum(difference / max(scatter, 1e-9), 0.0))

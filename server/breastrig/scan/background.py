@@ -1,0 +1,116 @@
+"""Floors and walls around a patient, cut away before anything else is looked for.
+
+A scan of a room has large planes in it, and so has the scan of a patient who lies on a table.  What tells them apart is
+the body: one that lies on a table begins close above it and is not high; one that stands before a wall or on a floor is
+away from it, or high above it.  So each large plane is judged by the body that is left without it.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.geometry.components import triangle_components
+from breastrig.geometry.normals import face_areas
+from breastrig.scan.clean import FRAGMENT_SHARE, MIN_TRIANGLES, large_pieces
+from breastrig.scan.orient import Frame, propose_frame
+from breastrig.scan.table import Table, found_table
+
+PLANES = 6  # at most: a floor, four walls and a table top
+HIGH = 0.45  # m above a plane that the body reaches: lying torsos of the development data reach 0.29
+AWAY = 0.20  # m from a plane to where the body begins: 0.10 there, where arms and flanks come down to the table
+REACHES = (0.02, 0.98)  # quantiles of the body's heights: what curls up at the edge of a plane does not count
+FLAT = 0.02  # m, standard deviation across a piece that is another plane and no body
+
+Planes = tuple[tuple[Array, float], ...]  # (3,) unit normal to the body, and height along it (m)
+
+
+@dataclass(frozen=True, eq=False)
+class WithoutBackground:
+    """What is left of a scan."""
+
+    faces: Integers  # (F, 3) of the same vertices
+    frame: Frame  # as seen on what is left, with the planes that were cut
+    area: float  # m², of what was cut
+    table: Table | None = None  # what was found for frame.table on the way
+
+
+def without_background(vertices: Array, faces: Integers) -> WithoutBackground:
+    """The triangles that are no floor or wall; all of them where there is none."""
+    whole = faces
+    planes: Planes = ()
+    frame = propose_frame(vertices, faces)
+    table: Table | None = None
+    while frame.table is not None and len(planes) < PLANES:
+        table = found_table(vertices, faces, *frame.table)
+        if _all_is_low(vertices[faces[~table.triangles, 0]] @ frame.table[0] - frame.table[1]):
+            break  # as above any table, and what is left need not be taken apart
+        kept = _left_by(table, vertices, faces)
+        body = None if kept is None else _body(vertices, kept)
+        if kept is None or body is None or not _is_background(vertices[body] @ frame.table[0] - frame.table[1]):
+            break
+        faces, planes, table = kept, (*planes, frame.table), None
+        frame = propose_frame(vertices, faces)
+    if not planes:
+        return WithoutBackground(faces, frame, 0.0, table)
+    return _found(vertices, whole, faces, replace(frame, background=planes))
+
+
+def cut_background(vertices: Array, faces: Integers, frame: Frame) -> WithoutBackground:
+    """The same again for a frame that is known."""
+    left = faces
+    for plane in frame.background:
+        kept = _left_by(found_table(vertices, left, *plane), vertices, left)
+        left = left if kept is None else kept
+    return _found(vertices, faces, left, frame)
+
+
+def _found(vertices: Array, whole: Integers, left: Integers, frame: Frame) -> WithoutBackground:
+    left = left[only_body(vertices, left)] if frame.table is None else left
+    area = float(face_areas(vertices, whole).sum() - face_areas(vertices, left).sum())
+    return WithoutBackground(left, frame, area)
+
+
+def _left_by(plane: Table, vertices: Array, faces: Integers) -> Integers | None:
+    """The triangles that are not of this plane; None when it cannot be cut, or too little is left."""
+    kept = faces[~plane.triangles]
+    if plane.plane is None or len(kept) < MIN_TRIANGLES:
+        return None
+    kept = kept[large_pieces(vertices, kept)[0]]  # without what curled up at its edge
+    return kept if len(kept) >= MIN_TRIANGLES else None
+
+
+def _body(vertices: Array, faces: Integers) -> Integers | None:
+    """(V,) vertices of the largest piece that is not flat."""
+    _, labels = triangle_components(faces, len(vertices))
+    piece = labels[faces[:, 0]]
+    sizes = np.bincount(piece)
+    for which in np.argsort(-sizes):
+        if sizes[which] < FRAGMENT_SHARE * sizes.max():
+            return None
+        mine = np.unique(faces[piece == which])
+        across: Array = np.linalg.eigvalsh(np.cov(vertices[mine].T))
+        if np.sqrt(max(float(across[0]), 0.0)) > FLAT:
+            return mine
+    return None
+
+
+def _is_background(heights: Array) -> bool:
+    """Whether a body with its vertices so high (m) above a plane does not lie on it."""
+    low, high = np.quantile(heights, REACHES)
+    return bool(high > HIGH or low > AWAY)
+
+
+def _all_is_low(heights: Array) -> bool:
+    """Whether all that is left of a scan lies so (m) above a plane as a body that lies on it."""
+    return bool(len(heights) and heights.max() <= HIGH and np.quantile(heights, REACHES[0]) <= AWAY)
+
+
+def only_body(vertices: Array, faces: Integers) -> Booleans:
+    """(F,) of the largest piece that is not flat: in a room all else is furniture, or another person's."""
+    body = _body(vertices, faces)
+    if body is None:
+        return np.ones(len(faces), np.bool_)
+    is_hers = np.zeros(len(vertices), np.bool_)
+    is_hers[body] = True
+    return np.asarray(is_hers[faces[:, 0]])

@@ -1,0 +1,50 @@
+"""Crosses that mark a landmark, and crosses that mark something else."""
+
+import numpy as np
+import pytest
+from helpers.painted_body import painted_body
+
+from breastrig.colour.features import crosses
+from breastrig.colour.features.crosses import marked_by_crosses
+from breastrig.colour.features.limits import features
+from breastrig.colour.ink.find_ink import InkLine
+from breastrig.colour.ink.kinds import Kind
+from breastrig.colour.ink.markers import MARKERS
+from breastrig.core.arrays import Array
+from breastrig.geometry.polyline import Polyline
+
+LEFT = np.array([1.0, 0.0, 0.0])
+NOTCH, XIPHOID = np.array([0.0, 0.5, 0.07]), np.array([0.0, 0.3, 0.15])
+EXPECTED = {"suprasternal_notch": NOTCH, "xiphoid": XIPHOID}
+
+
+def moved(place: Array, *by: float) -> Array:
+    return place + np.array(by)
+
+
+def stroke(middle: Array, kind: Kind) -> InkLine:
+    points = middle + 0.006 * np.array([[-1.0, -1.0, 0.0], [0.0, 0.0, 0.0], [1.0, 1.0, 0.0]])
+    line = Polyline("ink", False, "#000000", points, np.zeros(3, dtype=np.bool_))
+    return InkLine(line, kind, MARKERS[0], 0.017)
+
+
+@pytest.mark.parametrize(
+    ("strokes", "named"),
+    [
+        ([(moved(NOTCH, 0.004, -0.015, 0.0), Kind.CROSS)], {"suprasternal_notch"}),
+        ([(moved(NOTCH, 0.004, -0.015, 0.0), Kind.LINE)], set()),
+        ([(moved(NOTCH, 0.030, 0.0, 0.0), Kind.CROSS)], set()),  # beside the midline
+        ([(moved(NOTCH, 0.0, -0.045, 0.0), Kind.CROSS)], set()),  # as far as the form rules out
+        ([(moved(XIPHOID, 0.0, 0.02, 0.0), Kind.CROSS), (moved(XIPHOID, 0.0, -0.02, 0.0), Kind.CROSS)], set()),
+        ([(XIPHOID, Kind.CROSS), (moved(XIPHOID, 0.002, 0.001, 0.0), Kind.CROSS)], {"xiphoid"}),  # its two arms
+    ],
+)
+def test_a_cross_marks_a_landmark_of_the_midline_where_the_form_has_it(
+    strokes: list[tuple[Array, Kind]], named: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(crosses, "find_ink", lambda _: tuple(stroke(*each) for each in strokes))
+    scan = painted_body(side=640).scan
+    found = marked_by_crosses(scan, EXPECTED, dict.fromkeys(EXPECTED, 0.015), LEFT, features().crosses)
+    assert set(found) == named
+    for name, each in found.items():
+        assert np.linalg.norm(each.place - EXPECTED[name]) < 0.017
