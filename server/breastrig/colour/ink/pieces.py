@@ -60,7 +60,8 @@ def ink_of(added: Array, width: float, share: float = 1.0) -> Ink | None:
     red, green, blue = (float(value) for value in added)
     if width > limits.WIDEST:
         return None
-    if min(green, blue) >= share * limits.RED and green - red >= share * limits.RED_OVER and green >= 1.2 * red:
+    over = green - red >= share * limits.RED_OVER and green >= limits.RED_SHARE * red
+    if over and min(green, blue) >= share * limits.RED:
         return Ink.RED if blue <= limits.RED_BLUE * green else None
     if blue < green < limits.PURE * red:
         return None
