@@ -67,7 +67,8 @@ def ink_of(added: Array, width: float, share: float = 1.0) -> Ink | None:
         return None
     if red >= share * limits.COLOURED and red - min(green, blue) >= share * limits.COLOURED_OVER:
         return Ink.COLOURED
-    black = red >= share * limits.BLACK and blue <= limits.BLACK_BLUE * red and width <= limits.WIDEST_BLACK
+    most = limits.DARK_BLUE if red >= share * limits.DARK else limits.BLACK_BLUE
+    black = red >= share * limits.BLACK and blue <= most * red and width <= limits.WIDEST_BLACK
     return Ink.BLACK if black and (width >= limits.NARROWEST_BLACK or red >= limits.CLEARLY_BLACK) else None
 
 
