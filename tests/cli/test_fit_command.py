@@ -10,6 +10,7 @@ import numpy as np
 import pygltflib
 import pytest
 import trimesh
+from helpers.point_files import xyz
 
 import breastrig
 from breastrig.cli.main import main
@@ -345,3 +346,22 @@ def test_a_drawing_that_cannot_be_is_one_clear_line(
     assert words in said
     assert said.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_a_cloud_of_points_on_a_floor_is_fitted_and_both_are_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scan = trimesh.load(EXAMPLE / "scan.ply", process=False)
+    low, high = scan.bounds
+    x, z = (each.ravel() for each in np.meshgrid(np.arange(low[0], high[0], 0.006), np.arange(low[2], high[2], 0.006)))
+    floor = np.column_stack([x, np.full_like(x, low[1] - 0.03), z])
+    points = np.concatenate([np.asarray(scan.vertices), floor])
+    (tmp_path / "scan.xyz").write_bytes(xyz(points, "xyz"))
+    options = ["--landmarks", str(EXAMPLE / "landmarks.json"), "--no-refine", "-o", str(tmp_path / "out")]
+    assert main(["fit", str(tmp_path / "scan.xyz"), *options]) == 0
+    facts = document(tmp_path / "out", "result.json")["scan"]
+    assert facts["reconstructed_from_points"] is True
+    assert facts["cut_away_cm2"] == pytest.approx(1e4 * np.ptp(x) * np.ptp(z), rel=0.1)
+    said = capsys.readouterr().err
+    assert "surface was made from them" in said
+    assert f"cut away: {facts['cut_away_cm2']:,} cm²" in said

@@ -127,12 +127,12 @@ def test_a_handle_stands_for_its_parameters_and_changes_no_other(live: LiveSkin,
         still = live.drawn(name, parameters, drag=Drag(each.handle.name, tuple(each.at)))
         assert still.parameters.keys() - parameters.keys() <= each.handle.values.keys()
         for number in each.numbers:
-            assert still.parameters[number.parameter] == pytest.approx(
+            assert still.parameters.get(number.parameter, 0.0) == pytest.approx(
                 number.value, abs=0.6 if number.unit == "mm" else 0.51
             )
         if not each.handle.grows.any():
             continue
-        (number,) = each.numbers
+        number = each.numbers[0]
         values = []
         for away in (-0.003, 0.003):
             to = tuple(each.at + away * each.handle.grows)
@@ -200,6 +200,28 @@ def test_the_new_nipple_goes_up_and_down_the_meridian_of_a_sagging_breast(rig: R
             name, up.parameters, drag=Drag("new_nipple_L", tuple(at.at - 0.004 * at.handle.grows))
         ).parameters["nipple_above_fold_mm"]
         assert float(down) - raised == pytest.approx(-4.0, abs=2.0)
+
+
+@pytest.mark.parametrize("name", ["reduction", "vertical"])
+@pytest.mark.parametrize("side", ["L", "R"])
+def test_the_new_nipple_leaves_the_meridian_when_it_is_pulled_aside_and_comes_back(
+    scans: dict[str, FittedScan], live: LiveSkin, name: str, side: str
+) -> None:
+    search, parameters = scans["standing"].target.search, PATTERNS[name]
+    start = handle(live.drawn(name, parameters, side), f"new_nipple_{side}")
+    outward = FittedSkin(live._rig, scans["standing"].vertices).axes[:, 0] * (1.0 if side == "L" else -1.0)
+    for away_mm in (12.0, -12.0):
+        asked = search.query((start.at + 1e-3 * away_mm * outward)[None]).points[0]
+        found = live.drawn(name, parameters, drag=Drag(f"new_nipple_{side}", tuple(asked)))
+        assert 0.4 < float(found.parameters["nipple_outward_mm"]) / away_mm < 1.1
+        aside = handle(found, f"new_nipple_{side}")
+        assert 1e3 * np.linalg.norm(aside.at - asked) < 2.0
+        assert "beside the meridian" in aside.numbers[1].label
+        back = live.drawn(name, found.parameters, drag=Drag(f"new_nipple_{side}", tuple(start.at)))
+        assert abs(float(back.parameters["nipple_outward_mm"])) < 2.5
+    trembling = search.query((start.at + 0.002 * outward)[None]).points[0]
+    found = live.drawn(name, parameters, drag=Drag(f"new_nipple_{side}", tuple(trembling)))
+    assert "nipple_outward_mm" not in found.parameters
 
 
 def test_what_is_remembered_of_a_skin_has_an_end(rig: Rig, scans: dict[str, FittedScan]) -> None:

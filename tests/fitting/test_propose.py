@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 
 from breastrig.core.assets import asset_folder
+from breastrig.fitting.fit import fit_iterates
+from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.propose import Proposal, confidence_of, expected_error
-from breastrig.fitting.uncertainty.radii import HOLDS_90
+from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.scan_orientation import scan_orientation
+from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
+from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.scan.clean import compact
+from breastrig.scan.clean import clean, compact
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.propose_on_scan import propose_on_scan
@@ -80,3 +86,23 @@ def test_a_scan_without_colour_is_not_looked_at_for_any(monkeypatch: pytest.Monk
     monkeypatch.setattr(observe, "observed_landmarks", never)
     scan = replace(read_scan(STANDING / "scan.ply", "ply", "auto"), colours=None)
     assert all(each.reason is None for each in propose_on_scan(read_rig(default_rig_path()), scan).values())
+
+
+def test_areolae_where_the_form_has_them_confirm_how_the_body_lies() -> None:
+    """An unclear start makes all radii large, for the body may lie the other way; its back has no areolae."""
+    rig = read_rig(default_rig_path())
+    scan = read_scan(STANDING / "scan.ply", "ply", "auto")
+    orientation, task, begun = scan_orientation(rig, prepared(clean(scan), "auto"), load_recipe("default"))
+    *_, last = begun or fit_iterates(task)
+    shown = seen_landmarks(task, last, orientation.margin, scan)
+    assert set(shown) == {"nipple_L", "nipple_R"}
+    unclear = 0.0
+    form = radii(Posterior(task, last.parameters), unclear)
+    coloured = radii(Posterior(with_seen(task, shown, last), last.parameters), unclear)
+    one = radii(Posterior(with_seen(task, {"nipple_L": shown["nipple_L"]}, last), last.parameters), unclear)
+    assert form is not None
+    assert coloured is not None
+    assert one is not None
+    assert form.landmarks["xiphoid"] > 0.3
+    assert one.landmarks["xiphoid"] > 0.3  # a single one may be anything
+    assert coloured.landmarks["xiphoid"] < 0.03

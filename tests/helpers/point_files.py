@@ -7,21 +7,21 @@ import numpy as np
 COLOURS = {"red": 0, "green": 1, "blue": 2}
 
 
-def front(spacing: float = 0.004, hole: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """(N, 3) m points of half an elliptic cylinder, 0.5 m high and 0.36 m wide, and their (N, 3) unit normals.
+def front(spacing: float = 0.004, hole: float = 0.0, height: float = 0.5) -> tuple[np.ndarray, np.ndarray]:
+    """(N, 3) m points of half an elliptic cylinder, `height` m high and 0.36 m wide, and their (N, 3) unit normals.
 
     Seen from +Z; a gap of `hole` m across its middle, all the way from left to right.
     """
-    a, b, height = 0.18, 0.11, 0.5
+    a, b = 0.18, 0.11
     fine = np.linspace(0.0, np.pi, 20_001)
     length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(a * np.cos(fine)), np.diff(b * np.sin(fine))))])
     angles = np.interp(np.arange(0.0, length[-1], spacing), length, fine)
     levels = np.arange(0.0, height, spacing)
-    levels = levels[np.abs(levels - 0.25) >= hole / 2.0]
+    levels = levels[np.abs(levels - height / 2.0) >= hole / 2.0]
     angle, y = (each.ravel() for each in np.meshgrid(angles, levels))
     normals = np.column_stack([np.cos(angle) / a, np.zeros_like(y), np.sin(angle) / b])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.column_stack([a * np.cos(angle), y - 0.25, b * np.sin(angle)]), normals
+    return np.column_stack([a * np.cos(angle), y - height / 2.0, b * np.sin(angle)]), normals
 
 
 def colours_of(points: np.ndarray) -> np.ndarray:

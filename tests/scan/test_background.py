@@ -1,9 +1,14 @@
 """Floors and walls around a patient are cut away by the body that is found; a table under her stays a table."""
 
+import json
+
 import numpy as np
 import pytest
+from helpers.toy_rig import toy_rig
 
 from breastrig.fitting.prepare_scan import prepared
+from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
+from breastrig.rig.similarity import Similarity
 from breastrig.scan.clean import Surface
 
 Mesh = tuple[np.ndarray, np.ndarray]
@@ -92,3 +97,16 @@ def test_fits_cut_what_the_upload_has_cut() -> None:
         again = prepared(surface, stance, ready.frame)
         np.testing.assert_array_equal(again.target.vertices, ready.target.vertices)
         assert again.cut_away == ready.cut_away
+
+
+def test_the_planes_are_kept_with_the_scan() -> None:
+    rig, ready = toy_rig(), prepared(joined(body(), FLOOR, WALL), "auto")
+    place = Similarity(1.0, np.eye(3), np.zeros(3))
+    known = ScanOrientation(rig.sha256, ready.frame, place, 0.5, "standing", "So it is.")
+    kept = orientation_from(json.loads(json.dumps(known.facts())), rig)
+    assert kept is not None
+    assert len(kept.frame.background) == 2
+    again = prepared(joined(body(), FLOOR, WALL), "auto", kept.frame)
+    np.testing.assert_array_equal(again.target.vertices, ready.target.vertices)
+    alone = ScanOrientation(rig.sha256, prepared(joined(body()), "auto").frame, place, 0.5, "standing", "So it is.")
+    assert "background" not in alone.facts()["seen"]

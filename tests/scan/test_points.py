@@ -50,7 +50,7 @@ def test_a_cloud_of_points_in_any_file_becomes_a_coloured_surface_through_them(k
 
 @pytest.mark.parametrize(("hole", "is_open"), [(0.005, False), (0.016, True), (0.03, True)])
 def test_a_small_gap_is_closed_and_one_of_fifteen_millimetres_stays_open(hole: float, is_open: bool) -> None:
-    points, _ = front(0.0035, hole)
+    points, _ = front(0.0035, hole, height=0.15)
     piece = surface_from_points(PointCloud(points), 1.0)
     across = (piece.vertices[piece.faces][:, :, 1].min(axis=1) < 0.0) & (
         piece.vertices[piece.faces][:, :, 1].max(axis=1) > 0.0
@@ -60,7 +60,7 @@ def test_a_small_gap_is_closed_and_one_of_fifteen_millimetres_stays_open(hole: f
 
 
 def test_nothing_is_continued_beyond_the_border_by_more_than_the_points_are_apart() -> None:
-    points, _ = front(0.0035)
+    points, _ = front(0.0035, height=0.2)
     piece = surface_from_points(PointCloud(points), 1.0)
     assert piece.vertices[:, 1].min() > points[:, 1].min() - 0.0036
     assert piece.vertices[:, 1].max() < points[:, 1].max() + 0.0036
@@ -87,7 +87,7 @@ def test_a_known_sensor_decides_the_side_where_the_shape_does_not() -> None:
 
 def test_noise_and_strays_do_not_tear_the_surface() -> None:
     rng = np.random.default_rng(3)
-    points = front(0.002)[0]
+    points = front(0.002, height=0.2)[0]
     noisy = np.concatenate([points + rng.normal(0.0, 0.001, points.shape), rng.uniform(-1.0, 1.0, (200, 3))])
     piece = surface_from_points(PointCloud(noisy), 1.0)
     assert cKDTree(points).query(piece.vertices)[0].max() < 0.009

@@ -3,6 +3,7 @@
 import argparse
 import sys
 from pathlib import Path
+from typing import Any
 
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.output_options import files_of_model, output_folder
@@ -59,6 +60,16 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Ite
     )
 
 
+def _notes(scan: dict[str, Any]) -> list[str]:
+    """What was done to a scan that its file does not show."""
+    notes = []
+    if scan.get("reconstructed_from_points"):
+        notes.append("The file holds points alone; the surface was made from them.")
+    if scan.get("cut_away_cm2"):
+        notes.append(f"A floor or wall and what stood by it were cut away: {scan['cut_away_cm2']:,} cm².")
+    return notes
+
+
 def _to_check(reason: str) -> str:
     """What is said of a pick that was followed, as a question or with what to do."""
     return reason if reason.endswith("?") else f"{reason.removesuffix('.')}; check it."
@@ -84,6 +95,8 @@ def run(options: argparse.Namespace) -> int:
     results = [found.result] if isinstance(found, Fit) else [found.first.result, found.second.result]
     for which, result in enumerate(results):
         scan = f"{(options.scan, options.other)[which]}: " if len(results) > 1 else ""
+        for note in _notes(result["scan"]):
+            print(f"breastrig: {scan}{note}", file=sys.stderr)
         verdict = result["verdict"]
         for reason in verdict["reasons"]:
             print(f"breastrig: {scan}{LEVELS[verdict['level']]}: {reason}", file=sys.stderr)

@@ -24,6 +24,7 @@ from breastrig.scan.formats.glb import glb_pieces
 from breastrig.scan.formats.pcd import pcd_points
 from breastrig.scan.formats.point_text import text_points
 from breastrig.scan.formats.texture import written_anew
+from breastrig.scan.formats.usd_process import usd_pieces
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
 from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud
 from breastrig.scan.scan import Scan
@@ -73,6 +74,8 @@ def read_scan(
         siblings = _Siblings(source.parent)
     if found == "glb":
         pieces = glb_pieces(mesh, texture)
+    elif found == "usd":
+        pieces = usd_pieces(mesh, texture)
     elif found in ("pcd", "xyz"):
         pieces = Pieces((), has_points=True, cloud=pcd_points(mesh) if found == "pcd" else text_points(mesh))
     else:

@@ -4,6 +4,7 @@ They are named, not imported, because a worker of a cluster needs them in its ch
 """
 
 TASK_MODULES = (
+    "breastrig.colour.features.observe",  # imported where a scan has colours, as phones' scans have
     "breastrig.report.pdf",  # this one and the next are imported only where they are used, for they take long
     "breastrig.scan.formats.library_meshes",
     "breastrig.service.fit_worker",

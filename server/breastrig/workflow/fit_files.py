@@ -69,6 +69,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
             "sha256": scan.sha256,
             "table_triangles": outcome.table_triangles,
             **({"reconstructed_from_points": True} if scan.from_points else {}),
+            **({"cut_away_cm2": round(1e4 * outcome.cut_away)} if outcome.cut_away else {}),
         },
         "model": {
             "name": rig.name,

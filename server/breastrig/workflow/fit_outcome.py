@@ -55,3 +55,4 @@ class FitOutcome:
     verdict: Verdict
     areolae: Mapping[str, SeenAreola | None]  # by side, None where none is seen; empty for a scan without texture
     table_triangles: int  # of the scan, cut away as table
+    cut_away: float = 0.0  # m², of the scan's floors and walls

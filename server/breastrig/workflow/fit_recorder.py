@@ -108,6 +108,7 @@ class FitRecorder:
             notes=ready.notes,
             areolae=areolae,
             table_triangles=ready.table_triangles,
+            cut_away=ready.cut_away,
             verdict=found_verdict,
         )
 

@@ -68,6 +68,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
         "reconstructed_from_points": scan.from_points,
         "notes": [*scan.notes, *ready.surface.notes],
         "cut_away_cm2": round(1e4 * ready.cut_away),
+        "background": [{"normal": normal.tolist(), "height_m": height} for normal, height in ready.frame.background],
         "frame": orientation.body_frame(),
         "stance": {"proposed": orientation.stance, "reason": orientation.stance_reason},
         "orientation": orientation.facts(),

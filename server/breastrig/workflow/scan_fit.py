@@ -130,6 +130,7 @@ class ReadyScan:
     scan: Scan
     notes: tuple[str, ...]
     table_triangles: int  # cut away as table
+    cut_away: float  # m², floors and walls
     landmarks: dict[str, Array]  # picked, m, in the scan's frame
     exchanged: tuple[Doubt, ...]
     drawing: AskedDrawing | None
@@ -217,6 +218,7 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         scan=scan,
         notes=(*scan.notes, *ready.notes, *_words(shown)),
         table_triangles=ready.table_triangles,
+        cut_away=ready.cut_away,
         landmarks=landmarks,
         exchanged=exchanged,
         drawing=plan.drawing,

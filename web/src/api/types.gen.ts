@@ -43,6 +43,14 @@ export type CarriedShape = {
   distance_to_mm: (number | null)[];
 };
 
+/** A floor or wall: all that lies within 15 mm of it, or behind it, is no patient. */
+export type CutPlane = {
+  /** unit vector towards the patient */
+  normal: [number, number, number];
+  /** along the normal, in the scan's own axes */
+  height_m: number;
+};
+
 export type Distances = {
   mean: number | null;
   std: number | null;
@@ -126,6 +134,8 @@ export type ExampleScan = {
   reconstructed_from_points?: boolean;
   /** area of floors and walls, which fits and measures do not see */
   cut_away_cm2?: number;
+  /** the floors and walls that were cut away */
+  background?: CutPlane[];
   /** what reading found, one sentence each */
   notes: string[];
   frame: Frame;
@@ -902,6 +912,8 @@ export type Scan = {
   reconstructed_from_points?: boolean;
   /** area of floors and walls, which fits and measures do not see */
   cut_away_cm2?: number;
+  /** the floors and walls that were cut away */
+  background?: CutPlane[];
   /** what reading found, one sentence each */
   notes: string[];
   frame: Frame;

@@ -3,6 +3,7 @@ import type * as wire from "./types.gen";
 
 export type {
   CarriedDrawing,
+  CutPlane,
   DrawingFile,
   DrawnShape,
   EventPage,

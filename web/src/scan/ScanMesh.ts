@@ -136,7 +136,7 @@ export class ScanMesh implements Surface {
     this.isSettled = false;
     const { eye, target } = this.viewer.pose;
     const known = whole.boundsTree ? knownBody(bytes, crops) : null;
-    const search = known ? null : searchScan(bytes, whole, scan && tableNormalOf(scan.info), crops);
+    const search = known ? null : searchScan(bytes, whole, scan && tableNormalOf(scan.info), crops, scan?.info.background);
     if (search && !whole.boundsTree) {
       const outline = await search.outline;
       if (bytes !== this.wanted) return;

@@ -69,6 +69,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
           row(text.scan.unit, text.units[info.unit].toLowerCase()),
           row(text.scan.size, text.scan.sizeValue(w!, h!, d!), "cm"),
           ...(info.reconstructed_from_points ? [row(text.scan.surface, text.scan.fromPoints)] : []),
+          ...(info.cut_away_cm2 ? [row(text.scan.cutAway, formatCount(info.cut_away_cm2), "cm²", text.scan.cutAwayHint)] : []),
           row(text.scan.stance, text.scan.stances[info.stance.proposed].toLowerCase(), "", info.stance.reason),
         ];
       });

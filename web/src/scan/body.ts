@@ -2,7 +2,7 @@
 // It takes longer than reading the scan does, so a worker makes it; what it hands over are plain buffers, made once for each scan.
 import { BufferAttribute, BufferGeometry } from "three";
 import { MeshBVH, type SerializedBVH } from "three-mesh-bvh";
-import type { Scan, Vector } from "../api/types";
+import type { CutPlane, Scan, Vector } from "../api/types";
 import { borderEdges } from "./borders";
 import { croppedFaces, type Crops } from "./crop";
 import { type Drawable, drawableOf } from "./drawable";
@@ -40,11 +40,14 @@ export interface BodyQuestion {
   readonly index: Uint32Array;
   readonly isSplit: boolean; // vertices may stand several times at one place
   readonly tableNormal: Vector | null; // unit, from a table to the body that lies on it
+  readonly background?: readonly CutPlane[]; // floors and walls that the service has cut away
   readonly crops: Crops; // hidden by hand
   readonly wantsRelief: boolean; // nothing but its shape is there to see
 }
 
 export type Surface = Pick<BodyQuestion, "positions" | "index" | "isSplit">;
+
+const BACKGROUND_BAND = 0.015; // metres: its noise, and more than the service's own band
 
 /** A patient who lies faces as her table does; without a table the service calls no scan lying. */
 export const tableNormalOf = (info: Pick<Scan, "stance" | "frame">): Vector | null => (info.stance.proposed === "supine" ? info.frame.front : null);
@@ -68,9 +71,38 @@ function without(hidden: Uint8Array, drawable: Drawable): Drawable {
   return count === 0 ? drawable : { ...drawable, isSkin, count };
 }
 
-export function bodyOf({ positions, index, isSplit, tableNormal, crops, wantsRelief }: BodyQuestion): Body {
+/** By triangle: 1 where it touches a floor or wall, or lies behind it. */
+export function backgroundFaces(positions: ArrayLike<number>, index: ArrayLike<number>, planes: readonly CutPlane[]): Uint8Array {
+  const found = new Uint8Array(index.length / 3);
+  for (const { normal, height_m } of planes) {
+    for (let i = 0; i < index.length; i += 1) {
+      const at = 3 * index[i]!;
+      const height = positions[at]! * normal[0] + positions[at + 1]! * normal[1] + positions[at + 2]! * normal[2] - height_m;
+      if (height < BACKGROUND_BAND) found[(i / 3) | 0] = 1;
+    }
+  }
+  return found;
+}
+
+/** The triangles that are left, as a scan of their own: each piece is judged beside them and not beside a wall. */
+function drawableWithout(background: Uint8Array, positions: ArrayLike<number>, index: Uint32Array, tableNormal: Vector | null): Drawable {
+  if (!background.includes(1)) return drawableOf(positions, index, tableNormal);
+  const kept = index.filter((_, i) => !background[(i / 3) | 0]);
+  const left = drawableOf(positions, kept, tableNormal);
+  let next = 0;
+  const [isSkin, outwards] = [new Uint8Array(background.length), new Int8Array(background.length).fill(1)];
+  background.forEach((is, face) => {
+    if (is) return;
+    isSkin[face] = left.isSkin[next]!;
+    outwards[face] = left.outwards[next]!;
+    next += 1;
+  });
+  return { ...left, isSkin, outwards };
+}
+
+export function bodyOf({ positions, index, isSplit, tableNormal, background = [], crops, wantsRelief }: BodyQuestion): Body {
   const relief = wantsRelief ? reliefOf(positions, index) : null;
-  const drawable = without(croppedFaces(positions, index, crops), drawableOf(positions, index, tableNormal));
+  const drawable = without(croppedFaces(positions, index, crops), drawableWithout(backgroundFaces(positions, index, background), positions, index, tableNormal));
   const { isSkin, count } = drawable;
   if (count === 0 || count === isSkin.length) return { drawable, relief, part: null };
   const [hers, faces] = [new Uint32Array(3 * count), new Uint32Array(count)];

@@ -57,6 +57,8 @@ export const scan = {
   stance: "Stance",
   surface: "Surface",
   fromPoints: "made from points",
+  cutAway: "Cut away",
+  cutAwayHint: "A floor or wall: fits and measures do not see it. The button for table and loose pieces shows it.",
   stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine" },
   facingFrom: { landmarks: "Upright by its landmarks.", fit: "Upright by the fitted model's spine.", person: "Turned by you." },
   why: "How this was found out",

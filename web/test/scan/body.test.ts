@@ -1,5 +1,5 @@
 // The patient apart from the table and the loose pieces of her scan: what is shown, picked, framed; nothing is lost.
-import { type BufferGeometry, Matrix4, Mesh, MeshBasicMaterial, Raycaster, SphereGeometry, Vector3 } from "three";
+import { type BufferGeometry, Matrix4, Mesh, MeshBasicMaterial, PlaneGeometry, Raycaster, SphereGeometry, Vector3 } from "three";
 import { acceleratedRaycast } from "three-mesh-bvh";
 import { expect, test } from "vitest";
 import type { Scan, Vector } from "../../src/api/types";
@@ -9,7 +9,7 @@ import { NO_CROPS } from "../../src/scan/crop";
 import { withLoose } from "../../src/scan/state";
 import { extent } from "../../src/viewer/extent";
 import { withScan } from "../fakes";
-import { half, made, onTable } from "../shapes";
+import { half, made, onTable, place } from "../shapes";
 
 const question = (whole: BufferGeometry, tableNormal: Vector | null): BodyQuestion => ({
   positions: whole.attributes.position!.array as Float32Array,
@@ -51,6 +51,17 @@ test("hidden pieces cannot be picked, the body can, at the same place as before"
   const [before, now] = [below(whole, 0.03, 0.02)!, below(body, 0.03, 0.02)!];
   expect(now.point.distanceTo(before.point)).toBeLessThan(1e-9);
   expect(now.face).toBe(before.face); // the ball comes first in this scan
+});
+
+test("a floor or wall that the service has cut away is no skin, however large, and nothing behind it is", () => {
+  const wall = place(new PlaneGeometry(2, 2, 40, 40), 0, 0, -0.3);
+  const behind = place(new SphereGeometry(0.2, 32, 32), 0, 0, -0.8);
+  const whole = made(half(), wall, behind);
+  const hers = half().index!.count / 3;
+  const { drawable, part } = bodyOf({ ...question(whole, null), background: [{ normal: [0, 0, 1], height_m: -0.3 }] });
+  expect(part!.faces).toEqual(Uint32Array.from({ length: hers }, (_, face) => face));
+  expect(drawable.isSkin.slice(hers).every((is) => is === 0)).toBe(true);
+  expect(found(whole, null).drawable.isSkin[0], "else she is the loose piece").toBe(0);
 });
 
 test("the scan itself stays whole", () => {

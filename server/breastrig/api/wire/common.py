@@ -75,6 +75,13 @@ class ScanLinks(Wire):
     plan: str
 
 
+class CutPlane(Wire):
+    """A floor or wall: all that lies within 15 mm of it, or behind it, is no patient."""
+
+    normal: Three = Field(description="unit vector towards the patient")
+    height_m: float = Field(description="along the normal, in the scan's own axes")
+
+
 class Scan(Wire):
     id: str
     patient: str = Field(description="id of the patient whose scan it is")
@@ -88,6 +95,7 @@ class Scan(Wire):
         False, description="the file held points without triangles; the surface was made from them"
     )
     cut_away_cm2: int = Field(0, ge=0, description="area of floors and walls, which fits and measures do not see")
+    background: list[CutPlane] = Field(default=[], description="the floors and walls that were cut away")
     notes: list[str] = Field(description="what reading found, one sentence each")
     frame: Frame
     stance: Stance

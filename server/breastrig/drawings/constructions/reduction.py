@@ -3,7 +3,8 @@
 Its lengths are millimetres of a tape on this patient, so it cannot be a fixed line of the model.  Construction, as
 at the drawing board (Wise, Plast. Reconstr. Surg. 17, 1956), each length geodesic:
 
-* the new nipple lies on the meridian (midclavicle to nipple) at the height of the fold, never below the nipple;
+* the new nipple lies on the meridian (midclavicle to nipple) at the height of the fold, never below the nipple, or
+  as far beside the meridian as is planned;
 * the keyhole is an arc around it whose length is the new areola's circumference, open below by `opening_deg`;
 * two vertical limbs of equal length leave its ends and diverge;
 * horizontal limbs join their lower ends to the ends of the fold, which may be planned above or below her own.
@@ -37,6 +38,16 @@ FOLD_STEP = 0.001  # m between the points that are compared
 WIDEST = 2.0  # of the areola's radius: as far as a keyhole's rim is from its centre, on all but the roundest breast
 
 
+NIPPLE_OUTWARD = Field(
+    0.0,
+    title="New nipple beside the meridian",
+    ge=-30.0,
+    le=30.0,
+    description="new nipple outwards of the meridian, along the skin",
+)
+NO_SHIFT = 1e-4  # m, a shift below it is none
+
+
 class Reduction(BaseModel):
     """The pattern's dimensions."""
 
@@ -61,6 +72,7 @@ class Reduction(BaseModel):
     nipple_above_fold_mm: float = Field(
         0.0, title="New nipple above the fold", ge=-20.0, le=40.0, description="new nipple over the fold's height"
     )
+    nipple_outward_mm: float = NIPPLE_OUTWARD
     fold_below_mm: float = Field(
         0.0, title="New fold below the fold", ge=-20.0, le=30.0, description="new fold under her own, along the skin"
     )
@@ -171,7 +183,16 @@ class Reduction(BaseModel):
         )
 
     def new_nipple(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
-        """Where the (M, 3) m meridian, from the collarbone to the nipple, comes down to the fold's height."""
+        """Where the (M, 3) m meridian, from the collarbone to the nipple, comes to the fold's height; or beside it."""
+        on_meridian = self._on_meridian(skin, side, nipple, meridian)
+        outward = 1e-3 * self.nipple_outward_mm
+        if abs(outward) < NO_SHIFT:
+            return on_meridian
+        to_left = (outward > 0.0) == (side == "L")  # the patient's, at three o'clock for the observer
+        skin.geodesics.look_from(on_meridian, MARGIN * abs(outward))
+        return on_clock(skin, on_meridian, abs(outward), np.array([0.5 * np.pi if to_left else 1.5 * np.pi]))
+
+    def _on_meridian(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
         heights: Array = meridian @ skin.axes[:, 1]
         fold = skin.at(skin.landmark(f"inframammary_fold_{side}"))[0] @ skin.axes[:, 1]
         wanted = fold + 1e-3 * self.nipple_above_fold_mm

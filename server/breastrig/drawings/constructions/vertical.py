@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.clock import SIDES, FittedSkin, circle_around
-from breastrig.drawings.constructions.reduction import CUT, FOLD, MARK, WIDEST, Reduction, ends
+from breastrig.drawings.constructions.reduction import CUT, FOLD, MARK, NIPPLE_OUTWARD, WIDEST, Reduction, ends
 from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import length
 from breastrig.geometry.surface_points import SurfacePoints, joined
@@ -39,6 +39,7 @@ class Vertical(BaseModel):
     nipple_above_fold_mm: float = Field(
         0.0, title="New nipple above the fold", ge=-20.0, le=40.0, description="new nipple over the fold's height"
     )
+    nipple_outward_mm: float = NIPPLE_OUTWARD
 
     def drawn(self, skin: FittedSkin) -> tuple[DrawnShape, ...]:
         """Three lines for each side; BadDrawing when the pattern does not fit on the breast."""
@@ -66,7 +67,7 @@ class Vertical(BaseModel):
     def _constructed(self, skin: FittedSkin) -> dict[str, "VerticalBreast"]:
         sides = ("L", "R") if self.side == "both" else (self.side,)
         wise = Reduction.model_validate(
-            {"areola_mm": self.areola_mm, "nipple_above_fold_mm": self.nipple_above_fold_mm}
+            self.model_dump(include={"areola_mm", "nipple_above_fold_mm", "nipple_outward_mm"})
         )
         found = {}
         for side in sides:

@@ -133,7 +133,7 @@ class LiveSkin:
         reached, beyond, share = 0.0, 1.0, 1.0  # of the way from the values now to the wanted ones
         for _ in range(1 + HALVINGS):
             values = {key: _between(handle.values[key], value, share, key) for key, value in wanted.items()}
-            changed = {**parameters, **values}
+            changed = {**parameters, **_said(pattern, handle, parameters, values)}
             try:
                 best = self._live(_on_side(pattern_of(name, changed), side), changed, limit)
                 reached = share
@@ -230,13 +230,24 @@ def _within(pattern: Pattern, handle: Handle, values: Mapping[str, float]) -> tu
         field = _field(pattern, parameter)
         most, step = np.inf if field.max is None else field.max, STEPS.get(field.unit, 0.5)
         rounded = _rounded(value, parameter)
-        own = None if handle.least is None else step * np.ceil(handle.least[parameter] / step)
+        least = (handle.least or {}).get(parameter)
+        own = None if least is None else step * np.ceil(least / step)
         ends = [end for end in (field.min, own) if end is not None]
         found[parameter] = float(np.clip(rounded, min(max(ends, default=-np.inf), most), most))
         if found[parameter] != rounded:
             words = {"mm": " mm", "deg": "°", "h": " o'clock"}[field.unit]
             limit = f"{field.label} stops at {found[parameter]:g}{words}."
     return found, limit
+
+
+def _said(pattern: Pattern, handle: Handle, parameters: Parameters, values: Mapping[str, float]) -> dict[str, float]:
+    """Without what a handle moves as well, where that is as it is when nobody says it."""
+    first = next(iter(handle.values))
+    return {
+        key: value
+        for key, value in values.items()
+        if key == first or key in parameters or value != _field(pattern, key).default
+    }
 
 
 def _unit(parameter: str) -> str:

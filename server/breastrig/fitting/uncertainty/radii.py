@@ -10,7 +10,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.uncertainty.calibration import Calibration, Misfit, calibration
 
 HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three axes share it, 1.52 two, 1.64 one
-TWO_SEEN = 2  # as many landmarks seen by colour where the form has them say that the body lies as it was found
+BOTH = frozenset({"nipple_L", "nipple_R"})  # seen by colour where the form has them: so the body lies as it was found
 FEW = 4  # fewer picks show no scatter
 OUTLYING = 6.0  # standard deviations; more is a wrong pick and says nothing of the others
 SEEN_DISTANCE, SEEN_COSINE = 0.015, 0.5  # m, cosine of 60 degrees: a vertex with scan this near, facing alike, is shown
@@ -34,7 +34,7 @@ def radii(posterior: Posterior, margin: float | None = None) -> Radii | None:
     if known is None:
         return None
     names = tuple(rig.landmark_names)
-    lost = 0.0 if margin is None or len(task.seen) >= TWO_SEEN else known.without_picks.lost(margin)
+    lost = 0.0 if margin is None or task.seen >= BOTH else known.without_picks.lost(margin)
     if task.landmarks and task.seen.issuperset(task.landmarks):  # by colour alone: the form places all others
         stretch = known.without_picks.stretch
         misfits = [

@@ -14,7 +14,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import FitFailed
-from breastrig.fitting.moved_landmarks import FittedScan
+from breastrig.fitting.picks.moved_landmarks import FittedScan
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.rig.model import Rig
 from breastrig.workflow.scan_fit import FitJob, checked_landmarks, fit_plan, made_ready, read_model, scan_of_job

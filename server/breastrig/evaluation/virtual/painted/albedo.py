@@ -11,7 +11,8 @@ WAVES = 28  # plane waves of the mottling
 WAVE_LENGTHS = (0.006, 0.07)  # m
 MOTTLING = (1.5, 0.7, 0.7)  # L, a, b; standard deviation
 PATCH = (0.017, 0.024)  # m, radius of what covers a nipple
-NAVEL = (0.0065, 0.0095)  # m, half its width and height
+NAVEL = (0.0065, 0.0095)  # m, half the width and height of a large one
+NAVEL_SIZE, NAVEL_STRENGTH = (0.5, 1.1), (0.15, 0.9)  # of that; and how much of the crease's colour it shows
 INK_FADES = 0.0004  # m, from full ink to none
 
 
@@ -27,6 +28,7 @@ class Albedo:
         self._sizes = random.standard_normal((WAVES, 3)) * MOTTLING * np.sqrt(2.0 / WAVES)
         fold = np.mean([p[1] for n, p in skin.body.landmarks.items() if n.startswith("inframammary")] or [0.3])
         self._pressure = float(fold - random.uniform(0.005, 0.03)), float(random.uniform(0.0, 4.0))
+        self._navel = float(random.uniform(*NAVEL_SIZE)), float(random.uniform(*NAVEL_STRENGTH))
         self._patch = random.uniform(*PATCH), np.array([random.uniform(60.0, 85.0), random.uniform(0.0, 8.0), 12.0])
 
     def lab(self, places: Array) -> Array:
@@ -42,8 +44,9 @@ class Albedo:
             self._paint_areola(colour, places, areola)
         navel = self._skin.body.landmarks.get("umbilicus")
         if navel is not None:
-            away = np.linalg.norm((places - navel) / np.array([*NAVEL, 0.02]), axis=1)
-            _blend(colour, self._palette.crease, 1.0 / (1.0 + np.exp(np.minimum((away - 1.0) / 0.15, 50.0))))
+            size, strength = self._navel
+            away = np.linalg.norm((places - navel) / np.array([size * NAVEL[0], size * NAVEL[1], 0.02]), axis=1)
+            _blend(colour, self._palette.crease, strength / (1.0 + np.exp(np.minimum((away - 1.0) / 0.15, 50.0))))
         for spot in self._marks.spots:
             away = np.linalg.norm(places - spot.place, axis=1)
             _blend(colour, self._palette.mole, 0.85 / (1.0 + np.exp(np.minimum((away - spot.radius) / 0.0004, 50.0))))

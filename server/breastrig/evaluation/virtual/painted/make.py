@@ -26,7 +26,7 @@ from breastrig.evaluation.virtual.warped.make import Half
 from breastrig.evaluation.virtual.warped.sources import CHOOSE, REPORT
 
 SEED = 20_261_123
-PAINT_VERSION = 2  # of the formulas; another one paints all anew
+PAINT_VERSION = 3  # of the formulas; another one paints all anew
 TEXTURE = 1024  # texels a side
 
 
