@@ -238,3 +238,19 @@ test("scans of this tab are remembered, the newest first, each once; a damaged m
   for (const key of kept.keys()) kept.set(key, "{");
   expect(knownScans(memory)).toEqual([]);
 });
+
+test("one click fits both scans, each asked for once, with what belongs to it", async () => {
+  const startFit = vi.fn(async ({ scan }: { scan: string }) => Promise.resolve({ id: `fit-of-${scan}`, links: fitLinks(`fit-of-${scan}`) }));
+  const fit = async (id: string): Promise<Fit> => Promise.resolve({ id, links: fitLinks(id), state: "running", drawing: null } as unknown as Fit);
+  const { store, actions } = page({ startFit, fit, allEvents: async () => Promise.resolve([]) });
+  await actions.scan.open("s1", null);
+  await actions.stances.fitBoth(); // alone there is nothing to do
+  expect(startFit).not.toHaveBeenCalled();
+  await actions.stances.takeKnown("s2");
+  await actions.stances.fitBoth();
+  expect(startFit.mock.calls.map(([request]) => request.scan)).toEqual(["s1", "s2"]);
+  expect(store.get().stances.other?.fit).toMatchObject({ id: "fit-of-s1", state: "running" });
+  expect(store.get().fit).toMatchObject({ id: "fit-of-s2", state: "running" });
+  await actions.stances.fitBoth();
+  expect(startFit).toHaveBeenCalledTimes(2);
+});

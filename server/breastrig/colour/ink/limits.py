@@ -1,7 +1,8 @@
 """The numbers of ink detection, each with its reason.  Lengths in m, densities in units of the natural logarithm.
 
-They were chosen on virtual patients whose colours are painted by formula, few and round on purpose, and none to a
-single case; how the results are for a patient that was left out when they were chosen, `breastrig evaluate` shows.
+They were chosen by looking at four virtual patients whose colours are painted by formula, few and round on purpose, and
+none to a single case.  `breastrig evaluate` chooses their common factor anew for each patient, on the others; the
+numbers themselves have seen all four.  On photographs of real skin nothing is known yet.
 Ink of half the light adds a density of 0.7.
 """
 
@@ -24,9 +25,10 @@ COLOURED = 0.18  # R of violet, blue, green, which darken red; skin's own pigmen
 COLOURED_OVER = 0.04  # R over the least of G and B; moles, veins, scars and areolae have the least in R
 PURE = 0.48  # G for each R, where B is less than G: blue cloth around the body has less, each ink on skin more
 BLACK = 0.27  # R of black; loose hair and creases reach 0.25
-BLACK_BLUE = 1.2  # B for each R of black; brown spots have more
+BLACK_BLUE = 1.2  # B for each R of black; brown spots and faint brown lines have more
+DARK, DARK_BLUE = 0.33, 1.45  # R from which thin black ink on brown skin may have so much; scars and veins stay below
 RED = 0.36  # of G and B for red ink; red scars reach 0.33
-RED_OVER = 0.12  # G over R
+RED_OVER, RED_SHARE = 0.12, 1.2  # G over R, and G for each R
 RED_BLUE = 1.2  # B for each G; blood and melanin have more
 LENIENT = 0.65  # share of these densities that a piece needs to belong to a line that has them as a whole
 WIDEST, WIDEST_BLACK = 3.8e-3, 3.4e-3  # m; shadows and creases are wider

@@ -60,13 +60,15 @@ def ink_of(added: Array, width: float, share: float = 1.0) -> Ink | None:
     red, green, blue = (float(value) for value in added)
     if width > limits.WIDEST:
         return None
-    if min(green, blue) >= share * limits.RED and green - red >= share * limits.RED_OVER and green >= 1.2 * red:
+    over = green - red >= share * limits.RED_OVER and green >= limits.RED_SHARE * red
+    if over and min(green, blue) >= share * limits.RED:
         return Ink.RED if blue <= limits.RED_BLUE * green else None
     if blue < green < limits.PURE * red:
         return None
     if red >= share * limits.COLOURED and red - min(green, blue) >= share * limits.COLOURED_OVER:
         return Ink.COLOURED
-    black = red >= share * limits.BLACK and blue <= limits.BLACK_BLUE * red and width <= limits.WIDEST_BLACK
+    most = limits.DARK_BLUE if red >= share * limits.DARK else limits.BLACK_BLUE
+    black = red >= share * limits.BLACK and blue <= most * red and width <= limits.WIDEST_BLACK
     return Ink.BLACK if black and (width >= limits.NARROWEST_BLACK or red >= limits.CLEARLY_BLACK) else None
 
 

@@ -1,0 +1,43 @@
+"""What a line's densities say: ink of five markers, and what else draws lines on skin."""
+
+import numpy as np
+import pytest
+
+from breastrig.colour.ink.markers import MARKERS, markers_of
+from breastrig.colour.ink.pieces import Ink, ink_of
+
+
+@pytest.mark.parametrize(
+    ("what", "added", "width_mm", "ink"),
+    [
+        ("violet", (0.5, 0.55, 0.0), 2.3, Ink.COLOURED),
+        ("blue", (0.5, 0.5, 0.2), 2.0, Ink.COLOURED),
+        ("green", (0.8, 0.45, 0.6), 2.0, Ink.COLOURED),
+        ("faint green", (0.25, 0.17, 0.2), 1.9, Ink.COLOURED),
+        ("red", (0.4, 0.7, 0.7), 2.2, Ink.RED),
+        ("black", (1.0, 1.0, 1.0), 2.0, Ink.BLACK),
+        ("faint black", (0.3, 0.31, 0.3), 2.7, Ink.BLACK),
+        ("thin black on brown skin", (0.5, 0.6, 0.7), 2.0, Ink.BLACK),
+        ("mole or vein", (0.15, 0.28, 0.4), 3.0, None),
+        ("red scar", (0.12, 0.35, 0.31), 2.5, None),
+        ("rim of an areola", (0.2, 0.39, 0.57), 3.5, None),
+        ("hair", (0.22, 0.25, 0.27), 1.5, None),
+        ("crease", (0.3, 0.3, 0.3), 4.0, None),
+        ("blue cloth", (1.86, 0.83, 0.54), 3.0, None),
+        ("nothing", (0.02, 0.02, 0.02), 2.0, None),
+    ],
+)
+def test_ink_is_told_from_skin_hair_shadow_and_cloth(
+    what: str, added: tuple[float, float, float], width_mm: float, ink: Ink | None
+) -> None:
+    assert ink_of(np.array(added), 1e-3 * width_mm) is ink, what
+
+
+@pytest.mark.parametrize("exposure", [0.35, 0.6, 0.9])
+@pytest.mark.parametrize("share", [0.3, 0.8])
+def test_each_marker_is_known_under_any_exposure_and_however_thin(exposure: float, share: float) -> None:
+    skin = exposure * np.array([0.45, 0.26, 0.18])
+    inks = exposure * np.array([marker.light for marker in MARKERS])
+    added = -np.log(((1 - share) * skin + share * inks) / skin)
+    assert markers_of(added, np.ones(len(MARKERS)), -np.log(skin)) == list(MARKERS)
+    assert markers_of(added[:0], np.zeros(0), -np.log(skin)) == []
