@@ -51,7 +51,7 @@ def painted_body(
     return _painted_body(patient, tone, plan, side, seed, supine, states)
 
 
-@lru_cache(maxsize=6)
+@lru_cache(maxsize=8)
 def _painted_body(
     patient: int, tone: int, plan: str, side: int, seed: int, supine: bool, states: tuple[tuple[str, str], ...]
 ) -> PaintedBody:
