@@ -10,11 +10,11 @@ from scipy.spatial import cKDTree
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.geometry.normals import face_normals
 from breastrig.geometry.point_normals import point_normals
-from breastrig.scan.formats.pcd import pcd_points, unpack_lzf
 from breastrig.scan.piece import PointCloud
+from breastrig.scan.point_clouds.pcd import pcd_points, unpack_lzf
+from breastrig.scan.point_clouds.surface_from_points import FROM_POINTS, surface_from_points
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import STORED, write_stored
-from breastrig.scan.surface_from_points import FROM_POINTS, surface_from_points
 
 POINTS, NORMALS = front(0.006)
 FILES = {

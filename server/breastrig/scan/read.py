@@ -21,12 +21,12 @@ from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import file_type_of
 from breastrig.scan.formats.archive import COMPANIONS, unpacked
 from breastrig.scan.formats.glb import glb_pieces
-from breastrig.scan.formats.pcd import pcd_points
-from breastrig.scan.formats.point_text import text_points
 from breastrig.scan.formats.texture import written_anew
 from breastrig.scan.formats.usd_process import usd_pieces
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
 from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud
+from breastrig.scan.point_clouds.pcd import pcd_points
+from breastrig.scan.point_clouds.point_text import text_points
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
@@ -86,7 +86,10 @@ def read_scan(
     if from_points and pieces.cloud is not None:
         cloud = _sound_points(pieces.cloud)
         unit, reason = decide_unit(extent(cloud.points), units)
-        from breastrig.scan.surface_from_points import FROM_POINTS, surface_from_points  # few scans are points
+        from breastrig.scan.point_clouds.surface_from_points import (  # few scans are points
+            FROM_POINTS,
+            surface_from_points,
+        )
 
         whole, notes = surface_from_points(cloud, METRES_PER_UNIT[unit]), (FROM_POINTS, *pieces.notes)
         _check(whole, pieces.has_points)
