@@ -56,7 +56,7 @@ test("the new nipple is dragged: line and number follow, the plan keeps them, un
     const live = (await shown(page))!;
     const line = live.dragged!.patterns.shapes.find(({ name: each }) => each === "vertical_L")!.points;
     expect(line).not.toEqual(lineBefore);
-    await expect(handle(page, name).locator(".handle-says")).toHaveText("New nipple above the fold, left: 40\u00a0mm. New nipple above the fold stops at 40 mm.");
+    await expect(handle(page, name).locator(".handle-says")).toHaveText("New nipple above the fold 40\u00a0mm, New nipple beside the meridian 0\u00a0mm, left. New nipple above the fold stops at 40 mm.");
     await expect(page.locator(".pattern [data-parameter=nipple_above_fold_mm]")).toHaveValue("40");
     expect(before).toBeLessThan(40);
     expect((await plan()).version).toBe(version);

@@ -1,7 +1,9 @@
 """The handle of the new nipple: up and down the meridian, never below the nipple that is there, and beside it.
 
-The meridian holds it: a hand that means to go up trembles to the sides.
+The meridian holds it: a hand that means to go up trembles to the sides, and the meridian leans.
 """
+
+from typing import Protocol
 
 import numpy as np
 
@@ -11,11 +13,23 @@ from breastrig.drawings.handles.handle import Handle
 from breastrig.geometry.surface_points import SurfacePoints
 
 ABOVE, OUTWARD = "nipple_above_fold_mm", "nipple_outward_mm"
-HOLDS_MM = 5.0  # that it is pulled aside before it leaves the meridian
+HOLDS_MM = 5.0  # that it is pulled aside before it leaves the meridian,
+HOLDS_SHARE = 0.4  # or so much of how far it is pulled up or down: some twenty degrees
 
 
-def new_nipple_handle(skin: FittedSkin, side: str, new: SurfacePoints, meridian: Array, outward_mm: float) -> Handle:
-    """`meridian` is (M, 3) m from the collarbone to the nipple, `outward_mm` what is planned beside it."""
+class PlannedNipple(Protocol):
+    """A pattern that moves the nipple."""
+
+    @property
+    def nipple_above_fold_mm(self) -> float: ...
+    @property
+    def nipple_outward_mm(self) -> float: ...
+
+
+def new_nipple_handle(
+    skin: FittedSkin, side: str, new: SurfacePoints, meridian: Array, planned: PlannedNipple
+) -> Handle:
+    """`meridian` is (M, 3) m from the collarbone to the nipple; `new` is where the nipple is planned."""
     up, outward = skin.axes[:, 1], skin.axes[:, 0] * (1.0 if side == "L" else -1.0)
     fold = float(skin.at(skin.landmark(f"inframammary_fold_{side}"))[0] @ up)
     heights = meridian @ up
@@ -31,9 +45,10 @@ def new_nipple_handle(skin: FittedSkin, side: str, new: SurfacePoints, meridian:
         if at @ up < heights[order[0]]:  # below the nipple: only what is to the side counts
             across = (across @ outward) * outward
         aside = 1e3 * float(np.linalg.norm(across) * np.sign(across @ outward))
-        is_held = outward_mm == 0.0 and abs(aside) < HOLDS_MM
-        return {ABOVE: above_fold_mm(at), OUTWARD: 0.0 if is_held else aside}
+        above = above_fold_mm(at)
+        holds = max(HOLDS_MM, HOLDS_SHARE * abs(above - values[ABOVE]))
+        return {ABOVE: above, OUTWARD: 0.0 if values[OUTWARD] == 0.0 and abs(aside) < holds else aside}
 
-    at = skin.at(new)[0]
-    least = {ABOVE: above_fold_mm(meridian[-1])}
-    return Handle(f"new_nipple_{side}", side, {ABOVE: above_fold_mm(at), OUTWARD: outward_mm}, at, up, values_at, least)
+    least = above_fold_mm(meridian[-1])
+    values = {ABOVE: max(planned.nipple_above_fold_mm, least), OUTWARD: planned.nipple_outward_mm}
+    return Handle(f"new_nipple_{side}", side, values, skin.at(new)[0], up, values_at, {ABOVE: least})

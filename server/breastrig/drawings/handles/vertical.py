@@ -15,7 +15,7 @@ def vertical_handles(pattern: Vertical, skin: FittedSkin) -> list[Handle]:
     found = []
     for side, breast in pattern.constructed(skin).items():
         found += [
-            new_nipple_handle(skin, side, breast.new, breast.meridian, pattern.nipple_outward_mm),
+            new_nipple_handle(skin, side, breast.new, breast.meridian, pattern),
             areola_handle(skin, side, breast.nipple, pattern.areola_mm),
             _end(pattern, skin, side, breast),
             *(_width(pattern, skin, side, breast, k) for k in (0, 1)),

@@ -23,7 +23,7 @@ def wise_handles(pattern: Reduction, skin: FittedSkin) -> list[Handle]:
     found = []
     for side, breast in pattern.constructed(skin).items():
         found += [
-            new_nipple_handle(skin, side, breast.new, breast.meridian, pattern.nipple_outward_mm),
+            new_nipple_handle(skin, side, breast.new, breast.meridian, pattern),
             areola_handle(skin, side, breast.nipple, pattern.areola_mm),
             *(_limb(skin, side, breast, k) for k in (0, 1)),
             *(_angle(pattern, skin, side, breast, k) for k in (0, 1)),
