@@ -25,7 +25,7 @@ def test_meta_names_version_limits_and_model(client: FlaskClient, config: Config
         "triangles": config.uploads.triangles,
         "keep_days": 30,
     }
-    assert meta["units"] == ["auto", "m", "dm", "cm", "mm", "in"]
+    assert meta["units"] == ["auto", "m", "dm", "cm", "mm", "in", "ft"]
     assert (meta["model"]["name"], meta["model"]["bones"], meta["model"]["blendshapes"]) == ("toy", 4, 4)
     assert [landmark["name"] for landmark in meta["landmarks"]] == list(toy_rig().landmark_names)
     assert all(set(one) == {"name", "label", "latin", "definition", "easy", "mirror"} for one in meta["landmarks"])

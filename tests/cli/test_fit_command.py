@@ -130,11 +130,11 @@ def bad_files() -> dict[str, tuple[str, bytes]]:
         "one triangle": ("scan.ply", ply(np.eye(3), np.array([[0, 1, 2]]))),
         "not a number": ("scan.ply", ply(holed, scan.faces)),
         "truncated": ("scan.glb", glb[: len(glb) // 2]),
-        "points only": ("scan.ply", trimesh.PointCloud(scan.vertices).export(file_type="ply")),
+        "points far apart": ("scan.ply", trimesh.PointCloud(scan.vertices[::500]).export(file_type="ply")),
     }
 
 
-@pytest.mark.parametrize("case", ["empty", "text", "one triangle", "not a number", "truncated", "points only"])
+@pytest.mark.parametrize("case", ["empty", "text", "one triangle", "not a number", "truncated", "points far apart"])
 def test_a_bad_scan_gets_one_clear_line_and_exit_code_2(
     case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

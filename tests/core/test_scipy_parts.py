@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import scipy.linalg
 import scipy.sparse
 import scipy.sparse.linalg
 import scipy.spatial
+from helpers.bare_example import write_bare_example
 
 from breastrig.core import scipy_parts
 from breastrig.core.scipy_parts import LinAlgError, cholesky, csc_array, solve_lower, symmetric_factor
@@ -31,12 +33,11 @@ def test_a_fit_needs_neither_the_rest_of_scipy_nor_trimesh() -> None:
     assert not slow & loaded_by("import breastrig.cli.fit_command")
 
 
-def test_a_whole_fit_needs_none_of_it_either(tmp_path: object) -> None:
-    from breastrig.core.assets import asset_folder
-
-    scan = asset_folder("example") / "standing" / "scan.ply"
-    program = f"from breastrig.cli.main import main\nassert main(['fit', {str(scan)!r}, '-o', {str(tmp_path)!r}]) == 0"
+def test_a_whole_fit_of_a_scan_without_colours_needs_none_of_it_either(tmp_path: Path) -> None:
+    scan, out = write_bare_example("standing", tmp_path / "scan.ply"), tmp_path / "out"
+    program = f"from breastrig.cli.main import main\nassert main(['fit', {str(scan)!r}, '-o', {str(out)!r}]) == 0"
     slow = {"scipy.linalg", "scipy.special", "scipy.spatial", "scipy.sparse.linalg", "trimesh", "networkx", "PIL"}
+    slow |= {"skimage", "breastrig.colour"}
     assert not slow & loaded_by(program)
 
 

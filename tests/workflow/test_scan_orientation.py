@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
+from helpers.bare_example import write_bare_example
 from helpers.example_patient import EXAMPLE
 from helpers.toy_rig import toy_rig
 
@@ -35,14 +35,9 @@ PICKS = json.loads((EXAMPLE / "landmarks.json").read_text())["landmarks"]
 
 @pytest.fixture(scope="module")
 def bare(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """The example's scans by stance without their colours, in which landmarks would be looked for as well."""
-    scans = {}
-    for stance in ("standing", "supine"):
-        scan = trimesh.load(asset_folder("example") / stance / "scan.ply", process=False)
-        scan.visual = trimesh.visual.ColorVisuals()
-        scans[stance] = tmp_path_factory.mktemp(stance) / "scan.ply"
-        scan.export(scans[stance])
-    return scans
+    """The example's scans by stance, without colours."""
+    folder = tmp_path_factory.mktemp("bare")
+    return {stance: write_bare_example(stance, folder / f"{stance}.ply") for stance in ("standing", "supine")}
 
 
 @pytest.fixture
