@@ -113,17 +113,7 @@ def test_a_texture_at_random_shows_no_lines_and_a_scan_turned_inside_out_the_sam
 def test_a_turned_and_moved_scan_gives_the_same_lines(inked: Scan, ink: tuple[InkLine, ...]) -> None:
     turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
-    moved = Scan(
-        inked.vertices @ turn.T + [3.0, -2.0, 1.0],
-        inked.faces,
-        "m",
-        1.0,
-        "",
-        "",
-        uv=inked.uv,
-        texture=inked.texture,
-        picture=inked.picture,
-    )
+    moved = replace(inked, vertices=inked.vertices @ turn.T + [3.0, -2.0, 1.0])
     there = find_ink(moved)
     assert [each.kind for each in there if each.length > 0.02] == [each.kind for each in ink if each.length > 0.02]
     back = (sampled(there) - [3.0, -2.0, 1.0]) @ turn
@@ -145,17 +135,7 @@ def test_colours_of_fine_vertices_will_do_and_coarse_ones_are_one_sentence() -> 
 def test_a_line_goes_on_behind_a_hole_of_the_scan_and_says_so(inked: Scan) -> None:
     middle = inked.vertices[inked.faces].mean(axis=1)
     hole = np.linalg.norm(middle - place(np.array([[160.0, 68.0]])), axis=1) < 7.5e-3
-    holed = Scan(
-        inked.vertices,
-        inked.faces[~hole],
-        "m",
-        1.0,
-        "",
-        "",
-        uv=inked.uv,
-        texture=inked.texture,
-        picture=inked.picture,
-    )
+    holed = replace(inked, faces=inked.faces[~hole])
     longest = max(find_ink(holed), key=lambda each: np.ptp(each.line.points[:, 0]))
     across = longest.line.points
     assert np.ptp(across[:, 0]) > 0.18
