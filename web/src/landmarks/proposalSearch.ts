@@ -4,7 +4,7 @@ import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { messageOf } from "../store/problems";
 import type { Store } from "../store/store";
-import type { Proposals } from "./proposals";
+import { openProposals, type Proposals } from "./proposals";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 
@@ -27,7 +27,9 @@ export function createProposalSearch(store: Store<State>, client: Client) {
       for (let tried = 0; tried < TRIES && isCurrent(); tried += 1) {
         const answer = await client.proposed(scan.info);
         if ("landmarks" in answer) {
-          show({ state: "found", landmarks: answer.landmarks }, text.proposals.announceFound(Object.keys(answer.landmarks).length));
+          const found: Proposals = { state: "found", landmarks: answer.landmarks };
+          const open = openProposals(found, store.get().picks.present);
+          show(found, open.length > 0 ? text.proposals.announceFound(open.length) : undefined); // what is placed is no news
           return;
         }
         await pause(answer.retryAfterS);

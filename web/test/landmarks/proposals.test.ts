@@ -102,3 +102,21 @@ test("proposals for a scan that has gone are dropped", async () => {
   await vi.advanceTimersByTimeAsync(0);
   expect(store.get().proposals).toBeNull();
 });
+
+test("proposals that come late say only what is open still, and nothing over what was said meanwhile", async () => {
+  const proposed = async () => {
+    await new Promise((done) => setTimeout(done, 3000));
+    return { landmarks };
+  };
+  const made = page({ proposed });
+  await made.actions.scan.open("s1", null);
+  made.actions.page.goTo("landmarks");
+  for (const [name, { point }] of Object.entries(landmarks)) {
+    made.actions.landmarks.want(name);
+    made.actions.landmarks.place(point);
+  }
+  made.store.set({ announcement: "Please check: one landmark." });
+  await vi.advanceTimersByTimeAsync(3000);
+  expect(made.store.get().proposals?.state).toBe("found");
+  expect(made.store.get().announcement).toBe("Please check: one landmark.");
+});
