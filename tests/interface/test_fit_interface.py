@@ -159,7 +159,7 @@ def test_everything_is_in_the_scans_own_unit_and_frame(in_millimetres: Path) -> 
     assert abs(np.abs(fit.distances[seen]).mean() - fit.result["surface_distance_mm"]["mean"]) < 1e-3
     assert seen.mean() == pytest.approx(fit.result["surface_distance_mm"]["coverage"], abs=1e-4)
     np.testing.assert_array_equal(fit.to_trimesh().vertices, fit.vertices)
-    assert {measure.unit for measure in breastrig.measure(fit)} == {"mm", "ml", "1"}
+    assert {measure.unit for measure in breastrig.measure(fit)} == {"mm", "ml", "1", "grade"}
 
 
 def test_a_saved_fit_is_loaded_with_every_digit_and_saved_again(

@@ -8,7 +8,7 @@ import pytest
 
 from breastrig.report.document import Reported, report_document, stance_names
 from breastrig.report.measures import measures
-from breastrig.report.page import latin
+from breastrig.report.pages.page import latin
 from breastrig.report.pdf import report_pdf
 from breastrig.report.stance import Stance
 from breastrig.rig.model import Rig

@@ -38,8 +38,8 @@ class Measure:
 
     name: str
     label: str  # for people
-    kind: str  # straight | along the skin | ratio | volume
-    unit: str  # mm | ml | 1
+    kind: str  # straight | along the skin | in height | ratio | volume | grade
+    unit: str  # mm | ml | 1 | grade: 0 none, 1 to 3 as Regnault's I to III, 4 glandular
     left: Number | None
     right: Number | None
     value: Number | None  # where there is one for both sides
@@ -48,12 +48,14 @@ class Measure:
 
     @property
     def difference(self) -> float | None:
-        """Left less right, in `unit`."""
-        return None if self.left is None or self.right is None else self.left.value - self.right.value
+        """Left less right, in `unit`; grades are no numbers to be subtracted."""
+        if self.left is None or self.right is None or self.unit == "grade":
+            return None
+        return self.left.value - self.right.value
 
 
 def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
-    """Distances (mm, straight and along the skin), ratios and breast volumes (ml) of a fit, or of the folder of one.
+    """Distances (mm), ratios, breast volumes (ml) and, standing, the grade of ptosis of a fit or of the folder of one.
 
     They are in mm and ml whatever the scan's unit; `unit` says so.  Landmarks that were picked and not doubted count
     as they were picked, the others as the fitted model has them.  `model` is that of a folder.  Raises BadInput.

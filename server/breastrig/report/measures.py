@@ -21,6 +21,7 @@ from breastrig.geometry.geodesic import Geodesics, length
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.report.bands import banded, half_width
 from breastrig.report.body_frame import BodyFrame, body_frame
+from breastrig.report.ptosis import ptosis
 from breastrig.report.stance import Place, Stance, places
 from breastrig.report.symmetry import symmetry
 from breastrig.report.table import Row, Value
@@ -43,7 +44,8 @@ def measures(stance: Stance) -> tuple[Row, ...]:
     """All rows that the rig's landmarks and drawings allow."""
     table = _Table(stance)
     sorted_by_name = sorted(symmetry(stance, table.frame, table.places), key=lambda row: row.measure)
-    return (*table.lengths(), *_areolae(stance), *_volumes(stance), *sorted_by_name)
+    hanging = ptosis(stance, table.frame, table.places)
+    return (*table.lengths(), *hanging, *_areolae(stance), *_volumes(stance), *sorted_by_name)
 
 
 class _Table:

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 from breastrig.report.document import Reported
-from breastrig.report.page import MARGIN, QUIET, WIDTH, Sheet
-from breastrig.report.page_of_numbers import numbers_page
-from breastrig.report.page_of_pictures import pictures_page
-from breastrig.report.page_of_tape import draw_tape, tape_pages
+from breastrig.report.pages.page import MARGIN, QUIET, WIDTH, Sheet
+from breastrig.report.pages.page_of_numbers import numbers_page
+from breastrig.report.pages.page_of_pictures import pictures_page
+from breastrig.report.pages.page_of_tape import draw_tape, tape_pages
 from breastrig.report.tape import tape_points
 
 

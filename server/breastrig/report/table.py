@@ -21,8 +21,9 @@ COLUMNS = (
     "landmarks", "method",
 )  # fmt: skip
 PATH_DIGITS = 1  # of mm, in the lines that were measured: they are looked at, not measured again
-FILE_DIGITS = {"mm": 2, "ml": 1, "1": 4}  # a hundredth of a millimetre is below any scanner: enough
+FILE_DIGITS = {"mm": 2, "ml": 1, "1": 4, "grade": 0}  # a hundredth of a millimetre is below any scanner: enough
 PRINTED_DIGITS = {"mm": 1, "ml": 0, "1": 2}  # what a scanner of 1 to 3 mm and a band of tens of ml allow
+GRADES = ("none", "I", "II", "III", "glandular")  # of ptosis.py
 
 
 @dataclass(frozen=True)
@@ -40,8 +41,8 @@ class Row:
 
     measure: str  # name for programs
     label: str  # for people
-    kind: str  # straight | along the skin | ratio | volume
-    unit: str  # mm | ml | 1
+    kind: str  # straight | along the skin | in height | ratio | volume | grade
+    unit: str  # mm | ml | 1 | grade
     left: Value | None
     right: Value | None
     value: Value | None
@@ -51,8 +52,10 @@ class Row:
 
     @property
     def difference(self) -> float | None:
-        """Left less right."""
-        return None if self.left is None or self.right is None else self.left.value - self.right.value
+        """Left less right; grades are no numbers to be subtracted."""
+        if self.left is None or self.right is None or self.unit == "grade":
+            return None
+        return self.left.value - self.right.value
 
 
 def flat_rows(stances: Sequence[tuple[str, Sequence[Row]]]) -> list[dict[str, Cell]]:
@@ -68,8 +71,8 @@ def flat_rows(stances: Sequence[tuple[str, Sequence[Row]]]) -> list[dict[str, Ce
 
 
 def changes(before: Sequence[Row], after: Sequence[Row]) -> list[Row]:
-    """The measures that both stances have, after less before."""
-    known = {(row.measure, row.kind): row for row in before}
+    """The measures that both stances have, after less before; grades are no numbers to be subtracted."""
+    known = {(row.measure, row.kind): row for row in before if row.unit != "grade"}
     return [_change(known[row.measure, row.kind], row) for row in after if (row.measure, row.kind) in known]
 
 
@@ -120,6 +123,8 @@ def number(value: Value | None, unit: str, *, signed: bool = False) -> str:
     """The value without its unit; a dash where there is none."""
     if value is None:
         return "-"
+    if unit == "grade":
+        return GRADES[round(value.value)]
     text = f"{value.value:{'+' if signed else ''}.{PRINTED_DIGITS[unit]}f}"
     return text if float(text) else text.lstrip("+-")
 
@@ -128,6 +133,9 @@ def with_band(value: Value | None, unit: str) -> str:
     """290 (240 to 330)."""
     if value is None or value.low is None or value.high is None:
         return number(value, unit)
+    if unit == "grade":
+        low, high = (GRADES[round(end)] for end in (value.low, value.high))
+        return number(value, unit) if low == high else f"{number(value, unit)}  ({low} to {high})"
     digits = PRINTED_DIGITS[unit]
     return f"{number(value, unit)}  ({value.low:.{digits}f} to {value.high:.{digits}f})"
 
@@ -135,6 +143,6 @@ def with_band(value: Value | None, unit: str) -> str:
 def with_margin(value: Value | None, unit: str) -> str:
     """201.3 ±4: the larger side of its band, in whole units."""
     text = number(value, unit)
-    if value is None or value.low is None or value.high is None:
+    if value is None or value.low is None or value.high is None or unit == "grade":
         return text
     return f"{text} ±{max(value.high - value.value, value.value - value.low):.0f}"

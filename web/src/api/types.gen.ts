@@ -391,9 +391,10 @@ export type Measure = {
   /** name of the stance; `second - first` for a change */
   stance: string;
   measure: string;
-  /** straight, along the skin, ratio, volume */
+  /** straight, along the skin, in height, ratio, volume, grade */
   kind: string;
-  unit: "mm" | "ml" | "1";
+  /** grade: 0 none, 1 to 3 as Regnault's I to III, 4 glandular (pseudoptosis) */
+  unit: "mm" | "ml" | "1" | "grade";
   /** the patient's left */
   left: number | null;
   /** low end of the band, where one is known */
@@ -402,7 +403,7 @@ export type Measure = {
   right: number | null;
   right_low: number | null;
   right_high: number | null;
-  /** left less right */
+  /** left less right; none of grades */
   difference: number | null;
   /** of a measure without sides */
   value: number | null;

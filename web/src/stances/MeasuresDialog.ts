@@ -14,7 +14,7 @@ import * as text from "./text";
 const words = text.stances.table;
 const COLUMNS = ["left", "right", "difference"] as const;
 const HEADS = { left: words.left, right: words.right, difference: words.difference };
-const UNITS = { mm: "mm", ml: "ml", "1": "" };
+const UNITS = { mm: "mm", ml: "ml", "1": "", grade: "" };
 
 type Shown = Pick<PageSlice & FitSlice & StancesSlice, "meta" | "problems" | "fit" | "stances">;
 

@@ -10,7 +10,7 @@ export interface MeasuredLine {
   readonly says: string; // "" where the line is part of a ratio
 }
 
-const UNITS: Record<Measure["unit"], string> = { mm: "\u00a0mm", ml: "\u00a0ml", "1": "" };
+const UNITS: Record<Measure["unit"], string> = { mm: "\u00a0mm", ml: "\u00a0ml", "1": "", grade: "" };
 
 /** `stance`: what the table calls the scan; none for a change, and in a table of an older version. */
 export function measuredLines(file: Pick<MeasuresFile, "measures"> | null, stance: string, key: string | null): MeasuredLine[] {

@@ -57,11 +57,13 @@ export function measuresTable(file: Pick<MeasuresFile, "measures" | "stances">):
   return { groups, lines };
 }
 
-const DIGITS: Record<Measure["unit"], number> = { mm: 1, ml: 0, "1": 2 };
+const DIGITS: Record<Exclude<Measure["unit"], "grade">, number> = { mm: 1, ml: 0, "1": 2 };
+const GRADES = ["none", "I", "II", "III", "glandular"]; // of ptosis, by number
 
 /** With the digits that the measure is worth; changes and differences with their sign. */
 export function formatCell({ value }: Cell, unit: Measure["unit"], isSigned: boolean): string {
   if (value === null) return "–";
+  if (unit === "grade") return GRADES[value] ?? "–";
   const digits = Math.abs(value).toFixed(DIGITS[unit]);
   const isZero = Number(digits) === 0;
   const sign = value < 0 && !isZero ? "\u2212" : isSigned && !isZero ? "+" : "";

@@ -126,15 +126,17 @@ class Measure(Document):
 
     stance: str = Field(description="name of the stance; `second - first` for a change")
     measure: str
-    kind: str = Field(description="straight, along the skin, ratio, volume")
-    unit: Literal["mm", "ml", "1"]
+    kind: str = Field(description="straight, along the skin, in height, ratio, volume, grade")
+    unit: Literal["mm", "ml", "1", "grade"] = Field(
+        description="grade: 0 none, 1 to 3 as Regnault's I to III, 4 glandular (pseudoptosis)"
+    )
     left: float | None = Field(description="the patient's left")
     left_low: float | None = Field(description="low end of the band, where one is known")
     left_high: float | None
     right: float | None
     right_low: float | None
     right_high: float | None
-    difference: float | None = Field(description="left less right")
+    difference: float | None = Field(description="left less right; none of grades")
     value: float | None = Field(description="of a measure without sides")
     value_low: float | None = Field(description="low end of its band, where one is known")
     value_high: float | None = Field(description="high end of its band, where one is known")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from breastrig.report.document import Reported
-from breastrig.report.page import MARGIN, QUIET, WIDTH, Align, Sheet
+from breastrig.report.pages.page import MARGIN, QUIET, WIDTH, Align, Sheet
 from breastrig.rig.model import Rig
 
 TITLE = "Landmarks (mm): from the model's to the pick, ± the radius that holds the true place with 90 %"

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from breastrig.rendering.picture import NOISE_MM
 from breastrig.report.document import Reported
-from breastrig.report.page import MARGIN, QUIET, WIDTH, Cell, Sheet
+from breastrig.report.pages.page import MARGIN, QUIET, WIDTH, Cell, Sheet
 from breastrig.report.pictures import LIMIT_MM, colour_bar, distance_pictures, jpeg, scan_pictures, views_of
 from breastrig.report.table import Row, Value, number
 

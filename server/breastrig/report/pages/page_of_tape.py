@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from breastrig.report.document import Reported
-from breastrig.report.page import FOOT, MARGIN, QUIET, WIDTH, Cell, Sheet
+from breastrig.report.pages.page import FOOT, MARGIN, QUIET, WIDTH, Cell, Sheet
 from breastrig.report.tape import THREE, TapePoint
 
 ROW = 4.7  # mm

@@ -1,0 +1,1 @@
+"""The pages of report.pdf, one a file, and the sheet that they are drawn on."""
