@@ -2,23 +2,31 @@
 import type { Ink, Vector } from "../api/types";
 import { lineAlong } from "../drawing/edits";
 import { gap, type OwnLine } from "../drawing/lines";
+import type { InkDecided } from "../drawing/state";
 import { evenly } from "../drawing/strokes";
 import type { FoundLine } from "./state";
 import * as text from "./text";
 
 const SAME_MM = 2; // a line of the plan that runs so near all along a found one is that one
 
-/** As the service has them, named by marker and kind; without those that are lines of the plan already. */
-export function readInk(found: Ink, planned: readonly OwnLine[]): FoundLine[] {
+/** As the service has them, named by marker and kind. */
+export function readInk(found: Ink): FoundLine[] {
   const counts = new Map<string, number>();
-  const lines = found.shapes.map((shape): FoundLine => {
-    const { kind, marker, length_mm: lengthMm, points } = shape;
+  return found.shapes.map((shape): FoundLine => {
+    const { name, kind, marker, length_mm: lengthMm, points } = shape;
     const stem = text.ink.stem(shape);
     const number = (counts.get(stem) ?? 0) + 1;
     counts.set(stem, number);
-    return { name: `${stem} ${number}`, kind, marker, color: shape.color ?? "#101010", closed: shape.closed ?? false, points, lengthMm };
+    return { name: `${stem} ${number}`, ids: [name], kind, marker, color: shape.color ?? "#101010", closed: shape.closed ?? false, points, lengthMm };
   });
-  return lines.filter((line) => !planned.some((own) => isSame(line, own)));
+}
+
+/** What is known to be decided when a scan is opened: what the service keeps as dropped, and what is a line of the plan already. */
+export function decidedBefore(found: readonly FoundLine[], kept: readonly string[], planned: readonly OwnLine[]): InkDecided {
+  const decided: Record<string, "accepted" | "dropped"> = {};
+  for (const line of found) if (planned.some((own) => isSame(line, own))) for (const id of line.ids) decided[id] = "accepted";
+  for (const id of kept) decided[id] ??= "dropped";
+  return decided;
 }
 
 function isSame({ points }: FoundLine, own: OwnLine): boolean {
