@@ -1,12 +1,16 @@
 """Crosses that mark a landmark, and crosses that mark something else."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from helpers.painted_body import painted_body
+from PIL import Image
 
 from breastrig.colour.features import crosses
 from breastrig.colour.features.crosses import marked_by_crosses
 from breastrig.colour.features.limits import features
+from breastrig.colour.features.observe import CROSSED, Expectation, observed_landmarks
 from breastrig.colour.ink.find_ink import InkLine
 from breastrig.colour.ink.kinds import Kind
 from breastrig.colour.ink.markers import MARKERS
@@ -42,9 +46,25 @@ def stroke(middle: Array, kind: Kind) -> InkLine:
 def test_a_cross_marks_a_landmark_of_the_midline_where_the_form_has_it(
     strokes: list[tuple[Array, Kind]], named: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(crosses, "find_ink", lambda _: tuple(stroke(*each) for each in strokes))
+    monkeypatch.setattr(crosses, "find_ink", lambda _, **_more: tuple(stroke(*each) for each in strokes))
     scan = painted_body(side=640).scan
     found = marked_by_crosses(scan, EXPECTED, dict.fromkeys(EXPECTED, 0.015), LEFT, features().crosses)
     assert set(found) == named
     for name, each in found.items():
         assert np.linalg.norm(each.place - EXPECTED[name]) < 0.017
+
+
+def test_the_picture_is_decoded_once_also_when_crosses_are_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    scan = painted_body(side=640).scan
+    opened: list[object] = []
+    open_picture = Image.open
+
+    def counted(*arguments: Any, **options: Any) -> Image.Image:
+        opened.append(arguments)
+        return open_picture(*arguments, **options)
+
+    monkeypatch.setattr(Image, "open", counted)
+    place = scan.vertices[scan.vertices[:, 2].argmax()]
+    expected = {name: Expectation(place, np.array([0.0, 0.0, 1.0]), 0.015) for name in (*CROSSED, "nipple_L")}
+    observed_landmarks(scan, expected, LEFT, np.array([0.0, 1.0, 0.0]))
+    assert len(opened) == 1

@@ -26,7 +26,7 @@ export class InkLines implements Part<Shown> {
     const now = [search, drawn.decided, inkPointed];
     if (now.every((each, i) => each === this.drawn[i])) return;
     this.drawn = now;
-    this.lines.set(openLines(search, drawn.decided).map(({ name, points, closed, color }) => polyline({ points, closed, color, bridged: points.map(() => name !== inkPointed) })));
+    this.lines.set(openLines(search, drawn.decided).map(({ name, points, closed, color, bridged }) => polyline({ points, closed, color, bridged: points.map((_, i) => name !== inkPointed || bridged[i]!) })));
     this.viewer.invalidate();
   }
 }

@@ -134,7 +134,7 @@ export function inkActions(store: Store<State>, client: Pick<Client, "ink" | "dr
       const [line] = named(name);
       const joint = line && nearestJoint(line, lines());
       if (!line || !joint) return;
-      const both: FoundLine = { ...line, ids: [...line.ids, ...joint.other.ids], points: joint.points, lengthMm: line.lengthMm + joint.other.lengthMm, kind: line.kind === "dashed" ? "dashed" : "line" };
+      const both: FoundLine = { ...line, ids: [...line.ids, ...joint.other.ids], points: joint.points, bridged: joint.bridged, lengthMm: line.lengthMm + joint.other.lengthMm, kind: line.kind === "dashed" ? "dashed" : "line" };
       write((all) => all.filter((each) => each !== joint.other).map((each) => (each === line ? both : each)), text.ink.announceJoined(name, joint.other.name));
     },
 

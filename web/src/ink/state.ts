@@ -11,6 +11,7 @@ export interface FoundLine {
   readonly color: string;
   readonly closed: boolean;
   readonly points: readonly Vector[]; // mm, the scan's own axes
+  readonly bridged: readonly boolean[]; // per point: the scan has a hole there
   readonly lengthMm: number;
 }
 

@@ -63,6 +63,23 @@ describe("reading", () => {
     expect(round.points.at(-1)).not.toEqual(round.points[0]);
   });
 
+  it("says which parts of a line are guessed: over a hole of the scan, and over a gap that a person has joined", () => {
+    const bridged = along(0, 0, 100).map(([, y]) => y > 39.5 && y < 60.5);
+    const [over, beyond] = readInk({ ...FOUND, shapes: [shape(along(0, 0, 100), { bridged }), shape(along(0, 130, 230))] });
+    const own = asOwn(over!);
+    expect(own.points.filter((_, i) => own.bridged![i]).map(([, y]) => y)).toEqual([40, 42, 44, 46, 48, 50, 52, 54, 56, 58, 60]);
+    expect("bridged" in asOwn(beyond!)).toBe(false);
+    const joint = nearestJoint(over!, [over!, beyond!])!;
+    const both = asOwn({ ...over!, points: joint.points, bridged: joint.bridged });
+    const guessed = both.points.filter((_, i) => both.bridged![i]).map(([, y]) => y);
+    expect(guessed.filter((y) => y < 80)).toEqual([40, 42, 44, 46, 48, 50, 52, 54, 56, 58, 60]);
+    expect(guessed.filter((y) => y > 80)).toEqual([102, 104, 106, 108, 110, 112, 114, 116, 118, 120, 122, 124, 126, 128]);
+    const round = readInk({ ...FOUND, shapes: [shape([[0, 0, 0], [20, 0, 0], [20, 20, 0], [0, 20, 0]], { closed: true, bridged: [false, false, true, true] })] })[0]!;
+    const closed = asOwn(round);
+    expect([closed.bridged!.length, closed.points.length]).toEqual([40, 40]);
+    expect(closed.points.filter((_, i) => !closed.bridged![i])).toEqual([[0, 0, 0], [20, 0, 0]]); // long steps are gaps as well
+  });
+
   it("knows which scans may show a pen's line", () => {
     expect(mayShowInk(SCAN)).toBe(true);
     expect(mayShowInk({ ...SCAN, colours: "none" })).toBe(false);

@@ -81,6 +81,7 @@ def observed_landmarks(
         {name: each.spread for name, each in on_midline.items()},
         left,
         features().crosses,
+        skin.image,
     )
     return found | {name: Observation(each.place, each.covariance, CROSS_SEEN) for name, each in crosses.items()}
 
