@@ -11,7 +11,7 @@ from sqlalchemy import func, select
 from breastrig.service import ink as ink_search
 from breastrig.service.service import Service
 from breastrig.storage import schema
-from breastrig.storage.rows.ink import get_ink
+from breastrig.storage.rows.ink import get_ink, put_ink
 
 
 @pytest.fixture
@@ -41,6 +41,44 @@ def test_ink_is_found_once_and_deleted_with_the_scan(
     assert client.get(place).json == found
     assert client.delete(f"/api/scans/{inked}").status_code == 204
     assert client.get(place).status_code == 404
+    with service.storage.database.reading() as connection:
+        assert connection.execute(select(func.count()).select_from(schema.ink)).scalar_one() == 0
+
+
+def test_what_a_person_dropped_stays_dropped_until_it_is_taken_back(
+    client: FlaskClient, service: Service, inked: str
+) -> None:
+    place = f"/api/scans/{inked}/ink"
+    answer = client.patch(place, json={"dropped": {"ink_1": True}})
+    assert answer.status_code == 409
+    assert answer.json["detail"].startswith("The ink of this scan has not been looked for yet")
+    until(lambda: client.get(place).status_code == 200, "the ink")
+    until(lambda: get_ink(service.storage, inked) is not None, "the row")
+    found = client.get(place).json
+    names = [shape["name"] for shape in found["shapes"]]
+    assert not any(shape["dropped"] for shape in found["shapes"])
+
+    def dropped() -> list[str]:
+        shapes = client.get(place).json["shapes"]
+        assert [shape | {"dropped": False} for shape in shapes] == found["shapes"]
+        return [shape["name"] for shape in shapes if shape["dropped"]]
+
+    answer = client.patch(place, json={"dropped": {names[0]: True, names[2]: True}})
+    assert answer.status_code == 200
+    assert answer.json == client.get(place).json
+    assert dropped() == [names[0], names[2]]
+    assert client.patch(place, json={"dropped": {names[0]: False, names[1]: True}}).status_code == 200
+    assert dropped() == [names[1], names[2]]
+    put_ink(service.storage, inked, found)  # found once more by another process
+    assert dropped() == [names[1], names[2]]
+
+    answer = client.patch(place, json={"dropped": {names[1]: False, "midline": True}})
+    assert answer.status_code == 422
+    assert answer.json["detail"].startswith('No line called "midline" was found on this scan')
+    assert dropped() == [names[1], names[2]]
+    assert client.patch(place, json={"dropped": {names[1]: "perhaps"}}).status_code == 422
+    assert client.delete(f"/api/scans/{inked}").status_code == 204
+    assert client.patch(place, json={"dropped": {names[1]: True}}).status_code == 404
     with service.storage.database.reading() as connection:
         assert connection.execute(select(func.count()).select_from(schema.ink)).scalar_one() == 0
 

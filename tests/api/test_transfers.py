@@ -113,8 +113,7 @@ def test_a_polyline_stays_what_it_is_from_fit_to_file_to_api_to_transfer_to_repo
     millimetres = {"unit": "mm", "shapes": [shape_document(line, 1e-3) for line in lines]}
     scan = client.get(f"/api/fits/{fits['standing']}").json["scan"]
     kept = client.put(f"/api/scans/{scan}/drawing", json=millimetres).json
-    on_the_skin = [{key: value for key, value in shape.items() if key != "bridged"} for shape in millimetres["shapes"]]
-    assert kept["shapes"] == [{"label": ""} | shape for shape in on_the_skin]
+    assert kept["shapes"] == [{"label": ""} | shape for shape in millimetres["shapes"]]
     client.put(f"/api/scans/{scan}/drawing", json={"shapes": []})
 
     wish = {"from_fit": fits["standing"], "to_fit": fits["standing"], "drawing": millimetres}
@@ -194,13 +193,24 @@ def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_bod
     scans = {name: client.get(f"/api/fits/{fit}").json["scan"] for name, fit in fits.items()}
     standing = client.get(f"/api/scans/{scans['standing']}").json
     client.put(f"/api/scans/{scans['supine']}/patient", json={"patient": standing["patient"]})
-    nipple = read_fit_folder(service.storage.folders.fit(fits["standing"])).landmarks["nipple_L"]
+    marks = read_fit_folder(service.storage.folders.fit(fits["standing"])).landmarks
+    nipple = marks["nipple_L"]
+    outwards = nipple - np.mean(list(marks.values()), axis=0)
+    guessed = list(1e3 * (nipple + 0.012 * outwards / np.linalg.norm(outwards)))  # ink over a hole: nothing is there
     place, tumour_place = list(1e3 * nipple), {"side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0}
     there = list(1e3 * read_fit_folder(service.storage.folders.fit(fits["supine"])).landmarks["nipple_R"])
     items = [
         {"kind": "tumour", "id": "t", "scan": scans["standing"], **tumour_place, "depth_mm": 20.0},
         {"kind": "pattern", "id": "p", "scan": scans["standing"], "name": "reduction", "parameters": {"side": "L"}},
         {"kind": "line", "id": "a", "scan": scans["standing"], "name": "Line 1", "points": [place]},
+        {
+            "kind": "line",
+            "id": "g",
+            "scan": scans["standing"],
+            "name": "Ink",
+            "points": [place, guessed, place],
+            "bridged": [False, True, False],
+        },
         {"kind": "note", "id": "n", "scan": scans["standing"], "text": "here", "point": place},
         {"kind": "line", "id": "b", "scan": scans["supine"], "name": "Line 1", "points": [there]},
         {"kind": "tumour", "id": "off", "scan": scans["supine"], **tumour_place | {"distance_mm": 200.0}},
@@ -208,10 +218,12 @@ def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_bod
     seen = client.get(standing["links"]["plan"]).headers["ETag"]
     stored = client.put(standing["links"]["plan"], json={"items": items}, headers={"If-Match": seen})
     assert stored.status_code == 200, stored.json
+    kept = {each["id"]: each.get("bridged") for each in client.get(standing["links"]["plan"]).json["items"]}
+    assert (kept["g"], kept["a"]) == ([False, True, False], None)
 
     own, carried = plan_on(client, fits["standing"]), plan_on(client, fits["supine"])
     assert [(each["item"], each["carried"]) for each in own["shapes"]] == [
-        ("t", False), *[("p", False)] * 4, ("a", False), ("n", False), ("b", True),
+        ("t", False), *[("p", False)] * 4, ("a", False), ("g", False), ("n", False), ("b", True),
     ]  # fmt: skip
     assert [(each["name"], each["item"], each["carried"]) for each in carried["shapes"]][:2] == [
         ("Line 1", "b", False), ("tumour_L", "t", True),
@@ -220,6 +232,7 @@ def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_bod
     for plan in (own, carried):
         assert [each["item"] for each in plan["missing"]] == ["off"]
         assert plan["notes"] == [{"item": "n", "text": "here", "at": "n"}]
+    assert next(each for each in own["shapes"] if each["item"] == "g")["bridged"] == [False, True, False]
     made_there = [each for each in own["shapes"] if not each["carried"]]
     drawing = {
         "unit": own["unit"],

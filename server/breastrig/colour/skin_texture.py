@@ -116,14 +116,16 @@ def lab(pixels: NDArray[np.uint8] | Array) -> Array:
     return np.asarray(rgb2lab(pixels), dtype=np.float64)
 
 
-def skin_texture(scan: Scan, texel: float = TEXEL) -> SkinTexture:
+def skin_texture(scan: Scan, texel: float = TEXEL, image: NDArray[np.uint8] | None = None) -> SkinTexture:
     """The pictures of a coloured scan; `texel` (m) is the side of their pixels, larger for a very large scan.
+
+    `image` (H, W, 3) sRGB is its texture where that is decoded already.
 
     Raises BadScan, with one sentence, for a scan without colour or one whose picture cannot be decoded.
     """
     if not has_colour(scan):
         raise BadScan("This scan has no colour; scan again with colour, and export it with its texture.")
-    source = _TextureSource(scan) if scan.colour_kind == "texture" else _VertexSource(scan)
+    source = _TextureSource(scan, image) if scan.colour_kind == "texture" else _VertexSource(scan)
     node = welded(scan.vertices)
     axes = _principal_axes(scan)
     used = np.zeros(len(scan.vertices), dtype=np.bool_)
@@ -290,10 +292,10 @@ def _affine(corners: Array, values: Array) -> Array:
 class _TextureSource:
     """Colours from the scanner's atlas, its texels as they are: filters smooth later."""
 
-    def __init__(self, scan: Scan) -> None:
+    def __init__(self, scan: Scan, image: NDArray[np.uint8] | None) -> None:
         assert scan.uv is not None
         assert scan.texture is not None
-        image = pixels_of(scan.picture or scan.texture)
+        image = pixels_of(scan.picture or scan.texture) if image is None else image
         height, width = image.shape[:2]
         self._pixels = image.reshape(-1, 3)
         self._size = (width, height)

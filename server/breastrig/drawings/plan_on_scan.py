@@ -84,7 +84,7 @@ def _drawn(rig: Rig, scan: FittedScan, items: Sequence[PlanItem]) -> tuple[list[
 
 def _lines(rig: Rig, scan: FittedScan, item: PlanItem) -> list[tuple[Polyline, str]]:
     if isinstance(item, PlanLine):
-        line = _on_skin(item.name, item.closed, item.color, item.points)
+        line = _on_skin(item.name, item.closed, item.color, item.points, item.bridged)
         error = None if item.error_mm is None else 1e-3 * np.array(item.error_mm, dtype=np.float64)  # null becomes nan
         return [(replace(line, error=error), "")]
     if isinstance(item, PlanNote):
@@ -94,9 +94,11 @@ def _lines(rig: Rig, scan: FittedScan, item: PlanItem) -> list[tuple[Polyline, s
     return [(line, line.name) for line in found]
 
 
-def _on_skin(name: str, closed: bool, color: str, points: Sequence[Sequence[float]]) -> Polyline:
+def _on_skin(
+    name: str, closed: bool, color: str, points: Sequence[Sequence[float]], bridged: Sequence[bool] | None = None
+) -> Polyline:
     places = 1e-3 * np.array(points, dtype=np.float64)
-    return Polyline(name, closed, color, places, np.zeros(len(places), dtype=np.bool_))
+    return Polyline(name, closed, color, places, np.array(bridged or [False] * len(places), dtype=np.bool_))
 
 
 def _carried(

@@ -133,8 +133,8 @@ def checked_plan(document: dict[str, Any]) -> Plan:
 
 
 def line_item(shape: dict[str, Any], item_id: str, scan: str) -> PlanLine:
-    """A shape of a drawing file as an item; where it is bridged is computed anew."""
-    fields = ("name", "label", "closed", "color", "points", "error_mm")
+    """A shape of a drawing file as an item."""
+    fields = ("name", "label", "closed", "color", "points", "bridged", "error_mm")
     return PlanLine.model_validate({key: shape[key] for key in fields if key in shape} | {"id": item_id, "scan": scan})
 
 

@@ -55,6 +55,7 @@ ink = Table(
     metadata,
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
     Column("json", Text, nullable=False),  # breastrig/drawing@1, mm, scan frame
+    Column("dropped", Text, nullable=False, server_default="[]"),  # JSON, names of shapes that are none of the plan
 )
 
 patients = Table(  # a woman under a code, never a name; one without scans is not kept

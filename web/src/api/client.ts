@@ -120,6 +120,8 @@ export const client = {
     if (answer.status !== 202) return (await answer.json()) as Ink;
     return { retryAfterS: Number(answer.headers.get("Retry-After")) || 1 };
   },
+  /** By their names, whether lines of ink are none of the plan; arrives although the page is being closed. */
+  dropInk: (scan: Scan, dropped: Readonly<Record<string, boolean>>) => askJson<Ink>(scan.links.ink, "PATCH", { dropped }, true),
   /** Where the model of a fit lies with these picks (mm): for a drag, kept nowhere. */
   moved: (links: FitLinks, landmarks: Record<string, Vector>) => askJson<MovedModel>(links.moved, "POST", { landmarks }),
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links">>("/api/fits", "POST", request),

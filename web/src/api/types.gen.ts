@@ -303,6 +303,11 @@ export type Ink = {
   shapes: InkShape[];
 };
 
+export type InkChange = {
+  /** by name, whether it is dropped; lines that are not named stay as they are */
+  dropped: Record<string, boolean>;
+};
+
 /** One stroke of a pen on the skin. */
 export type InkShape = {
   name: string;
@@ -320,6 +325,8 @@ export type InkShape = {
   marker: "violet" | "black" | "blue" | "green" | "red";
   /** of ink, without gaps */
   length_mm: number;
+  /** a person has said that it is none of the plan */
+  dropped?: boolean;
 };
 
 export type Iterated = {

@@ -116,7 +116,7 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       carried.set(brought.length > 0 ? words.carried(from!.from) : "", brought.map(({ name, label, color }) => ({ name, label: labelOf(name, label) ?? name, color: ownColour(color) })), hidden, "");
       show(ofBands, [...(patterns?.shapes ?? []), ...brought].some((shape) => shape.error_mm?.some((mm) => mm !== null)));
       bands.checked = !hidden.has(BANDS);
-      const hasBridge = [...(patterns?.shapes ?? []), ...brought].some((shape) => shape.bridged?.includes(true));
+      const hasBridge = [...(patterns?.shapes ?? []), ...brought, ...lines.present].some((shape) => shape.bridged?.includes(true));
       show(dashed, hasBridge);
     },
   };

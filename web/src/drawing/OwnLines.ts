@@ -55,7 +55,7 @@ export class OwnLines implements Part<Shown> {
   }
 
   /** While the hand moves: a line that the state does not know yet, instead of the one that it changes. */
-  show(line: Pick<OwnLine, "points" | "closed" | "color"> | null, instead: string | null = null): void {
+  show(line: Pick<OwnLine, "points" | "closed" | "color" | "bridged"> | null, instead: string | null = null): void {
     this.live.set(line && this.isShown ? [laid(line)] : []);
     const isOther = (line ? instead : null) !== this.instead;
     this.instead = line ? instead : null;
@@ -78,4 +78,4 @@ export class OwnLines implements Part<Shown> {
   }
 }
 
-const laid = ({ points, closed, color }: Pick<OwnLine, "points" | "closed" | "color">): Polyline => polyline({ closed, color, ...bridgedAt(points, closed, BRIDGE_MM) });
+const laid = ({ points, closed, color, bridged }: Pick<OwnLine, "points" | "closed" | "color" | "bridged">): Polyline => polyline({ closed, color, ...bridgedAt(points, closed, BRIDGE_MM, bridged) });

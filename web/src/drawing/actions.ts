@@ -14,7 +14,7 @@ import { readDrawing, UnreadableDrawing } from "./files";
 import { freeName, gap, newId, nextName, type OwnLine, TUMOUR_INK, withLine, withoutLine } from "./lines";
 import { mirroredLine, mirrorPlane } from "./mirror";
 import type { Skin } from "./skin";
-import { type DrawingSlice, type DrawnState, type Layer, layerKey, lineNamed, type PlanHistory, type PlanStep, stepOf, type Tool, withStep } from "./state";
+import { type DrawingSlice, type DrawnState, type InkDecided, type Layer, layerKey, lineNamed, type PlanHistory, type PlanStep, stepOf, type Tool, withStep } from "./state";
 import { circle, freehand } from "./strokes";
 import { tapeBack, tapeFrom, tapeTo } from "./tape";
 import * as text from "./text";
@@ -83,7 +83,7 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
 
   /** Back or forth: all that the step holds is as it was then.  What is not a line is kept by plan/actions.ts. */
   function goTo(step: PlanStep, history: Omit<PlanHistory, "present">, announcement: string): void {
-    put({ lines: { ...history, present: step.lines }, note: step.note, depthMm: step.depthMm, start: null, corner: null }, { drawing: step.drawing, announcement });
+    put({ lines: { ...history, present: step.lines }, note: step.note, depthMm: step.depthMm, decided: step.decided ?? drawn().decided, start: null, corner: null }, { drawing: step.drawing, announcement });
   }
 
   function add(line: OwnLine, announcement: string, part: Partial<DrawnState> = {}): void {
@@ -232,11 +232,14 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     },
 
     /** Lines that were found elsewhere become the scan's own, as one step to undo. */
-    adopt(found: readonly OwnLine[], announcement: string): void {
+    adopt(found: readonly OwnLine[], decided: InkDecided, announcement: string): void {
       const all = [...lines()];
       for (const line of found) all.push({ ...line, id: newId(), name: freeName(all, line.name) });
-      change(all, { start: null, open: null, corner: null }, announcement);
+      change(all, { start: null, open: null, corner: null, decided }, announcement);
     },
+
+    /** Which lines of ink are none of the plan; one step to undo, too. */
+    decide: (decided: InkDecided, announcement: string): void => put({ lines: withStep(store.get()), decided }, { announcement }),
 
     /** Lines that could not be saved before; what the service has is one undo away. */
     restore: (kept: readonly OwnLine[]): void => change(kept, {}, ""),

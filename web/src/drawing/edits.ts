@@ -1,6 +1,6 @@
 // Changing a line by its corners.  A line is cut at them into parts; what is not touched stays point by point.
 import type { Vector } from "../api/types";
-import { gap, type OwnLine } from "./lines";
+import { gap, guessedAt, type OwnLine } from "./lines";
 import type { Skin } from "./skin";
 import { cornersOf, evenly, onSkin, way } from "./strokes";
 
@@ -26,7 +26,10 @@ function joined(line: OwnLine, parts: readonly Part[], closed = line.closed): Ow
     corners.push(points.length);
     points.push(parts.at(-1)!.at(-1)!);
   }
-  return { ...line, closed, points, corners };
+  // What was guessed stays a guess where nobody has touched it; what a hand has moved lies on the skin.
+  const { bridged, ...rest } = line;
+  const guessed = new Set(line.points.filter((_, i) => bridged?.[i]));
+  return guessedAt({ ...rest, closed, points, corners }, points.map((point) => guessed.has(point)));
 }
 
 export const cornerAt = (line: OwnLine, corner: number): Vector => line.points[line.corners[corner]!]!;
@@ -36,8 +39,8 @@ export function lineThrough(skin: Skin, name: string, color: string, a: Vector, 
   return joined({ name, color, closed: false, points: [], corners: [] }, [way(skin, a, b)]);
 }
 
-export function lineAlong(name: string, color: string, points: readonly Vector[], closed: boolean): OwnLine {
-  return { name, color, closed, points, corners: cornersOf(points, closed) };
+export function lineAlong(name: string, color: string, points: readonly Vector[], closed: boolean, bridged?: readonly boolean[] | null): OwnLine {
+  return guessedAt({ name, color, closed, points, corners: cornersOf(points, closed) }, bridged);
 }
 
 /** Goes on from the line's end. */
@@ -107,12 +110,12 @@ export function cornerAdded(line: OwnLine, at: Vector): { line: OwnLine; corner:
   return { line: { ...line, corners }, corner: corners.indexOf(nearest) };
 }
 
-/** For the picture: over a hole there are points in a straight row, marked as not on the skin. */
-export function bridgedAt(points: readonly Vector[], closed: boolean, longest: number): { points: Vector[]; bridged: boolean[] } {
+/** For the picture: over a hole there are points in a straight row, marked as not on the skin; `guessed` are those that are it already. */
+export function bridgedAt(points: readonly Vector[], closed: boolean, longest: number, guessed?: readonly boolean[]): { points: Vector[]; bridged: boolean[] } {
   const out: { points: Vector[]; bridged: boolean[] } = { points: [], bridged: [] };
   points.forEach((point, i) => {
     out.points.push(point);
-    out.bridged.push(false);
+    out.bridged.push(guessed?.[i] ?? false);
     const next = points[i + 1] ?? (closed ? points[0] : undefined);
     if (!next || gap(point, next) <= longest) return;
     const inside = evenly([point, next]).slice(1, -1);

@@ -13,14 +13,14 @@ export function toDrawing(lines: readonly OwnLine[]): OwnDrawing {
   return {
     schema: "breastrig/drawing@1",
     unit: "mm",
-    shapes: lines.map(({ name, closed, color, points }) => ({ name, label: "", closed, color, points: points.map((point) => point.map(roundMm) as Vector) })),
+    shapes: lines.map(({ name, closed, color, points, bridged }) => ({ name, label: "", closed, color, points: points.map((point) => point.map(roundMm) as Vector), ...(bridged ? { bridged: [...bridged] } : {}) })),
   };
 }
 
 export const toText = (lines: readonly OwnLine[]): string => JSON.stringify(toDrawing(lines), null, 1) + "\n";
 
 export function fromDrawing(drawing: OwnDrawing): OwnLine[] {
-  return drawing.shapes.map(({ name, closed, color, points }) => lineAlong(name, color ?? INK, points, closed ?? false));
+  return drawing.shapes.map(({ name, closed, color, points, bridged }) => lineAlong(name, color ?? INK, points, closed ?? false, bridged));
 }
 
 function checkedPoint(point: unknown, name: string, unit: Unit): Vector {
@@ -50,7 +50,7 @@ export function readDrawing(text: string, scanUnit: Unit): OwnLine[] {
     }
     const points = shape.points.map((point) => checkedPoint(point, name, unit));
     const color = typeof shape.color === "string" && /^#[0-9a-fA-F]{6}$/.test(shape.color) ? shape.color : INK;
-    if (points.length > 1) lines.push(lineAlong(freeName(lines, name), color, points, shape.closed === true));
+    if (points.length > 1) lines.push(lineAlong(freeName(lines, name), color, points, shape.closed === true, Array.isArray(shape.bridged) ? shape.bridged.map((each) => each === true) : null));
   }
   if (lines.length === 0) throw new UnreadableDrawing("The file holds no lines.");
   return lines;

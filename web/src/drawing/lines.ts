@@ -10,6 +10,8 @@ export interface OwnLine extends Readonly<Required<Pick<DrawnShape, "name" | "cl
   readonly id?: string;
   // the name is unique on the scan: it is what the page knows the line by
   readonly points: readonly Vector[];
+  /** per point: ink was not seen there, because the scan has a hole; left out where it was seen all along */
+  readonly bridged?: readonly boolean[];
   /** indices into points, rising; an open line has its two ends among them */
   readonly corners: readonly number[];
 }
@@ -36,6 +38,10 @@ export function nextName(lines: readonly OwnLine[], stem: string): string {
   while (taken.has(`${stem} ${number}`)) number += 1;
   return `${stem} ${number}`;
 }
+
+/** With what is guessed, where anything is. */
+export const guessedAt = <Line extends Pick<OwnLine, "points">>(line: Line, bridged: readonly boolean[] | null | undefined): Line & Pick<OwnLine, "bridged"> =>
+  bridged?.length === line.points.length && bridged.includes(true) ? { ...line, bridged } : line;
 
 export const withLine = (lines: readonly OwnLine[], name: string, change: (line: OwnLine) => OwnLine): readonly OwnLine[] =>
   lines.map((line) => (line.name === name ? change(line) : line));

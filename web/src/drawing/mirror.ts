@@ -3,9 +3,10 @@
 import type { Result, Vector } from "../api/types";
 import { picksOf } from "../landmarks/picks";
 import { dot } from "../viewer/frame";
+import { lineAlong } from "./edits";
 import { gap, type OwnLine } from "./lines";
 import type { OnSkin, Skin } from "./skin";
-import { BRIDGE_MM, cornersOf, onSkin, way } from "./strokes";
+import { BRIDGE_MM, onSkin, way } from "./strokes";
 
 /** Points p with normal · p = offset; mm in the scan's own axes, the unit normal to the patient's left. */
 export interface MirrorPlane {
@@ -51,7 +52,9 @@ export function mirroredLine(skin: Skin, plane: MirrorPlane, line: OwnLine): Own
   const points = onSkin(skin, joined(skin, line, hits));
   if (line.closed && points.length > 1) points.pop(); // the first one again
   if (points.length < 2) return null;
-  return { name: line.name, color: line.color, closed: line.closed, points, corners: cornersOf(points, line.closed) };
+  const { bridged } = line;
+  const nearest = (at: Vector): number => hits.reduce((best, hit, i) => (gap(hit, at) < gap(hits[best]!, at) ? i : best), 0);
+  return lineAlong(line.name, line.color, points, line.closed, bridged && points.map((point) => bridged[nearest(point)]!));
 }
 
 /** Where the other side bends more, neighbours come down far apart: skin leads from one to the next.  A bridged hole stays one. */

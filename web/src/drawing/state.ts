@@ -59,19 +59,23 @@ export interface Live {
   readonly dragged: { readonly patterns: Laid; readonly over: OnScan | null } | null;
 }
 
+/** What a person has decided about lines of ink that were found on the skin, by the service's names for them. */
+export type InkDecided = Readonly<Record<string, "accepted" | "dropped">>;
+
 /** Everything of the plan that belongs to one scan, as one step of undoing puts it back. */
 export interface PlanStep {
   readonly lines: readonly OwnLine[];
   readonly drawing: string; // patterns and tumour, see fit/requestedDrawing.ts
   readonly note: string;
   readonly depthMm: number | null;
+  readonly decided?: InkDecided | null; // left out or null: it is not known, and stays as it is
 }
 
 export type PlanHistory = History<readonly OwnLine[], PlanStep>;
 
 const STEPS = 200; // far more than anybody undoes
 
-export const stepOf = ({ drawing, drawn }: { readonly drawing: string; readonly drawn: DrawnState }): PlanStep => ({ lines: drawn.lines.present, drawing, note: drawn.note, depthMm: drawn.depthMm });
+export const stepOf = ({ drawing, drawn }: { readonly drawing: string; readonly drawn: DrawnState }): PlanStep => ({ lines: drawn.lines.present, drawing, note: drawn.note, depthMm: drawn.depthMm, decided: drawn.decided });
 
 /** The history with what is there now as its last step, before something changes. */
 export const withStep = (state: { readonly drawing: string; readonly drawn: DrawnState }): PlanHistory => ({
@@ -94,6 +98,7 @@ export interface DrawnState {
   readonly ink: string; // #rrggbb, of the next line
   readonly note: string; // what the surgeon says about it in words
   readonly depthMm: number | null; // of the tumour by the clock, below the skin
+  readonly decided: InkDecided | null; // null before ink was looked for
   readonly hidden: ReadonlySet<string>; // layerKey of lines that are switched off
   readonly onScan: OnScan | null;
   readonly live: Live | null;
@@ -128,6 +133,7 @@ export function startDrawn(lines: readonly OwnLine[] = [], words: Pick<DrawnStat
     ink: INK,
     note: words.note,
     depthMm: words.depthMm,
+    decided: null,
     hidden: new Set(),
     onScan: null,
     live: null,

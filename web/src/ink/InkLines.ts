@@ -1,15 +1,14 @@
 // The found lines on the body: pale and dashed, as long as nobody has accepted them; the one that is pointed at is whole.
 // They are seen where their list is: landmarks are placed on the ink itself, and not on what lies over it.
 import { polyline } from "../drawing/lines";
+import type { DrawingSlice } from "../drawing/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { FatLines } from "../viewer/FatLines";
 import type { Part, Viewer } from "../viewer/Viewer";
-import { foundOn, type InkSlice } from "./state";
+import { type InkSlice, openLines } from "./state";
 
-type Shown = Pick<PageSlice & ScanSlice & InkSlice, "step" | "scan" | "ink" | "inkPointed">;
-
-const NONE: ReturnType<typeof foundOn> = [];
+type Shown = Pick<PageSlice & ScanSlice & DrawingSlice & InkSlice, "step" | "scan" | "drawn" | "ink" | "inkPointed">;
 
 export class InkLines implements Part<Shown> {
   private readonly lines = new FatLines();
@@ -20,14 +19,14 @@ export class InkLines implements Part<Shown> {
     viewer.beforeFrame.add(() => this.lines.approach(viewer.depthUnits));
   }
 
-  update({ step, scan, ink, inkPointed }: Shown): void {
+  update({ step, scan, drawn, ink, inkPointed }: Shown): void {
     const { palette } = this.viewer;
     this.lines.paint(palette.ink, palette["ink-outline"]);
-    const found = step === "scan" || step === "drawing" ? foundOn(ink, scan?.info.id) : NONE;
-    const now = [found, inkPointed];
+    const search = step === "scan" || step === "drawing" ? ink[scan?.info.id ?? ""] : undefined;
+    const now = [search, drawn.decided, inkPointed];
     if (now.every((each, i) => each === this.drawn[i])) return;
     this.drawn = now;
-    this.lines.set(found.map(({ name, points, closed, color }) => polyline({ points, closed, color, bridged: points.map(() => name !== inkPointed) })));
+    this.lines.set(openLines(search, drawn.decided).map(({ name, points, closed, color, bridged }) => polyline({ points, closed, color, bridged: points.map((_, i) => name !== inkPointed || bridged[i]!) })));
     this.viewer.invalidate();
   }
 }

@@ -11,7 +11,7 @@ import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { InkActions } from "./actions";
 import { nearestJoint } from "./lines";
-import { type FoundLine, type InkSlice, isMark } from "./state";
+import { droppedIds, type FoundLine, type InkSlice, isMark, openLines } from "./state";
 import * as text from "./text";
 
 const words = text.ink;
@@ -28,13 +28,16 @@ export function createInkPanel(ink: InkActions, stances: Pick<StancesActions, "d
   const marksWords = el("summary", {});
   const beside = el("details", { class: "why" }, marksWords, marks);
   const rest = button(words.dropAll, () => ink.dropAll(), "quiet outlined wide");
+  const back = button("", () => ink.bringBack(), "quiet outlined wide", "undo");
+  back.id = "bring-back-ink";
+  const backWords = back.querySelector("span")!;
   const add = button(words.add, () => stances.dialog(true), "quiet outlined wide");
   add.id = "ink-other-stance";
   const both = button("", () => void stances.fitBoth(), "quiet outlined wide");
   both.id = "fit-both";
   const bothWords = both.querySelector("span")!;
   const note = el("p", { class: "muted small" });
-  const element = el("section", { class: "panel ink-found", "aria-label": words.title, hidden: true }, el("p", { class: "label" }, words.title), says, all, list, beside, rest, add, both, note);
+  const element = el("section", { class: "panel ink-found", "aria-label": words.title, hidden: true }, el("p", { class: "label" }, words.title), says, all, list, beside, rest, back, add, both, note);
 
   function row(line: FoundLine, lines: readonly FoundLine[]): HTMLElement {
     const { name } = line;
@@ -70,20 +73,23 @@ export function createInkPanel(ink: InkActions, stances: Pick<StancesActions, "d
       const search = state.scan ? state.ink[state.scan.info.id] : undefined;
       const { other } = state.stances;
       const hasLines = state.drawn.lines.present.length > 0 || (other?.drawn.lines.present.length ?? 0) > 0;
-      const isFromInk = [search, other?.scan ? state.ink[other.scan.info.id] : undefined].some((each) => each?.state === "found" && each.count > 0);
+      const isFromInk = [search, other?.scan ? state.ink[other.scan.info.id] : undefined].some((each) => each?.state === "found" && each.lines.length > 0);
       const left = [state.fit, other?.fit].filter((fit) => fit?.state !== "done").length;
       const mayFit = other !== null && hasLines && isFromInk && left > 0 && !state.isStarting && state.fit?.state !== "running" && other.fit?.state !== "running";
       const mayAdd = other === null && hasLines && isFromInk;
       show(element, search !== undefined || mayFit || mayAdd);
-      const lines = search?.state === "found" ? search.lines : [];
+      const lines = openLines(search, state.drawn.decided);
+      const dropped = search?.state === "found" ? droppedIds(state.drawn.decided).length : 0;
       const own = lines.filter((line) => !isMark(line));
       const others = lines.filter(isMark);
-      const sentence = search?.state === "looking" ? words.looking : search?.state === "failed" ? search.reason : lines.length > 0 ? words.what : search && search.count > 0 ? words.decided : words.none;
+      const sentence = search?.state === "looking" ? words.looking : search?.state === "failed" ? search.reason : lines.length > 0 ? words.what : search?.state === "found" && search.lines.length > 0 ? words.decided : words.none;
       setText(says, search ? sentence : "");
       show(says, search !== undefined);
       show(all, own.length > 0);
       setText(allWords, words.acceptAll(own.length));
       show(rest, lines.length > 0);
+      show(back, dropped > 0);
+      setText(backWords, words.bringBack(dropped));
       show(beside, others.length > 0);
       setText(marksWords, words.marks(others.length));
       fill(list, own, () => own.map((line) => row(line, own)));

@@ -18,7 +18,7 @@ type State = PageSlice & ScanSlice & DrawingSlice & FitSlice & StancesSlice & In
 /** `places`: where the list stands, in the step that brings the scan and in the one that draws. */
 export function openInk(
   store: Store<State>,
-  client: Pick<Client, "ink">,
+  client: Pick<Client, "ink" | "dropInk">,
   others: { readonly drawing: DrawingActions; readonly stances: StancesActions },
   places: { readonly scan: HTMLElement; readonly drawing: HTMLElement },
 ): void {

@@ -1,21 +1,24 @@
 // Lines of ink that were found on a scan's skin, until a person has decided about each.
 import type { InkShape, Scan, Vector } from "../api/types";
+import type { InkDecided } from "../drawing/state";
 
 /** One stroke of a pen, as it may become a line of the plan. */
 export interface FoundLine {
   readonly name: string; // one of its own among the found lines of the scan
+  readonly ids: readonly string[]; // the service's names for it; several when it was joined
   readonly kind: InkShape["kind"];
   readonly marker: InkShape["marker"];
   readonly color: string;
   readonly closed: boolean;
   readonly points: readonly Vector[]; // mm, the scan's own axes
+  readonly bridged: readonly boolean[]; // per point: the scan has a hole there
   readonly lengthMm: number;
 }
 
 export type Search =
   | { readonly state: "looking" }
   | { readonly state: "failed"; readonly reason: string }
-  | { readonly state: "found"; readonly lines: readonly FoundLine[]; readonly count: number }; // of them some are decided
+  | { readonly state: "found"; readonly lines: readonly FoundLine[]; readonly kept: readonly string[] }; // ids of those that the service keeps as dropped
 
 export interface InkSlice {
   readonly ink: Readonly<Record<string, Search>>; // by scan
@@ -37,7 +40,8 @@ export function mayShowInk({ colours, triangles, bounds_m: { min, max } }: Pick<
 /** Beside the plan: crosses, arrows and writing. */
 export const isMark = ({ kind }: Pick<FoundLine, "kind">): boolean => kind === "cross" || kind === "arrow" || kind === "writing";
 
-export const foundOn = (ink: InkSlice["ink"], scan: string | undefined): readonly FoundLine[] => {
-  const search = scan === undefined ? undefined : ink[scan];
-  return search?.state === "found" ? search.lines : [];
-};
+/** Those about which nobody has decided yet; none before it is known. */
+export const openLines = (search: Search | undefined, decided: InkDecided | null): readonly FoundLine[] =>
+  search?.state === "found" && decided !== null ? search.lines.filter(({ ids }) => ids.some((id) => decided[id] === undefined)) : [];
+
+export const droppedIds = (decided: InkDecided | null): string[] => Object.keys(decided ?? {}).filter((id) => decided![id] === "dropped");

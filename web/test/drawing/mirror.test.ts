@@ -42,6 +42,16 @@ test("mirrored twice a point is where it was, and each of a pair lies where the 
   expect(gap(mirroredPoint(plane, mirroredPoint(plane, [13, -4, 250])), [13, -4, 250])).toBeLessThan(1e-9);
 });
 
+test("what is guessed of a line is guessed on the other side", () => {
+  const { points, name, color } = arc();
+  const other = mirroredLine(breasts(), mirrorPlane(result(PAIRS))!, lineAlong(name, color, points, false, points.map((_, i) => i >= 10 && i < 20)))!;
+  const guessed = other.points.map((_, i) => i).filter((i) => other.bridged![i]);
+  expect(guessed.length / other.points.length).toBeCloseTo(10 / 41, 1);
+  expect(guessed.at(-1)! - guessed[0]!).toBe(guessed.length - 1);
+  const from = mirroredPoint(mirrorPlane(result(PAIRS))!, points[10]!);
+  expect(gap(other.points[guessed[0]!]!, from)).toBeLessThan(4);
+});
+
 test("on an even body a line lies on the other side as it lies on this one", () => {
   const plane = mirrorPlane(result(PAIRS))!;
   const line = arc();

@@ -94,6 +94,23 @@ test("over a hole the line has one long step, which the picture fills with dashe
   for (const [x, y] of over) expect(Math.max(Math.abs(x), Math.abs(y))).toBeLessThan(20.01);
 });
 
+test("what is guessed is dashed and stays a guess where nobody touches the line; what a hand has moved lies on the skin", () => {
+  const points = way(ball, onBall(-40), onBall(40));
+  const middle = (at: Vector): boolean => Math.abs(at[0]) < 12;
+  const line = lineAlong("a", INK, points, false, points.map(middle));
+  const guessed = ({ points: all, bridged }: OwnLine): Vector[] => all.filter((_, i) => bridged?.[i]);
+  expect(guessed(line).length).toBeGreaterThan(8);
+  const seen = bridgedAt(line.points, false, BRIDGE_MM, line.bridged);
+  expect(seen.points.filter((_, i) => seen.bridged[i])).toEqual(guessed(line));
+  expect(guessed(extended(ball, line, onBall(60)))).toEqual(guessed(line));
+  const last = line.corners.length - 1;
+  expect(guessed(cornerRemoved(ball, cornerAdded(line, onBall(-30)).line, 0)!)).toEqual(guessed(line));
+  expect(guessed(cornerMoved(ball, cornerAdded(line, onBall(25)).line, last + 1, onBall(40, 5)))).toEqual(guessed(line));
+  const moved = cornerMoved(ball, cornerAdded(line, onBall(0)).line, cornerAdded(line, onBall(0)).corner, onBall(0, 4));
+  expect("bridged" in moved).toBe(false);
+  expect("bridged" in lineAlong("a", INK, points, false, points.map(() => false))).toBe(false);
+});
+
 test("corners are where a line bends, and its ends", () => {
   const bend: Vector[] = [...evenly([[0, 0, 0], [40, 0, 0]]), ...evenly([[40, 0, 0], [40, 30, 0]]).slice(1)];
   expect(cornersOf(bend, false).map((i) => bend[i])).toEqual([[0, 0, 0], [40, 0, 0], [40, 30, 0]]);

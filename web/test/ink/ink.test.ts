@@ -1,10 +1,13 @@
 // Lines found on the skin: looked for once, accepted as lines of the plan, renamed, joined, dropped.
 import { describe, expect, it } from "vitest";
+import { ApiError } from "../../src/api/client";
 import type { Ink, Scan, Vector } from "../../src/api/types";
+import { drawingActions } from "../../src/drawing/actions";
+import { startDrawn } from "../../src/drawing/state";
 import type { OwnLine } from "../../src/drawing/lines";
 import { inkActions } from "../../src/ink/actions";
-import { asOwn, nearestJoint, readInk } from "../../src/ink/lines";
-import { foundOn, initialInk, mayShowInk } from "../../src/ink/state";
+import { asOwn, decidedBefore, nearestJoint, readInk } from "../../src/ink/lines";
+import { initialInk, mayShowInk, openLines } from "../../src/ink/state";
 import { initialSession, type Session } from "../../src/app/session";
 import { createStore } from "../../src/store/store";
 
@@ -13,38 +16,68 @@ const shape = (points: Vector[], more: Partial<Ink["shapes"][number]> = {}): Ink
 const FOUND: Ink = {
   schema: "breastrig/drawing@1",
   unit: "mm",
-  shapes: [shape(along(0, 0, 100)), shape(along(0, 140, 104)), shape(along(50, 0, 20), { kind: "cross", marker: "red" }), shape([[0, 0, 9], [9, 0, 9], [9, 9, 9]], { closed: true, kind: "closed" })],
+  shapes: [shape(along(0, 0, 100)), shape(along(0, 140, 104)), shape(along(50, 0, 20), { kind: "cross", marker: "red" }), shape([[0, 0, 9], [9, 0, 9], [9, 9, 9]], { closed: true, kind: "closed" })].map((each, i) => ({ ...each, name: `ink_${i + 1}` })),
 };
 const SCAN = { id: "a", colours: "texture", triangles: 1000, bounds_m: { min: [0, 0, 0], max: [0.4, 0.5, 0.3] } } as unknown as Scan;
 
 function page(answers: (Ink | { retryAfterS: number })[], info: Scan = SCAN) {
   const store = createStore<Session>({ ...initialSession, scan: { info } as Session["scan"] });
-  const adopted: OwnLine[][] = [];
+  const sent: Record<string, boolean>[] = [];
   let asked = 0;
-  const client = { ink: () => Promise.resolve(answers[Math.min(asked++, answers.length - 1)]!) };
-  const actions = inkActions(store, client, { adopt: (lines) => void adopted.push([...lines]) });
-  const names = (): string[] => foundOn(store.get().ink, info.id).map(({ name }) => name);
-  return { store, actions, adopted, names, asked: () => asked };
+  let isBroken = false;
+  const client = {
+    ink: () => Promise.resolve(answers[Math.min(asked++, answers.length - 1)]!),
+    dropInk: (_scan: Scan, dropped: Readonly<Record<string, boolean>>) => {
+      if (isBroken) return Promise.reject(new ApiError("The service is busy.", 503));
+      sent.push({ ...dropped });
+      return Promise.resolve(FOUND);
+    },
+  };
+  const plan = { saveLines: (_scan: Scan, lines: readonly OwnLine[]) => Promise.resolve({ lines, isMerged: false }), earlier: () => Promise.resolve(null) };
+  const drawing = drawingActions(store, plan);
+  const actions = inkActions(store, client, drawing);
+  const lines = () => openLines(store.get().ink[info.id], store.get().drawn.decided);
+  const names = (): string[] => lines().map(({ name }) => name);
+  const planned = (): string[] => store.get().drawn.lines.present.map(({ name }) => name);
+  return { store, actions, drawing, sent, lines, names, planned, asked: () => asked, breakDown: (is: boolean) => void (isBroken = is) };
 }
 
 describe("reading", () => {
   it("names lines by marker and kind", () => {
-    expect(readInk(FOUND, []).map(({ name }) => name)).toEqual(["Blue line 1", "Blue line 2", "Red cross 1", "Blue closed line 1"]);
+    expect(readInk(FOUND).map(({ name }) => name)).toEqual(["Blue line 1", "Blue line 2", "Red cross 1", "Blue closed line 1"]);
   });
 
-  it("leaves out what is a line of the plan already", () => {
-    const [first] = readInk(FOUND, []);
-    const planned = { ...asOwn(first!), name: "Midline" };
-    expect(readInk(FOUND, [planned]).map(({ name }) => name)).toEqual(["Blue line 2", "Red cross 1", "Blue closed line 1"]);
+  it("knows what is decided: a line of the plan already, and what the service keeps as dropped", () => {
+    const found = readInk(FOUND);
+    const planned = { ...asOwn(found[0]!), name: "Midline" };
+    expect(decidedBefore(found, ["ink_3"], [planned])).toEqual({ ink_1: "accepted", ink_3: "dropped" });
+    expect(decidedBefore(found, ["ink_1"], [planned])).toEqual({ ink_1: "accepted" });
   });
 
   it("makes lines of the pen: two millimetres from point to point, a closed one without its start again", () => {
-    const [open, , , closed] = readInk(FOUND, []);
+    const [open, , , closed] = readInk(FOUND);
     expect(asOwn(open!).points).toHaveLength(51);
     expect(asOwn(open!).points.at(-1)).toEqual([0, 100, 0]);
     const round = asOwn(closed!);
     expect(round.closed).toBe(true);
     expect(round.points.at(-1)).not.toEqual(round.points[0]);
+  });
+
+  it("says which parts of a line are guessed: over a hole of the scan, and over a gap that a person has joined", () => {
+    const bridged = along(0, 0, 100).map(([, y]) => y > 39.5 && y < 60.5);
+    const [over, beyond] = readInk({ ...FOUND, shapes: [shape(along(0, 0, 100), { bridged }), shape(along(0, 130, 230))] });
+    const own = asOwn(over!);
+    expect(own.points.filter((_, i) => own.bridged![i]).map(([, y]) => y)).toEqual([40, 42, 44, 46, 48, 50, 52, 54, 56, 58, 60]);
+    expect("bridged" in asOwn(beyond!)).toBe(false);
+    const joint = nearestJoint(over!, [over!, beyond!])!;
+    const both = asOwn({ ...over!, points: joint.points, bridged: joint.bridged });
+    const guessed = both.points.filter((_, i) => both.bridged![i]).map(([, y]) => y);
+    expect(guessed.filter((y) => y < 80)).toEqual([40, 42, 44, 46, 48, 50, 52, 54, 56, 58, 60]);
+    expect(guessed.filter((y) => y > 80)).toEqual([102, 104, 106, 108, 110, 112, 114, 116, 118, 120, 122, 124, 126, 128]);
+    const round = readInk({ ...FOUND, shapes: [shape([[0, 0, 0], [20, 0, 0], [20, 20, 0], [0, 20, 0]], { closed: true, bridged: [false, false, true, true] })] })[0]!;
+    const closed = asOwn(round);
+    expect([closed.bridged!.length, closed.points.length]).toEqual([40, 40]);
+    expect(closed.points.filter((_, i) => !closed.bridged![i])).toEqual([[0, 0, 0], [20, 0, 0]]); // long steps are gaps as well
   });
 
   it("knows which scans may show a pen's line", () => {
@@ -72,16 +105,17 @@ describe("deciding", () => {
   });
 
   it("accepts all lines at once, and marks one by one", async () => {
-    const { actions, adopted, names } = page([FOUND]);
+    const { store, actions, names, planned } = page([FOUND]);
     await actions.look();
     actions.acceptAll();
-    expect(adopted.map((lines) => lines.map(({ name }) => name))).toEqual([["Blue line 1", "Blue line 2", "Blue closed line 1"]]);
+    expect(planned()).toEqual(["Blue line 1", "Blue line 2", "Blue closed line 1"]);
     expect(names()).toEqual(["Red cross 1"]);
     actions.accept("Red cross 1");
     expect(names()).toEqual([]);
-    expect(adopted).toHaveLength(2);
+    expect(planned()).toHaveLength(4);
+    const { past } = store.get().drawn.lines;
     actions.acceptAll();
-    expect(adopted).toHaveLength(2);
+    expect(store.get().drawn.lines.past).toBe(past);
   });
 
   it("renames where the name is free, drops, and drops the rest", async () => {
@@ -96,15 +130,77 @@ describe("deciding", () => {
   });
 
   it("joins a line with the one whose end is nearest, the right way round", async () => {
-    const { store, actions, names } = page([FOUND]);
+    const { actions, lines: open, names, planned, sent } = page([FOUND]);
     await actions.look();
-    const lines = foundOn(store.get().ink, "a");
+    const lines = open();
     expect(nearestJoint(lines[0]!, lines)!.gapMm).toBe(4);
     actions.join("Blue line 1");
     expect(names()).toEqual(["Blue line 1", "Red cross 1", "Blue closed line 1"]);
-    const joined = foundOn(store.get().ink, "a")[0]!;
+    const joined = open()[0]!;
     expect([joined.points[0], joined.points.at(-1)]).toEqual([[0, 0, 0], [0, 140, 0]]);
     expect(joined.lengthMm).toBe(136);
     expect(nearestJoint(lines[3]!, lines)).toBeNull();
+    actions.drop("Blue line 1");
+    await actions.settled();
+    expect(sent).toEqual([{ ink_1: true, ink_2: true }]);
+    expect([names(), planned()]).toEqual([["Red cross 1", "Blue closed line 1"], []]);
+  });
+
+  it("keeps what was dropped at the service, and a page that is opened again leaves it out", async () => {
+    const { store, actions, names, sent } = page([FOUND]);
+    await actions.look();
+    actions.drop("Blue line 2");
+    actions.dropAll();
+    await actions.settled();
+    expect(sent).toEqual([{ ink_2: true }, { ink_1: true, ink_3: true, ink_4: true }]);
+    expect(names()).toEqual([]);
+
+    const later = page([{ ...FOUND, shapes: FOUND.shapes.map((each) => ({ ...each, dropped: each.name === "ink_2" })) }]);
+    await later.actions.look();
+    expect(later.names()).toEqual(["Blue line 1", "Red cross 1", "Blue closed line 1"]);
+    expect(later.store.get().announcement).toBe("3 lines found on the skin.");
+    expect(later.sent).toEqual([]);
+    later.actions.bringBack();
+    await later.actions.settled();
+    expect(later.names()).toHaveLength(4);
+    expect(later.sent).toEqual([{ ink_2: false }]);
+
+    store.set(({ drawn }) => ({ drawn: startDrawn(drawn.lines.present) })); // the scan is left and opened again on this page
+    expect(names()).toEqual([]);
+    await actions.look();
+    expect(names()).toEqual([]);
+    expect(Object.keys(store.get().drawn.decided!)).toHaveLength(4);
+  });
+
+  it("brings back by undo what was dropped or accepted, at the service too, and takes it away by redo", async () => {
+    const { actions, drawing, names, planned, sent } = page([FOUND]);
+    await actions.look();
+    actions.accept("Blue line 1");
+    actions.drop("Blue line 2");
+    expect(names()).toEqual(["Red cross 1", "Blue closed line 1"]);
+    drawing.undo();
+    expect([names(), planned()]).toEqual([["Blue line 2", "Red cross 1", "Blue closed line 1"], ["Blue line 1"]]);
+    drawing.undo();
+    expect([names(), planned()]).toEqual([["Blue line 1", "Blue line 2", "Red cross 1", "Blue closed line 1"], []]);
+    drawing.redo();
+    drawing.redo();
+    expect([names(), planned()]).toEqual([["Red cross 1", "Blue closed line 1"], ["Blue line 1"]]);
+    await actions.settled();
+    expect(sent).toEqual([{ ink_2: true }, { ink_2: false }, { ink_2: true }]);
+  });
+
+  it("says when a drop could not be kept, and sends it with the next one", async () => {
+    const { store, actions, names, sent, breakDown } = page([FOUND]);
+    await actions.look();
+    breakDown(true);
+    actions.drop("Blue line 1");
+    await actions.settled();
+    expect(store.get().problems.drawing).toBe("The service is busy.");
+    expect(names()).not.toContain("Blue line 1");
+    breakDown(false);
+    actions.drop("Red cross 1");
+    await actions.settled();
+    expect(sent).toEqual([{ ink_1: true, ink_3: true }]);
+    expect(store.get().problems.drawing).toBeUndefined();
   });
 });

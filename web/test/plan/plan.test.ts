@@ -4,6 +4,7 @@ import { fakePlans, fitLinks, page, scanInfo } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { Fit, PlanItem } from "../../src/api/types";
 import { lineAlong } from "../../src/drawing/edits";
+import { readDrawing, toText } from "../../src/drawing/files";
 import { depthOn, drawingOn, linesOn, merged, noteOn, withDepth, withDrawing, withLines, withNote } from "../../src/plan/items";
 import { createPlanKeeper } from "../../src/plan/keeper";
 import { type Workspace, workspaceOf } from "../../src/stances/state";
@@ -24,6 +25,15 @@ test("a scan has its lines and the text that its fit is asked with", () => {
   expect(linesOn(ITEMS, "s2").map(({ id, name }) => [id, name])).toEqual([["b", "Line 1"]]);
   expect(drawingOn(ITEMS, "s1")).toBe(TEXT);
   expect(drawingOn(ITEMS, "s2")).toBe("");
+});
+
+test("a line says which of its points are guessed, in the plan and back from it", () => {
+  const bridged = [false, true, true, false];
+  const guessed = lineAlong("ink", "#1f49a5", [[0, 0, 0], [2, 0, 0], [4, 0, 0], [6, 0, 0]], false, bridged);
+  const items = withLines([], "s1", [guessed, lineAlong("pen", "#101010", [[0, 9, 0], [2, 9, 0]], false)]);
+  expect(items.map((item) => ("bridged" in item ? item.bridged : null))).toEqual([bridged, null]);
+  expect(linesOn(items, "s1").map((each) => each.bridged)).toEqual([bridged, undefined]);
+  expect(readDrawing(toText(linesOn(items, "s1")), "mm").map((each) => each.bridged)).toEqual([bridged, undefined]);
 });
 
 test("what is put back keeps its ids, and what the page does not edit stays", () => {

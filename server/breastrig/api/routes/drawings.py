@@ -43,7 +43,7 @@ def replace_drawing(scan_id: str, json_data: OwnDrawing) -> OwnDrawing:
         line_item(shape.model_dump(), ids.get(shape.name, f"line-{place}"), scan_id)
         for place, shape in enumerate(json_data.shapes, 1)
     ]
-    kept = [item.model_dump(mode="json", exclude={"bridged"}) for item in items]
+    kept = [item.model_dump(mode="json") for item in items]
     put_items_of_scan(storage, scan_id, "line", kept)
     return OwnDrawing.model_validate({"shapes": kept})
 

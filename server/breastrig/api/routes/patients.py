@@ -145,7 +145,7 @@ def replace_plan(patient_id: str, json_data: Plan, headers_data: wire.PlanHeader
         raise refuse(428, UNSEEN)
     _check(json_data, patient_id)
     seen = headers_data.if_match.strip().removeprefix("W/").strip('"')
-    items = [item.model_dump(mode="json", exclude={"bridged"}) for item in json_data.items]
+    items = [item.model_dump(mode="json") for item in json_data.items]
     plan = put_plan(storage, patient_id, items, int(seen)) if seen.isdecimal() and len(seen) < 10 else None
     if plan is None:
         now = get_plan(storage, patient_id).version

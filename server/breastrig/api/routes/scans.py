@@ -12,6 +12,7 @@ from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.storage.files import MESH, THUMBNAIL, OpenedFile, scan_place
+from breastrig.storage.rows.ink import drop_ink as keep_dropped
 from breastrig.storage.rows.patients import patient_of_scan
 from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan, put_landmarks
 from breastrig.storage.storage import Storage
@@ -167,6 +168,20 @@ def find_ink(scan_id: str) -> wire.Ink | Response:
     if found is None:
         return Response(status=202, headers={"Retry-After": "1"})
     return wire.Ink.model_validate(found)
+
+
+@scans.patch("/<scan_id>/ink")
+@scans.input(wire.InkChange)
+@scans.output(wire.Ink)
+@scans.doc(
+    operation_id="dropInk", responses={409: "Not looked for yet", 422: "A name that none of the found lines has"}
+)
+def drop_ink(scan_id: str, json_data: wire.InkChange) -> wire.Ink:
+    """Say which of the found lines are none of the plan
+
+    They stay among the found lines, marked as dropped, until this is taken back.
+    """
+    return wire.Ink.model_validate(keep_dropped(app_context().service.storage, scan_id, json_data.dropped))
 
 
 def scan_answer(row: ScanRow) -> wire.Scan:

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from apiflask.fields import UploadFile
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from breastrig.drawings.drawing_schema import SCHEMA, DrawnShape, SurfacePoint
+from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, DrawnShape, SurfacePoint
 from breastrig.workflow.events import FitEvent, NodePose
 
 Units = Literal["auto", "m", "dm", "cm", "mm", "in", "ft"]
@@ -139,6 +139,13 @@ class InkShape(DrawnShape):
     )
     marker: Literal["violet", "black", "blue", "green", "red"]
     length_mm: float = Field(description="of ink, without gaps")
+    dropped: bool = Field(False, description="a person has said that it is none of the plan")
+
+
+class InkChange(Wire):
+    dropped: dict[Name, bool] = Field(
+        max_length=SHAPES, description="by name, whether it is dropped; lines that are not named stay as they are"
+    )
 
 
 class Ink(Wire):

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from breastrig.colour.features.limits import CrossLimits
 from breastrig.colour.ink.find_ink import find_ink
@@ -27,17 +28,23 @@ class CrossSeen:
 
 
 def marked_by_crosses(
-    scan: Scan, expected: Mapping[str, Array], spreads: Mapping[str, float], left: Array, limits: CrossLimits
+    scan: Scan,
+    expected: Mapping[str, Array],
+    spreads: Mapping[str, float],
+    left: Array,
+    limits: CrossLimits,
+    image: NDArray[np.uint8] | None = None,
 ) -> dict[str, CrossSeen]:
     """Those of the `expected` places (3,) m, on the midline, that a cross marks.
 
-    `spreads` (m) say how far off they are as a rule, `left` (3,) is the body's unit direction.
+    `spreads` (m) say how far off they are as a rule, `left` (3,) is the body's unit direction, `image`
+    the decoded texture (H, W, 3), if it is.
     """
     if scan.colour_kind != "texture" or not expected:
         return {}
     part = _around(scan, np.array(list(expected.values())), limits.around)
     try:
-        crosses = [each.line.points.mean(axis=0) for each in find_ink(part) if each.kind is Kind.CROSS]
+        crosses = [each.line.points.mean(axis=0) for each in find_ink(part, image=image) if each.kind is Kind.CROSS]
     except (BreastRigError, ValueError):
         return {}
     found = {}

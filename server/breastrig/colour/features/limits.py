@@ -67,6 +67,7 @@ class CrossLimits(_Part):
     aside: Positive  # m, of a cross from the form's midline
     farthest: Positive  # times the spread; beyond, a cross marks something else
     one_place: Positive  # m; crosses farther apart leave open which is meant
+    between: Positive  # m, root mean square, of the middle between two of them
     error: Positive  # m, root mean square, of a cross that was drawn on a landmark
 
 

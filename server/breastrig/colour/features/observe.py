@@ -14,6 +14,7 @@ import numpy as np
 from breastrig.colour.features.areola import Areola
 from breastrig.colour.features.crosses import marked_by_crosses
 from breastrig.colour.features.limits import Features, features
+from breastrig.colour.features.mid_sternum import between_crosses
 from breastrig.colour.features.navel import find_navel
 from breastrig.colour.features.nipple import NippleSeen, find_nipple
 from breastrig.colour.features.patch import ColouredSkin
@@ -26,6 +27,7 @@ NIPPLES = {"L": "nipple_L", "R": "nipple_R"}
 NAVEL = "umbilicus"
 CROSSED = ("suprasternal_notch", "xiphoid")
 CROSS_SEEN = "marked by a cross"
+BETWEEN_CROSSES, BETWEEN_SEEN = "mid_sternum", "between two crosses"
 AREOLA_SEEN = "areola seen"
 NAVEL_SEEN = "navel seen"
 
@@ -81,8 +83,16 @@ def observed_landmarks(
         {name: each.spread for name, each in on_midline.items()},
         left,
         features().crosses,
+        skin.image,
     )
-    return found | {name: Observation(each.place, each.covariance, CROSS_SEEN) for name, each in crosses.items()}
+    found |= {name: Observation(each.place, each.covariance, CROSS_SEEN) for name, each in crosses.items()}
+    if BETWEEN_CROSSES in expected and len(crosses) == len(CROSSED):
+        form = expected[BETWEEN_CROSSES]
+        notch, xiphoid = (crosses[name] for name in CROSSED)
+        middle = between_crosses(skin, notch, xiphoid, form.outwards, features().crosses.between)
+        if middle is not None and np.linalg.norm(middle.place - form.place) < features().crosses.farthest * form.spread:
+            found[BETWEEN_CROSSES] = Observation(middle.place, middle.covariance, BETWEEN_SEEN)
+    return found
 
 
 def _nipples(

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from breastrig.colour.skin_texture import lab
@@ -72,10 +73,15 @@ class ColouredSkin:
         self._rays = RayCaster(scan.vertices, scan.faces)
         self._crosses = face_crosses(scan.vertices, scan.faces)
         self._normals = face_normals(scan.vertices, scan.faces)
-        self._pixels = None
+        self._pixels: NDArray[np.uint8] | None = None
         if scan.colour_kind == "texture":
             assert scan.texture is not None
             self._pixels = pixels_of(scan.picture or scan.texture)
+
+    @property
+    def image(self) -> NDArray[np.uint8] | None:
+        """(H, W, 3) sRGB, the decoded texture; None where vertices have the colours."""
+        return self._pixels
 
     @cached_property
     def _middles(self) -> cKDTree:

@@ -7,6 +7,7 @@ them, and what each stroke is.  One second for a texture of 2048 by 2048.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from breastrig.colour.ink import limits
 from breastrig.colour.ink.kinds import Kind, sorted_out
@@ -32,16 +33,16 @@ class InkLine:
     length: float  # m of ink, without gaps
 
 
-def find_ink(scan: Scan, factor: float = 1.0) -> tuple[InkLine, ...]:
+def find_ink(scan: Scan, factor: float = 1.0, image: NDArray[np.uint8] | None = None) -> tuple[InkLine, ...]:
     """All strokes of ink on a coloured scan, longest first; perhaps none.
 
-    `factor` makes all thresholds of density larger or smaller, for evaluations.
+    `factor` makes all thresholds of density larger or smaller, for evaluations; `image` is as in `skin_texture`.
 
     Raises BadScan, with one sentence, for a scan without colour or with colours too coarse for a pen's line.
     """
     if scan.colour_kind == "none":
         raise BadScan("This scan has no colour, so no ink can be seen on it; scan again with colour.")
-    texture = skin_texture(scan, limits.TEXEL)
+    texture = skin_texture(scan, limits.TEXEL, image)
     if not np.isfinite(texture.source_texel):
         raise BadScan("The texture of this scan does not lie on its triangles; export it again.")
     if texture.source_texel > limits.FINE_ENOUGH:
