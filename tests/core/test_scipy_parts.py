@@ -41,6 +41,18 @@ def test_a_whole_fit_of_a_scan_without_colours_needs_none_of_it_either(tmp_path:
     assert not slow & loaded_by(program)
 
 
+def test_a_fit_needs_neither_numpys_fortran_translator_nor_its_tools_for_tests() -> None:
+    slow = {"numpy.f2py", "numpy.testing", "numpy.ma", "numpy.polynomial", "unittest"}
+    assert not slow & loaded_by("import breastrig.cli.fit_command")
+
+
+def test_numpy_lists_all_of_its_names_afterwards() -> None:
+    names = "print(*sorted(numpy.__all__), *sorted(dir(numpy)))\nassert numpy.ma.masked_array and numpy.f2py"
+    assert said_by(f"import numpy, breastrig.core.scipy_parts\n{names}") == said_by(
+        f"import numpy, scipy.sparse\n{names}"
+    )
+
+
 @pytest.mark.parametrize("order", [("breastrig.core.scipy_parts", "scipy.spatial"), ("scipy.spatial", "scipy.linalg")])
 def test_the_parts_are_those_of_the_packages_whoever_is_imported_first(order: tuple[str, str]) -> None:
     program = (

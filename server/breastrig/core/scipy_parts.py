@@ -3,12 +3,16 @@
 Importing `scipy.linalg`, `scipy.spatial` and `scipy.sparse.linalg` takes three times as long as a fit's own arithmetic,
 and a command, a worker and the server pay for it at each start.  These packages import all their modules (special
 functions, rotations, eigenvalue solvers), of which a fit calls three that are compiled: they are loaded alone.
+`scipy.sparse` is needed whole, but it copies all names of NumPy, and so loads NumPy's Fortran translator, test tools
+and masked arrays, which take longer than itself: it is shown a NumPy of the names that are there already.
 
 Where a future SciPy has arranged its modules in another way, the public ones are imported as usual; it takes longer
 and computes the same.
 """
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from importlib.machinery import PathFinder
 from importlib.util import module_from_spec
@@ -19,6 +23,18 @@ import numpy as np
 from breastrig.core.arrays import Array
 
 PANEL = 4  # columns that SuperLU takes together: a fit's matrices are narrow, the usual 10 take a third longer
+
+
+@contextmanager
+def _numpy_as_loaded() -> Iterator[None]:
+    """NumPy names to those who list them only what is loaded of it; whatever is asked for by name is loaded as ever."""
+    names: dict[str, Any] = vars(np)
+    listed, loaded = {name: names[name] for name in ("__all__", "__dir__")}, sorted(names)
+    names |= {"__all__": [name for name in np.__all__ if name in names], "__dir__": lambda: loaded}
+    try:
+        yield
+    finally:
+        names |= listed
 
 
 def _alone(name: str, public: str, needed: str) -> Any:
@@ -45,7 +61,8 @@ if TYPE_CHECKING:
     from scipy.sparse import coo_array, csc_array, csr_array, diags_array
     from scipy.spatial import cKDTree
 else:
-    from scipy.sparse import coo_array, csc_array, csr_array, diags_array
+    with _numpy_as_loaded():
+        from scipy.sparse import coo_array, csc_array, csr_array, diags_array
 
     cKDTree = _alone("scipy.spatial._ckdtree", "scipy.spatial", "cKDTree").cKDTree
     lapack = _alone("scipy.linalg._flapack", "scipy.linalg.lapack", "dpotrf")
