@@ -7,7 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 import pypdf
 import pytest
 from flask.testing import FlaskClient
-from helpers.blank_pictures import blank_pictures
+from helpers.blank_pictures import blank_pictures, blank_pictures_in_reports
+from helpers.remembered_fits import run_fit_once
 from helpers.waiting import ended
 
 from breastrig.api.app import create_app
@@ -24,7 +25,8 @@ Real = tuple[Service, FlaskClient, dict[str, str], dict[str, str]]
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Real]:
     """A service with the fits of the example patient standing and lying."""
-    service = Service(Storage(tmp_path_factory.mktemp("reports")), fits=FitLimits(workers=1, grace_s=0.1))
+    storage = Storage(tmp_path_factory.mktemp("reports"))
+    service = Service(storage, runner=run_fit_once, fits=FitLimits(workers=1, grace_s=0.1))
     with service.started():
         client = create_app(Config(), service).test_client()
         scans, fits = {}, {}
@@ -35,6 +37,12 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Real]:
             fits[name] = client.post("/api/fits", json={"scan": scan["id"], "landmarks": picked}).json["id"]
             assert ended(service, fits[name]).state == "done"
         yield service, client, scans, fits
+
+
+@pytest.fixture
+def blank(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports whose pictures are white."""
+    blank_pictures_in_reports(monkeypatch)
 
 
 def text_of(content: bytes, stances: int = 1) -> str:
@@ -59,6 +67,7 @@ def test_the_report_of_a_fit_is_made_once_and_kept_with_it(real: Real) -> None:
     assert unchanged.status_code == 304
 
 
+@pytest.mark.usefixtures("blank")
 def test_visitors_who_ask_for_the_report_at_once_get_one_that_is_made_once(
     real: Real, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -88,6 +97,7 @@ def test_visitors_who_ask_for_the_report_at_once_get_one_that_is_made_once(
     kept.unlink()
 
 
+@pytest.mark.usefixtures("blank")
 def test_two_stances_in_one_report_which_is_not_kept(real: Real) -> None:
     service, client, _, fits = real
     answer = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
@@ -155,6 +165,7 @@ def test_a_fit_without_the_files_of_one_is_a_sentence_without_folders(client: Fl
     assert "/" not in answer.json["detail"].replace("/result.json", "")
 
 
+@pytest.mark.usefixtures("blank")
 def test_a_report_with_a_plan_is_remembered_and_not_kept_on_the_disk(real: Real) -> None:
     """It may hold what was carried from another scan, and must not outlive that scan's deletion."""
     service, client, scans, fits = real
@@ -183,6 +194,7 @@ def test_a_report_with_a_plan_is_remembered_and_not_kept_on_the_disk(real: Real)
     assert "wants it smaller" not in text_of(client.get(address).data, stances=0)
 
 
+@pytest.mark.usefixtures("blank")
 def test_deleting_the_scan_deletes_the_report(real: Real) -> None:
     service, client, scans, fits = real
     place = f"/api/fits/{fits['standing']}/report.pdf"

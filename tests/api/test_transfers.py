@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from flask.testing import FlaskClient
+from helpers.blank_pictures import blank_pictures_in_reports
+from helpers.remembered_fits import run_fit_once
 from helpers.waiting import ended
 
 from breastrig.api.app import create_app
@@ -28,7 +30,8 @@ CARRIED_FIELDS = ["name", "closed", "color", "points", "bridged", "error_mm", "d
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, FlaskClient, dict[str, str]]]:
     """A service with the fits of the example patient standing and lying."""
-    service = Service(Storage(tmp_path_factory.mktemp("transfers")), fits=FitLimits(workers=1, grace_s=0.1))
+    storage = Storage(tmp_path_factory.mktemp("transfers"))
+    service = Service(storage, runner=run_fit_once, fits=FitLimits(workers=1, grace_s=0.1))
     with service.started():
         client = create_app(Config(), service).test_client()
         fits = {}
@@ -186,7 +189,7 @@ def stored_tag(answer: Any) -> dict[str, str]:
 
 
 def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_body(
-    real: tuple[Service, FlaskClient, dict[str, str]],
+    real: tuple[Service, FlaskClient, dict[str, str]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The tumour is at the same skin as the service's own transfer says, not at the same hour of another breast."""
     service, client, fits = real
@@ -258,6 +261,7 @@ def test_a_whole_plan_is_carried_and_nothing_of_it_is_made_anew_on_the_other_bod
     assert [each["item"] for each in missing] == ["off", "z"]
     assert "not fitted yet" in missing[1]["reason"]
 
+    blank_pictures_in_reports(monkeypatch)
     # the report shows the plan and not what the fit itself had drawn; a tumour that is taken back is gone at once
     whole = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
     assert whole.status_code == 200

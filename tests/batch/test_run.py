@@ -19,7 +19,7 @@ from breastrig.batch.task import FitOfBytes, fit_of_bytes
 from breastrig.core.errors import BadSettings
 from breastrig.execution.processes import Processes
 from breastrig.workflow.events import Event
-from breastrig.workflow.run_fit import FitJob
+from breastrig.workflow.jobs import FitJob
 
 
 @pytest.fixture(scope="module")

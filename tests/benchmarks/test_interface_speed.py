@@ -9,7 +9,8 @@ from typing import Any
 from helpers.example_fit import EXAMPLE
 
 import breastrig
-from breastrig.workflow.run_fit import FitJob, fit_steps
+from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.run_fit import fit_steps
 from breastrig.workflow.scan_fit import Clock, fit_plan, made_ready, scan_of_job
 
 ROUNDS = 9

@@ -21,7 +21,8 @@ ONE_BY_ONE = """
 import sys
 from pathlib import Path
 from threadpoolctl import threadpool_limits
-from breastrig.workflow.run_fit import FitJob, run_fit
+from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.run_fit import run_fit
 
 def resident():
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6

@@ -10,7 +10,8 @@ import pytest
 from helpers.example_fit import indexed_scan
 
 from breastrig.drawings.patterns import asked_drawing
-from breastrig.workflow.run_fit import FitJob, run_fit
+from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.run_fit import run_fit
 
 ROUNDS = 7
 ITERATIONS = 10  # of the default preset on this scan, about

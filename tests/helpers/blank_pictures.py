@@ -2,21 +2,23 @@
 
 from typing import Any
 
-import numpy as np
 import pytest
 
 from breastrig.rendering.picture import Picture, Scene
+from breastrig.service import reports
+from helpers.plain_report import plain_report_pdf_of, white
 
 COARSER = 4
 
 
 def blank_pictures(patch: pytest.MonkeyPatch) -> None:
     """From now on every picture that this process makes is white, of the size that is asked for."""
-
-    def white(_scene: Scene, _view: Any, size: tuple[int, int] = (640, 640), *_: Any, **__: Any) -> Picture:
-        return np.full((size[1], size[0], 3), 255, dtype=np.uint8)
-
     patch.setattr(Scene, "render", white)
+
+
+def blank_pictures_in_reports(patch: pytest.MonkeyPatch) -> None:
+    """From now on every report that services of this process have made has such pictures."""
+    patch.setitem(reports.MAKERS, "report.pdf", plain_report_pdf_of)
 
 
 def coarse_pictures(patch: pytest.MonkeyPatch) -> None:

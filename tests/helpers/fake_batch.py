@@ -19,7 +19,7 @@ from breastrig.cli import batch_command
 from breastrig.cli.main import main
 from breastrig.core.errors import FitFailed
 from breastrig.workflow.events import Done, Event
-from breastrig.workflow.run_fit import FitJob
+from breastrig.workflow.jobs import FitJob
 
 FILES = (
     "result.json",

@@ -15,7 +15,7 @@ from breastrig.core.errors import FitFailed
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.workflow.events import Done, Event, Iterated, NodePose, Started
-from breastrig.workflow.run_fit import FitJob
+from breastrig.workflow.jobs import FitJob
 from helpers.toy_rig import toy_rig
 
 ITERATIONS = 4

@@ -3,6 +3,8 @@
 Most tests of the service upload one of a few scans first, and reading one takes more work than all that they ask about.
 What is remembered was read by the service's own reader in its own process; files lie in FOLDER, where processes of all
 tests find them.  A service remembers while `remember_uploads` or `remembering_uploads` has its process do so.
+
+Processes of tasks import this file too, so that what only a service or a first reading needs is imported there.
 """
 
 import hashlib
@@ -15,16 +17,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from breastrig.core.assets import asset_folder
 from breastrig.execution.fork_server import preload
-from breastrig.gltf.read_rig import default_rig_path
-from breastrig.service import service
-from breastrig.workflow.read_upload import UploadJob, read_upload
+from breastrig.workflow.jobs import UploadJob
 
 FOLDER = "BREASTRIG_REMEMBERED_UPLOADS"  # environment; without it nothing is remembered
 
 
 def remember_uploads() -> None:
     """For all services of this process from now on."""
+    from breastrig.service import service
+
     service.read_upload = read_upload_once
     preload([__name__])
 
@@ -32,6 +35,8 @@ def remember_uploads() -> None:
 @contextmanager
 def remembering_uploads() -> Iterator[None]:
     """The same inside the block."""
+    from breastrig.service import service
+
     before = service.read_upload
     remember_uploads()
     try:
@@ -43,11 +48,10 @@ def remembering_uploads() -> Iterator[None]:
 def read_upload_once(job: UploadJob) -> dict[str, Any]:
     """As `read_upload`, whose answer and files are copied when it has read the same before."""
     if FOLDER not in os.environ:
-        return read_upload(job)
+        return _read(job)
     known = Path(os.environ[FOLDER], _key(job))
     if not known.is_dir():
-        facts = read_upload(job)
-        _keep(job, facts, known)
+        _keep(job, _read(job), known)
     shutil.copyfile(known / "kept", job.kept)
     shutil.copyfile(known / "mesh", job.mesh)
     shutil.copyfile(known / "thumbnail", job.thumbnail)
@@ -55,10 +59,16 @@ def read_upload_once(job: UploadJob) -> dict[str, Any]:
     return found
 
 
+def _read(job: UploadJob) -> dict[str, Any]:
+    from breastrig.workflow.read_upload import read_upload
+
+    return read_upload(job)
+
+
 def _key(job: UploadJob) -> str:
     """Of everything that the answer depends on."""
     total = hashlib.sha256(f"{job.scan.suffix} {job.units} {job.triangles} ".encode())
-    model = job.model or default_rig_path()
+    model = job.model or asset_folder("model") / "torso.glb"
     for file in (model, model.with_suffix(".json"), job.scan):
         total.update(hashlib.sha256(file.read_bytes()).digest())
     return total.hexdigest()

@@ -3,7 +3,6 @@
 Processes of tasks import this file too, so that what the server alone needs is imported where the program begins.
 """
 
-import argparse
 import os
 import sys
 from datetime import timedelta
@@ -19,12 +18,15 @@ def set_clock_ahead(days: float) -> None:
 
 
 if __name__ == "__main__":
-    from breastrig.cli import serve_command, serve_options
+    from breastrig.cli import serve_command
+    from breastrig.cli.main import main
+    from breastrig.service import service
+    from helpers.light_tasks import LIGHT_TASK_MODULES
     from helpers.remembered_uploads import remember_uploads
 
+    service.TASK_MODULES = LIGHT_TASK_MODULES
     set_clock_ahead(float(os.environ.get("FAKE_DAYS_AHEAD", "0")))
     remember_uploads()
-    parser = argparse.ArgumentParser()
-    serve_options.add_parser(parser.add_subparsers())
-    runner = getattr(fake_fit, os.environ.get("FAKE_FIT", "mostly_patient"))
-    sys.exit(serve_command.serve(parser.parse_args(["serve", *sys.argv[1:]]), runner))
+    serve_command.run_fit = getattr(fake_fit, os.environ.get("FAKE_FIT", "mostly_patient"))
+    serve_command.run_pair = fake_fit.mostly_patient_pair
+    sys.exit(main(["serve", *sys.argv[1:]]))

@@ -19,7 +19,7 @@ from breastrig.storage.rows.events import append, events_after
 from breastrig.storage.rows.fits import claim_fit, get_fit
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
-from breastrig.workflow.run_fit import FitJob
+from breastrig.workflow.jobs import FitJob
 
 
 def test_a_fit_stores_its_events_in_order_and_leaves_its_files(serving, scan_id: str) -> None:

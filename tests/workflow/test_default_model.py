@@ -7,7 +7,8 @@ from breastrig.gltf.lines import ribbon
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig import vertex_groups
 from breastrig.workflow import default_model
-from breastrig.workflow.scan_fit import FitJob, fit_plan, read_model
+from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.scan_fit import fit_plan, read_model
 
 
 def test_the_model_of_a_job_is_there_already_with_its_parts(tmp_path: object) -> None:

@@ -8,7 +8,8 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadLandmarks
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.workflow.events import Done, Started
-from breastrig.workflow.run_fit import FitJob, run_fit
+from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.run_fit import run_fit
 from breastrig.workflow.scan_fit import fit_plan, made_ready, read_model, scan_of_job
 
 EXAMPLE = asset_folder("example") / "standing"

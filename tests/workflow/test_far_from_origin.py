@@ -12,7 +12,8 @@ from breastrig.core.assets import asset_folder
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.export_fit import export_files
-from breastrig.workflow.run_fit import FitJob, run_fit
+from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.run_fit import run_fit
 
 EXAMPLE = asset_folder("example") / "standing"
 FAR = np.array([10_000.0, -3_000.0, 7_000.0])  # m

@@ -15,8 +15,8 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
 from breastrig.workflow.events import Event
-from breastrig.workflow.fit_start import EarlierFit
-from breastrig.workflow.run_fit import FitJob, run_fit
+from breastrig.workflow.jobs import EarlierFit, FitJob
+from breastrig.workflow.run_fit import run_fit
 
 PICKS = json.loads((EXAMPLE / "landmarks.json").read_text())["landmarks"]
 

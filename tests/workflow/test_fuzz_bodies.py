@@ -25,7 +25,8 @@ from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
-from breastrig.workflow.run_fit import FitJob, run_fit
+from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.run_fit import run_fit
 
 
 def file_of(kind: str, seed: int, divisions: int) -> bytes:

@@ -10,8 +10,8 @@ from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.workflow.events import Done, Event, Iterated, Started
+from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.run_pair import run_pair
-from breastrig.workflow.scan_fit import FitJob
 
 EXAMPLE = asset_folder("example")
 

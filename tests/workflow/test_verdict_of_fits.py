@@ -15,7 +15,8 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Done
-from breastrig.workflow.run_fit import FitJob, run_fit
+from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.run_fit import run_fit
 
 EXAMPLE = asset_folder("example")
 SOLID = ("plate", "half", "box", "hull")  # a ball is below, on the command line; test_fuzz_bodies.py has more kinds

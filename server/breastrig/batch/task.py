@@ -8,7 +8,7 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Event
-from breastrig.workflow.run_fit import FitJob
+from breastrig.workflow.jobs import FitJob
 
 Runner = Callable[[FitJob], Iterator[Event]]
 

@@ -20,11 +20,11 @@ from breastrig.core.notice import RESEARCH_USE_ONLY
 from breastrig.execution.executor import Executor
 from breastrig.execution.fork_server import preload, start_fork_server
 from breastrig.execution.limits import FitLimits
-from breastrig.service.fit_worker import Runner
 from breastrig.service.service import Service
 from breastrig.service.task_modules import REMOTE_MODULES
 from breastrig.storage.storage import Storage
 from breastrig.workflow.run_fit import run_fit
+from breastrig.workflow.run_pair import run_pair
 
 SECRETS = (TOKEN_VARIABLE, "BREASTRIG_DATABASE")  # of the environment; the second may hold a password
 
@@ -33,11 +33,6 @@ log = logging.getLogger(__name__)
 
 def run(options: argparse.Namespace) -> int:
     """Serves until it is told to stop.  Raises BadSettings or BadModel when it cannot start."""
-    return serve(options, run_fit)
-
-
-def serve(options: argparse.Namespace, runner: Runner) -> int:
-    """The same with another way to carry out a fit."""
     found = service_settings(options)
     setting = {name: one.value for name, one in found.items()}
     set_up_logs(setting["log"])
@@ -65,7 +60,8 @@ def serve(options: argparse.Namespace, runner: Runner) -> int:
     executor = None if setting["scheduler"] is None else _cluster(setting["scheduler"], limits)
     service = Service(
         storage,
-        runner=runner,
+        runner=run_fit,
+        pair_runner=run_pair,
         model=config.model,
         uploads=config.uploads,
         fits=limits,

@@ -24,8 +24,9 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 from breastrig.workflow.fit_outcome import FitOutcome
 from breastrig.workflow.fit_recorder import RecordedIterate
+from breastrig.workflow.jobs import FitSettings
 from breastrig.workflow.run_fit import fit_steps
-from breastrig.workflow.scan_fit import Clock, FitPlan, FitSettings, ReadyScan, fit_plan, made_ready
+from breastrig.workflow.scan_fit import Clock, FitPlan, ReadyScan, fit_plan, made_ready
 
 Step = TypeVar("Step")
 Result = TypeVar("Result")

@@ -27,8 +27,7 @@ from breastrig.storage.rows.fits import FitRow, claim_fit, get_fit
 from breastrig.storage.rows.scans import ScanRow, get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.events import Event, Failed
-from breastrig.workflow.fit_start import EarlierFit
-from breastrig.workflow.run_fit import FitJob
+from breastrig.workflow.jobs import EarlierFit, FitJob
 
 Runner = Callable[[FitJob], Iterator[Event]]
 PairRunner = Callable[[FitJob, FitJob], Iterator[tuple[int, Event]]]

@@ -51,9 +51,10 @@ from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_
 from breastrig.storage.rows.patients import get_patient, scans_of_patient
 from breastrig.storage.rows.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
+from breastrig.workflow.jobs import UploadJob
 from breastrig.workflow.lines.transfer import TransferJob, transfer
 from breastrig.workflow.propose_on_scan import propose_on_file
-from breastrig.workflow.read_upload import UploadJob, read_upload
+from breastrig.workflow.read_upload import read_upload
 from breastrig.workflow.run_fit import run_fit
 from breastrig.workflow.run_pair import run_pair
 

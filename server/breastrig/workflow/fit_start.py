@@ -5,8 +5,7 @@ and stance costs more than the iterations that are then needed.  The result is t
 up to what the last iterations leave open (0.1 to 0.6 mm on average, measured with picks moved by 10 mm).
 """
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 from breastrig.core.errors import BadSettings
 from breastrig.core.stances import AUTO
@@ -16,15 +15,7 @@ from breastrig.fitting.scan_orientation import ScanOrientation
 from breastrig.fitting.stance import FoundStance, found_stance
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.pose_nodes import posed_by_nodes
-
-
-@dataclass(frozen=True)
-class EarlierFit:
-    """A fit of the same scan: its stance, and its last pose as glTF nodes, in the scan's frame (m)."""
-
-    stance: str
-    nodes: list[dict[str, Any]]
-    model_sha256: str  # of the rig whose nodes they are
+from breastrig.workflow.jobs import EarlierFit
 
 
 def with_start(task: FitTask, scan: PreparedScan, orientation: ScanOrientation | None) -> tuple[FitTask, float | None]:

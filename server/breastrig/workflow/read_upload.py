@@ -6,8 +6,6 @@ which everything later starts; the upload itself is not kept.  How the patient l
 proposals and fits of this scan begin with it.
 """
 
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadScan, TooLarge
@@ -21,17 +19,7 @@ from breastrig.report.thumbnail import thumbnail_png
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
-
-
-@dataclass(frozen=True)
-class UploadJob:
-    scan: Path  # the uploaded bytes; the suffix gives the type
-    units: str
-    kept: Path  # where the scan itself is written, as a STORED file
-    mesh: Path  # where the mesh for display is written
-    thumbnail: Path  # where a small picture is written
-    triangles: int  # at most
-    model: Path | None = None  # that the service fits with; None: the torso of the package
+from breastrig.workflow.jobs import UploadJob
 
 
 def read_upload(job: UploadJob) -> dict[str, Any]:

@@ -11,17 +11,15 @@ from breastrig.workflow.events import Done, Event
 from breastrig.workflow.fit_files import write_fit_files
 from breastrig.workflow.fit_outcome import FitOutcome
 from breastrig.workflow.fit_recorder import FitRecorder, RecordedIterate
+from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.scan_fit import (
     Clock,
-    FitJob,
     ReadyScan,
     fit_plan,
     made_ready,
     read_model,
     scan_of_job,
 )
-
-__all__ = ["FitJob", "fit_steps", "run_fit"]
 
 
 def fit_steps(ready: ReadyScan, clock: Clock) -> Iterator[RecordedIterate | FitOutcome]:

@@ -20,9 +20,9 @@ from breastrig.workflow.fit_file_names import RESULT
 from breastrig.workflow.fit_files import json_bytes, write_files, write_fit_files
 from breastrig.workflow.fit_outcome import FitOutcome
 from breastrig.workflow.fit_recorder import FitRecorder, RecordedIterate
+from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.scan_fit import (
     Clock,
-    FitJob,
     FitPlan,
     ReadyScan,
     fit_plan,

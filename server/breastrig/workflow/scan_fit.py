@@ -6,9 +6,8 @@ read its scan already.  Everything that can be wrong with the request itself is 
 
 import time
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -34,39 +33,14 @@ from breastrig.scan.landmark_files import checked_certain
 from breastrig.scan.scan import Scan
 from breastrig.workflow.coloured_scan import coloured_scan
 from breastrig.workflow.events import DoubtedPick, Started
-from breastrig.workflow.fit_start import EarlierFit, with_earlier_start, with_stance, with_start
+from breastrig.workflow.fit_start import with_earlier_start, with_stance, with_start
+from breastrig.workflow.jobs import FitJob, FitSettings
 
 if TYPE_CHECKING:
     from breastrig.colour.features.observe import Observation
 
 ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; none of them was followed."
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
-
-
-@dataclass(frozen=True, kw_only=True)
-class FitSettings:
-    """What is asked of a fit, whatever scan it is asked of."""
-
-    stance: str = AUTO
-    preset: str = "default"
-    drawing: str | None = "lumpectomy"  # see drawings/patterns.py: names, patterns with parameters, joined by +
-    landmark_confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of proposed ones; absent: 1
-    certain: tuple[str, ...] = ()  # picks that are followed whatever all else says
-    refine: bool = True  # a free-form layer on top, which follows the skin that the scan shows
-    earlier: EarlierFit | None = None  # None: the start is found from landmarks and scan
-    orientation: dict[str, Any] | None = None  # of the scan, found at its upload; see fitting/scan_orientation.py
-
-
-@dataclass(frozen=True)
-class FitJob(FitSettings):
-    """A fit from files to files, as plain values that travel between processes."""
-
-    scan: Path
-    out: Path
-    landmarks_mm: dict[str, list[float]]  # name -> x y z in the scan's frame, millimetres whatever the scan's unit
-    units: str = "auto"
-    file_type: str | None = None  # None: from the content
-    model: Path | None = None  # None: the torso of the package
 
 
 class Clock:

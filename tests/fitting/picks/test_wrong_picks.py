@@ -9,7 +9,8 @@ import trimesh
 from breastrig.core.assets import asset_folder
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.workflow.events import Done
-from breastrig.workflow.run_fit import FitJob, run_fit
+from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.run_fit import run_fit
 
 EXAMPLE = asset_folder("example") / "standing"
 PAIRS = ("nipple", "acromion", "midclavicle", "inframammary_fold")

@@ -1,0 +1,22 @@
+"""The report without its pictures, which are most of its work; a task of services, imported there by name.
+
+For tests of how a report is asked for, kept and shown; what its pictures show is a question of other tests.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from breastrig.rendering.picture import Picture, Scene
+from breastrig.workflow.report import ReportJob, report_pdf_of
+
+
+def white(_scene: Scene, _view: Any, size: tuple[int, int] = (640, 640), *_: Any, **__: Any) -> Picture:
+    """A picture of that size on which nothing is."""
+    return np.full((size[1], size[0], 3), 255, dtype=np.uint8)
+
+
+def plain_report_pdf_of(job: ReportJob) -> bytes:
+    """As `report_pdf_of`; the process is the task's own, so nothing is put back."""
+    Scene.render = white  # type: ignore[method-assign]
+    return report_pdf_of(job)
