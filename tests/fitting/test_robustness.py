@@ -67,7 +67,10 @@ def test_two_thousand_triangles_are_enough(patient: Patient) -> None:
 def test_a_million_triangles_change_nothing(patient: Patient) -> None:
     facing = np.cross(*(patient.vertices[patient.faces[:, k]] - patient.vertices[patient.faces[:, 0]] for k in (1, 2)))
     front = patient.faces[facing[:, 2] > 0.2 * np.linalg.norm(facing, axis=1)]
-    vertices, faces = compact(patient.vertices, front)
+    chest = (patient.landmarks["nipple_L"] + patient.landmarks["nipple_R"]) / 2
+    away = np.linalg.norm(patient.vertices[front].mean(axis=1) - chest, axis=1)
+    near = front[np.argsort(away)[: -(-1_000_000 // 4**3)]]  # three times each into four: then no more than a million
+    vertices, faces = compact(patient.vertices, near)
     coarse = pose(patient.rig, patient.parameters(vertices, faces))
     while len(faces) < 1_000_000:
         vertices, faces = trimesh.remesh.subdivide(vertices, faces)

@@ -22,7 +22,7 @@ def starting(data: Path, model: Path, log: Path, *options: str, **environment: s
             stdout=subprocess.PIPE,
             stderr=errors,
             text=True,
-            env=os.environ | {"PYTHONPATH": _search_path(), **environment},
+            env=os.environ | {"PYTHONPATH": search_path(), **environment},
         )
     assert process.stdout is not None
     try:
@@ -46,7 +46,7 @@ def server(
         yield process, found[0]
 
 
-def _search_path() -> str:
+def search_path() -> str:
     """The folder of the helpers, before whatever the tests were started with."""
     return os.pathsep.join([str(PROGRAM.parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])])
 

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import math
 import re
 import subprocess
 import sys
@@ -30,8 +31,13 @@ class Result:
     slow: dict[str, Kept]  # at the end of the run, by kind
 
 
-def run(seconds: float, clients: int, viewers: int, slow: SlowClients | None = None) -> Result:
-    """`breastrig serve` with the packaged model and the example patient, on a port and a data folder of its own."""
+def run(
+    seconds: float, clients: int, viewers: int, slow: SlowClients | None = None, enough_fits: float = math.inf
+) -> Result:
+    """`breastrig serve` with the packaged model and the example patient, on a port and a data folder of its own.
+
+    It ends before its time when clients have had `enough_fits` and viewers a whole stream, some of it live.
+    """
     slow = slow or SlowClients()
     allow_files(slow.total + 1000)
     with tempfile.TemporaryDirectory() as folder:
@@ -51,7 +57,7 @@ def run(seconds: float, clients: int, viewers: int, slow: SlowClients | None = N
             stored.start()
             try:
                 measured, took, memory, kept = asyncio.run(
-                    _all(int(found[1]), server.pid, seconds, clients, viewers, slow, stored)
+                    _all(int(found[1]), server.pid, seconds, clients, viewers, slow, stored, enough_fits)
                 )
             finally:
                 stored.stop()
@@ -65,7 +71,14 @@ def run(seconds: float, clients: int, viewers: int, slow: SlowClients | None = N
 
 
 async def _all(
-    port: int, pid: int, seconds: float, clients: int, viewers: int, slow: SlowClients, stored: StoredEvents
+    port: int,
+    pid: int,
+    seconds: float,
+    clients: int,
+    viewers: int,
+    slow: SlowClients,
+    stored: StoredEvents,
+    enough_fits: float,
 ) -> tuple[Measured, float, list[tuple[float, Footprint]], dict[str, Kept]]:
     folder = asset_folder("example") / "standing"
     scan = (folder / "scan.ply").read_bytes()
@@ -80,7 +93,10 @@ async def _all(
             tasks.create_task(work(stage, scan, landmarks))
         for seed in range(viewers):
             tasks.create_task(view(stage, seed))
-        while (now := perf_counter() - began) < seconds:
+        measured = stage.measured
+        while (now := perf_counter() - began) < seconds and not (
+            measured.fits >= enough_fits and measured.streams_read and _late_s(stage, stored)
+        ):
             await asyncio.sleep(min(1.0, seconds - now))
             stage.measured.open_streams.append(stage.streams)
             memory.append((perf_counter() - began, footprint(pid)))
@@ -90,10 +106,15 @@ async def _all(
             task.cancel()
         await asyncio.sleep(0)
     took = perf_counter() - began
-    stage.measured.late_s += [
+    stage.measured.late_s += _late_s(stage, stored)
+    memory.append((took, footprint(pid)))
+    return stage.measured, took, memory, kept
+
+
+def _late_s(stage: Stage, stored: StoredEvents) -> list[float]:
+    """How long after it was stored each event reached a viewer who was waiting for it."""
+    return [
         max(0.0, moment - stored.moments[fit, number])
         for fit, number, moment, opened in stage.received
         if stored.moments.get((fit, number), 0.0) > opened  # the others had been stored before anyone asked
     ]
-    memory.append((took, footprint(pid)))
-    return stage.measured, took, memory, kept

@@ -5,13 +5,14 @@ is that all that read get the same whole file, and that the server's memory does
 """
 
 import hashlib
+import os
 import re
 import socket
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
@@ -24,6 +25,7 @@ import trimesh
 
 from breastrig.core.assets import asset_folder
 
+SERVE = ("-m", "breastrig.cli.main", "serve")
 CHUNK = 2**16
 PATIENCE_S = 300.0
 LOOK_EVERY_S = 0.02
@@ -76,10 +78,12 @@ def fine_scan(triangles: int) -> bytes:
     return bytes(scan.export(file_type="ply"))
 
 
-def run_share_readers(triangles: int, readers: int = 12, silent: int = 30) -> ShareReaders:
-    """On a server of its own, with the example patient's fit."""
+def run_share_readers(
+    triangles: int, readers: int = 12, silent: int = 30, program: Sequence[str] = SERVE, **environment: str
+) -> ShareReaders:
+    """On a server of its own, which `program` starts, with the example patient's fit."""
     found = ShareReaders()
-    with tempfile.TemporaryDirectory() as folder, _server(Path(folder)) as (pid, port):
+    with tempfile.TemporaryDirectory() as folder, _server(Path(folder), program, environment) as (pid, port):
         base = f"http://127.0.0.1:{port}"
         with httpx.Client(base_url=base, timeout=PATIENCE_S) as owner:
             scan = owner.post("/api/scans", files={"file": ("a.ply", fine_scan(triangles))}).json()
@@ -190,14 +194,15 @@ def _watched(pid: int) -> Iterator[list[float]]:
 
 
 @contextmanager
-def _server(folder: Path) -> Iterator[tuple[int, int]]:
+def _server(folder: Path, program: Sequence[str], environment: dict[str, str]) -> Iterator[tuple[int, int]]:
     """(process id, port) of `breastrig serve` with a data folder of its own."""
     with (folder / "log").open("w") as errors:
         server = subprocess.Popen(
-            [sys.executable, "-m", "breastrig.cli.main", "serve", "--port", "0", "--data", str(folder / "data")],
+            [sys.executable, *program, "--port", "0", "--data", str(folder / "data")],
             stdout=subprocess.PIPE,
             stderr=errors,
             text=True,
+            env=os.environ | environment,
         )
     assert server.stdout is not None
     try:

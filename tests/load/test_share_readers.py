@@ -1,11 +1,14 @@
-"""A smaller scan than `make load` takes."""
+"""A smaller scan than `make load` takes, and a stand-in for its fit, which no reader reads."""
+
+from helpers.real_server import PROGRAM, search_path
 
 from breastrig.api.share_limits import BIG_ANSWERS_EACH
 from load.share_readers import MOST_GROWTH_MB, ShareReaders, run_share_readers
 
 
 def test_readers_of_a_large_scan_and_those_that_never_read_cost_the_server_no_memory() -> None:
-    found = run_share_readers(triangles=200_000, readers=12, silent=30)
+    program = [str(PROGRAM)]
+    found = run_share_readers(200_000, 12, 30, program, FAKE_FIT="quick", PYTHONPATH=search_path())
     assert found.errors == []
     assert found.whole == 12
     assert found.silent_answers == {"200": BIG_ANSWERS_EACH, "503": 30 - BIG_ANSWERS_EACH}

@@ -10,10 +10,13 @@ import trimesh
 from helpers.scan_files import as_bytes, picture, ply_text, textured_obj, tube, zipped
 from helpers.toy_rig import toy_rig
 from PIL import Image
+from scipy.spatial import cKDTree
 
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.scan.formats.texture import TURNED, is_picture
+from breastrig.scan import joined_textures
+from breastrig.scan.formats.texture import TURNED, is_picture, pixels_of
 from breastrig.scan.read import read_scan
+from breastrig.scan.scan import Scan
 
 
 @pytest.mark.parametrize("kind", ["ply", "obj", "stl", "stl_ascii", "glb"])
@@ -225,15 +228,91 @@ def test_a_mesh_that_the_scanner_app_split_keeps_its_one_picture(materials: tupl
     np.testing.assert_allclose(found[order[0]], wanted[order[1]], atol=1e-5)
 
 
-def test_two_pictures_for_one_scan_are_left_out_and_said() -> None:
+def with_two_pictures(first: bytes, second: bytes) -> tuple[dict[str, bytes], list[str]]:
+    """The textured OBJ, whose second half has a material and picture of its own; and its lines."""
     files = textured_obj()
     lines = files["model.obj"].decode().splitlines()
     lines.insert(lines.index(next(line for line in lines if line.startswith("f "))) + 100, "usemtl other")
     more = b"newmtl other\nmap_Kd other.png\n"
     files |= {"model.obj": "\n".join(lines).encode(), "model.mtl": files["model.mtl"] + more}
-    scan = read_scan(zipped({**files, "skin.jpg": picture(), "other.png": picture("PNG", (4, 4))}))
+    return {**files, "skin.jpg": first, "other.png": second}, lines
+
+
+def ramp(width: int, height: int, blue: int) -> np.ndarray:
+    """(H, W, 3): red says how far to the right, green how far down."""
+    across, down = np.meshgrid(np.linspace(20, 230, width), np.linspace(20, 230, height))
+    return np.stack([across, down, np.full_like(across, blue)], axis=2).round().astype(np.uint8)
+
+
+def as_png(pixels: np.ndarray) -> bytes:
+    stream = io.BytesIO()
+    Image.fromarray(pixels).save(stream, "PNG")
+    return stream.getvalue()
+
+
+def colours_at(scan: Scan) -> np.ndarray:
+    """(F, 3) of the scan's picture in the middle of each triangle."""
+    assert scan.uv is not None
+    assert scan.picture is not None
+    pixels = pixels_of(scan.picture).astype(float)
+    u, v = scan.uv[scan.faces].mean(axis=1).T
+    return pixels[((1 - v) * pixels.shape[0]).astype(int), (u * pixels.shape[1]).astype(int)]
+
+
+def test_two_pictures_for_one_scan_are_laid_on_one_sheet() -> None:
+    wide, small = ramp(300, 120, blue=40), ramp(64, 200, blue=200)
+    files, _ = with_two_pictures(as_png(wide), as_png(small))
+    scan = read_scan(zipped(files))
+    assert (scan.colour_kind, scan.notes) == ("texture", ())
+    rig = toy_rig()
+    middles = scan.vertices[scan.faces].mean(axis=1)
+    wanted = cKDTree(rig.template[rig.faces].mean(axis=1)).query(middles)
+    assert wanted[0].max() < 1e-5
+    found = colours_at(scan)
+    of_second = found[:, 2] > 120
+    assert (of_second.sum(), (~of_second).sum()) == (284, 100)
+    true = rig.uv[rig.faces].mean(axis=1)[wanted[1]]
+    np.testing.assert_allclose(found[:, 2], np.where(of_second, 200, 40), atol=4)
+    np.testing.assert_allclose(found[:, 0], 20 + 210 * true[:, 0], atol=6)
+    np.testing.assert_allclose(found[:, 1], 230 - 210 * true[:, 1], atol=6)
+    assert read_scan(zipped(files), texture=False).colour_kind == "none"
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ("tiles", "The scan has several textures, some laid out as repeated tiles, and is shown without them."),
+        ("pixels", "The textures of this scan have more than 0 million pixels together and were left out; scale them"),
+        ("damaged", "One of the textures of this scan is damaged, and all were left out."),
+    ],
+)
+def test_pictures_that_cannot_be_laid_on_one_sheet_are_left_out_and_said(
+    change: str, sentence: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    second = as_png(ramp(64, 200, blue=200))
+    files, lines = with_two_pictures(picture(), second)
+    if change == "tiles":
+        at = next(number for number, line in enumerate(lines) if line.startswith("vt "))
+        files["model.obj"] = "\n".join([*lines[:at], "vt 1.7 0.2", *lines[at + 1 :]]).encode()
+    if change == "pixels":
+        monkeypatch.setattr(joined_textures, "IMAGE_PIXELS", 10_000)
+        monkeypatch.setattr(joined_textures, "TOO_MANY", joined_textures.TOO_MANY.replace("50", "0"))
+    if change == "damaged":
+        at = second.index(b"IDAT")
+        files["other.png"] = second[: at + 8] + b"damage" + second[at + 14 :]
+    scan = read_scan(zipped(files))
     assert scan.colour_kind == "none"
-    assert scan.notes == ("The scan has several textures and is shown without them.",)
+    assert [note[: len(sentence)] for note in scan.notes] == [sentence]
+
+
+def test_a_sheet_is_no_larger_than_a_texture_may_be(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(joined_textures, "TEXTURE_SIDE", 256)
+    files, _ = with_two_pictures(as_png(ramp(300, 220, blue=40)), as_png(ramp(180, 200, blue=200)))
+    scan = read_scan(zipped(files))
+    assert scan.picture is not None
+    assert max(pixels_of(scan.picture).shape[:2]) <= 256
+    found = colours_at(scan)
+    np.testing.assert_allclose(found[:, 2], np.where(found[:, 2] > 120, 200, 40), atol=4)
 
 
 def test_words_in_any_character_set_do_not_matter() -> None:

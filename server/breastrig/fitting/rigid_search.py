@@ -22,6 +22,7 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.scipy_parts import cKDTree
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.boundary import boundary_vertices
+from breastrig.geometry.nearest_points import NearestPoints
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
@@ -68,26 +69,26 @@ class _Comparison:
         self.asking, self.asking_normals = (each[_thinned(len(each), model[0])] for each in (rig.template, normals))
         asked = _thinned(len(normals), model[1])
         self.model, self.at_rim = rig.template[asked], _near(rim, rig.template[asked])
-        self.model_tree = cKDTree(np.hstack([self.model, NORMAL_LENGTH * normals[asked]]))
+        self._model_points = NearestPoints(np.hstack([self.model, NORMAL_LENGTH * normals[asked]]))
         seen = _thinned(len(target.vertices), scan[0])
         self.seen, self.seen_normals = target.vertices[seen], target.normals[seen]
         asked = _thinned(len(target.vertices), scan[1])
         self.scan = target.vertices[asked]
         self.at_border = _near(target.vertices[target.on_border], self.scan)
-        self.scan_tree = cKDTree(np.hstack([self.scan, NORMAL_LENGTH * target.normals[asked]]))
+        self._scan_points = NearestPoints(np.hstack([self.scan, NORMAL_LENGTH * target.normals[asked]]))
 
     def _to_model(self, tries: Similarities, reach: float) -> tuple[Array, Integers]:
         """(T, K) m and indices: the model's nearest to each of the scan's points, which come to the model."""
         places = np.concatenate(
             [tries.undone(self.seen), NORMAL_LENGTH * (self.seen_normals @ tries.rotations)], axis=2
         )
-        return _nearest(self.model_tree, places, reach)
+        return _nearest(self._model_points, places, reach)
 
     def _to_scan(self, tries: Similarities, reach: float) -> tuple[Array, Integers]:
         """(T, M) m and indices: the scan's nearest to each of the model's points."""
         turned = self.asking_normals @ tries.rotations.transpose(0, 2, 1)
         return _nearest(
-            self.scan_tree, np.concatenate([tries.apply(self.asking), NORMAL_LENGTH * turned], axis=2), reach
+            self._scan_points, np.concatenate([tries.apply(self.asking), NORMAL_LENGTH * turned], axis=2), reach
         )
 
     def moved(self, tries: Similarities, reach: float) -> Similarities:
@@ -127,13 +128,10 @@ def _near(edge: Array, points: Array) -> Booleans:
     return np.isfinite(gaps)
 
 
-def _nearest(tree: cKDTree, places: Array, reach: float) -> tuple[Array, Integers]:
+def _nearest(points: NearestPoints, places: Array, reach: float) -> tuple[Array, Integers]:
     """Distance (2 reach where there is none within reach) and index, as the places without their last axis."""
-    answer = tree.query(places, distance_upper_bound=reach)
-    gaps, nearest = np.asarray(answer[0]), np.asarray(answer[1], dtype=np.int64)
-    nothing = nearest == tree.n
-    nearest[nothing], gaps[nothing] = 0, 2.0 * reach
-    return gaps, nearest
+    gaps, nearest = points.query(places, reach)
+    return np.minimum(gaps, 2.0 * reach), nearest
 
 
 def rest_place(rig: Rig, target: ScanTarget, fronts: Array) -> Place:

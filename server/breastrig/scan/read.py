@@ -23,8 +23,9 @@ from breastrig.scan.formats.archive import COMPANIONS, unpacked
 from breastrig.scan.formats.glb import glb_pieces
 from breastrig.scan.formats.texture import written_anew
 from breastrig.scan.formats.usd_process import usd_pieces
+from breastrig.scan.joined_textures import joined_textures
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
-from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud
+from breastrig.scan.piece import Piece, Pieces, PointCloud
 from breastrig.scan.point_clouds.pcd import pcd_points
 from breastrig.scan.point_clouds.point_text import text_points
 from breastrig.scan.scan import Scan
@@ -172,7 +173,8 @@ def _joined(found: Pieces) -> tuple[Piece, tuple[str, ...]]:
     if len(painted) == len(pieces):
         first = pieces[0].picture
         if any(piece.picture is not first and piece.picture != first for piece in pieces):
-            notes += (SEVERAL,)
+            picture, uv, why = joined_textures(pieces)
+            notes += () if why is None else (why,)
         elif np.isfinite(uv := np.concatenate(painted)).all():
             picture = first
     coloured = [piece.colours for piece in pieces if piece.colours is not None]
