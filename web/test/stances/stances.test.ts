@@ -86,6 +86,7 @@ test("cells have the digits that a measure is worth, and a sign where a directio
   expect(formatCell(cell(3.22), "mm", true)).toBe("+3.2");
   expect(formatCell(cell(-12.76), "mm", true)).toBe("\u221212.8");
   expect(formatCell(cell(-0.04), "mm", true)).toBe("0.0");
+  expect([0, 1, 2, 3, 4].map((grade) => formatCell(cell(grade), "grade", false))).toEqual(["none", "I", "II", "III", "glandular"]);
   expect(formatCell(cell(412.4), "ml", false)).toBe("412");
   expect(formatCell(cell(null), "1", false)).toBe("–");
 });

@@ -21,9 +21,8 @@ METHODS = (
     "median plane of the model; along the skin to its midline. Base width: between the most medial and most lateral "
     "point of the model's breast outline. Volume: between the skin inside that outline and a smooth chest wall (a "
     "thin-plate spline through the skin on, 10 and 20 mm outside it); its band holds the outline moved 5 mm in and out "
-    "and the distance between fit and scan; a change within the bands says nothing. Ptosis: I the nipple at the fold "
-    "or up to 10 mm below, II up to 30 mm, III more; glandular: only the breast's lowest point hangs, 20 mm and more "
-    "below it. M1 to M6: ratios of left and right, 1 = symmetric (Reddy et al. 2017); every woman has some asymmetry."
+    "and the distance between fit and scan; a change within the bands says nothing. M1 to M6: ratios of left and "
+    "right, 1 = symmetric (Reddy et al. 2017); every woman has some asymmetry."
 )
 
 
@@ -32,7 +31,6 @@ def numbers_page(sheet: Sheet, stances: Sequence[Reported], top: float) -> None:
     y = top
     for kind in ("straight", "along the skin"):
         y = _lengths(sheet, stances, kind, y) + GAP
-    y = _ptosis(sheet, stances, y)
     left = _volumes(sheet, stances, y)
     right = _ratios(sheet, stances, y)
     y = max(left, right) + GAP
@@ -89,26 +87,6 @@ def _length_cells(row: Row | None, x: float, column: float, signed: bool) -> lis
     difference = None if row.difference is None else Value(row.difference)
     texts = (text(row.left), text(row.right), number(difference, "mm", signed=True))
     return [(x + k * column, column - 1.0, text, "R") for k, text in enumerate(texts)]
-
-
-def _ptosis(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
-    """A line for each stance that has a grade, with the heights that it was read off."""
-    found = [(one.name, {row.measure: row for row in one.rows}) for one in stances]
-    graded = [(name, rows) for name, rows in found if "ptosis" in rows]
-    if not graded:
-        return y
-    y = sheet.heading(MARGIN, y, "Ptosis (Regnault), and heights above the fold (mm, below it less than zero)")
-    column = (WIDTH - NAME) / 2
-    for name, rows in graded:
-        cells: list[Cell] = [(MARGIN + 1.0, NAME, name, "L")]
-        for k, side in enumerate(("left", "right")):
-            grade, nipple, low = (
-                getattr(rows[measure], side) for measure in ("ptosis", "nipple_above_fold", "lowest_point_above_fold")
-            )
-            words = f"{side} {with_band(grade, 'grade')}: nipple {with_margin(nipple, 'mm')}, lowest point"
-            cells.append((MARGIN + NAME + k * column, column - 1.0, f"{words} {with_margin(low, 'mm')}", "L"))
-        y = sheet.row(y, cells, height=ROW, size=7.5)
-    return y + GAP
 
 
 def _volumes(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from breastrig.rendering.picture import NOISE_MM
 from breastrig.report.document import Reported
 from breastrig.report.pages.page import MARGIN, QUIET, WIDTH, Cell, Sheet
+from breastrig.report.pages.page_ptosis import draw_ptosis
 from breastrig.report.pictures import LIMIT_MM, colour_bar, distance_pictures, jpeg, scan_pictures, views_of
 from breastrig.report.table import Row, Value, number
 
@@ -113,6 +114,7 @@ def _at_a_glance(sheet: Sheet, stances: Sequence[Reported], y: float) -> None:
         band = (MARGIN, WIDTH) if place % 2 else None
         y = sheet.row(y, cells, band=band, height=5.4, size=8.5)
     sheet.words(MARGIN, y + 1.5, "left and right are the patient's", 7.0, QUIET)
+    draw_ptosis(sheet, stances, y + 7.0)
 
 
 def _three(row: Row) -> tuple[str, str, str]:
