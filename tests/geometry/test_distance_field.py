@@ -7,7 +7,7 @@ from helpers.exact_geodesics import exact_circle, exact_distances
 from helpers.surfaces import plane
 
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.geometry.distance_field import DistanceFields
+from breastrig.geometry.fields.distance_field import DistanceFields
 from breastrig.geometry.geodesic import Geodesics, length
 from breastrig.geometry.half_edges import HalfEdges
 from breastrig.geometry.surface_points import SurfacePoints

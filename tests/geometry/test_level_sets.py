@@ -5,7 +5,7 @@ import pytest
 from helpers.surfaces import plane, sphere
 
 from breastrig.geometry.boundary import boundary_loops
-from breastrig.geometry.level_sets import crossings, longest_loop, part_above
+from breastrig.geometry.fields.level_sets import crossings, longest_loop, part_above
 from breastrig.geometry.normals import face_areas, face_normals
 
 

@@ -1,4 +1,4 @@
-"""Distances by libigl's exact window propagation, one vertex at a time: the reference of geometry/distance_field.py.
+"""Distances by libigl's exact window propagation, one vertex at a time: the reference of geometry/fields/distance_field.py.
 
 Mitchell, Mount and Papadimitriou's algorithm in another implementation, which knows nothing of ours.
 """
@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from breastrig.geometry.level_sets import longest_loop
+from breastrig.geometry.fields.level_sets import longest_loop
 from breastrig.geometry.split import split_flat, with_vertex
 
 

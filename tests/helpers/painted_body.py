@@ -10,7 +10,7 @@ from breastrig.evaluation.virtual.bodies import Bodies, VirtualBody, read_bodies
 from breastrig.evaluation.virtual.painted.files import scan_zip
 from breastrig.evaluation.virtual.painted.make import PaintedScan, PaintedSkin, draw_skin, painted_scan
 from breastrig.evaluation.virtual.scan import SimulatedScan
-from breastrig.geometry.level_sets import part_above
+from breastrig.geometry.fields.level_sets import part_above
 from breastrig.scan.clean import compact
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan

@@ -1,7 +1,7 @@
 """Distances, shortest paths and circles along a triangle mesh, exact on the mesh.
 
 A tape laid on the skin follows the geodesic, and so does a surgeon who draws "45 mm from the nipple".  Distances and
-paths come from geometry/distance_field.py; the heat method would be off by 2 % on the model, and up to 19 mm.  Here
+paths come from geometry/fields/distance_field.py; the heat method would be off by 2 % on the model, and up to 19 mm.  Here
 
 * what was measured last is kept (distances from a point, paths, circles), so that a pattern of which one number is
   changed measures little anew; points that will be asked for can be named together (`look_from`): measuring from
@@ -22,9 +22,9 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadDrawing
 from breastrig.core.last_used import LastUsed
 from breastrig.geometry.closest_point import closest_barycentric
-from breastrig.geometry.distance_field import DistanceFields
+from breastrig.geometry.fields.distance_field import DistanceFields
+from breastrig.geometry.fields.level_sets import longest_loop
 from breastrig.geometry.half_edges import HalfEdges
-from breastrig.geometry.level_sets import longest_loop
 from breastrig.geometry.normals import face_crosses
 from breastrig.geometry.split import split_flat, split_places
 from breastrig.geometry.surface_points import SurfacePoints

@@ -23,7 +23,7 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.components import component_roots
 from breastrig.geometry.curves import resampled
-from breastrig.geometry.level_sets import crossings, part_above
+from breastrig.geometry.fields.level_sets import crossings, part_above
 from breastrig.geometry.normals import face_areas, face_crosses, vertex_normals
 from breastrig.geometry.thin_plate_spline import ThinPlateSpline
 from breastrig.report.body_frame import body_frame
