@@ -105,7 +105,15 @@ def test_the_jacobian_matches_finite_differences(name: str, seed: int, toy_rig: 
     assert_jacobian_matches_finite_differences(term, toy_rig, random_state(toy_rig, rng))
 
 
-STRUCTURED = ["point_to_plane", "point_to_point", "scale_prior", "shape_prior", "symmetry", "body_prior"]
+STRUCTURED = [
+    "point_to_plane",
+    "point_to_point",
+    "scale_prior",
+    "shape_prior",
+    "symmetry",
+    "body_prior",
+    "table_contact",
+]
 
 
 def test_no_structured_term_is_forgotten(toy_rig: Rig) -> None:

@@ -17,13 +17,13 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.plane import Plane
-from breastrig.least_squares.problem import Linearisation
+from breastrig.least_squares.problem import Linearisation, NormalEquations, StructuredTerm
 from breastrig.rig.model import Rig
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class TableContact:
+class TableContact(StructuredTerm[BodyState]):
     rig: Rig
     table: Plane
     groups: tuple[Integers, ...]  # vertices of the back
@@ -66,7 +66,22 @@ class TableContact:
 
     def linearise(self, state: BodyState) -> Linearisation:
         """(1 + G + N,), (1 + G + N, P)"""
-        rows = state.posed.rows(self._vertices, np.tile(self.table.normal, (len(self._vertices), 1)))
+        rows = self._rows(state)
         below = np.where(self._above(state) < 0.0, 1.0 / self.floor_sigma, 0.0)
         jacobian = np.concatenate([self._mixed @ (self._means @ rows), below[:, None] * rows])
         return Linearisation(self.residual(state), jacobian)
+
+    def normal_equations(self, state: BodyState) -> NormalEquations:
+        """Without the rows of vertices above the table, which are zero: nearly all of them."""
+        rows, above, count = self._rows(state), self._above(state), 1 + len(self.groups)
+        through = np.flatnonzero(above < 0.0)
+        residual, jacobian = np.zeros(count + len(through)), np.zeros((count + len(through), rows.shape[1]))
+        residual[:count] = self._mixed @ (self._means @ above - self.heights)
+        residual[count:] = above[through] / self.floor_sigma
+        jacobian[:count] = self._mixed @ (self._means @ rows)
+        jacobian[count:] = rows[through] / self.floor_sigma
+        return NormalEquations(jacobian.T @ jacobian, residual @ jacobian, 0.5 * float(residual @ residual))
+
+    def _rows(self, state: BodyState) -> Array:
+        """(N, P) of the heights above the table."""
+        return state.posed.rows(self._vertices, np.tile(self.table.normal, (len(self._vertices), 1)))

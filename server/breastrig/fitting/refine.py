@@ -22,6 +22,7 @@ from breastrig.core.scipy_parts import cKDTree, coo_array, csc_array, diags_arra
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.normals import VertexNormals, face_normals
+from breastrig.least_squares.banded_cholesky import banded_cholesky
 
 ROUNDS = 2  # renewals of the matches; a third gains nothing
 RULES = MatchRules(method="rays", max_distance=0.015, max_angle=0.87)  # as the fit's last stage
@@ -85,6 +86,7 @@ class _Systems:
         places = bending.indices + count * np.repeat(np.arange(count), np.diff(bending.indptr))  # column after column
         apart = edges[0] != edges[1]
         self._bending, self._count = bending, count
+        self._banded = banded_cholesky(bending.indptr, bending.indices)
         self._i, self._j, self._stiffness = edges[0][apart], edges[1][apart], stiffness.data[apart]
         self._edge = np.searchsorted(places, self._i + count * self._j)
         self._diagonal = np.searchsorted(places, (count + 1) * np.arange(count))
@@ -97,6 +99,18 @@ class _Systems:
         data[self._edge] += edges
         data[self._diagonal] += weight - np.bincount(self._i, edges, self._count)
         return csc_array((data, self._bending.indices, self._bending.indptr), shape=self._bending.shape)
+
+    def solved(self, weight: Array, flat: Array, right: Array) -> Array:
+        """(V,) displacements with `system` times them = (V,) right."""
+        matrix = self.system(weight, flat)
+        return (
+            self._banded.solved(matrix.data, right) if self._banded.is_narrow else symmetric_factor(matrix).solve(right)
+        )
+
+
+def make_ready(vertices: Array, faces: Integers) -> None:
+    """Finds what all layers over these (F, 3) triangles share, whatever the (V, 3) places of their vertices."""
+    _Systems(*stiffness_and_area(vertices, faces))
 
 
 def _turned(before: Array, vertices: Array, faces: Integers) -> Integers:
@@ -130,7 +144,7 @@ def refined(target: ScanTarget, vertices: Array, faces: Integers) -> Refined:
         weight += area / DYING**2 * (1.0 + (away / FADE) ** 4)
         for _ in range(HOLDING_TRIES + 1):
             flat = np.where(held > 0.0, 1.0, 1.0 - matched) / SLOPE**2
-            candidate = symmetric_factor(systems.system(weight + held * of_match, flat)).solve(right)
+            candidate = systems.solved(weight + held * of_match, flat, right)
             turned = _turned(facing, vertices + candidate[:, None] * normals, faces)
             if not len(turned):
                 heights = candidate

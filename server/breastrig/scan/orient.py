@@ -59,8 +59,11 @@ class _Members:
     @staticmethod
     def of(belongs: Booleans) -> "_Members":
         """belongs: (G, M)"""
-        groups, triangles = np.nonzero(belongs)
-        return _Members(groups, triangles, np.searchsorted(groups, np.arange(len(belongs))))
+        count, size = belongs.shape
+        pairs = np.flatnonzero(belongs)  # three times as fast as in two dimensions
+        starts = np.searchsorted(pairs, size * np.arange(count))
+        groups = np.repeat(np.arange(count), np.diff(starts, append=len(pairs)))
+        return _Members(groups, pairs - size * groups, starts)
 
     def heights(self, points: Array, normals: Array) -> Array:
         """(N,) of (M, 3) points along (G, 3) normals of their groups."""
@@ -85,7 +88,8 @@ def table_plane(centres: Array, normals: Array, areas: Array) -> tuple[Array, fl
     total = areas.sum()
     guesses = _directions(300)
     facing = guesses @ normals.T > FACING  # (G, M)
-    enough = facing @ areas >= TABLE_SHARE * total
+    members = _Members.of(facing)
+    enough = np.bincount(members.groups, areas[members.triangles], len(guesses)) >= TABLE_SHARE * total
     planes, facing = guesses[enough], facing[enough]
     for _ in range(3):  # the body's front tilts the first guess; the plane itself corrects it
         if not len(planes):
@@ -102,11 +106,14 @@ def table_plane(centres: Array, normals: Array, areas: Array) -> tuple[Array, fl
         return None
     members = _Members.of(facing)
     level, share = members.peaks(members.heights(centres, planes), areas[members.triangles])
+    large = share >= TABLE_SHARE * total
+    planes, level, share = planes[large], level[large], share[large]
     behind = (planes @ centres.T < (level - 2 * PLANE_BIN)[:, None]) @ areas
-    share = np.where(behind < BEHIND_SHARE * total, share, 0.0)
-    best = int(share.argmax())
-    if share[best] < TABLE_SHARE * total:
+    in_front = behind < BEHIND_SHARE * total
+    planes, level, share = planes[in_front], level[in_front], share[in_front]
+    if not len(share):
         return None
+    best = int(share.argmax())
     return planes[best], float(level[best]), float(share[best] / total)
 
 

@@ -12,6 +12,7 @@ from breastrig.core.errors import BadModel
 from breastrig.fitting.body.statistics import body_statistics
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.refine import make_ready as make_layers_ready
 from breastrig.fitting.uncertainty.calibration import calibration
 from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.lines.ribbon import ribbons
@@ -30,6 +31,7 @@ def make_ready(rig: Rig) -> None:
     for every in {stage.every for stage in recipe.stages}:
         observation_weights(rig, recipe.observations, every)
     _ = body_statistics(rig), calibration(rig.name), verdict_limits(rig.name)
+    make_layers_ready(rig.template, rig.faces)
     skinned_document(rig, {})
     for drawing in rig.drawings:
         if drawing.name == "lumpectomy":  # what a fit draws unless it is told otherwise
