@@ -1,4 +1,4 @@
-"""Distances by libigl's exact window propagation, one vertex at a time: the reference of geometry/fields/distance_field.py.
+"""Distances by libigl's exact window propagation, one vertex at a time: the reference of distance_field.py.
 
 Mitchell, Mount and Papadimitriou's algorithm in another implementation, which knows nothing of ours.
 """

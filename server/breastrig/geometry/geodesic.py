@@ -1,7 +1,7 @@
 """Distances, shortest paths and circles along a triangle mesh, exact on the mesh.
 
 A tape laid on the skin follows the geodesic, and so does a surgeon who draws "45 mm from the nipple".  Distances and
-paths come from geometry/fields/distance_field.py; the heat method would be off by 2 % on the model, and up to 19 mm.  Here
+paths come from fields/distance_field.py; the heat method would be off by 2 % on the model, and up to 19 mm.  Here
 
 * what was measured last is kept (distances from a point, paths, circles), so that a pattern of which one number is
   changed measures little anew; points that will be asked for can be named together (`look_from`): measuring from
