@@ -23,7 +23,7 @@ INKS = {
     "blue": (0.015, 0.05, 0.3),
     "green": (0.01, 0.12, 0.06),
     "red": (0.4, 0.015, 0.02),
-    "worn": (0.291, 0.144, 0.087),  # black of which little is left on this skin
+    "worn": (0.313, 0.162, 0.103),  # black of which little is left on this skin
 }
 MATERIAL = b"newmtl skin\nmap_Kd texture.png\n"
 
