@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from breastrig.colour.ink import limits
 from breastrig.colour.ink.kinds import Kind, sorted_out
 from breastrig.colour.ink.markers import Marker, markers_of
-from breastrig.colour.ink.pieces import measured
+from breastrig.colour.ink.pieces import Ink, measured
 from breastrig.colour.ink.ridges import DENSITY, ridge_points
 from breastrig.colour.ink.strokes import Stroke, strokes
 from breastrig.colour.skin_texture import skin_texture
@@ -79,6 +79,9 @@ def _markers(drawn: list[tuple[Stroke, Kind]], lit: Array) -> list[Marker]:
 
 
 def _black(drawn: list[tuple[Stroke, Kind]], markers: list[Marker]) -> float:
-    """m of black lines."""
-    black = (marker.name == BLACK and not kind.is_mark for (_, kind), marker in zip(drawn, markers, strict=True))
-    return sum(stroke.length for (stroke, _), is_so in zip(drawn, black, strict=True) if is_so)
+    """m of lines that are black by what they add (worn ones), or look most like black ink (full ones do)."""
+    return sum(
+        stroke.length
+        for (stroke, kind), marker in zip(drawn, markers, strict=True)
+        if (stroke.ink is Ink.BLACK or marker.name == BLACK) and not kind.is_mark
+    )
