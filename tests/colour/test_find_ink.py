@@ -66,6 +66,16 @@ def test_every_marker_is_found_and_known(marker: str) -> None:
     assert {each.marker.name for each in lines} == {marker}
 
 
+def test_a_worn_line_is_ink_where_the_scan_surely_has_black_ink_and_nowhere_else() -> None:
+    across, *_ = strokes()
+    for marker, is_found in (("black", True), ("violet", False)):
+        lines = find_ink(read_scan(inked_zip(marker, worn=True), units="m", for_display=False))
+        near = cKDTree(sampled(lines)).query(place(across.places))[0] < 3e-3
+        assert bool(near.mean() > 0.95) is is_found
+        assert {each.marker.name for each in lines} == {marker}
+        assert missed_and_false(lines)[1] < 5.0  # neither the hair nor the scar
+
+
 def test_moles_scars_hair_and_grain_are_no_ink() -> None:
     assert find_ink(read_scan(inked_zip(bare=True), units="m", for_display=False)) == ()
 

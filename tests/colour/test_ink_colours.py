@@ -33,6 +33,26 @@ def test_ink_is_told_from_skin_hair_shadow_and_cloth(
     assert ink_of(np.array(added), 1e-3 * width_mm) is ink, what
 
 
+@pytest.mark.parametrize(
+    ("what", "added", "width_mm", "ink"),
+    [
+        ("worn black on brown skin", (0.21, 0.23, 0.29), 2.0, Ink.BLACK),
+        ("hair", (0.22, 0.25, 0.27), 1.5, None),
+        ("crease", (0.25, 0.25, 0.25), 3.6, None),
+        ("mole or vein", (0.15, 0.28, 0.4), 3.0, None),
+        ("red scar", (0.12, 0.35, 0.31), 2.5, None),
+        ("very thin black", (0.5, 0.5, 0.5), 1.2, Ink.BLACK),
+        ("violet", (0.5, 0.55, 0.0), 2.3, Ink.COLOURED),
+    ],
+)
+def test_where_black_ink_is_sure_a_fainter_line_is_black_and_all_else_what_it_was(
+    what: str, added: tuple[float, float, float], width_mm: float, ink: Ink | None
+) -> None:
+    assert ink_of(np.array(added), 1e-3 * width_mm, has_black=True) is ink, what
+    without = None if what.startswith("worn") else ink
+    assert ink_of(np.array(added), 1e-3 * width_mm) is without, what
+
+
 @pytest.mark.parametrize("exposure", [0.35, 0.6, 0.9])
 @pytest.mark.parametrize("share", [0.3, 0.8])
 def test_each_marker_is_known_under_any_exposure_and_however_thin(exposure: float, share: float) -> None:

@@ -6,7 +6,7 @@ Places are (s, t): mm along the arc and upwards.
 
 import io
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -23,6 +23,7 @@ INKS = {
     "blue": (0.015, 0.05, 0.3),
     "green": (0.01, 0.12, 0.06),
     "red": (0.4, 0.015, 0.02),
+    "worn": (0.313, 0.162, 0.103),  # black of which little is left on this skin
 }
 MATERIAL = b"newmtl skin\nmap_Kd texture.png\n"
 
@@ -117,8 +118,8 @@ def _mesh(steps: int = STEPS) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=4)
-def inked_zip(marker: str | None = None, bare: bool = False) -> bytes:
-    """The scan as a zip of OBJ, MTL and PNG, in metres; `bare` without ink."""
+def inked_zip(marker: str | None = None, bare: bool = False, worn: bool = False) -> bytes:
+    """The scan as a zip of OBJ, MTL and PNG, in metres; `bare` without ink, `worn`: little is left of one line."""
     st, faces, right = _mesh()
     lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in place(st)]
     for half in (False, True):
@@ -128,8 +129,10 @@ def inked_zip(marker: str | None = None, bare: bool = False) -> bytes:
         "f " + " ".join(f"{c + 1}/{c + 1 + len(st) * half}" for c in face)
         for face, half in zip(faces.tolist(), right.astype(int).tolist(), strict=True)
     ]
+    first, *rest = strokes(marker)
+    drawn = () if bare else (replace(first, marker="worn") if worn else first, *rest)
     picture = io.BytesIO()
-    Image.fromarray(_picture(() if bare else strokes(marker))).save(picture, "PNG")
+    Image.fromarray(_picture(drawn)).save(picture, "PNG")
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("scan.obj", "\n".join(lines) + "\n")

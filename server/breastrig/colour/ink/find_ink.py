@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 from breastrig.colour.ink import limits
 from breastrig.colour.ink.kinds import Kind, sorted_out
 from breastrig.colour.ink.markers import Marker, markers_of
-from breastrig.colour.ink.pieces import pieces
+from breastrig.colour.ink.pieces import Ink, measured
 from breastrig.colour.ink.ridges import DENSITY, ridge_points
-from breastrig.colour.ink.strokes import strokes
+from breastrig.colour.ink.strokes import Stroke, strokes
 from breastrig.colour.skin_texture import skin_texture
+from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan
 from breastrig.geometry.polyline import Polyline
 from breastrig.scan.scan import Scan
 
+BLACK = "black"
 LIT = 20.0  # percentile of the densities of the scan's triangles; skin is seen well lit there
 
 
@@ -54,9 +56,12 @@ def find_ink(scan: Scan, factor: float = 1.0, image: NDArray[np.uint8] | None = 
     if not found:
         return ()
     lit = np.percentile(DENSITY[texture.face_colours], LIT, axis=0).astype(np.float64)
-    drawn = sorted_out(strokes(pieces(texture, found, factor), scan.vertices[np.unique(scan.faces)], factor))
-    added = np.array([stroke.added for stroke, _ in drawn]).reshape(-1, 3)
-    markers = markers_of(added, np.array([stroke.length for stroke, _ in drawn]), lit)
+    lines, on_skin = measured(texture, found), scan.vertices[np.unique(scan.faces)]
+    drawn = sorted_out(strokes(lines.pieces(factor), on_skin, factor))
+    markers = _markers(drawn, lit)
+    if _black(drawn, markers) >= limits.SURE_BLACK:
+        drawn = sorted_out(strokes(lines.pieces(factor, has_black=True), on_skin, factor, has_black=True))
+        markers = _markers(drawn, lit)
     return tuple(
         InkLine(
             Polyline(f"ink_{number}", stroke.closed, marker.color, stroke.places, stroke.bridged),
@@ -65,4 +70,18 @@ def find_ink(scan: Scan, factor: float = 1.0, image: NDArray[np.uint8] | None = 
             stroke.length,
         )
         for number, ((stroke, kind), marker) in enumerate(zip(drawn, markers, strict=True), 1)
+    )
+
+
+def _markers(drawn: list[tuple[Stroke, Kind]], lit: Array) -> list[Marker]:
+    added = np.array([stroke.added for stroke, _ in drawn]).reshape(-1, 3)
+    return markers_of(added, np.array([stroke.length for stroke, _ in drawn]), lit)
+
+
+def _black(drawn: list[tuple[Stroke, Kind]], markers: list[Marker]) -> float:
+    """m of lines that are black by what they add (worn ones), or look most like black ink (full ones do)."""
+    return sum(
+        stroke.length
+        for (stroke, kind), marker in zip(drawn, markers, strict=True)
+        if (stroke.ink is Ink.BLACK or marker.name == BLACK) and not kind.is_mark
     )

@@ -27,6 +27,12 @@ PURE = 0.48  # G for each R, where B is less than G: blue cloth around the body 
 BLACK = 0.27  # R of black; loose hair and creases reach 0.25
 BLACK_BLUE = 1.2  # B for each R of black; brown spots and faint brown lines have more
 DARK, DARK_BLUE = 0.33, 1.45  # R from which thin black ink on brown skin may have so much; scars and veins stay below
+# Where a scan has so much black ink that nothing else explains it, fainter lines are of that pen: on brown skin a worn
+# or thin one adds hardly more than hair.  Chosen on painted brown women of the choosing half; scans without black ink
+# never come here.
+SURE_BLACK = 0.2  # m of black lines; hair, creases and tattoos leave none that pass for a plan
+FAINT_BLACK, FAINT_BLUE = 0.17, 1.5  # for BLACK, and for both shares of B
+FAINT_NARROWEST = 1.6e-3  # m; loose hair stays narrower
 RED = 0.36  # of G and B for red ink; red scars reach 0.33
 RED_OVER, RED_SHARE = 0.12, 1.2  # G over R, and G for each R
 RED_BLUE = 1.2  # B for each G; blood and melanin have more

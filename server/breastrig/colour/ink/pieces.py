@@ -55,8 +55,11 @@ class Piece:
         return tips, out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)
 
 
-def ink_of(added: Array, width: float, share: float = 1.0) -> Ink | None:
-    """Which ink adds (3,) densities in a line of that width (m); `share` lowers what is asked for."""
+def ink_of(added: Array, width: float, share: float = 1.0, has_black: bool = False) -> Ink | None:
+    """Which ink adds (3,) densities in a line of that width (m); `share` lowers what is asked for.
+
+    `has_black`: the scan surely has black ink, of which this may be a faint line.
+    """
     red, green, blue = (float(value) for value in added)
     if width > limits.WIDEST:
         return None
@@ -67,20 +70,35 @@ def ink_of(added: Array, width: float, share: float = 1.0) -> Ink | None:
         return None
     if red >= share * limits.COLOURED and red - min(green, blue) >= share * limits.COLOURED_OVER:
         return Ink.COLOURED
+    faint = red >= share * limits.FAINT_BLACK and blue <= limits.FAINT_BLUE * red
+    if has_black and faint and limits.FAINT_NARROWEST <= width <= limits.WIDEST_BLACK:
+        return Ink.BLACK
     most = limits.DARK_BLUE if red >= share * limits.DARK else limits.BLACK_BLUE
     black = red >= share * limits.BLACK and blue <= most * red and width <= limits.WIDEST_BLACK
     return Ink.BLACK if black and (width >= limits.NARROWEST_BLACK or red >= limits.CLEARLY_BLACK) else None
 
 
-def pieces(texture: SkinTexture, found: Sequence[RidgePoints], factor: float = 1.0) -> list[Piece]:
-    """All pieces that may be ink, of the points found in each picture of the texture; `factor` is of densities."""
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """N unbroken lines of ridge points on skin, of any colour."""
+
+    lines: tuple[Piece, ...]
+
+    def pieces(self, factor: float = 1.0, has_black: bool = False) -> list[Piece]:
+        """Those that may be ink; `factor` is of densities, `has_black` as in `ink_of`."""
+        share = factor * limits.LENIENT
+        return _without_doubles([line for line in self.lines if ink_of(line.added, line.width, share, has_black)])
+
+
+def measured(texture: SkinTexture, found: Sequence[RidgePoints]) -> Measured:
+    """All lines of the points found in each picture of the texture."""
     places = np.concatenate([points.places for points in found])
     tangents = np.concatenate([points.tangents for points in found])
     heights = np.concatenate([points.heights for points in found])
     faces = np.concatenate([points.faces for points in found])
     joined = neighbours_joined(places, tangents, limits.REACH, limits.TURN)
     if not joined:
-        return []
+        return Measured(())
     order = np.concatenate([chain for chain, _ in joined])
     counts = np.array([len(chain) for chain, _ in joined])
     starts = np.cumsum(counts) - counts
@@ -92,7 +110,7 @@ def pieces(texture: SkinTexture, found: Sequence[RidgePoints], factor: float = 1
     kept = np.flatnonzero((lengths >= limits.PIECE) & (high >= limits.PIECE_HEIGHT))
     chains = [(*joined[number], float(lengths[number])) for number in kept]
     if not chains:
-        return []
+        return Measured(())
     across = _profiles(texture, found, chains)
     usual = _usual_chroma(texture)
     left, middle, right, width = _measured(across, [chain for chain, _, _ in chains])
@@ -101,12 +119,11 @@ def pieces(texture: SkinTexture, found: Sequence[RidgePoints], factor: float = 1
     chroma = np.minimum(left[:, 2] - left[:, 0], right[:, 2] - right[:, 0])
     result = []
     for number in np.flatnonzero(chroma >= limits.SKIN_SHARE * usual):
-        if ink_of(added[number], width[number], factor * limits.LENIENT) is not None:
-            chain, closed, length = chains[number]
-            result.append(
-                Piece(places[chain], faces[chain], closed, length, added[number], skin[number], float(width[number]))
-            )
-    return _without_doubles(result)
+        chain, closed, length = chains[number]
+        result.append(
+            Piece(places[chain], faces[chain], closed, length, added[number], skin[number], float(width[number]))
+        )
+    return Measured(tuple(result))
 
 
 def _without_doubles(found: list[Piece]) -> list[Piece]:

@@ -43,8 +43,11 @@ class _Skin:
         return np.asarray(self._tree.query(places, distance_upper_bound=OFF_SKIN)[0] > OFF_SKIN)
 
 
-def strokes(pieces: list[Piece], on_skin: Array, factor: float = 1.0) -> list[Stroke]:
-    """All strokes; `on_skin` (M, 3) m are places of the scan, as dense as its triangles; `factor` is of densities."""
+def strokes(pieces: list[Piece], on_skin: Array, factor: float = 1.0, has_black: bool = False) -> list[Stroke]:
+    """All strokes; `on_skin` (M, 3) m are places of the scan, as dense as its triangles; `factor` is of densities.
+
+    `has_black` as in `ink_of`.
+    """
     whole = [([(number, False)], True) for number, piece in enumerate(pieces) if piece.closed]
     ends = _Ends(pieces)
     skin = _Skin(on_skin)
@@ -54,7 +57,7 @@ def strokes(pieces: list[Piece], on_skin: Array, factor: float = 1.0) -> list[St
     for chain, closed in chains:
         if not pieces[chain[0][0]].closed:
             whole.append((chain, closed))
-    found = [_stroke(pieces, chain, closed, skin, factor) for chain, closed in whole]
+    found = [_stroke(pieces, chain, closed, skin, factor, has_black) for chain, closed in whole]
     return [stroke for stroke in found if stroke is not None]
 
 
@@ -105,14 +108,14 @@ def _kind(added: Array) -> Array:
 
 
 def _stroke(
-    pieces: list[Piece], chain: list[tuple[int, bool]], closed: bool, scanned: _Skin, factor: float
+    pieces: list[Piece], chain: list[tuple[int, bool]], closed: bool, scanned: _Skin, factor: float, has_black: bool
 ) -> Stroke | None:
     """The stroke of pieces, in order, those marked turned round; None when as a whole it is not ink."""
     parts = [pieces[number] for number, _ in chain]
     weight = np.array([part.length for part in parts])
     added = np.average([part.added for part in parts], axis=0, weights=weight)
     width = float(np.average([part.width for part in parts], weights=weight))
-    ink, length = ink_of(added, width, factor), float(weight.sum())
+    ink, length = ink_of(added, width, factor, has_black), float(weight.sum())
     if ink is None or length < limits.DETAIL:
         return None
     rows = []
