@@ -338,9 +338,11 @@ def guess(visitor: FlaskClient, made: dict, passcode: str, address: str = "127.0
 
 
 def test_wrong_passcodes_keep_the_one_who_guesses_waiting_and_nobody_else(
-    visitor: FlaskClient, share, monkeypatch: pytest.MonkeyPatch
+    visitor: FlaskClient, service: Service, share, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made, other, moment = share(passcode="the right one"), share(passcode="another one"), [1000.0]
+    set_passcode(service, made, "the right one")
+    set_passcode(service, other, "another one")
     monkeypatch.setattr(context_of(visitor).passcode_delays, "_clock", lambda: moment[0])
     waits = []
     for number in range(12):

@@ -11,12 +11,14 @@ import pytest
 from helpers.blank_pictures import blank_pictures
 from helpers.cohort import write_patient
 from helpers.example_fits import write_example_fits
+from helpers.remembered_measures import measured_once
 
 from breastrig.cli import fit_command, landmarks_command, report_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.evaluation.page import publish
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.workflow import report
 from breastrig.workflow.fit_files import FIT_FILES
 
 EXAMPLE = asset_folder("example")
@@ -182,6 +184,7 @@ def test_reports_exports_and_comparisons_replace_their_own_files_only(
     fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     blank_pictures(monkeypatch)
+    monkeypatch.setattr(report, "measures", measured_once)
     fit, drawing = str(fits / "standing"), str(fits / "standing" / "drawing.json")
     commands = {
         "measures.csv": ["report", fit],

@@ -11,15 +11,13 @@ import pytest
 import trimesh
 from helpers.blank_pictures import blank_pictures, coarse_pictures
 from helpers.example_fits import STANCES, write_example_fits
+from helpers.remembered_measures import measured_once
 
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.core.glb import split_glb
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.geometry.self_intersections import crossing_faces
-from breastrig.report.measures import measures
-from breastrig.report.stance import Stance
-from breastrig.report.table import Row
 from breastrig.workflow import report as report_module
 
 
@@ -35,17 +33,6 @@ def quick_pictures() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         coarse_pictures(patch)
         yield
-
-
-_MEASURED: dict[bytes, tuple[Row, ...]] = {}
-
-
-def measured_once(stance: Stance) -> tuple[Row, ...]:
-    """The measures of a fit, which are the same in every report."""
-    key = stance.vertices.tobytes()
-    if key not in _MEASURED:
-        _MEASURED[key] = measures(stance)
-    return _MEASURED[key]
 
 
 @pytest.fixture

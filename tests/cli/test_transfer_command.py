@@ -7,14 +7,16 @@ from pathlib import Path
 import numpy as np
 import pypdf
 import pytest
-from helpers.blank_pictures import coarse_pictures
+from helpers.blank_pictures import blank_pictures, coarse_pictures
 from helpers.example_fits import write_example_fits
+from helpers.remembered_measures import measured_once
 from PIL import Image
 
 from breastrig.cli.main import main
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.drawing_file import parsed_drawing
 from breastrig.drawings.superimposition import gaps
+from breastrig.workflow import report
 from breastrig.workflow.fit_folder import FitFolder, read_fit_folder
 
 
@@ -180,7 +182,8 @@ def test_a_plan_is_carried_as_the_lines_that_it_makes_on_the_scan_that_it_names(
 def test_report_and_export_show_the_plan_instead_of_the_fits_own_drawing(
     fits: Path, plan: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    coarse_pictures(monkeypatch)
+    blank_pictures(monkeypatch)
+    monkeypatch.setattr(report, "measures", measured_once)
     standing, supine = str(fits / "standing"), str(fits / "supine")
     assert main(["report", supine, "--with", standing, "--plan", str(plan), "-o", str(tmp_path / "report")]) == 0
     text = "".join(page.extract_text() for page in pypdf.PdfReader(tmp_path / "report" / "report.pdf").pages[2:])

@@ -1,6 +1,6 @@
-"""The report without its pictures, which are most of its work; a task of services, imported there by name.
+"""The report without its pictures, its measures taken once in a run; a task of services, imported there by name.
 
-For tests of how a report is asked for, kept and shown; what its pictures show is a question of other tests.
+For tests of how a report is asked for, kept and shown; what it shows is a question of other tests.
 """
 
 from typing import Any
@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from breastrig.rendering.picture import Picture, Scene
+from breastrig.workflow import report
 from breastrig.workflow.report import ReportJob, report_pdf_of
+from helpers.remembered_measures import measured_once
 
 
 def white(_scene: Scene, _view: Any, size: tuple[int, int] = (640, 640), *_: Any, **__: Any) -> Picture:
@@ -19,4 +21,5 @@ def white(_scene: Scene, _view: Any, size: tuple[int, int] = (640, 640), *_: Any
 def plain_report_pdf_of(job: ReportJob) -> bytes:
     """As `report_pdf_of`; the process is the task's own, so nothing is put back."""
     Scene.render = white  # type: ignore[method-assign]
+    report.measures = measured_once  # type: ignore[attr-defined]
     return report_pdf_of(job)
