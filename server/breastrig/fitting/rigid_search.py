@@ -20,9 +20,9 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.scipy_parts import cKDTree
+from breastrig.correspondence.nearest_points import NearestPoints
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.boundary import boundary_vertices
-from breastrig.geometry.nearest_points import NearestPoints
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig

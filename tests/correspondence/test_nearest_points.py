@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from breastrig.geometry import nearest_points
-from breastrig.geometry.nearest_points import NearestPoints
+from breastrig.correspondence import nearest_points
+from breastrig.correspondence.nearest_points import NearestPoints
 
 ROUNDING = 1e-5  # m; what single precision leaves open a body's size away from the origin
 
