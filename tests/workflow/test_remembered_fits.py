@@ -1,0 +1,91 @@
+"""What tests take for a fit that was made before is what that fit gave, and another job is fitted anew."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from helpers import fake_fit
+from helpers.remembered_fits import run_fit_once, run_pair_once
+from helpers.remembered_uploads import FOLDER
+from helpers.toy_rig import toy_rig
+from helpers.uploads import torso
+
+from breastrig.gltf.write_rig import write_rig
+from breastrig.workflow import run_fit as run_fit_module
+from breastrig.workflow import run_pair as run_pair_module
+from breastrig.workflow.events import Event
+from breastrig.workflow.jobs import FitJob
+
+
+@pytest.fixture
+def job(tmp_path: Path) -> FitJob:
+    write_rig(toy_rig(), tmp_path / "model")
+    (tmp_path / "scan.ply").write_bytes(torso())
+    return FitJob(
+        tmp_path / "scan.ply", tmp_path / "out", {"nipple_L": [1.0, 2.0, 3.0]}, model=tmp_path / "model/toy.glb"
+    )
+
+
+@pytest.fixture
+def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The fits that are really made."""
+    made: list[str] = []
+
+    def one(job: FitJob) -> Iterator[Event]:
+        made.append(job.preset)
+        return fake_fit.quick(job)
+
+    def two(first: FitJob, second: FitJob) -> Iterator[tuple[int, Event]]:
+        made.append(f"{first.preset} and {second.preset}")
+        return fake_fit.quick_pair(first, second)
+
+    monkeypatch.setenv(FOLDER, str(tmp_path / "remembered"))
+    monkeypatch.setattr(run_fit_module, "run_fit", one)
+    monkeypatch.setattr(run_pair_module, "run_pair", two)
+    return made
+
+
+def into(job: FitJob, folder: Path) -> FitJob:
+    folder.mkdir(parents=True)
+    return replace(job, out=folder)
+
+
+def files(job: FitJob) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in job.out.iterdir()}
+
+
+def test_the_same_job_has_the_same_events_and_files_and_another_one_its_own(
+    job: FitJob, made: list[str], tmp_path: Path
+) -> None:
+    first, again, other, scan = (into(job, tmp_path / name) for name in ("first", "again", "other", "scan"))
+    events = list(run_fit_once(first))
+    assert list(run_fit_once(again)) == events
+    assert files(again) == files(first) != {}
+    assert made == ["default"]
+    list(run_fit_once(replace(other, preset="paper")))
+    assert made == ["default", "paper"]
+    scan.scan.write_bytes(torso() + b"\n")
+    list(run_fit_once(scan))
+    assert made == ["default", "paper", "default"]
+
+
+def test_so_have_two_stances_and_each_files_of_its_own(job: FitJob, made: list[str], tmp_path: Path) -> None:
+    def pair(name: str) -> tuple[FitJob, FitJob]:
+        second = replace(job, landmarks_mm={"nipple_L": [4.0, 5.0, 6.0]})
+        return into(job, tmp_path / name / "one"), into(second, tmp_path / name / "two")
+
+    first, again = pair("first"), pair("again")
+    events = list(run_pair_once(*first))
+    assert list(run_pair_once(*again)) == events
+    assert [files(each) for each in again] == [files(each) for each in first]
+    assert files(again[0]) != files(again[1])
+    assert made == ["default and default"]
+
+
+def test_a_fit_that_was_broken_off_is_not_remembered(job: FitJob, made: list[str], tmp_path: Path) -> None:
+    events = run_fit_once(into(job, tmp_path / "first"))
+    next(events)
+    events.close()  # type: ignore[attr-defined]
+    list(run_fit_once(into(job, tmp_path / "again")))
+    assert made == ["default", "default"]
