@@ -3,13 +3,15 @@
 import json
 import signal
 import socket
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
 import httpx
 import pytest
-from helpers.real_server import alive, children, read_events, server, starting
+from helpers.real_server import alive, children, read_events, server
 from helpers.waiting import until
 
 from breastrig.api.access.security import HEADERS
@@ -176,12 +178,11 @@ def test_a_server_that_cannot_start_says_why_in_one_line(
 
 def test_the_process_of_a_server_that_cannot_start_ends_with_that_line(tmp_path: Path, model: Path) -> None:
     """As the last one above: what it had started by then says nothing and is gone."""
-    log = tmp_path / "log"
-    with starting(tmp_path, model, log, "--model", "nothing.glb") as process:
-        assert process.stdout is not None
-        assert (process.stdout.read(), process.wait(timeout=60)) == ("", 2)
-    assert "nothing.glb cannot be read" in log.read_text()
-    assert len(log.read_text().splitlines()) == 1
+    command = [sys.executable, "-m", "breastrig.cli.main", *refused(tmp_path, model, "--model", "nothing.glb")]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert (answer.returncode, answer.stdout) == (2, "")
+    assert "nothing.glb cannot be read" in answer.stderr
+    assert len(answer.stderr.splitlines()) == 1
 
 
 def test_the_token_may_come_from_a_file_and_the_log_is_json_without_names(

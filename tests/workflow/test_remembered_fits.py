@@ -6,14 +6,13 @@ from pathlib import Path
 
 import pytest
 from helpers import fake_fit
-from helpers.remembered_fits import run_fit_once, run_pair_once
+from helpers.remembered_fits import run_fit_once
 from helpers.remembered_uploads import FOLDER
 from helpers.toy_rig import toy_rig
 from helpers.uploads import torso
 
 from breastrig.gltf.write_rig import write_rig
 from breastrig.workflow import run_fit as run_fit_module
-from breastrig.workflow import run_pair as run_pair_module
 from breastrig.workflow.events import Event
 from breastrig.workflow.jobs import FitJob
 
@@ -36,13 +35,8 @@ def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
         made.append(job.preset)
         return fake_fit.quick(job)
 
-    def two(first: FitJob, second: FitJob) -> Iterator[tuple[int, Event]]:
-        made.append(f"{first.preset} and {second.preset}")
-        return fake_fit.quick_pair(first, second)
-
     monkeypatch.setenv(FOLDER, str(tmp_path / "remembered"))
     monkeypatch.setattr(run_fit_module, "run_fit", one)
-    monkeypatch.setattr(run_pair_module, "run_pair", two)
     return made
 
 
@@ -68,19 +62,6 @@ def test_the_same_job_has_the_same_events_and_files_and_another_one_its_own(
     scan.scan.write_bytes(torso() + b"\n")
     list(run_fit_once(scan))
     assert made == ["default", "paper", "default"]
-
-
-def test_so_have_two_stances_and_each_files_of_its_own(job: FitJob, made: list[str], tmp_path: Path) -> None:
-    def pair(name: str) -> tuple[FitJob, FitJob]:
-        second = replace(job, landmarks_mm={"nipple_L": [4.0, 5.0, 6.0]})
-        return into(job, tmp_path / name / "one"), into(second, tmp_path / name / "two")
-
-    first, again = pair("first"), pair("again")
-    events = list(run_pair_once(*first))
-    assert list(run_pair_once(*again)) == events
-    assert [files(each) for each in again] == [files(each) for each in first]
-    assert files(again[0]) != files(again[1])
-    assert made == ["default and default"]
 
 
 def test_a_fit_that_was_broken_off_is_not_remembered(job: FitJob, made: list[str], tmp_path: Path) -> None:
