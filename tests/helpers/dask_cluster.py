@@ -1,7 +1,4 @@
-"""A Dask cluster on loopback for tests: a scheduler and `breastrig worker`s, each a process of its own.
-
-The workers' children have imported what stand-ins need (helpers.light_tasks); a real fit imports the rest itself.
-"""
+"""A Dask cluster on loopback for tests: a scheduler and `breastrig worker`s, each a process of its own."""
 
 import json
 import os
@@ -15,7 +12,6 @@ from pathlib import Path
 from helpers.waiting import until
 
 TESTS = Path(__file__).resolve().parents[1]
-WORKER = Path(__file__).with_name("work_fake.py")
 PLACES = os.pathsep.join(filter(None, (str(TESTS), os.environ.get("PYTHONPATH"))))
 ENVIRONMENT = os.environ | {"PYTHONPATH": PLACES, "OPENBLAS_NUM_THREADS": "1"}
 
@@ -31,7 +27,7 @@ class Cluster:
 
     def start_worker(self, tasks_at_once: int = 1, **environment: str) -> subprocess.Popen[str]:
         """A worker that may not be ready yet."""
-        command = [sys.executable, str(WORKER), self.address, "--workers", str(tasks_at_once)]
+        command = [sys.executable, "-m", "breastrig.cli.main", "worker", self.address, "--workers", str(tasks_at_once)]
         with (self.folder / f"worker{len(self.workers)}.log").open("w") as log:
             worker = subprocess.Popen(
                 command, env=ENVIRONMENT | environment, stdout=subprocess.PIPE, stderr=log, text=True
