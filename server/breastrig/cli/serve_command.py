@@ -23,7 +23,6 @@ from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.service.task_modules import REMOTE_MODULES
 from breastrig.storage.storage import Storage
-from breastrig.workflow.propose_on_scan import propose_on_file
 from breastrig.workflow.run_fit import run_fit
 from breastrig.workflow.run_pair import run_pair
 
@@ -63,7 +62,6 @@ def run(options: argparse.Namespace) -> int:
         storage,
         runner=run_fit,
         pair_runner=run_pair,
-        proposer=propose_on_file,
         model=config.model,
         uploads=config.uploads,
         fits=limits,
