@@ -1,26 +1,24 @@
 """Builds the model: `python model_assets/build.py [--out FOLDER]`.
 
 recipe.toml + the CC0 MakeHuman data -> built/torso.glb, torso.json, drawings/*.json, MANIFEST.json.
-The same inputs give the same bytes.
+The same inputs give the same bytes.  Needs the installed package (`pip install -e .`).
 """
 
 import argparse
 import hashlib
 import json
 import platform
-import sys
 import tempfile
 import tomllib
 from importlib.metadata import version
 from pathlib import Path
 
+from steps.assemble import build_rig
+from steps.source import fetch, read_source
+
+from breastrig.gltf.write_rig import write_rig
+
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "server")]
-
-from steps.assemble import build_rig  # noqa: E402
-from steps.source import fetch, read_source  # noqa: E402
-
-from breastrig.gltf.write_rig import write_rig  # noqa: E402
 
 
 def sha256(path: Path) -> str:

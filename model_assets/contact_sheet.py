@@ -4,22 +4,19 @@ Writes the template, every shape at weight 1 and at its extremes, posed extremes
 """
 
 import argparse
-import sys
 from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw
 
+from breastrig.geometry.rotations import exp_so3
+from breastrig.gltf.read_rig import read_rig
+from breastrig.rendering.picture import Camera, Layer, Line, camera, render
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters, rest_parameters
+from breastrig.rig.skinning import pose, shaped
+
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "server"))
-
-from breastrig.geometry.rotations import exp_so3  # noqa: E402
-from breastrig.gltf.read_rig import read_rig  # noqa: E402
-from breastrig.rendering.picture import Camera, Layer, Line, camera, render  # noqa: E402
-from breastrig.rig.model import Rig  # noqa: E402
-from breastrig.rig.parameters import RigParameters, rest_parameters  # noqa: E402
-from breastrig.rig.skinning import pose, shaped  # noqa: E402
-
 SIZE = 260  # pixels of a tile
 THREE_VIEWS = ("front", "left", "three_quarter")
 

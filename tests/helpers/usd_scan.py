@@ -18,7 +18,10 @@ def usda(
 ) -> bytes:
     """A layer with one mesh below a node that moves it by 0.25 m to the left; painted with the picture of that name."""
     rig = toy_rig()
-    rows = lambda table, form: ", ".join("(" + ", ".join(form.format(n) for n in row) + ")" for row in table)  # noqa: E731
+
+    def rows(table: np.ndarray, form: str) -> str:
+        return ", ".join("(" + ", ".join(form.format(n) for n in row) + ")" for row in table)
+
     counts = ", ".join(["3"] * len(rig.faces))
     lines = [
         f"int[] faceVertexCounts = [{counts}]",

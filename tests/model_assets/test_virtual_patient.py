@@ -1,13 +1,7 @@
 """The steps that make the example patient, on shapes of a few hundred vertices."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "model_assets"))
-
 from virtual_patient.lying import Tissue, back_on_table, belly_lying, breasts_lying, chest_wall
 
 from breastrig.geometry.normals import face_areas

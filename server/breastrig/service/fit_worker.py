@@ -29,8 +29,8 @@ from breastrig.storage.storage import Storage
 from breastrig.workflow.events import Event, Failed
 from breastrig.workflow.jobs import EarlierFit, FitJob
 
-Runner = Callable[[FitJob], Iterator[Event]]
-PairRunner = Callable[[FitJob, FitJob], Iterator[tuple[int, Event]]]
+Runner = Callable[[FitJob], Generator[Event, None, None]]
+PairRunner = Callable[[FitJob, FitJob], Generator[tuple[int, Event], None, None]]
 
 
 @dataclass(frozen=True)
@@ -116,11 +116,11 @@ def _run(storage: Storage, writers: list[EventWriter], runners: Runners, model: 
 def _events(runners: Runners, jobs: list[FitJob]) -> Generator[tuple[int, Event], None, None]:
     """(0, or 1 for the partner, and its next event)."""
     if len(jobs) == 1:
-        with closing(runners.one(jobs[0])) as events:  # type: ignore[type-var]
+        with closing(runners.one(jobs[0])) as events:
             for event in events:
                 yield 0, event
         return
-    with closing(runners.two(jobs[0], jobs[1])) as pairs:  # type: ignore[type-var]
+    with closing(runners.two(jobs[0], jobs[1])) as pairs:
         yield from pairs
 
 

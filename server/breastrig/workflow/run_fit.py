@@ -4,7 +4,7 @@ The command line, the service and a program's `import breastrig` consume the sam
 a generator cancels the fit; nothing is written then but what was already there.
 """
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 
 from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.workflow.events import Done, Event
@@ -38,7 +38,7 @@ def fit_steps(ready: ReadyScan, clock: Clock) -> Iterator[RecordedIterate | FitO
     yield recorder.finish(solve, clock)
 
 
-def run_fit(job: FitJob) -> Iterator[Event]:
+def run_fit(job: FitJob) -> Generator[Event, None, None]:
     """Started, Iterated …, Done; a BreastRigError instead when it cannot be done.
 
     Writes result.json, scan.ply, fitted.ply, fitted.glb, drawing.json, distances.bin, uncertainty.bin and

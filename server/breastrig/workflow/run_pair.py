@@ -4,7 +4,7 @@ Whoever stops consuming a generator cancels both.
 """
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -74,7 +74,7 @@ def pair_steps(
 
 def run_pair(
     first: FitJob, second: FitJob, pair_file: Path | None = None, coupling: Coupling = ONE_BODY
-) -> Iterator[tuple[int, Event]]:
+) -> Generator[tuple[int, Event], None, None]:
     """(0 or 1 for the stance, its event): each stance's Started, Iterated …, Done; a BreastRigError ends both.
 
     Each stance leaves the eight files of a fit in its own job's folder before its Done; pair_file (breastrig/pair@1),

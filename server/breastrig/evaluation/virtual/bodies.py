@@ -1,7 +1,7 @@
 """The bodies of the virtual cohort, as they are kept in the program: true skins and landmarks, no scans.
 
 All women share one mesh, so that a vertex is the same point of the skin in both stances (and its like in all
-women).  model_assets/virtual_patient/make_cohort.py writes the files.
+women).  model_assets/make_cohort.py writes the files.
 """
 
 import hashlib

@@ -60,7 +60,9 @@ def with_segments(vertices: Array, places: Places, longer: tuple[float, float, f
         return np.asarray(raised - still)
 
     gained = np.array([growth(np.array([high]))[0] - growth(np.array([low]))[0] for low, high in ends])
-    steps = np.linalg.solve(gained, np.array([share * (high - low) for share, (low, high) in zip(longer, ends)]))  # noqa: B905
+    steps = np.linalg.solve(
+        gained, np.array([share * (high - low) for share, (low, high) in zip(longer, ends, strict=True)])
+    )
     moved = vertices.copy()
     moved[:, 1] += growth(vertices[:, 1]) @ steps
     return moved

@@ -1,6 +1,6 @@
 """Makes the bodies of the virtual cohort: seven women, standing and lying, from MakeHuman's CC0 data.
 
-    python model_assets/virtual_patient/make_cohort.py [--out FOLDER] [--pictures FOLDER]
+    python model_assets/make_cohort.py [--out FOLDER] [--pictures FOLDER]
 
 writes model_assets/cohort/{bodies.npz, patients.json}; under a minute.  Only who changes the women runs this: the
 files are tracked, and `breastrig evaluate --virtual` scans them with the simulated depth camera.  Needs the
@@ -12,31 +12,27 @@ The women share one mesh: every other vertex of the fine surface on which they w
 
 import argparse
 import json
-import sys
 import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from steps.source import Source, fetch, read_source
+from steps.subdivide import subdivide
+from virtual_patient.body import Body, Turns, upper_body
+from virtual_patient.lie_down import FOOTPRINT, at_rest, sagged
+from virtual_patient.lying import Tissue, back_on_table, chest_wall
+from virtual_patient.size import CUPS, FRENCH_BAND, under_bust_and_bust, volume_over
+from virtual_patient.true_landmarks import true_landmarks
+from virtual_patient.woman import AVERAGE, Woman, vertices_of
+from virtual_patient.women import WOMEN
+
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.rendering.picture import Layer, Line, Scene, camera, contact_sheet, save_png
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent))
-
-from steps.source import Source, fetch, read_source  # noqa: E402
-from steps.subdivide import subdivide  # noqa: E402
-from virtual_patient.body import Body, Turns, upper_body  # noqa: E402
-from virtual_patient.lie_down import FOOTPRINT, at_rest, sagged  # noqa: E402
-from virtual_patient.lying import Tissue, back_on_table, chest_wall  # noqa: E402
-from virtual_patient.size import CUPS, FRENCH_BAND, under_bust_and_bust, volume_over  # noqa: E402
-from virtual_patient.true_landmarks import true_landmarks  # noqa: E402
-from virtual_patient.woman import AVERAGE, Woman, vertices_of  # noqa: E402
-from virtual_patient.women import WOMEN  # noqa: E402
-
-from breastrig.core.notice import LIMITS_OF_USE  # noqa: E402
-from breastrig.geometry.closest_point import ClosestPointSearch  # noqa: E402
-from breastrig.geometry.surface_points import SurfacePoints  # noqa: E402
-from breastrig.rendering.picture import Layer, Line, Scene, camera, contact_sheet, save_png  # noqa: E402
-
 Array = np.ndarray
 
 STEP = 2e-5  # m, to which coordinates are rounded: 16 bits reach 65 cm to both sides
@@ -72,11 +68,11 @@ class Patient:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, default=HERE.parent / "cohort")
+    parser.add_argument("--out", type=Path, default=HERE / "cohort")
     parser.add_argument("--pictures", type=Path, help="folder for pictures of the bodies")
     options = parser.parse_args()
-    recipe = tomllib.loads((HERE.parent / "recipe.toml").read_text("utf-8"))["source"]
-    source = read_source(fetch(recipe["wheel"], recipe["requirement"], recipe["sha256"], HERE.parent / "sources"))
+    recipe = tomllib.loads((HERE / "recipe.toml").read_text("utf-8"))["source"]
+    source = read_source(fetch(recipe["wheel"], recipe["requirement"], recipe["sha256"], HERE / "sources"))
     net = shared_net(source)
     patients = []
     for woman in WOMEN:

