@@ -22,8 +22,9 @@ help:
 serve: page $(VENV)/.stamp-serve
 	@exec "$(VENV)/bin/breastrig" serve --host 127.0.0.1 --port "$(PORT)" $${DATA:+--data "$$DATA"}
 
-# Side by side, for each of them leaves a core idle half of the time; what they install and build is there before.
-test: page packages
+# Side by side, for each of them leaves a core idle half of the time; what they install and build is there before: two
+# installations at once are in each other's way.
+test: page packages programs
 	@"$(VENV)/bin/python" .ci/run_targets.py "$(MAKE)" check vitest browser pytest
 
 check: web-packages $(VENV)/.stamp-test
@@ -85,6 +86,10 @@ page: $(VENV)/.stamp-venv
 
 packages: web-packages $(VENV)/.stamp-test
 
+# What the tests need of the system's packages.
+programs:
+	@sh .ci/chromium.sh >/dev/null && sh .ci/postgres.sh >/dev/null && sh .ci/nginx.sh >/dev/null
+
 web-packages: $(VENV)/.stamp-venv
 	@"$(VENV)/bin/python" server/packaging/build_page.py --packages
 
@@ -104,4 +109,4 @@ $(VENV)/.stamp-test: $(VENV)/.stamp-venv pyproject.toml
 
 # Two recipes must not install into the same folder at once, whatever -j says.
 .NOTPARALLEL:
-.PHONY: help serve test check vitest pytest browser fuzz faults scale load routes bench clean page packages web-packages
+.PHONY: help serve test check vitest pytest browser fuzz faults scale load routes bench clean page packages programs web-packages

@@ -1,0 +1,21 @@
+"""What the parts of `make test` install is there before they run side by side: two installations exclude each other."""
+
+import re
+from pathlib import Path
+
+
+def _rule(makefile: str, target: str) -> tuple[set[str], str]:
+    """The target's prerequisites and its recipe."""
+    found = re.search(rf"^{target}:(.*)\n((?:\t.*\n)+)", makefile, re.MULTILINE)
+    assert found is not None, target
+    return set(found[1].split()), found[2]
+
+
+def test_every_program_of_the_parts_is_looked_for_before_they_start(repository: Path) -> None:
+    makefile = (repository / "Makefile").read_text("utf-8")
+    before, recipe = _rule(makefile, "test")
+    parts = re.findall(r"\w+", recipe.split("$(MAKE)")[1])
+    needed = {script for part in parts for script in re.findall(r"sh (\.ci/\S+\.sh)", _rule(makefile, part)[1])}
+    assert {".ci/chromium.sh", ".ci/postgres.sh", ".ci/nginx.sh"} <= needed
+    assert "programs" in before
+    assert needed <= set(re.findall(r"sh (\.ci/\S+\.sh)", _rule(makefile, "programs")[1]))
