@@ -37,8 +37,12 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const leaving = leavingActions(store, { landmarks, lines: drawing });
   const guarded = leaving.guarded(scan);
   const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan }, memory);
-  const patients = patientActions(store, client);
-  const deletion = deletionActions(store, client, { scan, stances, patients });
+  const forgetScan = (id: string): void => {
+    scan.forget(id);
+    stances.forget(id);
+  };
+  const patients = patientActions(store, client, forgetScan);
+  const deletion = deletionActions(store, client, { scan, stances, patients, forgetScan });
   return {
     page: pageActions(store, proposals.lookOnce),
     view: viewActions(store),

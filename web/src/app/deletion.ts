@@ -12,9 +12,10 @@ import * as text from "./text";
 export const UNDO_MS = 10_000;
 
 interface Others {
-  readonly scan: Pick<ScanActions, "leave" | "open" | "forget">;
-  readonly stances: Pick<StancesActions, "swap" | "remove">;
+  readonly scan: Pick<ScanActions, "leave" | "open">;
+  readonly stances: Pick<StancesActions, "swap" | "remove" | "forget">;
   readonly patients: { read(): Promise<void> };
+  forgetScan(scan: string): void;
 }
 
 export function deletionActions(store: Store<Session>, client: Client, others: Others) {
@@ -28,7 +29,7 @@ export function deletionActions(store: Store<Session>, client: Client, others: O
     store.set({ deletion: null });
     try {
       await client.deleteScan(deletion.scan);
-      others.scan.forget(deletion.scan.id);
+      others.forgetScan(deletion.scan.id);
       store.set({ announcement: text.deletion.announceDone });
       if (store.get().scan === null) void others.patients.read(); // the list stands there
     } catch (error) {
@@ -56,6 +57,7 @@ export function deletionActions(store: Store<Session>, client: Client, others: O
         await others.stances.swap();
         others.stances.remove();
       } else void others.scan.leave();
+      others.stances.forget(scan.info.id); // not to choose any more; taken back, it is opened, and so known again
       store.set({ deletion: { scan: scan.info, title: scan.title }, announcement: text.deletion.soon(scan.title) });
       timer = setTimeout(() => void send(), UNDO_MS);
     },

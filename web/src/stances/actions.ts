@@ -14,7 +14,7 @@ import { only, type Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { followPlan } from "./followPlan";
 import { loadFit, loadWorkspace } from "./load";
-import { initialStances, isUnfinished, knownScans, measuredFits, rememberScan, stanceNames, stanceOf, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
+import { forgetScan, initialStances, isUnfinished, knownScans, measuredFits, rememberScan, stanceNames, stanceOf, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
 const WATCH_MS = 1000; // a fit that goes on while its scan waits is looked after so often
@@ -106,6 +106,12 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     upload: (file: File): Promise<void> => second(() => others.scan.upload(file)),
     takeExample: (name: string): Promise<void> => second(() => others.scan.takeExample(name)),
     takeKnown: (id: string): Promise<void> => second(() => others.scan.open(id, null)),
+
+    /** The service has it no more. */
+    forget(scan: string): void {
+      if (memory) forgetScan(memory, scan);
+      put({ known: store.get().stances.known.filter(({ id }) => id !== scan) });
+    },
 
     /** From the address: the one that waits, as it was. */
     async restore(scan: string, fit: string | null, own: Frame | null, { isSecond, isComparing }: { isSecond: boolean; isComparing: boolean }): Promise<void> {

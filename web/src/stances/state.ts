@@ -107,6 +107,11 @@ export function knownScans(memory: Memory): KnownScan[] {
   }
 }
 
+/** A scan that was deleted is none to choose from. */
+export function forgetScan(memory: Memory, scan: string): void {
+  memory.setItem(KEY, JSON.stringify(knownScans(memory).filter(({ id }) => id !== scan)));
+}
+
 /** The newest first, each once. */
 export function rememberScan(memory: Memory, scan: KnownScan): void {
   const rest = knownScans(memory).filter(({ id }) => id !== scan.id);

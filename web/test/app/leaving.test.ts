@@ -10,6 +10,13 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
+/** A scan on a page whose tab remembers. */
+async function withMemory() {
+  const kept = new Map<string, string>();
+  vi.stubGlobal("sessionStorage", { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => void kept.set(key, value), removeItem: (key: string) => void kept.delete(key) });
+  return withScan();
+}
+
 const settle = (): Promise<unknown> => vi.advanceTimersByTimeAsync(0);
 
 test("what still waits is saved before the patient is put away, and then nobody is asked", async () => {
@@ -82,6 +89,18 @@ test("leaving the page deletes at once; opening the scan again by any way does n
   await actions.deletion.confirm();
   await actions.deletion.send();
   expect(client.deleteScan).toHaveBeenCalledTimes(1);
+});
+
+test("a deleted scan cannot be chosen as a second stance any more, and can when it was taken back", async () => {
+  const { store, actions } = await withMemory();
+  await actions.stances.takeKnown("s2");
+  const known = (): readonly string[] => (actions.stances.dialog(true), store.get().stances.known.map(({ id }) => id));
+  expect(known()).toEqual(["s2", "s1"]);
+  await actions.deletion.confirm();
+  expect(known()).toEqual(["s1"]);
+  await actions.scan.leave();
+  await actions.deletion.undo();
+  expect(known()).toEqual(["s2", "s1"]);
 });
 
 test("the other stance stays when one is deleted", async () => {

@@ -9,7 +9,10 @@ const scan = (id: string, part: Partial<Patient["scans"][number]> = {}): Patient
 const patient = (id: string, part: Partial<Patient> = {}): Patient => ({ id, code: id, created_at: "2026-01-01T00:00:00Z", plan_version: 0, scans: [scan(`${id}1`)], links: { self: "", plan: "" }, ...part });
 
 beforeEach(() => void vi.useFakeTimers());
-afterEach(() => void vi.useRealTimers());
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
 
 function list(rows: readonly Patient[]) {
   const patients = vi.fn(async (...[address, search]: [string | null, string, string]) => ({ patients: address === null ? rows.filter(({ code }) => code.includes(search)) : [patient("later")], next: address === null ? "/api/patients?before=3" : null }));
@@ -43,6 +46,18 @@ test("a deletion is sent ten seconds later, once, and not when it was taken back
   expect(deletePatient.mock.calls).toEqual([["b"]]);
   expect(ids()).toEqual(["a"]);
   expect(store.get().patients.going).toEqual([]);
+});
+
+test("the scans of a deleted patient are forgotten by the tab as well", async () => {
+  const kept = new Map<string, string>();
+  vi.stubGlobal("sessionStorage", { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => void kept.set(key, value), removeItem: (key: string) => void kept.delete(key) });
+  const { actions, store } = list([patient("a"), patient("b")]);
+  for (const id of ["a1", "b1"]) await actions.scan.open(id, null);
+  await actions.patients.read();
+  actions.patients.remove("a");
+  await vi.advanceTimersByTimeAsync(10_001);
+  actions.stances.dialog(true);
+  expect(store.get().stances.known.map(({ id }) => id)).toEqual(["b1"]);
 });
 
 test("a code is the service's answer", async () => {

@@ -10,7 +10,7 @@ import type { FitState } from "../../src/fit/state";
 import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../../src/stances/cameras";
 import { carriedNote } from "../../src/stances/carry";
 import { formatCell, measuresCsv, measuresTable } from "../../src/stances/measuresTable";
-import { knownScans, rememberScan, stanceNames, workspaceOf } from "../../src/stances/state";
+import { forgetScan, knownScans, rememberScan, stanceNames, workspaceOf } from "../../src/stances/state";
 
 const rigid = (x: number, y: number, z: number, at: readonly [number, number, number]): Matrix4 =>
   new Matrix4().compose(new Vector3(...at), new Quaternion().setFromEuler(new Euler(x, y, z)), new Vector3(1, 1, 1));
@@ -236,6 +236,8 @@ test("scans of this tab are remembered, the newest first, each once; a damaged m
   const scan = (id: string, stance = "standing") => ({ id, title: id, stance, at: "2026-01-01T00:00:00Z" });
   for (const each of [scan("a"), scan("b"), scan("a", "supine")]) rememberScan(memory, each);
   expect(knownScans(memory)).toEqual([scan("a", "supine"), scan("b")]);
+  forgetScan(memory, "a");
+  expect(knownScans(memory)).toEqual([scan("b")]);
   for (const key of kept.keys()) kept.set(key, "{");
   expect(knownScans(memory)).toEqual([]);
 });
