@@ -1,5 +1,6 @@
 """The two pages for rigs and results that are not the usual ones."""
 
+import dataclasses
 import io
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from breastrig.report.document import Reported, report_document, stance_names
 from breastrig.report.measures import measures
 from breastrig.report.pages.page import latin
+from breastrig.report.pages.sentences import METHODS
 from breastrig.report.pdf import report_pdf
 from breastrig.report.stance import Stance
 from breastrig.rig.model import Rig
@@ -55,15 +57,30 @@ def test_a_rig_without_breasts_and_a_fit_without_landmarks(toy_stance: Stance) -
     assert "suprasternal_notch, nipple_L" in texts[1]
 
 
-def test_a_long_list_of_doubts_stays_on_its_page_in_letters_that_can_be_printed(toy_stance: Stance) -> None:
+def test_no_doubt_of_a_long_list_is_left_out_and_all_is_in_letters_that_can_be_printed(toy_stance: Stance) -> None:
     doubts = [
         {"names": ["nipple_L"], "reason": f"nipple_L № {k} lies “far” – 12 mm − from the rest."} for k in range(99)
     ]
     shown = Reported("standing", toy_stance, result(landmarks_not_followed=doubts), measures(toy_stance))
     texts = pages(report_pdf([shown, shown]))
+    words = " ".join(" ".join(texts).split())
+    assert all(words.count(f'nipple_L ? {k} lies "far" - 12 mm - from the rest.') >= 1 for k in range(99))
+    assert METHODS in words
+    assert "..." not in words
+    assert [f"page {k + 1} of {len(texts)}" in text for k, text in enumerate(texts)] == [True] * len(texts)
+
+
+def test_a_short_report_has_its_words_below_the_numbers(toy_stance: Stance) -> None:
+    texts = pages(report_pdf([Reported("standing", toy_stance, result(), measures(toy_stance))]))
     assert len(texts) == 2
-    assert 'nipple_L ? 0 lies "far" - 12 mm - from the rest.' in texts[1].replace("\n", " ")
-    assert " ..." in texts[1]
+    assert METHODS in " ".join(texts[1].split())
+
+
+def test_what_the_plan_says_stands_there_also_where_nothing_is_measured_by_the_tape(toy_stance: Stance) -> None:
+    remarks = ("Note: keep the scar.", "tumour lies 12 mm below the skin.", "wise_L could not be carried.")
+    planned = dataclasses.replace(toy_stance, remarks=remarks)
+    texts = pages(report_pdf([Reported("standing", planned, result(), measures(planned))]))
+    assert all(remark in " ".join(texts[1].split()) for remark in remarks)
 
 
 def test_unusual_picks_stand_among_the_doubts(toy_stance: Stance) -> None:

@@ -24,9 +24,16 @@ RULE: Shade = (206, 211, 218)
 BAND: Shade = (246, 247, 249)  # behind every second row
 MARGIN = 15.0  # mm
 WIDTH = 210.0 - 2 * MARGIN  # mm of text
+TOP = 30.0  # mm, below a page's title
 FOOT = 284.0  # mm, where the footer begins
+HEADING = 5.6  # mm of a section's name and rule
 NO_DATE = datetime(2000, 1, 1, tzinfo=UTC)  # a PDF may not be without one; the true one would change the bytes
 MM_PER_POINT = 25.4 / 72.0
+
+
+def line_height(size: float) -> float:
+    """mm from line to line of a paragraph, of letters of this size in points."""
+    return 1.28 * size * MM_PER_POINT
 
 
 def latin(text: str) -> str:
@@ -90,20 +97,38 @@ class Sheet(FPDF):
         self, x: float, y: float, width: float, text: str, size: float, shade: Shade = QUIET, most: int = 6
     ) -> float:
         """A paragraph of at most `most` lines; the y below it."""
+        broken = self.broken(width, text, size)
+        shown = broken if len(broken) <= most else [*broken[: most - 1], broken[most - 1] + " ..."]
+        return self.text_lines(x, y, shown, size, shade)
+
+    def broken(self, width: float, text: str, size: float) -> list[str]:
+        """The lines of a paragraph."""
         self.set_font("Helvetica", "", size)
-        step = 1.28 * size * MM_PER_POINT
-        broken = self.multi_cell(width, step, latin(text), dry_run=True, output="LINES", align="L", padding=0)
-        assert isinstance(broken, list)
-        for index, line in enumerate(broken[:most]):
-            last = index == most - 1 and len(broken) > most
-            self.words(x, y + index * step, str(line) + (" ..." if last else ""), size, shade)
-        return y + min(len(broken), most) * step
+        lines = self.multi_cell(
+            width, line_height(size), latin(text), dry_run=True, output="LINES", align="L", padding=0
+        )
+        assert isinstance(lines, list)
+        return [str(line) for line in lines]
+
+    def text_lines(self, x: float, y: float, lines: Sequence[str], size: float, shade: Shade = QUIET) -> float:
+        """Lines below each other; the y below them."""
+        for index, line in enumerate(lines):
+            self.words(x, y + index * line_height(size), line, size, shade)
+        return y + len(lines) * line_height(size)
 
     def heading(self, x: float, y: float, text: str, width: float = WIDTH) -> float:
         """A section's name over a rule; the y below it."""
         self.words(x, y, text, 9.0, bold=True)
         self.rule(y + 4.6, x, width)
-        return y + 5.6
+        return y + HEADING
+
+    def titled(self, title: str, names: str, subtitle: str) -> None:
+        """A new page under its title, with the stances it is of."""
+        self.add_page()
+        self.words(MARGIN, 13.0, title, 15.0, bold=True)
+        self.words(MARGIN, 14.6, names, 10.0, QUIET, "R", WIDTH)
+        self.words(MARGIN, 20.4, subtitle, 9.0, QUIET)
+        self.rule(26.0)
 
     def rule(self, y: float, x: float = MARGIN, width: float = WIDTH) -> None:
         self.set_draw_color(*RULE)

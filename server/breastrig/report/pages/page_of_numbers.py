@@ -1,11 +1,10 @@
-"""Page two: lengths, volumes, symmetry, how the fit was made, and what to doubt."""
+"""Page two: lengths, volumes, symmetry, landmarks and how the fit was made."""
 
 from collections.abc import Sequence
 from typing import Any
 
 from breastrig.report.document import Reported
-from breastrig.report.measures import OUTLINE
-from breastrig.report.pages.page import FOOT, MARGIN, QUIET, WIDTH, Align, Sheet
+from breastrig.report.pages.page import MARGIN, QUIET, WIDTH, Align, Sheet
 from breastrig.report.pages.page_landmarks import landmark_table
 from breastrig.report.table import Row, Value, changes, number, with_band, with_margin
 
@@ -15,19 +14,10 @@ NAME = 40.0  # mm of a row's name
 HALF = 0.5 * (WIDTH - 8.0)  # mm of a table beside another
 VERDICTS = {"good": "good", "check": "check: see doubts and notes", "unusable": "unusable: see doubts and notes"}
 Cell = tuple[float, float, str, Align]
-METHODS = (
-    "Straight: distance in space. Along the skin: shortest way on the fitted model's skin, holes of the scan bridged. "
-    "Landmarks as picked, else of the model (each named in report.json). Nipple to midline: at right angles to the "
-    "median plane of the model; along the skin to its midline. Base width: between the most medial and most lateral "
-    "point of the model's breast outline. Volume: between the skin inside that outline and a smooth chest wall (a "
-    "thin-plate spline through the skin on, 10 and 20 mm outside it); its band holds the outline moved 5 mm in and out "
-    "and the distance between fit and scan; a change within the bands says nothing. M1 to M6: ratios of left and "
-    "right, 1 = symmetric (Reddy et al. 2017); every woman has some asymmetry."
-)
 
 
-def numbers_page(sheet: Sheet, stances: Sequence[Reported], top: float) -> None:
-    """Draws the page."""
+def numbers_page(sheet: Sheet, stances: Sequence[Reported], top: float) -> float:
+    """Draws the page; the y below its tables."""
     y = top
     for kind in ("straight", "along the skin"):
         y = _lengths(sheet, stances, kind, y) + GAP
@@ -35,10 +25,7 @@ def numbers_page(sheet: Sheet, stances: Sequence[Reported], top: float) -> None:
     right = _ratios(sheet, stances, y)
     y = max(left, right) + GAP
     y = landmark_table(sheet, stances, y, GAP)
-    y = _settings(sheet, stances, y) + GAP
-    y = _doubts(sheet, stances, y) + 4.0
-    room = int((FOOT - 2.0 - y) / 3.0)
-    sheet.lines(MARGIN, y, WIDTH, METHODS, 6.5, QUIET, most=max(room, 1))
+    return _settings(sheet, stances, y) + GAP
 
 
 def _groups(stances: Sequence[Reported]) -> list[tuple[str, Sequence[Row]]]:
@@ -193,29 +180,3 @@ def _distances(found: dict[str, float | None]) -> str:
     words = f"mean {found['mean']:.2f} mm, 95 % {found['p95']:.2f} mm, largest {found['max']:.1f} mm"
     coverage = found.get("coverage")
     return words if coverage is None else f"{words}; {100 * coverage:.0f} % seen"
-
-
-def _doubts(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
-    """Picks that were not followed or are unusual, and what reading the scans found."""
-    y = sheet.heading(MARGIN, y, "Doubts and notes")
-    remarks = []
-    for one in stances:
-        prefix = f"{one.name.capitalize()}: " if len(stances) > 1 else ""
-        remarks += [prefix + reason for reason in (one.result.get("verdict") or {}).get("reasons", [])]
-        for picks in ("landmarks_not_followed", "landmarks_unusual"):
-            remarks += [prefix + pick["reason"] for pick in one.result.get(picks, [])]
-        remarks += [prefix + note for note in one.result.get("notes", [])]
-        remarks += (
-            [prefix + "the model's own place was taken for " + ", ".join(_unpicked(one)) + "."]
-            if _unpicked(one)
-            else []
-        )
-    if not remarks:
-        remarks = ["Every landmark was picked, and none of the picks was doubted."]
-    return sheet.lines(MARGIN + 1.0, y + 0.8, WIDTH - 2.0, "  ".join(remarks), 7.5, most=5)
-
-
-def _unpicked(one: Reported) -> list[str]:
-    """The landmarks that no pick gave, or none that was believed, of those that the measures name."""
-    named = dict.fromkeys(name for row in one.rows for name in row.landmarks)
-    return [name.removesuffix(" (model)") for name in named if name.endswith(" (model)") and name != OUTLINE]

@@ -13,7 +13,7 @@ GAP = 4.0  # mm between pictures
 LARGE = (0.5 * (WIDTH - GAP), 92.0)  # mm
 SMALL = (0.25 * (WIDTH - 3 * GAP), 48.0)  # mm
 PIXELS_PER_MM = 7.0  # 180 to the inch: sharp on paper, and half a megabyte
-WARNINGS = {"check": "CHECK THIS FIT: see page 2", "unusable": "NOT USABLE: see page 2"}
+WARNINGS = {"check": "CHECK THIS FIT: see doubts and notes", "unusable": "NOT USABLE: see doubts and notes"}
 WARNING = (150, 40, 20)  # dark red
 GLANCE = (
     ("notch_nipple", "along the skin"),

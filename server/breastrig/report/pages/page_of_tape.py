@@ -1,14 +1,13 @@
-"""Further pages: the tape sheet of each stance, and what the plan says in words."""
+"""Further pages: the tape sheet of each stance."""
 
 from collections.abc import Sequence
 
 from breastrig.report.document import Reported
-from breastrig.report.pages.page import FOOT, MARGIN, QUIET, WIDTH, Cell, Sheet
+from breastrig.report.pages.page import FOOT, MARGIN, QUIET, TOP, WIDTH, Cell, Sheet
 from breastrig.report.tape import THREE, TapePoint
 
 ROW = 4.7  # mm
 LINE, POINT, ERROR = 42.0, 20.0, 14.0  # mm of these columns
-TOP = 30.0
 HOW = (
     "Lay the tape on the skin, from each landmark in the direction of the point, and mark the arc; where the three "
     "arcs meet is the point. Lengths are those of the shortest way on the fitted skin in this stance. ± holds the true "
@@ -28,15 +27,9 @@ def _room() -> int:
 def draw_tape(sheet: Sheet, each: Reported, points: Sequence[TapePoint]) -> None:
     """Draws one stance's pages; the caller has counted them."""
     for first in range(0, len(points), _room()):
-        sheet.add_page()
-        sheet.words(MARGIN, 13.0, "Tape sheet", 15.0, bold=True)
-        sheet.words(MARGIN, 14.6, each.name, 10.0, QUIET, "R", WIDTH)
-        sheet.words(MARGIN, 20.4, "Key points of the drawing, along the skin from three landmarks (mm)", 9.0, QUIET)
-        sheet.rule(26.0)
+        sheet.titled("Tape sheet", each.name, "Key points of the drawing, along the skin from three landmarks (mm)")
         y = _table(sheet, points[first : first + _room()], TOP)
-        y = sheet.lines(MARGIN, y + 3.0, WIDTH, HOW, 7.5)
-        if each.stance.remarks:
-            sheet.lines(MARGIN, y + 2.0, WIDTH, "  ".join(each.stance.remarks), 8.0, most=4)
+        sheet.lines(MARGIN, y + 3.0, WIDTH, HOW, 7.5)
 
 
 def _table(sheet: Sheet, points: Sequence[TapePoint], y: float) -> float:

@@ -1,0 +1,60 @@
+"""What the report says in sentences: what to doubt, what the plan says, and how things were measured."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from breastrig.report.document import Reported
+from breastrig.report.measures import OUTLINE
+
+METHODS = (
+    "Straight: distance in space. Along the skin: shortest way on the fitted model's skin, holes of the scan bridged. "
+    "Landmarks as picked, else of the model (each named in report.json). Nipple to midline: at right angles to the "
+    "median plane of the model; along the skin to its midline. Base width: between the most medial and most lateral "
+    "point of the model's breast outline. Volume: between the skin inside that outline and a smooth chest wall (a "
+    "thin-plate spline through the skin on, 10 and 20 mm outside it); its band holds the outline moved 5 mm in and out "
+    "and the distance between fit and scan; a change within the bands says nothing. M1 to M6: ratios of left and "
+    "right, 1 = symmetric (Reddy et al. 2017); every woman has some asymmetry."
+)
+
+
+@dataclass(frozen=True)
+class Section:
+    """A paragraph with its heading."""
+
+    heading: str
+    text: str
+    size: float  # of its letters, points
+
+
+def sections(stances: Sequence[Reported]) -> list[Section]:
+    """The paragraphs, what matters most first."""
+    doubted = [remark for one in stances for remark in _said(stances, one, _doubts(one))]
+    planned = [remark for one in stances for remark in _said(stances, one, one.stance.remarks)]
+    none = "Every landmark was picked, and none of the picks was doubted."
+    return [
+        Section("Doubts and notes", "  ".join(doubted) or none, 7.5),
+        *([Section("The plan in words", "  ".join(planned), 7.5)] if planned else []),
+        Section("How it was measured", METHODS, 6.5),
+    ]
+
+
+def _said(stances: Sequence[Reported], one: Reported, remarks: Sequence[str]) -> list[str]:
+    """Each remark with its stance, where there are two."""
+    prefix = f"{one.name.capitalize()}: " if len(stances) > 1 else ""
+    return [prefix + remark for remark in remarks]
+
+
+def _doubts(one: Reported) -> list[str]:
+    """Why to check the fit, picks that were not followed or are unusual, and what reading the scan found."""
+    reasons = [str(reason) for reason in (one.result.get("verdict") or {}).get("reasons", ())]
+    for picks in ("landmarks_not_followed", "landmarks_unusual"):
+        reasons += [str(pick["reason"]) for pick in one.result.get(picks, ())]
+    reasons += [str(note) for note in one.result.get("notes", ())]
+    unpicked = _unpicked(one)
+    return reasons + (["the model's own place was taken for " + ", ".join(unpicked) + "."] if unpicked else [])
+
+
+def _unpicked(one: Reported) -> list[str]:
+    """The landmarks that no pick gave, or none that was believed, of those that the measures name."""
+    named = dict.fromkeys(name for row in one.rows for name in row.landmarks)
+    return [name.removesuffix(" (model)") for name in named if name.endswith(" (model)") and name != OUTLINE]
