@@ -31,5 +31,6 @@ export default defineConfig({
     chunkSizeWarningLimit: 1000,
     modulePreload: { polyfill: false },
   },
-  test: { include: ["test/**/*.test.ts"], environment: "node", server: { deps: { inline: [/draco_wasm_wrapper/] } }, testTimeout: 60_000 }, // none of them waits; a busy machine takes its time
+  // One set of modules for all files of a worker: loading them anew for each file took longer than the tests.
+  test: { include: ["test/**/*.test.ts"], environment: "node", pool: "threads", isolate: false, server: { deps: { inline: [/draco_wasm_wrapper/] } }, testTimeout: 60_000 }, // none of them waits; a busy machine takes its time
 });
