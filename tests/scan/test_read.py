@@ -305,6 +305,23 @@ def test_pictures_that_cannot_be_laid_on_one_sheet_are_left_out_and_said(
     assert [note[: len(sentence)] for note in scan.notes] == [sentence]
 
 
+def test_a_part_without_a_picture_has_one_colour_and_the_others_keep_theirs() -> None:
+    files, _ = with_two_pictures(as_png(ramp(300, 120, blue=40)), b"")
+    files["model.mtl"] = files["model.mtl"].replace(b"map_Kd other.png\n", b"")
+    del files["other.png"]
+    scan = read_scan(zipped(files))
+    assert (scan.colour_kind, scan.notes) == ("texture", (joined_textures.UNPAINTED,))
+    found = colours_at(scan)
+    plain = (np.abs(found - joined_textures.GREY) < 4).all(axis=1)
+    assert (plain.sum(), (~plain).sum()) == (284, 100)
+    np.testing.assert_allclose(found[~plain][:, 2], 40, atol=4)
+    rig = toy_rig()
+    middles = scan.vertices[scan.faces].mean(axis=1)
+    nearest = cKDTree(rig.template[rig.faces].mean(axis=1)).query(middles)[1]
+    true = rig.uv[rig.faces].mean(axis=1)[nearest]
+    np.testing.assert_allclose(found[~plain][:, 0], 20 + 210 * true[~plain][:, 0], atol=6)
+
+
 def test_a_sheet_is_no_larger_than_a_texture_may_be(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(joined_textures, "TEXTURE_SIDE", 256)
     files, _ = with_two_pictures(as_png(ramp(300, 220, blue=40)), as_png(ramp(180, 200, blue=200)))

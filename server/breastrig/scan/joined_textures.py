@@ -3,12 +3,14 @@
 All pictures are laid on one sheet, the highest first, in rows, and texture coordinates are moved there; everything
 that comes later then knows one picture.  Between them the borders are repeated, so that none is mixed into another.
 A sheet that would be larger than any texture may be is made of pictures scaled down by whole pixels.
+
+A part without a picture, as scanner apps leave what the camera did not see, is painted in one colour.
 """
 
 import io
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +30,8 @@ TOO_MANY = (
 )
 REPEATED = "The scan has several textures, some laid out as repeated tiles, and is shown without them."
 DAMAGED = "One of the textures of this scan is damaged, and all were left out."
+UNPAINTED = "Parts of this scan have no texture and are shown in one colour."
+GREY = 190  # of what has no colour at all: neither skin nor ink
 
 
 @dataclass(frozen=True)
@@ -43,12 +47,15 @@ class _Cell:
 def joined_textures(pieces: Sequence[Piece]) -> tuple[bytes | None, Array, str | None]:
     """(JPEG of all pictures, (V, 2) coordinates of all pieces on it, None), or (None, ..., why it cannot be).
 
-    Each piece has a picture and coordinates.
+    At least one piece has a picture; each that has one has coordinates.
     """
-    uv = np.concatenate([piece.uv for piece in pieces if piece.uv is not None])
+    painted = [
+        piece if piece.picture is not None and piece.uv is not None else _in_one_colour(piece) for piece in pieces
+    ]
+    uv = np.concatenate([piece.uv for piece in painted if piece.uv is not None])
     if not np.isfinite(uv).all() or (uv < -BEYOND).any() or (uv > 1.0 + BEYOND).any():
         return None, uv, REPEATED
-    pictures = list(dict.fromkeys(piece.picture for piece in pieces if piece.picture is not None))
+    pictures = list(dict.fromkeys(piece.picture for piece in painted if piece.picture is not None))
     try:
         sizes = [_size(picture) for picture in pictures]
         if sum(width * height for width, height in sizes) > IMAGE_PIXELS:
@@ -60,7 +67,7 @@ def joined_textures(pieces: Sequence[Piece]) -> tuple[bytes | None, Array, str |
     except BadScan:
         return None, uv, DAMAGED
     moved = []
-    for piece in pieces:
+    for piece in painted:
         assert piece.uv is not None
         assert piece.picture is not None
         cell = cells[pictures.index(piece.picture)]
@@ -69,6 +76,19 @@ def joined_textures(pieces: Sequence[Piece]) -> tuple[bytes | None, Array, str |
         down = (cell.top + (1.0 - inside[:, 1]) * cell.height) / sheet[1]
         moved.append(np.stack([across, 1.0 - down], axis=1))
     return _written(pixels), np.concatenate(moved), None
+
+
+def _in_one_colour(piece: Piece) -> Piece:
+    """With a picture of one pixel: the mean colour of its vertices, or grey."""
+    from PIL import Image  # as below
+
+    colour = (GREY, GREY, GREY)
+    if piece.colours is not None and len(piece.colours):
+        red, green, blue = (round(float(each)) for each in piece.colours.mean(axis=0))
+        colour = (red, green, blue)
+    stream = io.BytesIO()
+    Image.new("RGB", (1, 1), colour).save(stream, "PNG")
+    return replace(piece, uv=np.full((len(piece.vertices), 2), 0.5), picture=stream.getvalue())
 
 
 def _size(picture: bytes) -> tuple[int, int]:

@@ -23,7 +23,7 @@ from breastrig.scan.formats.archive import COMPANIONS, unpacked
 from breastrig.scan.formats.glb import glb_pieces
 from breastrig.scan.formats.texture import written_anew
 from breastrig.scan.formats.usd_process import usd_pieces
-from breastrig.scan.joined_textures import joined_textures
+from breastrig.scan.joined_textures import UNPAINTED, joined_textures
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
 from breastrig.scan.piece import Piece, Pieces, PointCloud
 from breastrig.scan.point_clouds.pcd import pcd_points
@@ -169,13 +169,14 @@ def _joined(found: Pieces) -> tuple[Piece, tuple[str, ...]]:
     vertices = np.concatenate([piece.vertices for piece in pieces])
     faces = np.concatenate([piece.faces + offset for piece, offset in zip(pieces, offsets, strict=True)])
     notes, colours, uv, picture = found.notes, None, None, None
-    painted = [piece.uv for piece in pieces if piece.uv is not None and piece.picture is not None]
-    if len(painted) == len(pieces):
-        first = pieces[0].picture
-        if any(piece.picture is not first and piece.picture != first for piece in pieces):
+    painted = [piece for piece in pieces if piece.uv is not None and piece.picture is not None]
+    if painted:
+        first = painted[0].picture
+        if len(painted) < len(pieces) or any(piece.picture != first for piece in painted):
             picture, uv, why = joined_textures(pieces)
             notes += () if why is None else (why,)
-        elif np.isfinite(uv := np.concatenate(painted)).all():
+            notes += (UNPAINTED,) if why is None and len(painted) < len(pieces) else ()
+        elif np.isfinite(uv := np.concatenate([piece.uv for piece in painted if piece.uv is not None])).all():
             picture = first
     coloured = [piece.colours for piece in pieces if piece.colours is not None]
     if len(coloured) == len(pieces):
