@@ -67,7 +67,9 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
       show(busy, measures.isBusy);
       wrong.set(state.problems.stances);
       const table = file && measuresTable(file);
-      setText(says, table && table.groups.length > 1 ? words.two : words.one);
+      const isOfTwo = table !== null && table.groups.length > 1;
+      setText(says, isOfTwo ? words.two : words.one);
+      element.classList.toggle("of-two", isOfTwo);
       show(holder, table !== null);
       fill(holder, [measures.of, table !== null], () => (table ? [tableOf(table, new Map(state.meta?.landmarks.map(({ name, label }) => [name, label])), (key) => stances.pointAt(key))] : []));
       setText(signs, file ? `${file.signs.charAt(0).toUpperCase()}${file.signs.slice(1)}. ${words.hint}` : "");
