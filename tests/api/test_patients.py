@@ -70,7 +70,8 @@ def test_a_plan_is_kept_whole_with_its_ids_and_versions(client: FlaskClient, add
     assert (empty.json["items"], empty.json["version"], empty.json["whole"]) == ([], 0, False)
     note = item(scan, {"kind": "note", "text": "wants it smaller", "point": None}, "n")
     pattern = item(scan, {"kind": "pattern", "name": "lumpectomy", "parameters": {}}, "p")
-    items = [item(scan, LINE, "a"), item(scan, TUMOUR, "t"), pattern, note]
+    line = item(scan, LINE | {"ink": ["ink_1", "ink_4"]}, "a")
+    items = [line, item(scan, TUMOUR, "t"), pattern, note]
     answer = put(client, scan, items, empty.headers["ETag"])
     assert answer.status_code == 200, answer.json
     found = client.get(plan_of(scan))

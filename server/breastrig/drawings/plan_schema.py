@@ -12,17 +12,22 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
 from breastrig.core.errors import BadDrawing
-from breastrig.drawings.drawing_schema import DrawnShape, GivenDrawing, Part, Point
+from breastrig.drawings.drawing_schema import DrawnShape, GivenDrawing, Part, Point, Title
 
 PLAN_SCHEMA: Literal["breastrig/plan@1"] = "breastrig/plan@1"
 ITEMS, POINTS = 500, 50_000  # in one plan; points of all its lines together, as in a drawing
 TEXT = 2_000  # characters of a note: a paragraph, not a record
+INKS = 500  # as many shapes as a scan's ink may have
 DEEPEST = 150.0  # mm; a breast is not thicker
 
 Named = TypeVar("Named", bound=Hashable)
 ItemId = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 ScanId = Annotated[str, Field(max_length=64)]
 Word = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,63}$")]
+
+
+def _is_empty(values: list[str]) -> bool:
+    return not values
 
 
 class _Item(Part):
@@ -34,6 +39,12 @@ class PlanLine(DrawnShape, _Item):
     """A line that was drawn on the scan's skin, mm."""
 
     kind: Literal["line"] = "line"
+    ink: list[Title] = Field(
+        default=[],
+        max_length=INKS,
+        description="names of the shapes of the scan's ink that it was made from, also when it was changed since",
+        exclude_if=_is_empty,
+    )
 
 
 class PlanPattern(_Item):

@@ -722,6 +722,8 @@ export type PlanLine = {
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
   kind?: "line";
+  /** names of the shapes of the scan's ink that it was made from, also when it was changed since */
+  ink?: string[];
 };
 
 /** A sentence, of the whole or of one place, mm. */

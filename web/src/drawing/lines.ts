@@ -12,6 +12,8 @@ export interface OwnLine extends Readonly<Required<Pick<DrawnShape, "name" | "cl
   readonly points: readonly Vector[];
   /** per point: ink was not seen there, because the scan has a hole; left out where it was seen all along */
   readonly bridged?: readonly boolean[];
+  /** what of the scan's ink it was made from, however it was changed since; the service's names */
+  readonly ink?: readonly string[];
   /** indices into points, rising; an open line has its two ends among them */
   readonly corners: readonly number[];
 }

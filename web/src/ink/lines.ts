@@ -21,10 +21,10 @@ export function readInk(found: Ink): FoundLine[] {
   });
 }
 
-/** What is known to be decided when a scan is opened: what the service keeps as dropped, and what is a line of the plan already. */
+/** What is known to be decided when a scan is opened: what the service keeps as dropped, and what is a line of the plan already, which the line says itself or, in older plans, where it runs. */
 export function decidedBefore(found: readonly FoundLine[], kept: readonly string[], planned: readonly OwnLine[]): InkDecided {
   const decided: Record<string, "accepted" | "dropped"> = {};
-  for (const line of found) if (planned.some((own) => isSame(line, own))) for (const id of line.ids) decided[id] = "accepted";
+  for (const line of found) if (planned.some((own) => line.ids.some((id) => own.ink?.includes(id)) || isSame(line, own))) for (const id of line.ids) decided[id] = "accepted";
   for (const id of kept) decided[id] ??= "dropped";
   return decided;
 }
@@ -35,12 +35,12 @@ function isSame({ points }: FoundLine, own: OwnLine): boolean {
 }
 
 /** As the pen would have drawn it. */
-export function asOwn({ name, color, closed, points, bridged }: FoundLine): OwnLine {
+export function asOwn({ name, ids, color, closed, points, bridged }: FoundLine): OwnLine {
   const round = closed ? [...points, points[0]!] : points;
   const spaced = evenly(round);
   const guessed = guessedAlong(round, closed ? [...bridged, bridged[0]!] : bridged, spaced.length);
   const count = closed ? spaced.length - 1 : spaced.length;
-  return lineAlong(name, color, spaced.slice(0, count), closed, guessed.slice(0, count));
+  return { ...lineAlong(name, color, spaced.slice(0, count), closed, guessed.slice(0, count)), ink: ids };
 }
 
 /** Of so many even steps along the points, which are guessed: beside a point that is, or over a gap that a person has joined. */

@@ -15,7 +15,7 @@ const isTumour = (item: PlanItem): item is PlanTumour => item.kind === "tumour";
 
 /** The pen's lines on a scan. */
 export const linesOn = (items: Items, scan: string): OwnLine[] =>
-  items.filter(isLine).filter((item) => item.scan === scan).map(({ id, name, color, points, closed, bridged }) => ({ ...lineAlong(name, color ?? INK, points, closed ?? false, bridged), id }));
+  items.filter(isLine).filter((item) => item.scan === scan).map(({ id, name, color, points, closed, bridged, ink }) => ({ ...lineAlong(name, color ?? INK, points, closed ?? false, bridged), id, ...(ink?.length ? { ink } : {}) }));
 
 /** What a fit of the scan is asked to bring along: its first pattern and its first tumour, as one text. */
 export function drawingOn(items: Items, scan: string): string {
@@ -34,7 +34,7 @@ export function withLines(items: Items, scan: string, lines: readonly OwnLine[])
   const before = items.filter(isLine).filter((item) => item.scan === scan);
   const after = lines.map((line): PlanLine => {
     const id = line.id ?? before.find(({ name }) => name === line.name)?.id ?? newId();
-    return { kind: "line", id, scan, name: line.name, label: "", closed: line.closed, color: line.color, points: line.points.map((point) => point.map(roundMm) as Vector), ...(line.bridged ? { bridged: [...line.bridged] } : {}) };
+    return { kind: "line", id, scan, name: line.name, label: "", closed: line.closed, color: line.color, points: line.points.map((point) => point.map(roundMm) as Vector), ...(line.bridged ? { bridged: [...line.bridged] } : {}), ...(line.ink ? { ink: [...line.ink] } : {}) };
   });
   return [...items.filter((item) => !(isLine(item) && item.scan === scan)), ...after];
 }

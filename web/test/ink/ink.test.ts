@@ -9,6 +9,7 @@ import { inkActions } from "../../src/ink/actions";
 import { asOwn, decidedBefore, nearestJoint, readInk } from "../../src/ink/lines";
 import { initialInk, mayShowInk, openLines } from "../../src/ink/state";
 import { initialSession, type Session } from "../../src/app/session";
+import { linesOn, withLines } from "../../src/plan/items";
 import { createStore } from "../../src/store/store";
 
 const along = (x: number, from: number, to: number): Vector[] => Array.from({ length: Math.abs(to - from) + 1 }, (_, i): Vector => [x, from + Math.sign(to - from) * i, 0]);
@@ -52,6 +53,17 @@ describe("reading", () => {
     const planned = { ...asOwn(found[0]!), name: "Midline" };
     expect(decidedBefore(found, ["ink_3"], [planned])).toEqual({ ink_1: "accepted", ink_3: "dropped" });
     expect(decidedBefore(found, ["ink_1"], [planned])).toEqual({ ink_1: "accepted" });
+    const { ink: _, ...older } = planned;
+    expect(decidedBefore(found, [], [older])).toEqual({ ink_1: "accepted" });
+  });
+
+  it("knows a line of the plan however it was changed, also after the plan was stored", () => {
+    const found = readInk(FOUND);
+    const own = asOwn(found[0]!);
+    const changed = { ...own, name: "Midline", points: own.points.map(([x, y, z]): Vector => [x + 30, y, z]) };
+    const stored = linesOn(withLines([], "s1", [changed]), "s1");
+    expect(decidedBefore(found, [], stored)).toEqual({ ink_1: "accepted" });
+    expect(decidedBefore(found, [], [])).toEqual({});
   });
 
   it("makes lines of the pen: two millimetres from point to point, a closed one without its start again", () => {
