@@ -16,7 +16,8 @@ from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.plain_mesh import plain_mesh
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
-from breastrig.workflow.write_plain_mesh import PlainMeshJob, write_plain_mesh
+from breastrig.workflow.jobs import PlainMeshJob
+from breastrig.workflow.write_plain_mesh import write_plain_mesh
 
 VERTICES = np.random.default_rng(5).normal(size=(90, 3))
 COLOURED = mesh_glb(VERTICES, np.arange(90).reshape(30, 3), colours=np.full((90, 3), 200, dtype=np.uint8))

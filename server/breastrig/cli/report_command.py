@@ -10,7 +10,8 @@ from breastrig.core.output_record import OutputSet
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.report.document import SCHEMA
 from breastrig.workflow.lines.transfer import drawing_document
-from breastrig.workflow.report import REPORT_FILES, REPORT_RECORD, ReportJob, write_report
+from breastrig.workflow.jobs import ReportJob
+from breastrig.workflow.report import REPORT_FILES, REPORT_RECORD, write_report
 
 
 def run(options: argparse.Namespace) -> int:

@@ -24,7 +24,9 @@ from breastrig.storage.rows.fits import FitRow, get_fit, newest_done
 from breastrig.storage.rows.patients import PlanRow, get_plan, patient_of_scan, scans_of_patient
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
-from breastrig.workflow.lines.plan_on_fit import PlanJob, PlannedFit, empty_plan_document, plan_on_fit
+from breastrig.workflow.jobs import PlanJob, PlannedFit
+from breastrig.workflow.lines.empty_plan import empty_plan_document
+from breastrig.workflow.tasks import plan_on_fit
 
 UNFITTED = "It was made on a scan that is not fitted yet; fit that one to see it here."
 WALL_S = 60.0  # two scans take one to two seconds; a slow machine with huge scans may take many
