@@ -16,7 +16,7 @@ from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.plain_mesh import plain_mesh
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
-from breastrig.workflow.jobs import PlainMeshJob
+from breastrig.workflow.further_jobs import PlainMeshJob
 from breastrig.workflow.write_plain_mesh import write_plain_mesh
 
 VERTICES = np.random.default_rng(5).normal(size=(90, 3))

@@ -25,7 +25,8 @@ from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.workflow import propose_on_scan as propose_module
 from breastrig.workflow.events import Event
-from breastrig.workflow.jobs import FitJob, ProposeJob, UploadJob
+from breastrig.workflow.further_jobs import ProposeJob
+from breastrig.workflow.jobs import FitJob, UploadJob
 from breastrig.workflow.propose_on_scan import propose_on_file
 from breastrig.workflow.read_upload import read_upload
 from breastrig.workflow.run_fit import run_fit

@@ -17,7 +17,7 @@ from breastrig.rig.model import Rig
 from breastrig.scan.clean import clean
 from breastrig.scan.scan import Scan
 from breastrig.workflow.coloured_scan import coloured_scan
-from breastrig.workflow.jobs import ProposeJob
+from breastrig.workflow.further_jobs import ProposeJob
 
 
 def propose_on_scan(rig: Rig, scan: Scan, orientation: ScanOrientation | None = None) -> dict[str, Proposal]:

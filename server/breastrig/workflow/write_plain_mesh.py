@@ -3,7 +3,7 @@
 from breastrig.core.errors import BadScan
 from breastrig.core.private_files import write_private
 from breastrig.gltf.plain_mesh import plain_mesh
-from breastrig.workflow.jobs import PlainMeshJob
+from breastrig.workflow.further_jobs import PlainMeshJob
 
 
 def write_plain_mesh(job: PlainMeshJob) -> None:

@@ -14,7 +14,7 @@ from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePatt
 from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow.fit_folder import fit_folder_of
-from breastrig.workflow.jobs import LiveQuestion
+from breastrig.workflow.further_jobs import LiveQuestion
 
 
 @dataclass(frozen=True)
