@@ -48,7 +48,13 @@ def test_a_fit_needs_neither_numpys_fortran_translator_nor_its_tools_for_tests()
 
 def test_a_server_itself_loads_nothing_of_what_its_tasks_compute_with() -> None:
     slow = {"scipy.ndimage", "scipy.linalg", "scipy.special", "scipy.spatial", "trimesh", "skimage", "PIL", "embreex"}
-    slow |= {"breastrig.fitting.fit", "breastrig.correspondence", "breastrig.scan.read", "breastrig.colour"}
+    slow |= {
+        "pygltflib",
+        "breastrig.fitting.fit",
+        "breastrig.correspondence",
+        "breastrig.scan.read",
+        "breastrig.colour",
+    }
     assert not slow & loaded_by("import breastrig.cli.serve_command")
 
 

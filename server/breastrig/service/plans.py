@@ -14,7 +14,6 @@ from breastrig.core.errors import BreastRigError, Conflict, NotFound
 from breastrig.core.indented_json import indented
 from breastrig.drawings.drawing_file import lines_on_scan
 from breastrig.execution.fair_processes import FairProcesses
-from breastrig.gltf.lines.with_lines import with_lines
 from breastrig.report.files.line_files import rgb
 from breastrig.service.failed_tasks import explained
 from breastrig.service.remembered import Remembered
@@ -109,6 +108,8 @@ class Plans:
             raise NotFound("This fit has no fitted.glb.")
         with file.open() as opened:
             fitted = opened.read()
+        from breastrig.gltf.lines.with_lines import with_lines  # as in api/served_model.py
+
         drawn = lines_on_scan(found[0], "mm")  # the document says its unit
         return with_lines(fitted, [(line.name, line.points, line.closed, rgb(line.color)) for line in drawn])
 
