@@ -16,6 +16,7 @@ from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.plain_mesh import plain_mesh
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
+from breastrig.workflow import tasks
 from breastrig.workflow.further_jobs import PlainMeshJob
 from breastrig.workflow.write_plain_mesh import write_plain_mesh
 
@@ -35,7 +36,7 @@ def counted(service: Service, monkeypatch: pytest.MonkeyPatch, before: Callable[
     made, real = [], service._readers.result
 
     def result(function: object, args: tuple[PlainMeshJob], timeout: float) -> None:
-        assert function is write_plain_mesh
+        assert function == tasks.write_plain_mesh
         made.append(1)
         before()
         real(function, args, timeout)
