@@ -17,7 +17,8 @@ from breastrig.api.wire.files import MeasuresFile
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
-from breastrig.workflow.report import ReportJob, report_files
+from breastrig.workflow.further_jobs import ReportJob
+from breastrig.workflow.report import report_files
 
 Real = tuple[Service, FlaskClient, dict[str, str], dict[str, str]]
 

@@ -46,6 +46,18 @@ def test_a_fit_needs_neither_numpys_fortran_translator_nor_its_tools_for_tests()
     assert not slow & loaded_by("import breastrig.cli.fit_command")
 
 
+def test_a_server_itself_loads_nothing_of_what_its_tasks_compute_with() -> None:
+    slow = {"scipy.ndimage", "scipy.linalg", "scipy.special", "scipy.spatial", "trimesh", "skimage", "PIL", "embreex"}
+    slow |= {
+        "pygltflib",
+        "breastrig.fitting.fit",
+        "breastrig.correspondence",
+        "breastrig.scan.read",
+        "breastrig.colour",
+    }
+    assert not slow & loaded_by("import breastrig.cli.serve_command")
+
+
 def test_numpy_lists_all_of_its_names_afterwards() -> None:
     names = "print(*sorted(numpy.__all__), *sorted(dir(numpy)))\nassert numpy.ma.masked_array and numpy.f2py"
     assert said_by(f"import numpy, breastrig.core.scipy_parts\n{names}") == said_by(

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 from helpers import in_worker
@@ -30,15 +31,21 @@ def test_a_task_runs_alone_within_its_limits_and_with_one_thread(processes: Proc
     assert first["pid"] != second["pid"]
     assert (first["memory"], first["cpu"], first["core"]) == ((4 * GIB, 4 * GIB), (1, 6), (0, 0))
     assert first["threads"] == [1]
+    assert first["garbage"] == (True, True)  # looked for, but not among the modules
+
+
+def answer_of_a_program(name: str, *words: str) -> Any:
+    program = Path(in_worker.__file__).with_name(name)
+    answer = subprocess.run(
+        [sys.executable, str(program), *words], capture_output=True, text=True, check=False, timeout=120
+    )
+    assert (answer.returncode, answer.stderr) == (0, "")
+    return json.loads(answer.stdout)
 
 
 def imported_by_a_task(*named: str) -> set[str]:
     """The modules that a task finds, in a program that has imported breastrig.core.round_robin."""
-    program = Path(in_worker.__file__).with_name("preload.py")
-    words = [sys.executable, str(program), *named]
-    answer = subprocess.run(words, capture_output=True, text=True, check=False, timeout=120)
-    assert (answer.returncode, answer.stderr) == (0, "")
-    return set(json.loads(answer.stdout))
+    return set(answer_of_a_program("preload.py", *named))
 
 
 def test_a_task_finds_imported_what_was_named_before_the_first_pool_and_nothing_else_of_the_program() -> None:
@@ -49,6 +56,17 @@ def test_a_task_finds_imported_what_was_named_before_the_first_pool_and_nothing_
 
 def test_a_task_finds_imported_all_that_the_program_has_when_nothing_was_named() -> None:
     assert "breastrig.core.round_robin" in imported_by_a_task()
+
+
+def test_tasks_find_imported_what_an_earlier_task_had_to_import_of_the_package_alone() -> None:
+    before, after = answer_of_a_program("learn.py", "breastrig.core.round_robin", "colorsys")
+    assert (before, after) == ([], ["breastrig.core.round_robin"])
+
+
+def test_the_fork_server_outlives_whatever_it_is_told(processes: Processes) -> None:
+    first = processes.schedule(in_worker.tell_fork_server, (b"breastrig.no_such_module\nos\n\xff",), 30.0).result()
+    assert processes.schedule(in_worker.rest, (0.1,), 30.0).result() is None
+    assert processes.schedule(in_worker.fork_server, (), 30.0).result() == first
 
 
 def test_a_task_that_burns_the_processor_is_stopped_and_the_next_one_runs(processes: Processes) -> None:

@@ -94,12 +94,12 @@ def test_areolae_where_the_form_has_them_confirm_how_the_body_lies() -> None:
     scan = read_scan(STANDING / "scan.ply", "ply", "auto")
     orientation, task, begun = scan_orientation(rig, prepared(clean(scan), "auto"), load_recipe("default"))
     *_, last = begun or fit_iterates(task)
-    shown = seen_landmarks(task, last, orientation.margin, scan)
+    shown = seen_landmarks(task, last.parameters, orientation.margin, scan)
     assert set(shown) == {"nipple_L", "nipple_R"}
     unclear = 0.0
     form = radii(Posterior(task, last.parameters), unclear)
-    coloured = radii(Posterior(with_seen(task, shown, last), last.parameters), unclear)
-    one = radii(Posterior(with_seen(task, {"nipple_L": shown["nipple_L"]}, last), last.parameters), unclear)
+    coloured = radii(Posterior(with_seen(task, shown, last.parameters), last.parameters), unclear)
+    one = radii(Posterior(with_seen(task, {"nipple_L": shown["nipple_L"]}, last.parameters), last.parameters), unclear)
     assert form is not None
     assert coloured is not None
     assert one is not None

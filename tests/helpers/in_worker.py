@@ -1,13 +1,17 @@
 """What a test asks a worker process to do; imported there by name."""
 
+import gc
 import os
 import resource
+import signal
 import sys
 import time
+from importlib import import_module
 
 from threadpoolctl import threadpool_info
 
 from breastrig.core.errors import BadScan, TooMany
+from breastrig.execution import learned_modules
 
 
 def describe() -> dict[str, object]:
@@ -19,7 +23,26 @@ def describe() -> dict[str, object]:
         "core": resource.getrlimit(resource.RLIMIT_CORE),
         "threads": sorted({pool["num_threads"] for pool in threadpool_info()}),
         "imported": sorted(sys.modules),
+        "garbage": (gc.isenabled(), gc.get_freeze_count() > 1000),
     }
+
+
+def need(*modules: str) -> None:
+    """Imports what nothing has imported before."""
+    for name in modules:
+        import_module(name)
+
+
+def fork_server() -> int:
+    """The process from which this one was forked."""
+    return os.getppid()
+
+
+def tell_fork_server(content: bytes) -> int:
+    """Tells it that so many modules were imported; as `fork_server`."""
+    os.write(learned_modules._ends[1], content)
+    os.kill(os.getppid(), signal.SIGUSR1)
+    return os.getppid()
 
 
 def burn() -> None:

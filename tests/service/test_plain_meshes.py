@@ -16,7 +16,9 @@ from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.plain_mesh import plain_mesh
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
-from breastrig.workflow.write_plain_mesh import PlainMeshJob, write_plain_mesh
+from breastrig.workflow import tasks
+from breastrig.workflow.further_jobs import PlainMeshJob
+from breastrig.workflow.write_plain_mesh import write_plain_mesh
 
 VERTICES = np.random.default_rng(5).normal(size=(90, 3))
 COLOURED = mesh_glb(VERTICES, np.arange(90).reshape(30, 3), colours=np.full((90, 3), 200, dtype=np.uint8))
@@ -34,7 +36,7 @@ def counted(service: Service, monkeypatch: pytest.MonkeyPatch, before: Callable[
     made, real = [], service._readers.result
 
     def result(function: object, args: tuple[PlainMeshJob], timeout: float) -> None:
-        assert function is write_plain_mesh
+        assert function == tasks.write_plain_mesh
         made.append(1)
         before()
         real(function, args, timeout)

@@ -2,9 +2,12 @@
 
 from importlib.util import find_spec
 
-from breastrig.service import fit_worker, service
-from breastrig.service.reports import MAKERS
+from breastrig.core.late_function import LateFunction
+from breastrig.service import fit_worker
 from breastrig.service.task_modules import REMOTE_MODULES, TASK_MODULES
+from breastrig.workflow import tasks
+
+LATE = [one for one in vars(tasks).values() if isinstance(one, LateFunction)]
 
 
 def test_every_named_module_is_there() -> None:
@@ -12,13 +15,9 @@ def test_every_named_module_is_there() -> None:
 
 
 def test_every_task_of_the_service_is_in_a_named_module() -> None:
-    tasks = (
-        fit_worker.execute_fit,
-        service.run_fit,
-        service.run_pair,
-        service.read_upload,
-        service.propose_on_file,
-        service.transfer,
-        *MAKERS.values(),
-    )
-    assert {task.__module__ for task in tasks} <= set(TASK_MODULES)
+    assert {fit_worker.execute_fit.__module__, *(one.module for one in LATE)} <= set(TASK_MODULES)
+
+
+def test_every_late_function_is_there() -> None:
+    assert len(LATE) > 10
+    assert [one.function.__module__ for one in LATE] == [one.module for one in LATE]

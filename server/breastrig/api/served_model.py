@@ -1,4 +1,7 @@
-"""The model as the service hands it out: read once, when the service starts."""
+"""The model as the service hands it out: read once, when the service starts.
+
+What writes glTF is imported where it is first asked for: it takes a tenth of a second of each start.
+"""
 
 import json
 from dataclasses import dataclass
@@ -6,7 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from breastrig.gltf.iterate import drawing_buffer, model_buffer
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing, Rig
 
@@ -39,10 +41,14 @@ class ServedModel:
 
     @cached_property
     def buffer(self) -> bytes:
+        from breastrig.gltf.iterate import model_buffer
+
         return model_buffer(self.rig)
 
     @cached_property
     def drawing_buffers(self) -> dict[str, bytes]:
+        from breastrig.gltf.iterate import drawing_buffer
+
         return {drawing.name: drawing_buffer(self.rig, drawing) for drawing in self.rig.drawings}
 
     @property

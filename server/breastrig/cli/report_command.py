@@ -9,8 +9,9 @@ from breastrig.cli.output_options import files_of_fit, files_of_model, output_fo
 from breastrig.core.output_record import OutputSet
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.report.document import SCHEMA
+from breastrig.workflow.further_jobs import ReportJob
 from breastrig.workflow.lines.transfer import drawing_document
-from breastrig.workflow.report import REPORT_FILES, REPORT_RECORD, ReportJob, write_report
+from breastrig.workflow.report import REPORT_FILES, REPORT_RECORD, write_report
 
 
 def run(options: argparse.Namespace) -> int:

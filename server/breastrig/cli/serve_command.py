@@ -23,8 +23,7 @@ from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.service.task_modules import REMOTE_MODULES
 from breastrig.storage.storage import Storage
-from breastrig.workflow.run_fit import run_fit
-from breastrig.workflow.run_pair import run_pair
+from breastrig.workflow.tasks import run_fit, run_pair
 
 SECRETS = (TOKEN_VARIABLE, "BREASTRIG_DATABASE")  # of the environment; the second may hold a password
 

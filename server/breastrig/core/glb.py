@@ -15,12 +15,12 @@ BINARY_CHUNK = 0x004E4942
 
 def pack_glb(text: bytes, binary: bytes) -> bytes:
     """A .glb of this JSON text and binary chunk, each padded to four bytes as the format asks."""
-    text += b" " * (-len(text) % 4)
-    binary += b"\0" * (-len(binary) % 4)
-    chunks = struct.pack("<II", len(text), JSON_CHUNK) + text
-    if binary:
-        chunks += struct.pack("<II", len(binary), BINARY_CHUNK) + binary
-    return MAGIC + struct.pack("<II", 2, 12 + len(chunks)) + chunks
+    parts = []
+    for kind, content, padding in ((JSON_CHUNK, text, b" "), (BINARY_CHUNK, binary, b"\0")):
+        if content or kind == JSON_CHUNK:
+            more = padding * (-len(content) % 4)
+            parts += [struct.pack("<II", len(content) + len(more), kind), content, more]
+    return b"".join([MAGIC, struct.pack("<II", 2, 12 + sum(map(len, parts))), *parts])  # megabytes, copied once
 
 
 def split_glb(data: bytes) -> tuple[dict[str, Any], bytes]:

@@ -1,6 +1,7 @@
 """The server from which all child processes fork: what it has imported, and its start.
 
-A child finds imported whatever the server has imported, so callers name the modules of their tasks with `preload`.
+A child finds imported whatever the server has imported, so callers name the modules of their tasks with `preload`;
+others of the package it learns from the first task that imports them (learned_modules.py).
 
 It is started so that Ctrl-C on a terminal passes it by.
 
@@ -14,7 +15,8 @@ import sys
 from collections.abc import Iterable
 from multiprocessing import forkserver, resource_tracker
 
-ALWAYS = ("__main__", "breastrig.execution.processes")  # what every child looks for first
+BEGINS = "breastrig.execution.fork_server_begins"
+ALWAYS = (BEGINS, "__main__", "breastrig.execution.processes")  # the last two are what every child looks for first
 _named: list[str] = []
 
 

@@ -9,6 +9,7 @@ Tried and dropped: long-lived workers.  When a task is cancelled at the moment a
 the process that has already begun the next one.
 """
 
+import gc
 import multiprocessing
 import os
 import resource
@@ -23,6 +24,7 @@ from threadpoolctl import threadpool_limits
 
 from breastrig.core.log_lines import set_up_logs_from_environment
 from breastrig.execution.fork_server import modules_to_preload
+from breastrig.execution.learned_modules import run_and_tell
 
 
 class Processes:
@@ -53,11 +55,11 @@ class Processes:
             if self._stopped:
                 raise RuntimeError("the processes are stopped")
             try:
-                future = self._pool.schedule(function, args, timeout=timeout)
+                future = self._pool.schedule(run_and_tell, (function, *args), timeout=timeout)
             except RuntimeError:  # an idle process was killed from outside, which breaks the pool
                 self._end_pool()
                 self._pool = self._new_pool()
-                future = self._pool.schedule(function, args, timeout=timeout)
+                future = self._pool.schedule(run_and_tell, (function, *args), timeout=timeout)
             self._unfinished += 1
         future.add_done_callback(self._one_less)
         return future
@@ -130,6 +132,8 @@ class _LockKeepingContext:
 
 def _limit(memory_bytes: int, cpu_s: int | None) -> None:
     """In the child, before its task."""
+    gc.freeze()  # what is imported lasts as long as the process, so it need not be looked through
+    gc.enable()
     resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a core dump would hold a patient's scan
     if cpu_s is not None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import MatchRules, match
-from breastrig.fitting.fit import FitIterate, fit_iterates
+from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
@@ -22,6 +22,7 @@ from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.geometry.normals import vertex_normals
 from breastrig.report.areolae import SeenAreola
 from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 from breastrig.scan.scan import Scan
 
@@ -64,24 +65,22 @@ def propose_landmarks(
 
     `coloured` is the scan as it was read, of which only the colours are looked at (seen/landmarks.py).
     """
-    begun: tuple[FitIterate, ...] = ()
     if orientation is None:
-        orientation, task, begun = scan_orientation(rig, scan, recipe)
-    else:
-        task = orientation_task(rig, scan, orientation, recipe)
-    *_, last = begun or fit_iterates(task)
-    shown = {} if coloured is None else seen_landmarks(task, last, orientation.margin, coloured)
+        orientation, _, _ = scan_orientation(rig, scan, recipe)
+    task = orientation_task(rig, scan, orientation, recipe)
+    fitted = orientation.fitted or _fitted(task)
+    shown = {} if coloured is None else seen_landmarks(task, fitted, orientation.margin, coloured)
     if shown:
-        task = with_seen(task, shown, last)
-        *_, last = fit_iterates(task)
-    vertices = pose(rig, last.parameters)
+        task = with_seen(task, shown, fitted)
+        fitted = _fitted(task)
+    vertices = pose(rig, fitted)
     points = rig.landmark_points()
     places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))
     found = match(scan.target, places, normals / np.linalg.norm(normals, axis=1, keepdims=True), ON_SKIN)
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True
     places[found.vertices] = found.points
-    known = radii(Posterior(task, last.parameters), orientation.margin)
+    known = radii(Posterior(task, fitted), orientation.margin)
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
         if name in shown:
@@ -93,3 +92,9 @@ def propose_landmarks(
         confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)
         proposals[name] = Proposal(places[k], round(confidence, 2), bool(seen[k]), radius)
     return proposals
+
+
+def _fitted(task: FitTask) -> RigParameters:
+    """Where the fit ends."""
+    *_, last = fit_iterates(task)
+    return last.parameters

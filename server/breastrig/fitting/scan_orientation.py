@@ -16,6 +16,7 @@ from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.stance import found_stance
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import Similarity, similar_parameters
 from breastrig.scan.orient import Frame
 
@@ -32,6 +33,7 @@ class ScanOrientation:
     margin: float  # see fitting/orientation.py: how clear the start is
     stance: str  # standing | supine
     stance_reason: str
+    fitted: RigParameters | None = None  # where the fit without landmarks ended; None: the stance took none
 
     def body_frame(self) -> dict[str, Any]:
         """Up and front of the body as the model found them, for the page's camera."""
@@ -66,6 +68,7 @@ class ScanOrientation:
             "margin": self.margin,
             "stance": self.stance,
             "stance_reason": self.stance_reason,
+            **({} if self.fitted is None else {"fitted": self.fitted.numbers()}),
         }
 
 
@@ -78,7 +81,7 @@ def orientation_from(facts: dict[str, Any] | None, rig: Rig) -> ScanOrientation 
     if facts is None or facts["model_sha256"] != rig.sha256:
         return None
     seen, start = facts["seen"], facts["start"]
-    table = seen["table"]
+    table, fitted = seen["table"], facts.get("fitted")
     return ScanOrientation(
         model_sha256=facts["model_sha256"],
         frame=Frame(
@@ -96,6 +99,7 @@ def orientation_from(facts: dict[str, Any] | None, rig: Rig) -> ScanOrientation 
         margin=facts["margin"],
         stance=facts["stance"],
         stance_reason=facts["stance_reason"],
+        fitted=None if fitted is None else RigParameters.of_numbers(fitted),
     )
 
 
@@ -106,7 +110,15 @@ def scan_orientation(
     start = start_from_scan(rig, scan.target, scan.frame.fronts)
     task = FitTask(rig, scan.target, start.parameters, recipe, {})
     found = found_stance(task, scan.frame)
-    orientation = ScanOrientation(rig.sha256, scan.frame, start.similarity, start.margin, found.stance, found.reason)
+    orientation = ScanOrientation(
+        rig.sha256,
+        scan.frame,
+        start.similarity,
+        start.margin,
+        found.stance,
+        found.reason,
+        found.iterates[-1].parameters if found.iterates and found.iterates[-1].is_finite else None,
+    )
     return orientation, replace(task, stance=found.stance), found.iterates
 
 

@@ -6,7 +6,6 @@ dates, keys in one order.
 """
 
 import copy
-import hashlib
 from typing import Any
 
 import numpy as np
@@ -95,7 +94,7 @@ class BufferWriter:
         if element == (4, 4):
             data = np.ascontiguousarray(data.transpose(0, 2, 1))  # glTF stores matrices column by column
         content = data.astype(data.dtype.newbyteorder("<")).tobytes()
-        key = (hashlib.sha256(content).digest(), data.dtype, data.shape, target, bounds, normalized)
+        key = (content, data.dtype, data.shape, target, bounds, normalized)
         if key in self._known:
             return self._known[key]
         accessor = Accessor(

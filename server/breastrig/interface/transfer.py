@@ -13,7 +13,8 @@ from breastrig.interface.model import load_model
 from breastrig.interface.one_thread import one_thread
 from breastrig.workflow.fit_file_names import FIT_FILES, RESULT, UNCERTAINTY
 from breastrig.workflow.fit_files import write_files
-from breastrig.workflow.lines.transfer import TransferJob, drawing_document
+from breastrig.workflow.further_jobs import TransferJob
+from breastrig.workflow.lines.transfer import drawing_document
 from breastrig.workflow.lines.transfer import transfer as transfer_documents
 
 READ = ("scan.ply", "fitted.ply", UNCERTAINTY, RESULT)  # what a transfer reads of a fit

@@ -9,7 +9,7 @@ better than a light at the eye.  The inside of an open surface is drawn grey.  6
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,11 @@ from PIL import Image, ImageDraw
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadSettings, unknown_name
-from breastrig.geometry.closest_point import closest_barycentric
 from breastrig.geometry.normals import face_normals, vertex_normals
 from breastrig.geometry.rays import RayCaster
 
 Picture: TypeAlias = NDArray[np.uint8]  # (H, W, 3), or (H, W, 4) without background
+Reals: TypeAlias = NDArray[np.floating[Any]]  # float32 where it is of each pixel
 Colour: TypeAlias = tuple[float, float, float]  # red green blue, 0 to 1, as on the screen (sRGB)
 
 NEUTRAL: Colour = (0.80, 0.78, 0.76)
@@ -132,8 +132,10 @@ class Scene:
         self._smooth = np.repeat([layer.smooth for layer in layers], counts)
         self._wired = np.repeat([layer.wire is not None for layer in layers], counts)
         self._wire = np.repeat(np.array([layer.wire or WHITE for layer in layers]).reshape(-1, 3), counts, axis=0)
-        self._flat = face_normals(self._vertices, self._faces)
-        self._normals = vertex_normals(self._vertices, self._faces)
+        # What is mixed for each pixel has the precision of the rays: of 30,000 values one is a step of 255 off by it.
+        self._colours = self._colours.astype(np.float32)
+        self._flat = face_normals(self._vertices, self._faces).astype(np.float32)
+        self._normals = vertex_normals(self._vertices, self._faces).astype(np.float32)
         self._rays = RayCaster(self._vertices, self._faces)
 
     def render(
@@ -178,30 +180,43 @@ class Scene:
         )
         start = high[2] + 0.01
         at = np.stack([x[index], y[index], np.full(len(index), start)], axis=1) @ view.axes + view.centre
-        faces, distances = self._rays.first_hits(at, np.broadcast_to(-view.axes[2], at.shape))
-        hit = faces >= 0
-        index, faces, distances = index[hit], faces[hit], distances[hit]
-        at = at[hit] - distances[:, None] * view.axes[2]
-        corners = self._faces[faces]
-        triangles = self._vertices[corners]
-        barycentric = closest_barycentric(at, triangles)
-        flat = self._flat[faces]
-        mixed = np.einsum("mc,mcd->md", barycentric, self._normals[corners])
-        n = np.where(self._smooth[faces][:, None], mixed, flat)
-        n /= np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-12)
-        outside = flat @ view.axes[2] > 0
-        n = np.where(outside[:, None], n, -n) @ view.axes.T
-        base = np.einsum("mc,mcd->md", barycentric, self._colours[corners])
-        base = np.where(outside[:, None], base, INSIDE)
-        wired = self._wired[faces]
-        if wired.any():
-            flattened = triangles[wired] @ view.axes[:2].T
+        hits = self._rays.hits(at, np.broadcast_to(-view.axes[2], at.shape))
+        hit = np.flatnonzero(hits.faces >= 0)
+        index, faces, distances = index[hit], hits.faces[hit], hits.distances[hit]
+        second, third = hits.second[hit].astype(np.float32), hits.third[hit].astype(np.float32)
+        barycentric = np.stack([1.0 - second - third, second, third], axis=1)
+        corners = np.ascontiguousarray(self._faces.take(faces, axis=0).T)
+        outside = (self._flat @ view.axes[2] > 0)[faces]
+        n = self._turned(view, faces, corners, barycentric)
+        n[~outside] *= -1.0
+        base = _mixed(self._colours, corners, barycentric)
+        base[~outside] = INSIDE
+        wired = np.flatnonzero(self._wired[faces])
+        if len(wired):
+            flattened = self._vertices[corners[:, wired].T] @ view.axes[:2].T
             base[wired] = _with_edges(base[wired], self._wire[faces[wired]], barycentric[wired], flattened / pixel)
         colour[index, :3] = _to_screen(_to_light(base) * _light(n)[:, None])
         colour[index, 3] = 1.0
         depth[index] = start - distances
         normal[index] = n
         return colour, depth, normal
+
+    def _turned(self, view: Camera, faces: Integers, corners: Integers, barycentric: Reals) -> Reals:
+        """(M, 3) unit normals in the viewer's axes."""
+        axes = view.axes.T.astype(np.float32)
+        result = _mixed(self._normals @ axes, corners, barycentric)
+        flat = np.flatnonzero(~self._smooth[faces])
+        result[flat] = (self._flat @ axes)[faces[flat]]
+        result /= np.maximum(np.sqrt(np.einsum("mi,mi->m", result, result)), np.float32(1e-12))[:, None]
+        return result
+
+
+def _mixed(values: Reals, corners: Integers, barycentric: Reals) -> Reals:
+    """(M, D): of (V, D) values those of (3, M) corners, with (M, 3) weights."""
+    first, second, third = (
+        values.take(corner, axis=0) * weight[:, None] for corner, weight in zip(corners, barycentric.T, strict=True)
+    )
+    return np.asarray(first + second + third)
 
 
 def diverging_colours(values_mm: Array, limit_mm: float = 5.0) -> Array:
@@ -259,26 +274,26 @@ _LAB = np.array(
 )
 
 
-def _to_light(colours: Array) -> Array:
+def _to_light(colours: Reals) -> Reals:
     """sRGB to linear light (IEC 61966-2-1)."""
     return np.where(colours <= 0.04045, colours / 12.92, ((np.maximum(colours, 0.0) + 0.055) / 1.055) ** 2.4)
 
 
-def _to_screen(light: Array) -> Array:
+def _to_screen(light: Reals) -> Reals:
     """Linear light to sRGB, cut at white."""
     light = np.clip(light, 0.0, 1.0)
     return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
 
 
 def _from_oklab(lab: Array) -> Array:
-    return _to_screen((lab @ np.linalg.inv(_LAB).T) ** 3 @ np.linalg.inv(_LMS).T)
+    return np.asarray(_to_screen((lab @ np.linalg.inv(_LAB).T) ** 3 @ np.linalg.inv(_LMS).T), dtype=np.float64)
 
 
-def _light(normals: Array) -> Array:
+def _light(normals: Reals) -> Reals:
     """(M,) light reaching surfaces with unit normals in the viewer's axes; 1 is full."""
     total = AMBIENT * (1.0 + 0.35 * normals[:, 1])  # a little more from the sky than from the floor
     for direction, strength in LIGHTS:
-        unit = np.asarray(direction) / np.linalg.norm(direction)
+        unit = (np.asarray(direction) / np.linalg.norm(direction)).astype(normals.dtype)
         wrapped = np.clip((normals @ unit + 0.15) / 1.15, 0.0, None)  # soft: reaches a little around the corner
         total = total + strength * wrapped
     return np.asarray(total)
@@ -298,7 +313,7 @@ def _edges(depth: Array, normal: Array) -> Booleans:
     return mask
 
 
-def _with_edges(base: Array, wire: Array, barycentric: Array, triangles: Array) -> Array:
+def _with_edges(base: Reals, wire: Array, barycentric: Reals, triangles: Array) -> Reals:
     """Colours with the edges of (M, 3, 2) triangles in pixels, about half a pixel wide on each side."""
     sides = np.linalg.norm(np.roll(triangles, -1, axis=1) - np.roll(triangles, -2, axis=1), axis=2)
     b, c = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]

@@ -18,7 +18,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.geometry.curves import resampled
 from breastrig.geometry.geodesic import Geodesics, length
-from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.report.bands import banded, half_width
 from breastrig.report.body_frame import BodyFrame, body_frame
 from breastrig.report.ptosis import ptosis
@@ -32,6 +32,11 @@ from breastrig.rig.model import DrawnShape
 SIDES = ("L", "R")
 STRAIGHT, ALONG_SKIN = "straight", "along the skin"
 SPACING = 0.002  # m between points of a line to which a distance is taken
+LENGTHS = (  # from one landmark to another, on each side
+    ("notch_nipple", "Notch to nipple", "suprasternal_notch", "nipple"),
+    ("midclavicle_nipple", "Midclavicle to nipple", "midclavicle", "nipple"),
+    ("nipple_fold", "Nipple to fold", "nipple", "inframammary_fold"),
+)
 NAMES = {"L": "left", "R": "right"}
 OUTLINE = "breast base outline (model)"
 BORDER = "areola's border (colour)"
@@ -59,11 +64,8 @@ class _Table:
 
     def lengths(self) -> Iterator[Row]:
         """The rows in mm."""
-        for name, label, first, second in (
-            ("notch_nipple", "Notch to nipple", "suprasternal_notch", "nipple"),
-            ("midclavicle_nipple", "Midclavicle to nipple", "midclavicle", "nipple"),
-            ("nipple_fold", "Nipple to fold", "nipple", "inframammary_fold"),
-        ):
+        self._look_for_all_ways()
+        for name, label, first, second in LENGTHS:
             ends = {side: [self._place(part, side) for part in (first, second)] for side in SIDES}
             yield from self._sided(name, label, ends, partial(self._between, ends), self._halves(ends))
         nipples = {side: [self._place("nipple", side)] for side in SIDES}
@@ -89,6 +91,17 @@ class _Table:
             method = f"{CHORD} between the sides of the model's breast base outline, at the height where it is widest"
             paths = {"left": across_left, "right": across_right}
             yield Row("base_width", "Base width", STRAIGHT, "mm", left, right, None, (OUTLINE,), method, paths)
+
+    def _look_for_all_ways(self) -> None:
+        """On the skin, together, which takes a third of the time; each is asked for later, and is known then."""
+        nipples = [place for side in SIDES if (place := self._place("nipple", side)) is not None]
+        if nipples and self.stance.shape("midline") is not None:
+            self._skin.look_from(joined([self._on_skin(place.point) for place in nipples]), np.inf)
+        pairs = [(self._place(a, side), self._place(b, side)) for _, _, a, b in LENGTHS for side in SIDES]
+        ways = [(a.point, b.point) for a, b in [*pairs, tuple(nipples)] if a is not None and b is not None]
+        if ways:
+            starts, goals = (joined([self._on_skin(point) for point in ends]) for ends in zip(*ways, strict=True))
+            self._skin.paths(starts, goals)
 
     def _place(self, part: str, side: str) -> Place | None:
         return self.places.get(part) or self.places.get(f"{part}_{side}")

@@ -14,7 +14,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.geometry.geodesic import Geodesics, length
 from breastrig.geometry.polyline import Polyline
-from breastrig.geometry.surface_points import SurfacePoints, joined
+from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.report.body_frame import BodyFrame, body_frame
 from breastrig.report.stance import Stance, places
@@ -123,15 +123,17 @@ def _lengths(
     geodesics = Geodesics(stance.vertices, stance.rig.faces)
     pairs = [(k, mark) for k, three in enumerate(chosen) for mark in three]
     found: list[dict[int, float]] = [{} for _ in chosen]
-    for mark in sorted({mark for _, mark in pairs}):
-        rows = [k for k, other in pairs if other == mark]
-        start = joined([SurfacePoints(marks.faces[[mark]], marks.barycentric[[mark]])] * len(rows))
-        goal = SurfacePoints(points.faces[rows], points.barycentric[rows])
+    together = [pairs]  # takes a third of the time of one landmark after the other
+    while together:
+        asked = together.pop()
+        at, to = [k for k, _ in asked], [mark for _, mark in asked]
+        start = SurfacePoints(marks.faces[to], marks.barycentric[to])
+        goal = SurfacePoints(points.faces[at], points.barycentric[at])
         try:
-            for k, way in zip(rows, geodesics.paths(start, goal), strict=True):
+            for (k, mark), way in zip(asked, geodesics.paths(start, goal), strict=True):
                 found[k][mark] = length(way)
-        except BadDrawing:  # the skin ends between them
-            continue
+        except BadDrawing:  # the skin ends between two of them
+            together += [[pair] for pair in asked] if len(asked) > 1 else []
     return found
 
 

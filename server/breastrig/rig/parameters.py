@@ -7,6 +7,7 @@ P = 9 B + S entries: for each bone [rotation vector (3, rad, in the bone's own a
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
 
 BONE_DOFS = 9
+FIELDS = ("rotations", "translations", "scales", "weights")
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +29,17 @@ class RigParameters:
     weights: Array  # (S,) blendshape weights
 
     def __post_init__(self) -> None:
-        for field in ("rotations", "translations", "scales", "weights"):
+        for field in FIELDS:
             object.__setattr__(self, field, frozen(getattr(self, field)))
+
+    @staticmethod
+    def of_numbers(numbers: dict[str, Any]) -> "RigParameters":
+        """Those of which `numbers` were made, to the last bit."""
+        return RigParameters(**{name: np.array(numbers[name]) for name in FIELDS})
+
+    def numbers(self) -> dict[str, Any]:
+        """Plain lists, ready for JSON."""
+        return {name: getattr(self, name).tolist() for name in FIELDS}
 
     @property
     def dof(self) -> int:

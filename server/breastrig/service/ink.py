@@ -7,7 +7,8 @@ from breastrig.core.errors import BadScan
 from breastrig.service.scan_search import ScanSearch, Task
 from breastrig.storage.rows.ink import get_ink, put_ink
 from breastrig.storage.rows.scans import ScanRow
-from breastrig.workflow.find_ink_on_scan import InkJob, find_ink_on_file
+from breastrig.workflow.further_jobs import InkJob
+from breastrig.workflow.tasks import find_ink_on_file
 
 
 class InkSearch(ScanSearch):

@@ -13,7 +13,8 @@ from breastrig.service.single_flight import SingleFlight
 from breastrig.storage.files import MESH, PLAIN_MESH, OpenedFile, scan_place
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
-from breastrig.workflow.write_plain_mesh import PlainMeshJob, write_plain_mesh
+from breastrig.workflow.further_jobs import PlainMeshJob
+from breastrig.workflow.tasks import write_plain_mesh
 
 WALL_S = 60.0  # the largest scan takes two seconds
 

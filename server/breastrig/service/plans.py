@@ -14,7 +14,6 @@ from breastrig.core.errors import BreastRigError, Conflict, NotFound
 from breastrig.core.indented_json import indented
 from breastrig.drawings.drawing_file import lines_on_scan
 from breastrig.execution.fair_processes import FairProcesses
-from breastrig.gltf.lines.with_lines import with_lines
 from breastrig.report.files.line_files import rgb
 from breastrig.service.failed_tasks import explained
 from breastrig.service.remembered import Remembered
@@ -24,7 +23,9 @@ from breastrig.storage.rows.fits import FitRow, get_fit, newest_done
 from breastrig.storage.rows.patients import PlanRow, get_plan, patient_of_scan, scans_of_patient
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
-from breastrig.workflow.lines.plan_on_fit import PlanJob, PlannedFit, empty_plan_document, plan_on_fit
+from breastrig.workflow.further_jobs import PlanJob, PlannedFit
+from breastrig.workflow.lines.empty_plan import empty_plan_document
+from breastrig.workflow.tasks import plan_on_fit
 
 UNFITTED = "It was made on a scan that is not fitted yet; fit that one to see it here."
 WALL_S = 60.0  # two scans take one to two seconds; a slow machine with huge scans may take many
@@ -107,6 +108,8 @@ class Plans:
             raise NotFound("This fit has no fitted.glb.")
         with file.open() as opened:
             fitted = opened.read()
+        from breastrig.gltf.lines.with_lines import with_lines  # as in api/served_model.py
+
         drawn = lines_on_scan(found[0], "mm")  # the document says its unit
         return with_lines(fitted, [(line.name, line.points, line.closed, rgb(line.color)) for line in drawn])
 

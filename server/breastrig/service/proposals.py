@@ -9,7 +9,7 @@ from breastrig.service.scan_search import ScanSearch, Task
 from breastrig.storage.rows.proposals import get_proposals, put_proposals
 from breastrig.storage.rows.scans import ScanRow
 from breastrig.storage.storage import Storage
-from breastrig.workflow.propose_on_scan import ProposeJob
+from breastrig.workflow.further_jobs import ProposeJob
 
 Proposer = Callable[[ProposeJob], dict[str, Any]]
 

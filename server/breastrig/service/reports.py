@@ -22,7 +22,8 @@ from breastrig.storage.deletion import discard
 from breastrig.storage.files import OpenedFile, fit_place
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
-from breastrig.workflow.report import ReportJob, measures_json_of, report_pdf_of
+from breastrig.workflow.further_jobs import ReportJob
+from breastrig.workflow.tasks import measures_json_of, report_pdf_of
 
 MAKERS: dict[str, Callable[[ReportJob], bytes]] = {"report.pdf": report_pdf_of, "measures.json": measures_json_of}
 PLANNED = ("report.pdf",)  # what shows the plan; measures are those of the body

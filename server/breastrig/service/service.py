@@ -51,12 +51,9 @@ from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_
 from breastrig.storage.rows.patients import get_patient, scans_of_patient
 from breastrig.storage.rows.scans import Points, ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
+from breastrig.workflow.further_jobs import TransferJob
 from breastrig.workflow.jobs import UploadJob
-from breastrig.workflow.lines.transfer import TransferJob, transfer
-from breastrig.workflow.propose_on_scan import propose_on_file
-from breastrig.workflow.read_upload import read_upload
-from breastrig.workflow.run_fit import run_fit
-from breastrig.workflow.run_pair import run_pair
+from breastrig.workflow.tasks import propose_on_file, read_upload, run_fit, run_pair, transfer
 
 CHUNK = 2**20
 TRANSFER_WALL_S = 60.0  # a transfer takes a second or two; a slow machine with huge scans may take many

@@ -1,12 +1,10 @@
-"""Modules that the service's tasks import in their processes; the fork server imports them once, before any task.
+"""Modules that most of the service's tasks import in their processes; the fork server imports them before any task.
 
-They are named, not imported, because a worker of a cluster needs them in its children only.
+They are named, not imported, because a worker of a cluster needs them in its children only.  What fewer tasks need
+(colours, typesetting, rare formats) takes as long again: the fork server learns it from the first of them.
 """
 
 TASK_MODULES = (
-    "breastrig.colour.features.observe",  # imported where a scan has colours, as phones' scans have
-    "breastrig.report.pdf",  # this one and the next are imported only where they are used, for they take long
-    "breastrig.scan.formats.library_meshes",
     "breastrig.service.fit_worker",
     "breastrig.workflow.default_model",
     "breastrig.workflow.moving.live_pattern",

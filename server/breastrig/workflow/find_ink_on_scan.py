@@ -5,26 +5,22 @@ picture are untrusted; the picture is decoded there, once.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from breastrig.colour.ink.find_ink import InkLine, find_ink
 from breastrig.core.errors import BadScan
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.drawing_schema import SCHEMA
 from breastrig.scan.read import read_scan
+from breastrig.workflow.further_jobs import InkJob
 
-
-@dataclass(frozen=True)
-class InkJob:
-    scan: Path
-    file_type: str
-    units: str
+if TYPE_CHECKING:
+    from breastrig.colour.ink.find_ink import InkLine
 
 
 def find_ink_on_file(job: InkJob) -> dict[str, Any]:
     """The drawing, in mm, ready for JSON.  Raises a BreastRigError with a sentence."""
+    from breastrig.colour.ink.find_ink import find_ink  # a quarter of a second, which no other task needs
+
     try:
         scan = read_scan(job.scan, job.file_type, job.units, for_display=False)
         return ink_document(find_ink(scan), "mm", 1e-3)
@@ -32,7 +28,7 @@ def find_ink_on_file(job: InkJob) -> dict[str, Any]:
         raise BadScan("Finding ink on this scan needs more memory than it may use; simplify it first.") from error
 
 
-def ink_document(lines: Sequence[InkLine], unit: str, metres_per_unit: float) -> dict[str, Any]:
+def ink_document(lines: Sequence["InkLine"], unit: str, metres_per_unit: float) -> dict[str, Any]:
     """breastrig/drawing@1 in this unit; each shape says what it is, which marker drew it, and its length in mm."""
     shapes = [
         shape_document(each.line, metres_per_unit)

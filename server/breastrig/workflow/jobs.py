@@ -9,6 +9,8 @@ from typing import Any
 
 from breastrig.core.stances import AUTO
 
+DEFAULT = "default"  # the preset
+
 
 @dataclass(frozen=True)
 class EarlierFit:
@@ -24,7 +26,7 @@ class FitSettings:
     """What is asked of a fit, whatever scan it is asked of."""
 
     stance: str = AUTO
-    preset: str = "default"
+    preset: str = DEFAULT
     drawing: str | None = "lumpectomy"  # see drawings/patterns.py: names, patterns with parameters, joined by +
     landmark_confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of proposed ones; absent: 1
     certain: tuple[str, ...] = ()  # picks that are followed whatever all else says

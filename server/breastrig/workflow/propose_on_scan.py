@@ -4,8 +4,6 @@
 untrusted; it gives back nothing but names and numbers.
 """
 
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadScan
@@ -19,15 +17,7 @@ from breastrig.rig.model import Rig
 from breastrig.scan.clean import clean
 from breastrig.scan.scan import Scan
 from breastrig.workflow.coloured_scan import coloured_scan
-
-
-@dataclass(frozen=True)
-class ProposeJob:
-    scan: Path
-    file_type: str
-    units: str
-    model: Path | None = None  # None: the torso of the package
-    orientation: dict[str, Any] | None = None  # what the upload has found, see fitting/scan_orientation.py
+from breastrig.workflow.further_jobs import ProposeJob
 
 
 def propose_on_scan(rig: Rig, scan: Scan, orientation: ScanOrientation | None = None) -> dict[str, Proposal]:

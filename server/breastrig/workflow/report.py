@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -22,24 +21,11 @@ from breastrig.report.table import csv_bytes
 from breastrig.rig.model import Rig
 from breastrig.workflow.fit_files import json_bytes
 from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
+from breastrig.workflow.further_jobs import PlanLines, ReportJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
 
 REPORT_RECORD = "report.json"
 REPORT_FILES = ("measures.csv", "report.pdf", REPORT_RECORD)
-
-
-@dataclass(frozen=True)
-class ReportJob:
-    """What a report needs to know, as plain values that travel between processes."""
-
-    fit: Path  # folder of a fit
-    other: Path | None = None  # of the same patient in another stance
-    model: Path | None = None  # None: the torso of the package
-    plans: tuple["PlanLines | None", ...] = ()  # of each fit: its lines, and whether they are all that is wanted
-    plan: dict[str, Any] | None = None  # or the plan itself (breastrig/plan@1 or drawing@1), to be laid on each scan
-
-
-PlanLines = tuple[dict[str, Any], bool]  # a document breastrig/drawing@1 on the fit's scan
 
 
 class _Distances(BaseModel):

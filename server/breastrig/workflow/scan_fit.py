@@ -27,14 +27,14 @@ from breastrig.fitting.scan_orientation import orientation_from
 from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig.rig.parameters import rest_parameters
+from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.scan.clean import clean
 from breastrig.scan.landmark_files import checked_certain
 from breastrig.scan.scan import Scan
 from breastrig.workflow.coloured_scan import coloured_scan
 from breastrig.workflow.events import DoubtedPick, Started
 from breastrig.workflow.fit_start import with_earlier_start, with_stance, with_start
-from breastrig.workflow.jobs import FitJob, FitSettings
+from breastrig.workflow.jobs import DEFAULT, FitJob, FitSettings
 
 if TYPE_CHECKING:
     from breastrig.colour.features.observe import Observation
@@ -181,7 +181,9 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         task, clearness = with_start(task, ready, orientation)
         timing["align"] = clock.lap()
         task, stance = with_stance(task, settings.stance, ready, orientation)
-        task, begun, shown = _with_colour(task, stance.iterates, clearness, scan)
+        known = orientation is not None and settings.preset == DEFAULT and orientation.stance == task.stance
+        fitted = orientation.fitted if orientation is not None and known else None
+        task, begun, shown = _with_colour(task, stance.iterates, fitted, clearness, scan)
     else:
         task, stance = with_earlier_start(task, settings.stance, earlier)
         clearness, begun, shown = None, (), None
@@ -206,17 +208,24 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
 
 
 def _with_colour(
-    task: FitTask, begun: tuple[FitIterate, ...], clearness: float | None, scan: Scan
+    task: FitTask,
+    begun: tuple[FitIterate, ...],
+    fitted: RigParameters | None,
+    clearness: float | None,
+    scan: Scan,
 ) -> tuple[FitTask, tuple[FitIterate, ...], "Mapping[str, Observation] | None"]:
     """The task with landmarks that the colours show, its iterates as far as they are known, and what is shown.
 
+    `fitted` is where the task without landmarks is known to end.
     Only where no person has picked any: who has, has seen the proposals, which are made with the colours.
     """
     if task.landmarks or scan.colour_kind == "none":
         return task, begun, None
-    last = (begun or tuple(fit_iterates(task)))[-1]
-    shown = seen_landmarks(task, last, clearness, scan) if last.is_finite else {}
-    return (with_seen(task, shown, last), (), shown) if shown else (task, begun, shown)
+    if fitted is None:
+        last = (begun or tuple(fit_iterates(task)))[-1]
+        fitted = last.parameters if last.is_finite else None
+    shown = {} if fitted is None else seen_landmarks(task, fitted, clearness, scan)
+    return (task, begun, shown) if fitted is None or not shown else (with_seen(task, shown, fitted), (), shown)
 
 
 def _words(shown: "Mapping[str, Observation] | None") -> tuple[str, ...]:

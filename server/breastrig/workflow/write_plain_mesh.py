@@ -1,19 +1,9 @@
 """The worker's side of one plain mesh: from the file of the coloured mesh to the file without colours."""
 
-from dataclasses import dataclass
-from pathlib import Path
-
 from breastrig.core.errors import BadScan
 from breastrig.core.private_files import write_private
 from breastrig.gltf.plain_mesh import plain_mesh
-
-
-@dataclass(frozen=True)
-class PlainMeshJob:
-    """What it needs to know, as plain values that travel between processes."""
-
-    mesh: Path
-    plain: Path  # where it is written, whole or not at all
+from breastrig.workflow.further_jobs import PlainMeshJob
 
 
 def write_plain_mesh(job: PlainMeshJob) -> None:

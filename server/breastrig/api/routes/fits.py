@@ -21,7 +21,6 @@ from breastrig.service.stored_iteration import stored_iteration
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_position
 from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan
-from breastrig.workflow.iteration_file import iteration_gltf
 
 FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it live, fetch the results."}
 
@@ -184,6 +183,8 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
 
     Its buffers are the model's immutable files.
     """
+    from breastrig.workflow.iteration_file import iteration_gltf  # as in api/served_model.py
+
     context = app_context()
     storage, model = context.service.storage, context.model
     fit = get_fit(storage, fit_id)

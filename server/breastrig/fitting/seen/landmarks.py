@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
@@ -21,6 +20,7 @@ from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.report.areolae import SeenAreola
 from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.skinning import pose
 from breastrig.scan.scan import Scan
@@ -31,19 +31,19 @@ if TYPE_CHECKING:
 UNKNOWN = 0.02  # m, error of the form with models of which nobody knows how far bodies are from them
 
 
-def seen_landmarks(task: FitTask, last: FitIterate, margin: float | None, scan: Scan) -> dict[str, "Observation"]:
+def seen_landmarks(task: FitTask, fitted: RigParameters, margin: float | None, scan: Scan) -> dict[str, "Observation"]:
     """What the colours of the scan show of the rig's landmarks; nothing for a scan without colour.
 
-    `last` is where the fit of the `task` without landmarks ended, `margin` says how clear its start was (Start.margin).
+    `fitted` is where the fit of the `task` without landmarks ended, `margin` how clear its start was (Start.margin).
     """
     if scan.colour_kind == "none":
         return {}
     from breastrig.colour.features.observe import observed_landmarks  # loads image filters
 
     rig = task.rig
-    known = radii(Posterior(task, last.parameters), margin)
+    known = radii(Posterior(task, fitted), margin)
     errors = {name: UNKNOWN if known is None else known.landmarks[name] / HOLDS_90 for name in rig.landmark_names}
-    body, expected = expectations(rig, pose(rig, last.parameters), errors, {})
+    body, expected = expectations(rig, pose(rig, fitted), errors, {})
     return observed_landmarks(scan, expected, body[:, 0], body[:, 1])
 
 
@@ -73,8 +73,8 @@ def areola_of(observation: "Observation") -> SeenAreola | None:
     return None if areola is None else SeenAreola(2.0 * areola.radius, areola.diameter_half, areola.rim)
 
 
-def with_seen(task: FitTask, seen: Mapping[str, "Observation"], last: FitIterate) -> FitTask:
-    """The task that goes on from the `last` iterate with what colour shows among its observations."""
+def with_seen(task: FitTask, seen: Mapping[str, "Observation"], fitted: RigParameters) -> FitTask:
+    """The task that goes on from where it `fitted` without landmarks, with what colour shows among its observations."""
     if not seen:
         return task
     errors = {
@@ -83,7 +83,7 @@ def with_seen(task: FitTask, seen: Mapping[str, "Observation"], last: FitIterate
     }  # on each axis: the skin has two
     return replace(
         task,
-        start=last.parameters,
+        start=fitted,
         recipe=task.recipe.continued,
         landmarks={name: each.place for name, each in seen.items()},
         landmark_errors=errors,

@@ -4,12 +4,9 @@ It reads one or more scans, and carries from each of them, so the service runs i
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from breastrig.core.errors import BadInput
-from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.plan_on_scan import PlannedLine, PlannedScan, PlanOnScan, plan_on_scan
 from breastrig.drawings.plan_schema import Plan, PlanItem, PlanNote, PlanTumour, checked_plan
@@ -17,24 +14,8 @@ from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
-
-
-@dataclass(frozen=True)
-class PlannedFit:
-    """The fit of a scan that a plan names."""
-
-    folder: Path
-    scan: str = ""  # as the plan's items name it; empty: found by the plan's table of scans, or by the stance
-
-
-@dataclass(frozen=True)
-class PlanJob:
-    """What is needed to lay a plan on a scan, as plain values that travel between processes."""
-
-    plan: dict[str, Any]  # a document breastrig/plan@1, or breastrig/drawing@1
-    fit: PlannedFit
-    others: tuple[PlannedFit, ...] = ()  # of the same patient's other scans, where items were made
-    model: Path | None = None  # None: the torso of the package
+from breastrig.workflow.further_jobs import PlanJob
+from breastrig.workflow.lines.empty_plan import empty_plan_document
 
 
 def plan_on_fit(job: PlanJob) -> dict[str, Any]:
@@ -83,12 +64,6 @@ def scan_of_plan(plan: Plan, fit: FitFolder) -> str:
 def items_of(plan: Plan, name: str, is_home: bool) -> tuple[PlanItem, ...]:
     """The items of that scan; those that name none belong to the one that is at home."""
     return tuple(item for item in plan.items if (item.scan == name if item.scan else is_home))
-
-
-def empty_plan_document(unit: str) -> dict[str, Any]:
-    """What `plan_on_fit` gives for a plan without items, without looking at the scan."""
-    nothing: dict[str, Any] = {"shapes": [], "notes": [], "missing": []}
-    return {"schema": "breastrig/drawing@1", "name": "plan", "unit": unit, "notice": LIMITS_OF_USE} | nothing
 
 
 def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan) -> dict[str, Any]:

@@ -5,7 +5,6 @@ process of its own, as it does with everything that reads scans.
 """
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,20 +18,8 @@ from breastrig.drawings.transfer import TransferredLine, fitted_scan, transferre
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing, Rig
 from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
+from breastrig.workflow.further_jobs import TransferJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
-
-
-@dataclass(frozen=True)
-class TransferJob:
-    """Everything that a transfer needs to know, as plain values that travel between processes."""
-
-    from_fit: Path  # folder of a fit
-    to_fit: Path
-    drawing: (
-        dict[str, Any] | None
-    )  # a document breastrig/drawing@1 or breastrig/plan@1; None: the drawing that the first fit left
-    other_patient: bool = False  # the scans are of two patients: the model decides which skin is which
-    model: Path | None = None  # None: the torso of the package
 
 
 def drawing_document(file: Path) -> dict[str, Any]:

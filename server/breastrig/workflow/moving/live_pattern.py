@@ -4,7 +4,6 @@ The first question reads the fit's folder, half a second of work; what was read 
 the next ones take a tenth of it.  The process serves one fit and ends with its deletion (execution/kept_processes.py).
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,17 +14,7 @@ from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePatt
 from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow.fit_folder import fit_folder_of
-
-
-@dataclass(frozen=True)
-class LiveQuestion:
-    """As plain values that travel between processes; places are mm in the scan's frame."""
-
-    name: str
-    parameters: Mapping[str, float | str]
-    side: str | None = None  # L, R: that one alone
-    handle: str | None = None  # which is dragged
-    to_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+from breastrig.workflow.further_jobs import LiveQuestion
 
 
 @dataclass(frozen=True)

@@ -17,18 +17,10 @@ from breastrig.core.errors import FitFailed
 from breastrig.fitting.picks.moved_landmarks import FittedScan
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.rig.model import Rig
-from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.further_jobs import FollowJob
 from breastrig.workflow.scan_fit import checked_landmarks, fit_plan, made_ready, read_model, scan_of_job
 
 LOST = "The model lost the scan at these landmarks; put the moved one back, or fit anew."
-
-
-@dataclass(frozen=True)
-class FollowJob:
-    """The fit to go on from: its own job with `earlier`, and the picks that it did not follow."""
-
-    fit: FitJob
-    not_followed: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)

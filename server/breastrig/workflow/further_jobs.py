@@ -1,0 +1,103 @@
+"""What the tasks around a fit are asked: landmarks and ink looked for, drawings carried, reports, moving by hand.
+
+Plain values that travel between processes, apart from the numerics as in jobs.py; a fit alone needs none of them.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from breastrig.workflow.jobs import FitJob
+
+
+@dataclass(frozen=True)
+class ProposeJob:
+    """A scan to be searched for landmarks."""
+
+    scan: Path
+    file_type: str
+    units: str
+    model: Path | None = None  # None: the torso of the package
+    orientation: dict[str, Any] | None = None  # what the upload has found, see fitting/scan_orientation.py
+
+
+@dataclass(frozen=True)
+class InkJob:
+    """A scan to be searched for ink."""
+
+    scan: Path
+    file_type: str
+    units: str
+
+
+@dataclass(frozen=True)
+class PlainMeshJob:
+    """A coloured mesh to be written without its colours."""
+
+    mesh: Path
+    plain: Path  # where it is written, whole or not at all
+
+
+@dataclass(frozen=True)
+class TransferJob:
+    """A drawing on the scan of one fit, wanted on that of another."""
+
+    from_fit: Path  # folder of a fit
+    to_fit: Path
+    drawing: (
+        dict[str, Any] | None
+    )  # a document breastrig/drawing@1 or breastrig/plan@1; None: the drawing that the first fit left
+    other_patient: bool = False  # the scans are of two patients: the model decides which skin is which
+    model: Path | None = None  # None: the torso of the package
+
+
+@dataclass(frozen=True)
+class PlannedFit:
+    """The fit of a scan that a plan names."""
+
+    folder: Path
+    scan: str = ""  # as the plan's items name it; empty: found by the plan's table of scans, or by the stance
+
+
+@dataclass(frozen=True)
+class PlanJob:
+    """A plan to be laid on a scan."""
+
+    plan: dict[str, Any]  # a document breastrig/plan@1, or breastrig/drawing@1
+    fit: PlannedFit
+    others: tuple[PlannedFit, ...] = ()  # of the same patient's other scans, where items were made
+    model: Path | None = None  # None: the torso of the package
+
+
+PlanLines = tuple[dict[str, Any], bool]  # a document breastrig/drawing@1 on the fit's scan
+
+
+@dataclass(frozen=True)
+class ReportJob:
+    """A report of one fit or of two."""
+
+    fit: Path  # folder of a fit
+    other: Path | None = None  # of the same patient in another stance
+    model: Path | None = None  # None: the torso of the package
+    plans: tuple[PlanLines | None, ...] = ()  # of each fit: its lines, and whether they are all that is wanted
+    plan: dict[str, Any] | None = None  # or the plan itself (breastrig/plan@1 or drawing@1), to be laid on each scan
+
+
+@dataclass(frozen=True)
+class LiveQuestion:
+    """A pattern that follows a hand; places are mm in the scan's frame."""
+
+    name: str
+    parameters: Mapping[str, float | str]
+    side: str | None = None  # L, R: that one alone
+    handle: str | None = None  # which is dragged
+    to_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class FollowJob:
+    """The fit to go on from when landmarks are moved: its own job with `earlier`, and the picks that it left out."""
+
+    fit: FitJob
+    not_followed: tuple[str, ...]
