@@ -11,6 +11,7 @@ import { type Viewer, viewFromScan } from "../viewer/Viewer";
 import { type Body, type Outline, partOf, type ScanParts, setTree, tableNormalOf } from "./body";
 import { knownBody, knownOutline, searchScan } from "./bodySearch";
 import { type Crops, cropsOf, NO_CROPS } from "./crop";
+import { place } from "./place";
 import type { ScanSlice } from "./state";
 
 const BEHIND = 0.0025; // metres that the scan steps back for the model: as much as both are sure of
@@ -259,7 +260,7 @@ function skinMaterial(relief: { value: number }): MeshLambertMaterial {
 /** The mesh as we want it, whatever material it came with. */
 function dress(read: Mesh, material: MeshLambertMaterial): Mesh<BufferGeometry, MeshLambertMaterial> {
   const geometry = read.geometry;
-  geometry.applyMatrix4(read.matrixWorld);
+  place(geometry, read.matrixWorld);
   if (!geometry.index) geometry.setIndex([...Array(geometry.attributes.position!.count).keys()]);
   if (!geometry.hasAttribute("normal")) geometry.computeVertexNormals();
   const mesh = new Mesh(geometry, material);
