@@ -44,6 +44,8 @@ test("when the driver drops the picture the page says so, goes on working, and d
   await page.goto(base);
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
+  const wishes = await page.evaluate(() => document.querySelector<HTMLCanvasElement>("main canvas.view")!.getContext("webgl2")!.getContextAttributes());
+  expect(wishes, "on the processor each pixel is drawn once").toMatchObject({ antialias: false });
   await page.evaluate(() => {
     const loss = document.querySelector<HTMLCanvasElement>("main canvas.view")!.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
     Object.defineProperty(window, "bringBack", { value: () => loss.restoreContext() });

@@ -15,22 +15,11 @@ export function trueLandmarks(): Record<string, Vector> {
   return Object.fromEntries(entries.map(([name, point]) => [name, point.map((value) => mmFrom(value, file.unit ?? "mm")) as Vector]));
 }
 
-/** Edges drawn with one sample a pixel: four are a third of what the stand-in for a graphics card works for. */
-function drawWithoutSmoothEdges(): void {
-  type GetContext = (this: HTMLCanvasElement, kind: string, wishes?: object) => RenderingContext | null;
-  const { getContext } = HTMLCanvasElement.prototype as { getContext: GetContext };
-  const plain: GetContext = function (kind, wishes) {
-    return getContext.call(this, kind, kind === "webgl2" ? { ...wishes, antialias: false } : wishes);
-  };
-  Object.assign(HTMLCanvasElement.prototype, { getContext: plain });
-}
-
 /** A page that reports errors in its console and requests to anywhere else. */
 export const test = plain.extend<{ base: string; troubles: string[] }>({
   base: async ({}, use) => use(process.env.BREASTRIG_E2E_BASE!),
   troubles: async ({ page, base }, use) => {
     const troubles: string[] = [];
-    await page.addInitScript(drawWithoutSmoothEdges);
     page.on("console", (message) => {
       // The first page shows everybody's patients, and other tests delete theirs while it is read.
       if (message.type() === "error" && !message.location().url.endsWith("/thumbnail.png")) troubles.push(`console: ${message.text()}`);

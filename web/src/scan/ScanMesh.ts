@@ -1,8 +1,8 @@
 // The scan: matte grey or its own colours, the inside and the rims of holes darker, ready for picking by BVH.
-import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, type MeshBasicMaterial, MeshLambertMaterial, type Texture, type Vector3 } from "three";
+import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, type Texture, type Vector3 } from "three";
 import { acceleratedRaycast, type MeshBVH } from "three-mesh-bvh";
 import { extent } from "../viewer/extent";
-import { disposeTree, firstMesh, readGltf } from "../viewer/gltf";
+import { firstMesh, readGltf } from "../viewer/gltf";
 import type { Surface } from "../viewer/picking";
 import { depthMaterial, ORDER, wipesDepth } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
@@ -11,6 +11,7 @@ import { type Viewer, viewFromScan } from "../viewer/Viewer";
 import { type Body, type Outline, partOf, type ScanParts, setTree, tableNormalOf } from "./body";
 import { knownBody, knownOutline, searchScan } from "./bodySearch";
 import { type Crops, cropsOf, NO_CROPS } from "./crop";
+import { place } from "./place";
 import type { ScanSlice } from "./state";
 
 const BEHIND = 0.0025; // metres that the scan steps back for the model: as much as both are sure of
@@ -29,6 +30,10 @@ export class ScanMesh implements Surface {
   private depth: Mesh | null = null; // again, after a model that lies over it
   private found: Body | null = null;
   private readonly relief = { value: 0 }; // how much of it is seen, for the shader
+  // One of each for all scans: with each new material its program would be made again.
+  private readonly skin = skinMaterial(this.relief);
+  private readonly rim = new LineBasicMaterial();
+  private readonly lateDepth = depthMaterial(true, DoubleSide);
   private readonly rims: Record<"whole" | "body", BufferAttribute | null> = { whole: null, body: null };
   /** null while there is no scan */
   parts: ScanParts | null = null;
@@ -43,7 +48,7 @@ export class ScanMesh implements Surface {
     private readonly onLoose: (file: ArrayBuffer) => void,
   ) {
     viewer.beforeFrame.add(() => {
-      for (const each of [this.mesh?.material, this.depth?.material as MeshBasicMaterial | undefined]) if (each) each.polygonOffsetUnits = BEHIND * viewer.depthUnits;
+      for (const each of [this.skin, this.lateDepth]) each.polygonOffsetUnits = BEHIND * viewer.depthUnits;
     });
   }
 
@@ -79,8 +84,11 @@ export class ScanMesh implements Surface {
   private clear(): void {
     if (this.mesh) {
       this.viewer.inHalf(this.mesh, null);
-      disposeTree(this.mesh);
+      this.mesh.removeFromParent();
     }
+    this.texture?.dispose(); // shown or not
+    if (this.skin.map) this.skin.needsUpdate = true;
+    this.skin.map = null;
     this.parts?.whole.dispose();
     this.parts?.body?.dispose();
     this.borders?.geometry.dispose();
@@ -103,8 +111,8 @@ export class ScanMesh implements Surface {
       if (!read) throw new Error("no mesh");
       scene.updateMatrixWorld(true);
       this.texture = (read.material as MeshLambertMaterial).map;
-      this.mesh = dress(read, this.relief);
-      this.borders = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
+      this.mesh = dress(read, this.skin);
+      this.borders = new LineSegments(new BufferGeometry(), this.rim);
       const whole = this.mesh.geometry;
       this.rims.whole = this.rims.body = null;
       this.parts = { whole, drawable: null, body: null };
@@ -112,7 +120,7 @@ export class ScanMesh implements Surface {
       if (outline) this.takeOutline(outline);
       if (outline && known) this.take(known);
       this.borders.raycast = () => undefined;
-      this.depth = new Mesh(whole, depthMaterial(true, DoubleSide));
+      this.depth = new Mesh(whole, this.lateDepth);
       this.depth.renderOrder = ORDER.restore;
       this.depth.raycast = () => undefined;
       wipesDepth(this.depth);
@@ -219,7 +227,7 @@ export class ScanMesh implements Surface {
     if (own) material.color.set(0xffffff);
     else material.color.copy(palette.scan);
     this.relief.value = state.showRelief && this.found?.relief ? 1 : 0;
-    (this.borders?.material as LineBasicMaterial | undefined)?.color.copy(palette["scan-edge"]);
+    this.rim.color.copy(palette["scan-edge"]);
     this.viewer.inHalf(mesh, hasModel && isBeside(state.overlay) ? "scan" : null);
     if (this.depth) this.depth.visible = hasModel && state.overlay === "both";
     mesh.visible = !(hasModel && state.overlay === "model");
@@ -227,12 +235,7 @@ export class ScanMesh implements Surface {
   }
 }
 
-/** The mesh as we want it, whatever material it came with. */
-function dress(read: Mesh, relief: { value: number }): Mesh<BufferGeometry, MeshLambertMaterial> {
-  const geometry = read.geometry;
-  geometry.applyMatrix4(read.matrixWorld);
-  if (!geometry.index) geometry.setIndex([...Array(geometry.attributes.position!.count).keys()]);
-  if (!geometry.hasAttribute("normal")) geometry.computeVertexNormals();
+function skinMaterial(relief: { value: number }): MeshLambertMaterial {
   const material = new MeshLambertMaterial({ side: DoubleSide });
   // Behind the model where both lie on one place: the eye then sees the clay and no flicker between the two.
   material.polygonOffset = true;
@@ -251,6 +254,15 @@ function dress(read: Mesh, relief: { value: number }): Mesh<BufferGeometry, Mesh
         if (!gl_FrontFacing) diffuseColor.rgb *= ${INSIDE};`,
       );
   };
+  return material;
+}
+
+/** The mesh as we want it, whatever material it came with. */
+function dress(read: Mesh, material: MeshLambertMaterial): Mesh<BufferGeometry, MeshLambertMaterial> {
+  const geometry = read.geometry;
+  place(geometry, read.matrixWorld);
+  if (!geometry.index) geometry.setIndex([...Array(geometry.attributes.position!.count).keys()]);
+  if (!geometry.hasAttribute("normal")) geometry.computeVertexNormals();
   const mesh = new Mesh(geometry, material);
   mesh.name = "scan";
   mesh.raycast = acceleratedRaycast;

@@ -1,9 +1,8 @@
 // Lines of constant width on the screen with a thin contrasting outline, lying on a surface.
 // Neither line nor outline writes depth, and both are drawn towards the eye by a depth offset: no z-fighting.
-import { Color, Group } from "three";
+import { type BufferGeometry, Color, Group, Mesh, Vector4 } from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
-import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
-import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
+import { LineTriangles } from "./lineTriangles";
 
 export interface Polyline {
   /** x y z in a row, metres */
@@ -80,28 +79,46 @@ function material(width: number, dashed: boolean, isOver: boolean): LineMaterial
   return made;
 }
 
+/** One surface of segments in one colouring. */
+function strandOf(geometry: BufferGeometry, made: LineMaterial, isOutline: boolean): Mesh {
+  const strand = new Mesh(geometry, made);
+  const viewport = new Vector4();
+  strand.onBeforeRender = (renderer) => {
+    renderer.getViewport(viewport);
+    made.resolution.set(viewport.z, viewport.w); // widths are counted in its pixels
+  };
+  strand.renderOrder = isOutline ? 10 : 11;
+  strand.frustumCulled = false;
+  strand.visible = false;
+  strand.raycast = () => undefined;
+  return strand;
+}
+
+interface Pair {
+  readonly dashed: boolean;
+  readonly triangles: LineTriangles<keyof Ink>;
+  readonly strands: readonly Mesh[];
+}
+
 export class FatLines {
   readonly group = new Group();
   private readonly materials: LineMaterial[] = [];
   private lines: readonly Polyline[] = [];
   private painted: Ink = { ink: new Color(), outline: new Color() };
-  private readonly pairs: readonly { readonly dashed: boolean; readonly outline: LineSegments2; readonly ink: LineSegments2 }[];
+  private readonly pairs: readonly Pair[];
 
   /** `isOver`: seen through everything. */
-  constructor(private readonly isOver = false) {
-    this.pairs = [false, true].map((dashed) => ({ dashed, outline: this.strand(dashed, true), ink: this.strand(dashed, false) }));
-  }
-
-  private strand(dashed: boolean, isOutline: boolean): LineSegments2 {
-    const made = material(isOutline ? WIDTH + 2 * OUTLINE : WIDTH, dashed, this.isOver);
-    this.materials.push(made);
-    const strand = new LineSegments2(new LineSegmentsGeometry(), made);
-    strand.renderOrder = isOutline ? 10 : 11;
-    strand.frustumCulled = false;
-    strand.visible = false;
-    strand.raycast = () => undefined;
-    this.group.add(strand);
-    return strand;
+  constructor(isOver = false) {
+    this.pairs = [false, true].map((dashed) => {
+      const triangles = new LineTriangles<keyof Ink>(["outline", "ink"], dashed);
+      const strands = (["outline", "ink"] as const).map((part) => {
+        const made = material(part === "outline" ? WIDTH + 2 * OUTLINE : WIDTH, dashed, isOver);
+        this.materials.push(made);
+        return strandOf(triangles.geometries[part], made, part === "outline");
+      });
+      this.group.add(...strands);
+      return { dashed, triangles, strands };
+    });
   }
 
   /** The colours of lines that bring none. */
@@ -118,31 +135,12 @@ export class FatLines {
 
   set(lines: readonly Polyline[]): void {
     this.lines = lines;
-    for (const { dashed, ink, outline } of this.pairs) {
+    for (const { dashed, triangles, strands } of this.pairs) {
       const points = segments(lines, dashed);
-      for (const [strand, part] of [[ink, "ink"], [outline, "outline"]] as const) {
-        strand.visible = points.length > 0;
-        if (points.length > 0) write(strand, points, segmentColours(lines, dashed, this.painted, part));
-      }
+      for (const strand of strands) strand.visible = points.length > 0;
+      if (points.length === 0) continue;
+      const colours = (part: keyof Ink): Float32Array => segmentColours(lines, dashed, this.painted, part);
+      triangles.set(points, { ink: colours("ink"), outline: colours("outline") });
     }
   }
-}
-
-/** Reuses the buffers while the number of segments stays, as it does from iteration to iteration. */
-function write(strand: LineSegments2, points: Float32Array, colours: Float32Array): void {
-  if (!rewrite(strand, "instanceStart", points) || !rewrite(strand, "instanceColorStart", colours)) {
-    strand.geometry.dispose();
-    strand.geometry = new LineSegmentsGeometry();
-    strand.geometry.setPositions(points.slice());
-    strand.geometry.setColors(colours.slice());
-  }
-  if (strand.material.dashed) strand.computeLineDistances();
-}
-
-function rewrite(strand: LineSegments2, name: string, values: Float32Array): boolean {
-  const { data } = (strand.geometry.attributes[name] ?? {}) as { data?: { array: Float32Array; needsUpdate: boolean } };
-  if (data?.array.length !== values.length) return false;
-  data.array.set(values);
-  data.needsUpdate = true;
-  return true;
 }

@@ -23,7 +23,7 @@ export class Loupe {
     private readonly scan: Surface,
     canvas: HTMLCanvasElement,
   ) {
-    this.snapshot = new Snapshot(viewer.renderer, SIZE * Math.min(window.devicePixelRatio, 2));
+    this.snapshot = new Snapshot(viewer.renderer, SIZE * viewer.renderer.getPixelRatio());
     viewer.overlay.append(this.element);
     canvas.addEventListener("pointermove", (event) => {
       const isFree = event.pointerType !== "touch" && event.buttons === 0;

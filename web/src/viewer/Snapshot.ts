@@ -1,6 +1,7 @@
 // Draws a scene into an ordinary 2D canvas through a render target: for the loupe and the little picture of the
 // model, which need pixels of their own without another WebGL context.
 import { type Camera, Color, type Object3D, type Scene, SRGBColorSpace, type WebGLRenderer, WebGLRenderTarget } from "three";
+import { quality } from "./graphics";
 
 export class Snapshot {
   private readonly target: WebGLRenderTarget;
@@ -11,7 +12,7 @@ export class Snapshot {
     private readonly renderer: WebGLRenderer,
     readonly size: number,
   ) {
-    this.target = new WebGLRenderTarget(size, size, { samples: 4, colorSpace: SRGBColorSpace });
+    this.target = new WebGLRenderTarget(size, size, { samples: quality().samples, colorSpace: SRGBColorSpace });
     this.pixels = new Uint8Array(4 * size * size);
     this.image = new ImageData(size, size);
   }

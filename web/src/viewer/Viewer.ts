@@ -7,6 +7,7 @@ import type { Frame, Vector } from "../api/types";
 import { metresFromMm, mmFromMetres } from "../ui/units";
 import { CameraMove } from "./CameraMove";
 import { leftOf } from "./frame";
+import { quality } from "./graphics";
 import { addLights } from "./lights";
 import { type Palette, readPalette } from "./palette";
 import type { ViewName } from "./state";
@@ -78,8 +79,9 @@ export class Viewer {
     overlay: HTMLElement,
     prefersStill: () => boolean,
   ) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    const { samples, pixelRatio } = quality();
+    this.renderer = new WebGLRenderer({ canvas, antialias: samples > 1, powerPreference: "high-performance" });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, pixelRatio));
     this.overlay = overlay;
     this.body.name = "body";
     this.scene.add(this.body);

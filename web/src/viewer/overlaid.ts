@@ -10,9 +10,9 @@ const REACH = 0.03; // metres: more than a fit is off where it is one
 export const MODEL_SHARE = 0.55; // of each pixel
 export const ORDER = { scan: 0, modelDepth: 1, model: 2, mirrored: 2.5, restore: 3, restoreModel: 4 } as const;
 
-/** Fills the depth and nothing else; with `isLate` after what is translucent. */
+/** Fills the depth and nothing else, both sides at once; with `isLate` after what is translucent. */
 export function depthMaterial(isLate: boolean, side: Side = FrontSide): MeshBasicMaterial {
-  return new MeshBasicMaterial({ colorWrite: false, side, transparent: isLate, polygonOffset: true });
+  return new MeshBasicMaterial({ colorWrite: false, side, transparent: isLate, forceSinglePass: true, polygonOffset: true });
 }
 
 /** While the model lies over the scan: as near to the eye as it is counted. */

@@ -63,13 +63,14 @@ const SLACK = 0.006; // metres that a point may lie under the surface and still 
  * True when the scan stands between the eye and the point (scan's frame, metres), or when the skin there looks away:
  * through the holes of a scan its far side would seem near.
  */
-export function isHidden(viewer: Viewer, scan: Surface, point: Vector3, normal: Vector3 | null): boolean {
+export function isHidden(viewer: Pick<Viewer, "body" | "camera">, scan: Surface, point: Vector3, normal: Vector3 | null): boolean {
   if (!scan.mesh) return false;
   const target = viewer.body.localToWorld(point.clone());
   const away = target.sub(viewer.camera.position);
   const distance = away.length();
   const outwards = normal?.clone().transformDirection(viewer.body.matrixWorld);
   if (outwards && outwards.dot(away) > AVERTED * distance) return true;
+  if (!scan.mesh.geometry.boundsTree) return false; // not yet: without its tree a look through a million triangles stops the page
   raycaster.set(viewer.camera.position, away.normalize());
   const hit = raycaster.intersectObject(scan.mesh, false)[0];
   return hit !== undefined && hit.distance < distance - SLACK;

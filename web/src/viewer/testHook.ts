@@ -6,6 +6,7 @@
 //   window.__breastrig.surfaceAt(x, y)  corners and weights of the fitted surface's triangle there, while it is shown
 //   window.__breastrig.other()          the same of the other stance's pane, and its camera
 //   window.__breastrig.pose()           the camera of the stance in work
+//   window.__breastrig.memory()         how many geometries, textures and programs it holds on the graphics card
 //   window.__breastrig.picture()        what is really on the canvas: number of colours, a checksum, context lost or not
 import { Vector3 } from "three";
 import type { Vector } from "../api/types";
@@ -32,6 +33,7 @@ export interface TestHook<State> {
   project(point: Vector): { x: number; y: number; hidden: boolean };
   pickAt(x: number, y: number): Hit | null;
   surfaceAt(x: number, y: number): SurfaceHit | null;
+  memory(): Record<"geometries" | "textures" | "programs", number>;
   picture(): Picture;
   /** the pane of the other stance, once its scan is drawn */
   other(): { picture: Picture; pose: Record<"eye" | "target", Vector> } | null;
@@ -53,6 +55,7 @@ export function offerTestHook(state: () => unknown, viewer: Viewer, scan: Surfac
     },
     pickAt: (x, y) => pickAt(viewer, scan, x, y),
     surfaceAt: (x, y) => surfaceAt(viewer, fitted.mesh, x, y),
+    memory: () => ({ ...viewer.renderer.info.memory, programs: viewer.renderer.info.programs?.length ?? 0 }),
     picture: () => readPicture(viewer),
     other: () => {
       const pane = other?.isReady() ? other.viewer() : null;
