@@ -7,11 +7,17 @@ import type { AxeResults, RunOptions } from "axe-core";
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 export const TARGET_PX = 24; // WCAG 2.2, 2.5.8
 
+/** What axe-core itself calls moderate or minor at most: the ones that take long, which are not asked for nothing. */
+const MILD = ["region", "hidden-content", "heading-order", "page-has-heading-one", "skip-link", "aria-allowed-role", "presentation-role-conflict"];
+const MILD_LANDMARKS = ["banner-is-top-level", "contentinfo-is-top-level", "main-is-top-level", "no-duplicate-banner", "no-duplicate-contentinfo", "no-duplicate-main", "one-main", "unique"];
+const WITHOUT_MILD = Object.fromEntries([...MILD, ...MILD_LANDMARKS.map((name) => `landmark-${name}`)].map((rule) => [rule, { enabled: false }]));
+
 /** What axe-core calls serious or critical, as "rule: element". */
 export async function seriousFindings(page: Page, options: RunOptions = {}): Promise<string[]> {
-  await page.evaluate(`window.axe || (() => { ${AXE} })()`);
+  if (!(await page.evaluate(() => "axe" in window))) await page.evaluate(AXE);
   const { violations } = await page.evaluate((given) => (window as unknown as { axe: { run(options: RunOptions): Promise<AxeResults> } }).axe.run(given), {
     resultTypes: ["violations"],
+    ...(options.runOnly ? {} : { rules: WITHOUT_MILD }),
     ...options,
   } as RunOptions);
   return violations
