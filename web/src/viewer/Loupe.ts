@@ -1,6 +1,7 @@
 // A magnifier beside the pointer while a landmark is being placed, with a reticle where the click would land.
 import { PerspectiveCamera } from "three";
 import { el } from "../ui/dom";
+import { quality } from "./graphics";
 import { pickAt, type Surface } from "./picking";
 import { Snapshot } from "./Snapshot";
 import type { Viewer } from "./Viewer";
@@ -23,7 +24,7 @@ export class Loupe {
     private readonly scan: Surface,
     canvas: HTMLCanvasElement,
   ) {
-    this.snapshot = new Snapshot(viewer.renderer, SIZE * viewer.renderer.getPixelRatio());
+    this.snapshot = new Snapshot(viewer.renderer, SIZE * Math.min(window.devicePixelRatio, quality().pixelRatio));
     viewer.overlay.append(this.element);
     canvas.addEventListener("pointermove", (event) => {
       const isFree = event.pointerType !== "touch" && event.buttons === 0;

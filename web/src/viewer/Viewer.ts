@@ -7,7 +7,7 @@ import type { Frame, Vector } from "../api/types";
 import { metresFromMm, mmFromMetres } from "../ui/units";
 import { CameraMove } from "./CameraMove";
 import { leftOf } from "./frame";
-import { quality } from "./graphics";
+import { quality, ratioAtRest, restTimer } from "./graphics";
 import { addLights } from "./lights";
 import { type Palette, readPalette } from "./palette";
 import type { ViewName } from "./state";
@@ -71,6 +71,12 @@ export class Viewer {
   private readonly move: CameraMove;
   private far: { readonly away: number; readonly target: Vector3 } | null = null; // while the eye is near: from where it came
   private isAsked = false;
+  private readonly ratio: number; // pixels on a side for one of the page's, in pictures that move
+  private readonly moved = restTimer(() => {
+    if (this.isAsked) return;
+    this.renderer.setPixelRatio(this.ratioAtRest);
+    this.draw();
+  });
 
   /** Throws when the browser has no WebGL 2. */
   constructor(
@@ -81,7 +87,8 @@ export class Viewer {
   ) {
     const { samples, pixelRatio } = quality();
     this.renderer = new WebGLRenderer({ canvas, antialias: samples > 1, powerPreference: "high-performance" });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, pixelRatio));
+    this.ratio = Math.min(window.devicePixelRatio, pixelRatio);
+    this.renderer.setPixelRatio(this.ratio);
     this.overlay = overlay;
     this.body.name = "body";
     this.scene.add(this.body);
@@ -124,8 +131,19 @@ export class Viewer {
     requestAnimationFrame((now) => {
       this.isAsked = false;
       this.move.advance(now);
-      this.draw();
+      this.drawMoving();
     });
+  }
+
+  /** As fine as the page can follow; finer once nothing moves any more. */
+  private drawMoving(): void {
+    if (this.renderer.getPixelRatio() !== this.ratio) this.renderer.setPixelRatio(this.ratio);
+    this.draw();
+    if (this.ratioAtRest !== this.ratio) this.moved();
+  }
+
+  private get ratioAtRest(): number {
+    return ratioAtRest(quality(), this.ratio, this.host.clientWidth, this.host.clientHeight);
   }
 
   /** Depth-buffer units that one metre is worth where the body stands; polygon offsets are counted in them. */
@@ -338,7 +356,7 @@ export class Viewer {
     const factor = this.fitDistance(this.view) / before;
     if (Math.abs(factor - 1) > 0.001) this.zoomBy(factor);
     this.renderer.setSize(clientWidth, clientHeight, false);
-    this.draw(); // at once: a resized canvas is empty until it is drawn
+    this.drawMoving(); // at once: a resized canvas is empty until it is drawn
   }
 }
 

@@ -1,5 +1,5 @@
 // Whether pictures are drawn by a graphics card or by the processor, which many computers in hospitals leave it to.  There the
-// page draws fewer pixels, each once: with four samples a pixel a turning body stutters.
+// page draws fewer pixels, each once: with four samples a pixel a turning body stutters.  What rests is drawn once more, finer.
 
 /** What drivers that draw on the processor call themselves: SwiftShader, Mesa, Windows, macOS. */
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|swrast|software|basic render/i;
@@ -9,6 +9,27 @@ export const isSoftware = (renderer: string): boolean => SOFTWARE.test(renderer)
 export interface Quality {
   readonly samples: 0 | 4; // for each pixel; 0: edges are not smoothed
   readonly pixelRatio: number; // the most pixels on a side for one of the page's
+}
+
+const AT_REST_MS = 250; // after the last picture that something moved in
+const AT_REST_RATIO = 2;
+const AT_REST_PIXELS = 4_000_000; // a quarter of a second's work
+const WORTH_IT = 1.25; // finer than the page's own pixels
+
+/** Pixels on a side for one of the page's in a picture that rests; that of moving ones where finer is not worth it. */
+export function ratioAtRest({ samples }: Pick<Quality, "samples">, moving: number, width: number, height: number): number {
+  if (samples > 0 || moving < 1) return moving;
+  const ratio = Math.min(AT_REST_RATIO, Math.sqrt(AT_REST_PIXELS / (width * height)));
+  return ratio < WORTH_IT * moving ? moving : ratio;
+}
+
+/** Calls `rested` once nothing has moved for a moment. */
+export function restTimer(rested: () => void): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  return () => {
+    clearTimeout(timer);
+    timer = setTimeout(rested, AT_REST_MS);
+  };
 }
 
 let known: Quality | null = null;

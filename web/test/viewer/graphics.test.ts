@@ -1,5 +1,5 @@
-import { expect, test } from "vitest";
-import { isSoftware } from "../../src/viewer/graphics";
+import { afterEach, expect, test, vi } from "vitest";
+import { isSoftware, ratioAtRest, restTimer } from "../../src/viewer/graphics";
 
 test.each([
   ["ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (Subzero) (0x0000C0DE)), SwiftShader driver)", true],
@@ -15,4 +15,28 @@ test.each([
   ["", false],
 ])("%s: on the processor %s", (renderer, expected) => {
   expect(isSoftware(renderer)).toBe(expected);
+});
+
+afterEach(() => void vi.useRealTimers());
+
+test("without a graphics card a picture that rests is drawn finer, as far as that is no long work", () => {
+  const soft = { samples: 0 } as const;
+  expect(ratioAtRest(soft, 1, 1000, 700)).toBe(2);
+  expect(ratioAtRest(soft, 1, 1600, 1000)).toBeCloseTo(Math.sqrt(2.5), 6);
+  expect(ratioAtRest(soft, 1, 2560, 1440), "hardly finer than the page's own pixels").toBe(1);
+  expect(ratioAtRest(soft, 0.5, 1000, 700), "a page that is shown small").toBe(0.5);
+  expect(ratioAtRest({ samples: 4 }, 2, 1000, 700), "smooth as it is").toBe(2);
+});
+
+test("a picture rests a moment after the last movement, once", () => {
+  vi.useFakeTimers();
+  const rested = vi.fn();
+  const moved = restTimer(rested);
+  moved();
+  vi.advanceTimersByTime(200);
+  moved();
+  vi.advanceTimersByTime(200);
+  expect(rested).not.toHaveBeenCalled();
+  vi.advanceTimersByTime(1000);
+  expect(rested).toHaveBeenCalledOnce();
 });
