@@ -3,7 +3,8 @@
 Landmarks are met by a similarity that trusts the majority (iteratively reweighted Umeyama), so that one pick on the
 wrong place or two exchanged sides do not turn it.
 
-Without them the rest pose is tried all around (rigid_search.py).
+Without them the rest pose is tried all around (rigid_search.py), and on a part of a body at a few heights more
+(starts/part_of_body.py).
 """
 
 from collections.abc import Callable
@@ -14,6 +15,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.rigid_search import rest_place
+from breastrig.fitting.starts.part_of_body import best_height
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import Similarity, similar_parameters, umeyama
@@ -61,7 +63,8 @@ class Start:
 def start_from_scan(rig: Rig, target: ScanTarget, fronts: Array) -> Start:
     """The best rest pose for a scan whose front is about one of (N, 3) unit directions."""
     place = rest_place(rig, target, fronts)
-    return Start(similar_parameters(rig, place.similarity), place.similarity, place.similarity.rotation, place.margin)
+    found = best_height(rig, target, place.similarity) if place.shows_a_part else place.similarity
+    return Start(similar_parameters(rig, found), found, found.rotation, place.margin)
 
 
 def best_start(

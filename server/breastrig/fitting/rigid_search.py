@@ -58,6 +58,11 @@ class Place:
     margin: float  # how much worse the best try in another position is, as a share of the score
     uncovered: float  # m, model to scan, capped; much of it where the scan shows a part
 
+    @property
+    def shows_a_part(self) -> bool:
+        """Whether the scan leaves much of the model without skin."""
+        return self.uncovered > UNCOVERED
+
 
 class _Comparison:
     """A rest pose and a scan, thinned: pairs, steps and scores of many tries at once."""
@@ -140,7 +145,7 @@ def rest_place(rig: Rig, target: ScanTarget, fronts: Array) -> Place:
     turns = [turn for front in fronts for turn in _turns(front, TURNS)]
     tries = [one for turn in turns for one in _starts(rig, thinned, turn, (0.0,))]
     found = _searched(rig, target, tries, FEW_KEPT * len(fronts))
-    if found.uncovered > UNCOVERED:
+    if found.shows_a_part:
         found = min(found, _place_of_part(rig, target, thinned, fronts), key=lambda place: place.score)
     return found
 

@@ -1,0 +1,1 @@
+"""Starts of a fit that need more than a look at the scan."""
