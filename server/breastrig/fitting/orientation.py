@@ -3,7 +3,7 @@
 Landmarks are met by a similarity that trusts the majority (iteratively reweighted Umeyama), so that one pick on the
 wrong place or two exchanged sides do not turn it.
 
-Without them the rest pose is tried all around (rigid_search.py), and on a part of a body at a few heights more
+Without them the rest pose is tried all around (starts/rigid_search.py), and on a part of a body at a few heights more
 (starts/part_of_body.py).
 """
 
@@ -14,8 +14,8 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.rigid_search import rest_place
 from breastrig.fitting.starts.part_of_body import best_height
+from breastrig.fitting.starts.rigid_search import rest_place
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.similarity import Similarity, similar_parameters, umeyama

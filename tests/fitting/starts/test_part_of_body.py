@@ -9,7 +9,7 @@ from breastrig.evaluation.virtual.bodies import Bodies, VirtualBody, read_bodies
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.recipe import load_recipe
-from breastrig.fitting.rigid_search import rest_place
+from breastrig.fitting.starts.rigid_search import rest_place
 from breastrig.fitting.task import FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose

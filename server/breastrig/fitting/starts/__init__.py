@@ -1,1 +1,1 @@
-"""Starts of a fit that need more than a look at the scan."""
+"""Where a fit without landmarks starts: the rest pose tried all around, and on a part of a body at a few heights."""
