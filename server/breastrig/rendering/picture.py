@@ -3,7 +3,7 @@
 For contact sheets, evaluations and reports.  Orthographic, so that lengths in the picture are lengths on the
 body; lit from the front and upper left of the viewer with a fill and a rim, which shows the form of soft skin
 better than a light at the eye.  The inside of an open surface is drawn grey.  640 x 640 pixels of a scan of
-50,000 triangles take about a third of a second.
+50,000 triangles take about a fifth of a second.
 """
 
 from collections.abc import Sequence
