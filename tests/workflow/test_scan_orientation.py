@@ -11,15 +11,19 @@ from helpers.toy_rig import toy_rig
 
 import breastrig.fitting.orientation as orientation_module
 import breastrig.fitting.stance as stance_module
+import breastrig.workflow.read_upload as read_upload_module
 import breastrig.workflow.run_fit as run_fit_module
 from breastrig.core.assets import asset_folder
 from breastrig.execution.limits import FitLimits
 from breastrig.fitting import prepare_scan, propose, scan_orientation
 from breastrig.fitting.picks import checked_fit
 from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.geometry.rays import RayCaster
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.write_rig import write_rig
+from breastrig.report.thumbnail import thumbnail_png
 from breastrig.scan import background
+from breastrig.scan.clean import Surface
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.workflow import propose_on_scan as propose_module
@@ -174,6 +178,22 @@ def test_an_upload_is_read_with_the_model_that_is_served_and_another_model_looks
     calls.update(fits=0, fronts=0, starts=0)
     propose_on_file(ProposeJob(EXAMPLE / "scan.ply", "ply", "m", None, facts["orientation"]))
     assert calls["fronts"] == calls["starts"] == 1
+
+
+@pytest.mark.parametrize("stance", ["standing", "supine"])
+def test_the_small_picture_is_the_same_with_the_rays_of_the_fit(
+    stance: str, bare: dict[str, Path], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    made: list[bytes] = []
+
+    def with_and_without(surface: Surface, frame: dict, rays: RayCaster | None) -> bytes:
+        assert (rays is None) is (stance == "supine")  # on a table, which the fit does not see
+        made.extend(thumbnail_png(surface, frame, some) for some in (rays, None))
+        return made[0]
+
+    monkeypatch.setattr(read_upload_module, "thumbnail_png", with_and_without)
+    upload(bare[stance], tmp_path)
+    assert made[0] == made[1]
 
 
 def test_the_service_uploads_with_its_own_model(tmp_path: Path) -> None:

@@ -44,7 +44,9 @@ def _read(job: UploadJob) -> dict[str, Any]:
     orientation, _, _ = scan_orientation(rig, ready, load_recipe("default"))
     mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
     job.mesh.write_bytes(mesh)
-    job.thumbnail.write_bytes(thumbnail_png(ready.surface, orientation.body_frame()))
+    is_whole = ready.target.faces is ready.surface.faces  # no table was cut away
+    rays = ready.target.rays if is_whole else None
+    job.thumbnail.write_bytes(thumbnail_png(ready.surface, orientation.body_frame(), rays))
     write_stored(scan, job.kept)
     return {
         "unit": scan.unit,
