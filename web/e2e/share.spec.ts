@@ -162,7 +162,8 @@ test("wrong passcodes make one wait and are counted for the owner, and the right
   const link = await owner.share(fit, { passcode: "the right one" });
   const guess = async (): Promise<void> => {
     await page.getByLabel("Passcode").fill("a wrong one");
-    await page.getByRole("button", { name: "Open" }).click();
+    // The last guess's words stand there until this one is answered, so they say nothing of it.
+    await Promise.all([page.waitForResponse((answer) => answer.url().endsWith("/api/shared/open")), page.getByRole("button", { name: "Open" }).click()]);
   };
   await page.goto(owner.base + link.url);
   for (let tried = 0; tried < 3; tried += 1) {
