@@ -49,11 +49,11 @@ def _imported() -> set[str]:
 
 
 def _tell(names: set[str]) -> None:
-    if names and _server is not None:
-        _known.update(names)
+    _known.update(names)
+    if names and os.getppid() == _server:  # it may have ended meanwhile, and its number be another's
         try:
             os.write(_ends[1], "".join(f"{name}\n" for name in sorted(names)).encode()[:LONGEST])
-            os.kill(_server, signal.SIGUSR1)
+            os.kill(os.getppid(), signal.SIGUSR1)
         except OSError:  # the server is told too much at once, or has ended
             pass
 
