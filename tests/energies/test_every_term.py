@@ -13,6 +13,7 @@ from helpers.random_pose import random_parameters
 import breastrig.energies
 from breastrig.correspondence.match import Correspondences
 from breastrig.energies.body_prior import BodyPrior
+from breastrig.energies.folding import Folding
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
 from breastrig.energies.landmarks import Landmarks
@@ -77,6 +78,7 @@ TERMS: dict[str, Callable[[Rig, np.random.Generator], Any]] = {
         0.005,
         0.004,
     ),
+    "folding": lambda rig, _: Folding(rig, 1.02, 0.1),
     "joint_limits": lambda rig, _: JointLimits(tight_joints(rig), 0.03),
 }
 
@@ -113,6 +115,7 @@ STRUCTURED = [
     "symmetry",
     "body_prior",
     "table_contact",
+    "folding",
 ]
 
 
@@ -133,7 +136,7 @@ def test_normal_equations_by_structure_equal_those_of_the_jacobian(name: str, to
         assert found.energy == pytest.approx(0.5 * lin.residual @ lin.residual, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", ["shape_prior", "scale_prior", "symmetry", "joint_rest", "joint_limits"])
+@pytest.mark.parametrize("name", ["shape_prior", "scale_prior", "symmetry", "joint_rest", "joint_limits", "folding"])
 def test_a_rig_at_rest_costs_nothing(name: str, toy_rig: Rig) -> None:
     rest = BodyState(toy_rig, rest_parameters(toy_rig))
     term = {
@@ -142,6 +145,7 @@ def test_a_rig_at_rest_costs_nothing(name: str, toy_rig: Rig) -> None:
         "symmetry": Symmetry(toy_rig, 0.5, 0.02),
         "joint_rest": JointRest(Joints(toy_rig, toy_rig.joints)),
         "joint_limits": JointLimits(Joints(toy_rig, toy_rig.joints), 0.03),
+        "folding": Folding(toy_rig, 0.3, 0.1),
     }[name]
     np.testing.assert_allclose(term.residual(rest), 0.0, atol=1e-12)
 

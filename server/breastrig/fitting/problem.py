@@ -14,6 +14,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.energies.body_prior import BodyPrior
+from breastrig.energies.folding import Folding
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
 from breastrig.energies.landmarks import Landmarks
@@ -232,6 +233,8 @@ def prior_terms(task: FitTask, joints: Joints) -> Terms:
         terms.append(JointLimits(joints, recipe.joints.limit_sigma))
     if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
         terms.append(Symmetry(rig, recipe.shapes.symmetry_sigma or np.inf, recipe.scales.symmetry_sigma or np.inf))
+    if recipe.shapes.folding is not None:
+        terms.append(Folding(rig, recipe.shapes.folding.least, recipe.shapes.folding.sigma))
     contact = table_contact(task)
     return terms if contact is None else [*terms, contact]
 

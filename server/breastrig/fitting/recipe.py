@@ -59,6 +59,13 @@ class Body(_Part):
     shape_factor: Positive  # likewise single weights, in units of what is expected of them (Shapes)
 
 
+class Folding(_Part):
+    """How far shapes may press the skin together; see energies/folding.py."""
+
+    least: Annotated[float, Field(lt=1.0)]  # stretch of an edge along itself
+    sigma: Positive  # of that stretch
+
+
 class Shapes(_Part):
     constraint: Literal["simplex", "box", "free"]
     sigma: Positive | None = None  # the same for all shapes; else the rig's own times the factor
@@ -66,6 +73,7 @@ class Shapes(_Part):
     symmetry_sigma: Positive | None = None  # in each shape's own sigmas
     standing_gravity_factor: Positive = 1.0  # sigma of gravity shapes in a standing scan
     supine_gravity_mean: float = 0.0  # expected weight of gravity shapes in a supine scan
+    folding: Folding | None = None  # absent: the skin may fold
 
 
 class Stage(_Part):

@@ -9,6 +9,7 @@ from contextlib import suppress
 import numpy as np
 
 from breastrig.core.errors import BadModel
+from breastrig.energies.folding import pressed_edges
 from breastrig.fitting.body.statistics import body_statistics
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import load_recipe
@@ -30,6 +31,8 @@ def make_ready(rig: Rig) -> None:
     _ = state.posed.rows(np.zeros(1, dtype=np.int64), np.ones((1, 3))), state.chordal_deviation, vertex_groups(rig)
     for every in {stage.every for stage in recipe.stages}:
         observation_weights(rig, recipe.observations, every)
+    if recipe.shapes.folding is not None:
+        pressed_edges(rig, recipe.shapes.folding.least)
     _ = body_statistics(rig), calibration(rig.name), verdict_limits(rig.name)
     make_layers_ready(rig.template, rig.faces)
     skinned_document(rig, {})
