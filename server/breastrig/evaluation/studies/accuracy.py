@@ -8,6 +8,7 @@ import numpy as np
 from breastrig.evaluation.studies.case import Fitted, Scene
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.refine import refined
+from breastrig.geometry.turned_triangles import turned_triangles
 from breastrig.report.distances import landmark_summary_mm, summary_mm, surface_distances, surface_summary_mm
 from breastrig.rig.model import Rig
 
@@ -33,10 +34,12 @@ def accuracy(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
         "surface_mm": surface_summary_mm(distances.model),
         "scan_to_model_mm": summary_mm(distances.scan),
         "truth_mm": summary_mm(scene.truth_errors(fit.vertices, rig.faces)),
+        "turned_triangles": int(turned_triangles(fit.vertices, rig.faces).sum()),
         "landmark_mm": landmark_summary_mm(dict(zip(names, places, strict=True)), scene.landmarks),
         "refined": {
             "surface_mm": surface_summary_mm(surface_distances(scene.target, fine, rig.faces).model),
             "truth_mm": summary_mm(scene.truth_errors(fine, rig.faces)),
+            "turned_triangles": int(turned_triangles(fine, rig.faces).sum()),
         },
         "shape_effect_mm": {  # how far each shape moved the skin: |weight| times its root mean square displacement
             name: round(float(1e3 * abs(weight) * np.sqrt((moved[k] ** 2).mean())), 5)
