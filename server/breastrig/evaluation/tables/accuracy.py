@@ -95,7 +95,8 @@ def table_1(records: Sequence[Record], preset: str) -> Table:
 
 def refined_table(records: Sequence[Record], preset: str) -> Table:
     """The smooth free-form layer on top of the fit."""
-    return by_case("refined", "With and without the free-form layer, mm; triangles turned over, of 5,000.", REFINED, of(records, "accuracy", preset))
+    caption = "With and without the free-form layer, mm; triangles turned over, of 5,000."
+    return by_case("refined", caption, REFINED, of(records, "accuracy", preset))
 
 
 def presets_table(records: Sequence[Record], presets: Sequence[str]) -> Table:
