@@ -13,7 +13,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.drawings.skin_map import FittedScan
-from breastrig.drawings.skin_map_settings import skin_map_settings
+from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline, parts
 from breastrig.rig.model import Rig

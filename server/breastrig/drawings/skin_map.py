@@ -15,18 +15,17 @@ u = H w with the columns of H made from the Matérn-5/2 kernel at some points of
 |w|²) and a small affine part.  All numbers stand in skin_maps/, one file for each rig.  Rasmussen and Williams,
 Gaussian Processes for Machine Learning, 2006, chapters 2 and 4.
 
-Tried on four virtual patients, six pairs of stances, mean error over chest and breasts in mm (exact landmarks /
-landmarks clicked 5 mm off): rigid 12.3 / 12.6; thin-plate spline 4.0 / 7.5; the fitted models alone 7.5 / 8.4, with
-landmark residuals spread by a Gaussian kernel 7.0 / 8.5; this with the models' map instead of the rigid one
-6.1 / 7.1; this 3.0 / 4.4, and from lying to standing 3.2 / 4.7 (spline 4.6 / 7.9).  More rounds of matching slide
-along the skin (ten rounds 3.9 / 5.6); a Gaussian kernel is too stiff (4.7 / 5.0), Matérn 3/2 too loose (3.1 / 5.0);
-trusting the surface to 0.7 mm costs 1 mm.  On seven other virtual patients, by which nothing was chosen: 5.7 / 6.9
-(rigid 12.9 / 14.0, spline 6.8 / 9.4, the models alone 6.1 / 7.3).
+Between standing and lying the displacement is expected around what skin does in everybody (skin_maps/lying_motion.py):
+arms go up, breasts sink outwards, and no landmark is on the outer side to tell.
 
-Tried later, both directions together, where this is 3.3 / 5.1 and on the seven others 5.7 / 6.9: errors of the picks
-and size of the displacement chosen for each pair by the evidence (chapter 5 there) 3.3 / 5.5 and 5.8 / 7.0;
-displacements expected to be larger on the breasts than on the chest 3.5 / 5.5 and 5.4 / 6.8; picks trusted to 2 mm
-3.2 / 5.7 and 5.4 / 7.1.
+Tried on four virtual patients, six pairs of stances, before that mean was known, mean error over chest and breasts in
+mm (exact landmarks / landmarks clicked 5 mm off): rigid 12.3 / 12.6; thin-plate spline 4.0 / 7.5; the fitted models
+alone 7.5 / 8.4, with landmark residuals spread by a Gaussian kernel 7.0 / 8.5; this with the models' map instead of
+the rigid one 6.1 / 7.1; this 3.0 / 4.4. More rounds of matching slide along the skin (ten rounds 3.9 / 5.6); a
+Gaussian kernel is too stiff (4.7 / 5.0), Matérn 3/2 too loose (3.1 / 5.0). The least strain of the skin itself (as
+rigid as possible, Sorkine and Alexa, 2007) is not what skin does: weak it gains nothing, strong it is 2 to 5 mm
+worse. Errors of the picks and size of the displacement chosen for each pair by the evidence (chapter 5 there) gain
+nothing, nor do larger displacements on the breasts than on the chest.
 """
 
 from dataclasses import dataclass, field
@@ -38,7 +37,8 @@ from breastrig.core.errors import BadDrawing
 from breastrig.core.scipy_parts import cholesky, solve_lower
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.skin_map_settings import SkinMapSettings, skin_map_settings
+from breastrig.drawings.skin_maps.lying_motion import lying_motion
+from breastrig.drawings.skin_maps.settings import SkinMapSettings, skin_map_settings
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
@@ -70,9 +70,22 @@ class FittedScan:
 class SkinMap:
     """The smooth way from scan A to scan B and back; built once, then asked for any points."""
 
-    def __init__(self, rig: Rig, a: FittedScan, b: FittedScan, settings: SkinMapSettings | None = None) -> None:
-        """With the rig's settings, or others.  Raises BadDrawing when a model does not lie on its scan."""
+    def __init__(
+        self,
+        rig: Rig,
+        a: FittedScan,
+        b: FittedScan,
+        settings: SkinMapSettings | None = None,
+        motion: Array | None = None,
+    ) -> None:
+        """With the rig's settings and its (V, 3) m expected motion, or others.
+
+        Raises BadDrawing when a model does not lie on its scan.
+        """
         self._rig, self._a, self._b = rig, a, b
+        lies_down = a.stance == "standing" and b.stance == "supine"
+        expected = lying_motion(rig) if motion is None and lies_down else motion
+        self._moves = None if expected is None else expected @ umeyama(rig.template, b.vertices).rotation.T
         self._settings = own = settings or skin_map_settings(rig.name)
         on_scan = MatchRules("rays", own.on_scan_distance, own.on_scan_angle)
         seen = match(a.target, a.vertices, _normals(rig, a.vertices), on_scan)
@@ -89,9 +102,14 @@ class SkinMap:
         self._weights = self._solved(on_a)
         self._moved_model = ClosestPointSearch(self.moved(a.vertices), rig.faces)
 
-    def _motion(self, points: Array) -> Array:
-        """The rigid part of the way."""
-        return np.asarray((points - self._source) @ self._turn.T + self._goal)
+    def expected(self, points: Array) -> Array:
+        """(M, 3) m: where (M, 3) m points of A are expected: a rigid motion, and how skin moves in everybody."""
+        moved = np.asarray((points - self._source) @ self._turn.T + self._goal)
+        if self._moves is None:
+            return moved
+        nearest = self._a.search(self._rig).query(points)
+        at = SurfacePoints(nearest.faces, nearest.barycentric)
+        return moved + at.positions(self._moves, self._rig.faces)
 
     def _basis(self, points: Array) -> Array:
         """(M, K) the displacements' basis H at (M, 3) points of A."""
@@ -107,20 +125,20 @@ class SkinMap:
         names = [name for name in a.landmarks if name in b.landmarks]
         chosen = spread_out(on_a.points, own.model_points)
         known = [np.array([scan.landmarks[name] for name in names]).reshape(-1, 3) for scan in (a, b)]
-        start = self._motion(on_a.points)
+        start = self.expected(on_a.points)
         basis = self._basis(on_a.points)
         size = basis.shape[1]
         rows = np.concatenate([self._basis(known[0]) / own.landmark_error, basis[chosen] / own.model_error])
         gaps = np.concatenate(
             [
-                (known[1] - self._motion(known[0])) / own.landmark_error,
+                (known[1] - self.expected(known[0])) / own.landmark_error,
                 (b.vertices[on_a.vertices[chosen]] - start[chosen]) / own.model_error,
             ]
         )
         placed = np.kron(np.eye(3), rows.T @ rows + np.eye(size))
         pull = (rows.T @ gaps).T.ravel()
         weights = _solution(placed, pull).reshape(3, size).T
-        moved = self._motion(a.vertices)
+        moved = self.expected(a.vertices)
         to_scan = MatchRules("tree", own.to_scan_distance, own.to_scan_angle)
         for _ in range(own.rounds - 1):
             moved[on_a.vertices] = start + basis @ weights
@@ -136,7 +154,7 @@ class SkinMap:
 
     def moved(self, points: Array) -> Array:
         """(M, 3) m: points of A's frame moved into B's frame, not yet on B's skin."""
-        return np.asarray(self._motion(points) + self._basis(points) @ self._weights)
+        return np.asarray(self.expected(points) + self._basis(points) @ self._weights)
 
     def moved_back(self, points: Array) -> Array:
         """(M, 3) m: points of B's frame moved into A's frame, not yet on A's skin: the inverse of `moved`."""

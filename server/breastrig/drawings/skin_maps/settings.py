@@ -42,7 +42,7 @@ class SkinMapSettings(BaseModel):
 @lru_cache(maxsize=8)
 def skin_map_settings(rig: str) -> SkinMapSettings:
     """For the rig of this name."""
-    folder = resources.files("breastrig.drawings") / "skin_maps"
+    folder = resources.files("breastrig.drawings.skin_maps")
     names = {file.name for file in folder.iterdir()}
     file = f"{rig}.toml" if f"{rig}.toml" in names else f"{FALLBACK}.toml"
     return SkinMapSettings.model_validate(tomllib.loads((folder / file).read_text("utf-8")))

@@ -1,6 +1,6 @@
 """The numbers of the skin map are data: each rig's own, the torso's where a rig has none."""
 
-from breastrig.drawings.skin_map_settings import skin_map_settings
+from breastrig.drawings.skin_maps.settings import skin_map_settings
 
 
 def test_a_rig_without_settings_of_its_own_is_mapped_like_the_torso() -> None:

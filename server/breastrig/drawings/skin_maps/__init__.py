@@ -1,0 +1,1 @@
+"""What the skin map (drawings/skin_map.py) knows before it sees a patient, as data with what reads it."""

@@ -1,0 +1,50 @@
+"""How skin moves on the mean when a woman lies down, beyond the rigid motion of her trunk: data beside this file.
+
+The arms go up and the breasts sink outwards in everybody, and where no landmark is picked (the outer side, the upper
+pole) nothing else tells.  The data are of virtual bodies whose skin is known in both stances, of two ways of computing
+how a body lies down (evaluation/lying_motion.py writes the file): no person's body is in them.  They stand at places of
+the torso's template, so that any number of vertices will do; rigs without such a file expect no motion.
+"""
+
+import json
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import resources
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.rig.model import Rig
+
+SCHEMA = "breastrig/lying-motion@1"
+WIDTH = 0.02  # m, of the Gaussian that blends the places' motions; they are this far apart
+BEYOND = 0.1  # of the weight of one place: where there is less, the motion dies out
+
+
+@dataclass(frozen=True, eq=False)
+class LyingMotion:
+    """N places of a template's left side; the right side moves alike, mirrored."""
+
+    places: Array  # (N, 3) m
+    moves: Array  # (N, 3) m along the body's axes: its left, up, front
+
+    def at(self, template: Array) -> Array:
+        """(V, 3) m: the motions of a template's (V, 3) m vertices."""
+        sides = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
+        places = (self.places * sides[:, None]).reshape(-1, 3)
+        moves = (self.moves * sides[:, None]).reshape(-1, 3)
+        apart = np.linalg.norm(template[:, None] - places, axis=2) / WIDTH
+        weights = np.exp(-0.5 * apart**2)
+        return np.asarray(weights @ moves / np.maximum(weights.sum(axis=1), BEYOND)[:, None])
+
+
+@lru_cache(maxsize=8)
+def lying_motion(rig: Rig) -> Array | None:
+    """(V, 3) m along the body's axes, of the rig's vertices; None for a rig of which nothing is known."""
+    file = resources.files("breastrig.drawings.skin_maps") / f"{rig.name}_lying.json"
+    if not file.is_file():
+        return None
+    stored = json.loads(file.read_text("utf-8"))
+    if stored["schema"] != SCHEMA:
+        return None
+    return LyingMotion(1e-3 * np.array(stored["places_mm"]), 1e-3 * np.array(stored["moves_mm"])).at(rig.template)

@@ -1,0 +1,78 @@
+"""What is expected of the skin of somebody who lies down: data, mirrored, smooth, and only there where it is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.subdivide import subdivided
+
+from breastrig.core.arrays import Array
+from breastrig.correspondence.target import ScanTarget
+from breastrig.drawings.skin_map import FittedScan, SkinMap
+from breastrig.drawings.skin_maps.lying_motion import BEYOND, LyingMotion, lying_motion
+from breastrig.evaluation.lying_motion import agreed
+from breastrig.geometry.rotations import exp_so3
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+
+TURN, SHIFT = exp_so3(np.array([1.2, -0.4, 0.3])), np.array([0.4, -0.2, 1.0])
+
+
+@pytest.fixture(scope="module")
+def torso() -> Rig:
+    return read_rig(default_rig_path())
+
+
+def known(rig: Rig) -> Array:
+    moves = lying_motion(rig)
+    assert moves is not None
+    return moves
+
+
+def fitted_scan(rig: Rig, vertices: Array, stance: str) -> FittedScan:
+    return FittedScan(ScanTarget(*subdivided(vertices, rig.faces)), vertices, {}, stance)
+
+
+def test_both_sides_move_alike_and_the_back_not_at_all(torso: Rig) -> None:
+    moves = known(torso)
+    np.testing.assert_allclose(moves[torso.mirror_vertices] * [-1.0, 1.0, 1.0], moves, atol=0.3e-3)
+    assert np.linalg.norm(moves, axis=1).max() < 0.02
+    behind = torso.template[:, 2] < -0.05
+    assert np.linalg.norm(moves[behind], axis=1).max() < 1e-4
+
+
+def test_breasts_sink_outwards(torso: Rig) -> None:
+    moves = known(torso)
+    assert moves[torso.regions["breast_L"], 0].mean() > 1e-3
+    assert moves[torso.regions["breast_R"], 0].mean() < -1e-3
+
+
+def test_the_motion_is_met_at_its_places_and_dies_out_beyond_them() -> None:
+    motion = LyingMotion(np.array([[0.1, 0.0, 0.0]]), np.array([[0.01, 0.002, 0.0]]))
+    there = motion.at(np.array([[0.1, 0.0, 0.0], [-0.1, 0.0, 0.0], [0.3, 0.0, 0.0]]))
+    np.testing.assert_allclose(there, [[0.01, 0.002, 0.0], [-0.01, 0.002, 0.0], [0.0, 0.0, 0.0]], atol=1e-12)
+    assert 0.0 < BEYOND < 1.0
+
+
+def test_another_rig_is_not_expected_to_move(torso: Rig) -> None:
+    assert lying_motion(replace(torso, name="somebody")) is None
+
+
+def test_skin_that_moves_as_in_everybody_is_carried_without_any_landmark(torso: Rig) -> None:
+    """Up and down, on bodies turned in space; and with landmarks nothing is expected of one who stands twice."""
+    lying = (torso.template + known(torso)) @ TURN.T + SHIFT
+    a, b = fitted_scan(torso, torso.template, "standing"), fitted_scan(torso, lying, "supine")
+    chosen = np.concatenate([torso.regions["breast_L"], torso.regions["breast_R"]])
+    way = SkinMap(torso, a, b)
+    down = np.linalg.norm(way.to_b(torso.template[chosen]) - lying[chosen], axis=1)
+    up = np.linalg.norm(way.to_a(lying[chosen]) - torso.template[chosen], axis=1)
+    plain = SkinMap(torso, a, replace(b, stance="standing"))
+    without = np.linalg.norm(plain.to_b(torso.template[chosen]) - lying[chosen], axis=1)
+    assert down.mean() < 0.5e-3
+    assert up.mean() < 0.5e-3
+    assert without.mean() > 2.0 * down.mean()
+
+
+def test_ways_agree_as_far_as_the_smaller_one_goes() -> None:
+    ways = [np.array([[0.004, -0.002, 0.001]]), np.array([[0.001, -0.005, -0.001]])]
+    np.testing.assert_array_equal(agreed(ways), [[0.001, -0.002, 0.0]])
