@@ -9,6 +9,7 @@ from contextlib import suppress
 import numpy as np
 
 from breastrig.core.errors import BadModel
+from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.energies.folding import pressed_edges
 from breastrig.fitting.body.statistics import body_statistics
 from breastrig.fitting.observation_weights import observation_weights
@@ -33,7 +34,7 @@ def make_ready(rig: Rig) -> None:
         observation_weights(rig, recipe.observations, every)
     if recipe.shapes.folding is not None:
         pressed_edges(rig, recipe.shapes.folding.least)
-    _ = body_statistics(rig), calibration(rig.name), verdict_limits(rig.name)
+    _ = lying_motion(rig), body_statistics(rig), calibration(rig.name), verdict_limits(rig.name)
     make_layers_ready(rig.template, rig.faces)
     skinned_document(rig, {})
     for drawing in rig.drawings:
