@@ -33,8 +33,8 @@ class LyingMotion:
         sides = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
         places = (self.places * sides[:, None]).reshape(-1, 3)
         moves = (self.moves * sides[:, None]).reshape(-1, 3)
-        apart = np.linalg.norm(template[:, None] - places, axis=2) / WIDTH
-        weights = np.exp(-0.5 * apart**2)
+        squares = (template**2).sum(axis=1)[:, None] + (places**2).sum(axis=1) - 2.0 * template @ places.T
+        weights = np.exp(-0.5 / WIDTH**2 * squares)
         return np.asarray(weights @ moves / np.maximum(weights.sum(axis=1), BEYOND)[:, None])
 
 
