@@ -103,7 +103,7 @@ def agreed(ways: Sequence[Array]) -> Array:
     return np.where(alike, np.sign(stacked[0]) * np.abs(stacked).min(axis=0), 0.0)
 
 
-def _every(points: Array, apart: float) -> Integers:
+def spaced(points: Array, apart: float) -> Integers:
     """Indices of (M, 3) m points of which none is within `apart` of another, and all others are."""
     order = spread_out(points, len(points))
     farther = [
@@ -116,7 +116,7 @@ def learnt(rig: Rig, ways: Mapping[str, Sequence[Pair]]) -> LyingMotion:
     """From pairs by way of lying down."""
     known = np.unique(np.concatenate([pair.vertices for given in ways.values() for pair in given]))
     skin = np.abs(rig.template[known]) * [1.0, 0.0, 0.0] + rig.template[known] * [0.0, 1.0, 1.0]
-    at = skin[_every(skin, APART)]
+    at = skin[spaced(skin, APART)]
     still = np.zeros_like(rig.template)
     moves = np.mean([mean_at(rig, given, at, still) for given in ways.values()], axis=0)
     for _ in range(ROUNDS):

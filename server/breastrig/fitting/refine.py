@@ -33,6 +33,7 @@ DYING = 0.004  # m·m, expected root of the summed squared displacement on the s
 FADE = (
     0.012  # m from the matched skin, where the layer begins to die out; at three times half is left, at seven nothing
 )
+HIDDEN = 0.02  # m from the matched skin, where the layer is half way to what is expected of hidden skin
 ALONE = 4  # power of the share of matched neighbours that a match counts with: jumps at edges 3.6 instead of 4.5 mm
 HELD = 0.25  # of the weight of a match, with which a turned triangle is held at the model; HOLDING_TRIES times
 HELD_MORE = 10.0  # by which it grows each time
@@ -118,8 +119,11 @@ def _turned(before: Array, vertices: Array, faces: Integers) -> Integers:
     return np.unique(faces[np.einsum("fi,fi->f", before, face_normals(vertices, faces)) <= 0.0])
 
 
-def refined(target: ScanTarget, vertices: Array, faces: Integers) -> Refined:
-    """(V, 3) m fitted vertices, moved along their normals onto the scan where it shows skin."""
+def refined(target: ScanTarget, vertices: Array, faces: Integers, hidden: Array | None = None) -> Refined:
+    """(V, 3) m fitted vertices, moved along their normals onto the scan where it shows skin.
+
+    (V,) m `hidden` is where skin that it does not show is expected above the model; the layer goes over into that.
+    """
     normals_of = VertexNormals(faces, len(vertices))
     normals, facing = normals_of(vertices), face_normals(vertices, faces)
     stiffness, area = stiffness_and_area(vertices, faces)
@@ -127,6 +131,7 @@ def refined(target: ScanTarget, vertices: Array, faces: Integers) -> Refined:
     of_match = area / area.mean() / SIGMA**2
     held = np.zeros(len(vertices))
     heights = np.zeros(len(vertices))
+    away = np.full(len(vertices), np.inf)
     for _ in range(ROUNDS):
         moved = vertices + heights[:, None] * normals
         found = match(target, moved, normals_of(moved), RULES)
@@ -140,7 +145,7 @@ def refined(target: ScanTarget, vertices: Array, faces: Integers) -> Refined:
         trust = of_match[at] * _matched_around(stiffness, matched)[at] ** ALONE
         weight, right = np.zeros(len(vertices)), np.zeros(len(vertices))
         weight[at], right[at] = trust * q**2, -trust * q * gap
-        away = cKDTree(vertices[at]).query(vertices)[0]
+        away = np.asarray(cKDTree(vertices[at]).query(vertices)[0])
         weight += area / DYING**2 * (1.0 + (away / FADE) ** 4)
         for _ in range(HOLDING_TRIES + 1):
             flat = np.where(held > 0.0, 1.0, 1.0 - matched) / SLOPE**2
@@ -151,4 +156,18 @@ def refined(target: ScanTarget, vertices: Array, faces: Integers) -> Refined:
                 break
             around = np.unique(faces[np.isin(faces, turned).any(axis=1)])
             held[around] = np.maximum(HELD_MORE * held[around], HELD)
+    if hidden is not None:
+        heights = _with_hidden(vertices, faces, normals, heights, hidden * (1.0 - 1.0 / (1.0 + (away / HIDDEN) ** 4)))
     return Refined(vertices + heights[:, None] * normals, heights)
+
+
+def _with_hidden(vertices: Array, faces: Integers, normals: Array, heights: Array, hidden: Array) -> Array:
+    """(V,) m: the heights with those of hidden skin, but for triangles that would turn over, and all around them."""
+    facing = face_normals(vertices, faces)
+    for _ in range(HOLDING_TRIES):
+        turned = _turned(facing, vertices + (heights + hidden)[:, None] * normals, faces)
+        if not len(turned):
+            return heights + hidden
+        hidden = hidden.copy()
+        hidden[np.unique(faces[np.isin(faces, turned).any(axis=1)])] = 0.0
+    return heights

@@ -1,0 +1,97 @@
+"""Writes how far hidden skin lies above the fitted model on the mean (fitting/body), over bodies whose skin is known.
+
+    breastrig evaluate --warped 44 COHORT -o DIR --quick
+    python -m breastrig.evaluation.hidden_skin DIR/warped
+
+Of the choosing half's standing bodies only, fitted without landmarks.  The given patients and our virtual cohort count
+alike, however many each has, and each body counts as she is and mirrored.
+"""
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from breastrig.core.arrays import Array, Booleans
+from breastrig.evaluation.cohort import read_cohort
+from breastrig.evaluation.lying_motion import OURS, spaced
+from breastrig.evaluation.studies.case import Scene, read_scene
+from breastrig.fitting.body.hidden_skin import SCHEMA, HiddenSkin
+from breastrig.fitting.recipe import load_recipe
+from breastrig.geometry.boundary import boundary_vertices
+from breastrig.geometry.normals import vertex_normals
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+
+STANCE = "standing"
+FILE = Path(__file__).parents[1] / "fitting" / "body" / f"torso_hidden_{STANCE}.json"
+APART = 0.02  # m, between the places
+WIDTH = 0.03  # m, of the Gaussian over the vertices around a place
+SHOWN = 0.015  # m from a scan's vertex that faces alike (cosine over one half): that skin is not hidden
+EDGE = 0.008  # m from the border of the known skin: beyond it nobody knows
+
+
+def hidden_heights(scene: Scene, rig: Rig, vertices: Array) -> tuple[Booleans, Array]:
+    """((V,) which vertices lie where the scan shows nothing but the skin is known, (V,) m the skin's heights above)."""
+    normals, truth = vertex_normals(vertices, rig.faces), scene.truth
+    assert truth is not None
+    gap, nearest = scene.target.vertex_tree.query(vertices)
+    shown = (gap < SHOWN) & (np.einsum("vi,vi->v", normals, scene.target.normals[nearest]) > 0.5)
+    found = truth.query(vertices)
+    border = boundary_vertices(truth.triangles, len(truth.vertices))
+    at_edge: Booleans = np.zeros(len(vertices), dtype=np.bool_)
+    if border.any():
+        at_edge = np.asarray(cKDTree(truth.vertices[border]).query(found.points)[0]) < EDGE
+    return ~shown & ~at_edge, np.einsum("vi,vi->v", found.points - vertices, normals)
+
+
+def learnt(rig: Rig, bodies: dict[str, Sequence[tuple[Booleans, Array]]]) -> HiddenSkin:
+    """From (hidden, heights) of bodies by their source."""
+    means, shares = [], []
+    for given in bodies.values():
+        total, times = np.zeros(len(rig.template)), np.zeros(len(rig.template))
+        for hidden, heights in given:
+            for side in (slice(None), rig.mirror_vertices):
+                total += np.where(hidden, heights, 0.0)[side]
+                times += hidden[side]
+        means.append(total / np.maximum(times, 1.0))
+        shares.append(times / (2.0 * len(given)))
+    mean, share = np.mean(means, axis=0), np.min(shares, axis=0)
+    normals = vertex_normals(rig.template, rig.faces)
+    left = np.flatnonzero(rig.template[:, 0] >= 0.0)
+    chosen = left[spaced(rig.template[left], APART)]
+    tree, smooth = cKDTree(rig.template), np.zeros(len(chosen))
+    for k, vertex in enumerate(chosen):
+        near = np.asarray(tree.query_ball_point(rig.template[vertex], 2.5 * WIDTH), dtype=np.int64)
+        apart = np.linalg.norm(rig.template[near] - rig.template[vertex], axis=1)
+        weight = np.exp(-0.5 * (apart / WIDTH) ** 2) * np.maximum(normals[near] @ normals[vertex], 0.0)
+        smooth[k] = (weight * share[near]) @ mean[near] / weight.sum()
+    return HiddenSkin(rig.template[chosen], normals[chosen], smooth)
+
+
+def main(folder: Path, file: Path = FILE) -> None:
+    """Fits the folder's standing bodies and writes the file."""
+    rig, recipe = read_rig(default_rig_path()), load_recipe("default")
+    bodies: dict[str, list[tuple[Booleans, Array]]] = {}
+    for case in read_cohort(folder):
+        told = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
+        if case.stance == STANCE and told["half"] == "choose" and told["capture"] == "ordinary":
+            scene = read_scene(case)
+            found = hidden_heights(scene, rig, scene.fitted(rig, recipe, {}).vertices)
+            bodies.setdefault("ours" if told["source"].startswith(OURS) else "given", []).append(found)
+    skin = learnt(rig, dict(bodies))
+    document = {
+        "schema": SCHEMA,
+        "bodies": {source: len(given) for source, given in bodies.items()},
+        "places_mm": np.round(1e3 * skin.places, 1).tolist(),
+        "normals": np.round(skin.normals, 3).tolist(),
+        "heights_mm": np.round(1e3 * skin.heights, 2).tolist(),
+    }
+    file.write_text(json.dumps(document) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,80 @@
+"""Skin that no scan shows: where it is expected above the model, and that the layer goes over into it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from breastrig.core.arrays import Array
+from breastrig.correspondence.target import ScanTarget
+from breastrig.evaluation.hidden_skin import learnt
+from breastrig.fitting.body.hidden_skin import HiddenSkin, hidden_skin
+from breastrig.fitting.refine import refined
+from breastrig.geometry.normals import vertex_normals
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+
+
+@pytest.fixture(scope="module")
+def torso() -> Rig:
+    return read_rig(default_rig_path())
+
+
+@pytest.fixture(scope="module")
+def heights(torso: Rig) -> Array:
+    known = hidden_skin(torso, "standing")
+    assert known is not None
+    return known
+
+
+def front(rig: Rig) -> ScanTarget:
+    """A scan of the template from the front."""
+    faces = rig.faces[(vertex_normals(rig.template, rig.faces)[rig.faces][:, :, 2] > 0.2).all(axis=1)]
+    used, triangles = np.unique(faces, return_inverse=True)
+    return ScanTarget(rig.template[used], triangles.reshape(-1, 3))
+
+
+def test_both_sides_are_alike_and_the_front_is_not_hidden(torso: Rig, heights: Array) -> None:
+    np.testing.assert_allclose(heights[torso.mirror_vertices], heights, atol=0.5e-3)
+    assert 1e-3 < np.abs(heights).max() < 0.012
+    breasts = np.concatenate([torso.regions["areola_L"], torso.regions["areola_R"]])
+    assert np.abs(heights[breasts]).max() < 1e-4
+
+
+def test_nothing_is_known_of_lying_bodies_and_of_other_rigs(torso: Rig) -> None:
+    assert hidden_skin(torso, "supine") is None
+    assert hidden_skin(replace(torso, name="somebody"), "standing") is None
+
+
+def test_the_layer_goes_over_into_hidden_skin_and_leaves_what_is_seen(torso: Rig, heights: Array) -> None:
+    scan = front(torso)
+    plain = refined(scan, torso.template, torso.faces)
+    layer = refined(scan, torso.template, torso.faces, heights)
+    gap = scan.vertex_tree.query(torso.template)[0]
+    change = np.abs(layer.displacement - plain.displacement)[gap < 1e-9]
+    assert np.percentile(change, 95) < 1e-6
+    assert change.max() < 0.5e-3  # at the scan's rim, which is not matched
+    far = (gap > 0.06) & (np.abs(heights) > 1e-3)
+    assert far.sum() > 50
+    np.testing.assert_allclose(layer.displacement[far], heights[far], rtol=0.03, atol=0.1e-3)
+
+
+def test_a_triangle_that_would_turn_over_stays_as_it_is(torso: Rig) -> None:
+    spike = np.zeros(len(torso.template))
+    spike[torso.regions["back"][::3]] = -0.2
+    layer = refined(front(torso), torso.template, torso.faces, spike)
+    assert np.abs(layer.displacement[torso.regions["back"]]).max() < 0.2
+
+
+def test_heights_do_not_go_over_from_an_arm_to_the_trunk_beside_it() -> None:
+    skin = HiddenSkin(np.array([[0.1, 0.0, 0.0]]), np.array([[-1.0, 0.0, 0.0]]), np.array([0.005]))
+    template = np.array([[0.1, 0.0, 0.0], [0.1, 0.0, 0.0], [-0.1, 0.0, 0.0]])
+    normals = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    np.testing.assert_allclose(skin.at(template, normals), [0.005, 0.0, 0.005], atol=1e-12)
+
+
+def test_sources_count_alike_however_many_bodies_each_has(torso: Rig) -> None:
+    everywhere = np.ones(len(torso.template), dtype=np.bool_)
+    low, high = np.full(len(torso.template), 0.001), np.full(len(torso.template), 0.003)
+    skin = learnt(torso, {"ours": [(everywhere, low)] * 3, "given": [(everywhere, high)]})
+    np.testing.assert_allclose(skin.heights, 0.002, atol=1e-9)
