@@ -38,7 +38,7 @@ class Queued:
     position: int  # 1: the next to run
 
 
-News = StoredEvent | Queued | Heartbeat
+StreamItem = StoredEvent | Queued | Heartbeat
 
 
 class Listener:
@@ -147,7 +147,7 @@ def follow(
     after: int,
     heartbeat_s: float,
     gone: Callable[[], bool] | None = None,
-) -> Iterator[Sequence[News]]:
+) -> Iterator[Sequence[StreamItem]]:
     """The events of a fit with a number above `after`, those together that are known at once; ends after the last kind.
 
     While the fit waits, its place in the queue, each time that it changes.

@@ -28,7 +28,7 @@ from breastrig.execution.scratch_sweeper import scratch_swept
 from breastrig.scan.stored_scan import STORED
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
-from breastrig.service.follow import News, Notifier, follow
+from breastrig.service.follow import Notifier, StreamItem, follow
 from breastrig.service.ink import InkSearch
 from breastrig.service.moving.live_patterns import LivePatterns
 from breastrig.service.moving.moved_landmarks import MovedLandmarks
@@ -92,10 +92,12 @@ class Service:
         fit_limits = fits or FitLimits()
         preload(TASK_MODULES)
         self._readers = FairProcesses(
-            Processes(self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s),
+            Processes(
+                self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s, spare=1
+            ),
             self._uploads.waiting_per_client,
         )
-        self._workers = executor or Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes)
+        self._workers = executor or Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes, spare=1)
         self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner), model)
         self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
@@ -286,7 +288,7 @@ class Service:
 
     def follow(
         self, fit_id: str, after: int, heartbeat_s: float, gone: Callable[[], bool] | None = None
-    ) -> Iterator[Sequence[News]]:
+    ) -> Iterator[Sequence[StreamItem]]:
         """The fit's events above `after`, as they come, those together that are known at once.
 
         Before the first, its place in the queue.

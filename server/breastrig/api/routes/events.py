@@ -16,7 +16,7 @@ from breastrig.api.app_context import app_context
 from breastrig.api.environ_keys import READER_GONE
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import common as wire
-from breastrig.service.follow import Heartbeat, News, Queued
+from breastrig.service.follow import Heartbeat, Queued, StreamItem
 from breastrig.storage.rows.events import events_after
 from breastrig.storage.rows.fits import get_fit
 
@@ -89,7 +89,7 @@ def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
     )
 
 
-def _lines(news: Iterator[Sequence[News]]) -> Iterator[str]:
+def _lines(news: Iterator[Sequence[StreamItem]]) -> Iterator[str]:
     """What is known at once is sent at once: whoever opens a stream late has most of it in one piece."""
     yield f"retry: {RECONNECT_MS}\n\n"
     for together in news:
@@ -104,7 +104,7 @@ def _lines(news: Iterator[Sequence[News]]) -> Iterator[str]:
             yield "".join(parts)
 
 
-def _text(item: News) -> str:
+def _text(item: StreamItem) -> str:
     if isinstance(item, Heartbeat):
         return ": still here\n\n"
     if isinstance(item, Queued):  # without a number: a viewer who comes again need not hear it
