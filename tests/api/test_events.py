@@ -4,6 +4,7 @@ import pytest
 from flask.testing import FlaskClient
 from helpers.problems import problem
 
+from breastrig.api.routes import events
 from breastrig.service.service import Service
 
 
@@ -34,6 +35,22 @@ def test_the_stream_sends_the_stored_events_and_closes(client: FlaskClient, fit_
     ]
     assert all(data["kind"] == kind for _, kind, data in events)
     assert parsed(client.get(f"/api/fits/{fit_id}/events").data) == events
+
+
+def test_who_opens_a_stream_late_gets_all_of_it_in_one_piece(client: FlaskClient, fit_id: str) -> None:
+    answer = client.get(f"/api/fits/{fit_id}/events", buffered=False)
+    pieces = list(answer.iter_encoded())
+    assert [len(parsed(piece)) for piece in pieces] == [0, 6]
+
+
+def test_a_long_stream_comes_in_pieces_of_bounded_size(
+    client: FlaskClient, fit_id: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = client.get(f"/api/fits/{fit_id}/events").data
+    monkeypatch.setattr(events, "TOGETHER", 1)
+    pieces = list(client.get(f"/api/fits/{fit_id}/events", buffered=False).iter_encoded())
+    assert [len(parsed(piece)) for piece in pieces] == [0, 1, 1, 1, 1, 1, 1]
+    assert b"".join(pieces) == whole
 
 
 def test_the_polling_twin_gives_the_same(client: FlaskClient, fit_id: str) -> None:

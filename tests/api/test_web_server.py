@@ -16,6 +16,7 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from flask import Response
 from helpers import in_worker
@@ -25,6 +26,7 @@ from helpers.waiting import until
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.api.request_body import BodyLimits
+from breastrig.api.web_server import wsgi_bridge
 from breastrig.api.web_server.connections import ConnectionLimits
 from breastrig.api.web_server.wsgi_bridge import ThreadLimits
 from breastrig.api.web_server.wsgi_server import ServerLimits, WsgiServer, listen
@@ -364,6 +366,25 @@ def test_a_patient_reader_gets_all_of_a_large_answer(serve: Serve) -> None:
             connection.sendall(request("/test/big"))
             assert answer(connection).body == BIG
         assert served.closed.is_set()
+
+
+@pytest.mark.parametrize(("keeps_pace_s", "most"), [(np.inf, wsgi_bridge.LARGEST_PIECE), (0.0, wsgi_bridge.PIECE)])
+def test_who_keeps_pace_is_given_more_at_once(
+    serve: Serve, monkeypatch: pytest.MonkeyPatch, keeps_pace_s: float, most: int
+) -> None:
+    asked: list[int] = []
+    fetch = wsgi_bridge._fetch
+
+    def noted(answer: wsgi_bridge._Answer) -> bytes:
+        asked.append(answer.at_once)
+        return fetch(answer)
+
+    monkeypatch.setattr(wsgi_bridge, "_fetch", noted)
+    monkeypatch.setattr(wsgi_bridge, "KEEPS_PACE_S", keeps_pace_s)
+    with serve() as served, connected(served.port) as connection:
+        connection.sendall(request("/test/big"))
+        assert answer(connection).body == BIG
+    assert (asked[0], asked[-1], max(asked)) == (wsgi_bridge.PIECE, most, most)
 
 
 def test_one_client_cannot_take_all_readers(

@@ -172,6 +172,28 @@ def test_a_long_manifest_does_not_fill_the_memory(tmp_path: Path) -> None:
     assert [outcome.reason for outcome in outcomes] == [f"scan {n}" for n in range(200)]
 
 
+def test_an_executor_with_processes_that_stand_ready_has_no_task_more_than_it_can_run(tmp_path: Path) -> None:
+    def end(future: "Future[Any]", args: tuple[Any, ...]) -> None:
+        future.set_exception(BadSettings(args[0].scan.decode()))
+
+    executor = Slow(3, end)
+    batch = replace(batch_of(tmp_path, {f"row{n}": f"scan {n}" for n in range(200)}), ahead=0)
+    outcomes = run_batch(batch, executor, silent)
+    executor.stop()
+    assert executor.most == 3
+    assert [outcome.reason for outcome in outcomes] == [f"scan {n}" for n in range(200)]
+
+
+def test_a_batch_that_is_stopped_before_its_first_row_is_stopped(tmp_path: Path) -> None:
+    stop = threading.Event()
+    stop.set()
+    executor = Slow(1, lambda future, args: None)
+    with pytest.raises(KeyboardInterrupt):
+        run_batch(batch_of(tmp_path, {"row": "scan"}), executor, silent, stop)
+    executor.stop()
+    assert executor.most == 0
+
+
 def test_a_lost_scheduler_or_a_full_disk_ends_the_batch_with_one_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -80,9 +80,24 @@ def test_a_task_that_takes_too_long_is_stopped(processes: Processes) -> None:
         processes.schedule(in_worker.rest, (60.0,), 0.2).result()
 
 
+def test_the_task_after_the_first_finds_a_spare_process_ready() -> None:
+    processes = Processes(1, memory_bytes=4 * GIB, spare=1)
+    try:
+        before = processes.schedule(in_worker.describe, (), 30.0).result()["pid"]
+        until(lambda: len(waiting_processes() - {before}) == 2, "the processes to be ready")
+        ready = waiting_processes() - {before}
+        assert {processes.schedule(in_worker.describe, (), 30.0).result()["pid"] for _ in range(2)} == ready
+    finally:
+        processes.stop()
+
+
+def waiting_processes() -> set[int]:
+    return {pid for pid in children(os.getpid()) if not children(pid) and b"forkserver" in command(pid)}
+
+
 def test_a_process_that_is_killed_while_it_waits_for_work_is_not_missed(processes: Processes) -> None:
     for _ in range(5):
-        waiting = {pid for pid in children(os.getpid()) if not children(pid) and b"forkserver" in command(pid)}
+        waiting = waiting_processes()
         for pid in waiting:
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)

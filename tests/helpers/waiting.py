@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from itertools import chain
 
 from breastrig.service.service import Service
 from breastrig.storage.rows.events import StoredEvent
@@ -30,4 +31,5 @@ def ended(service: Service, fit_id: str) -> FitRow:
 
 def stored_events(service: Service, fit_id: str, after: int = 0) -> list[StoredEvent]:
     """The whole stream to its end, without heartbeats."""
-    return [event for event in service.follow(fit_id, after, 5.0) if isinstance(event, StoredEvent)]
+    news = chain.from_iterable(service.follow(fit_id, after, 5.0))
+    return [event for event in news if isinstance(event, StoredEvent)]

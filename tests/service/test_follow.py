@@ -1,4 +1,5 @@
 import threading
+from itertools import chain
 
 import pytest
 from helpers import fake_fit
@@ -35,9 +36,8 @@ def test_a_stored_event_is_heard_without_waiting_for_a_heartbeat(storage: Storag
         heard: list[StoredEvent] = []
 
         def listen() -> None:
-            heard.extend(
-                event for event in follow(storage, notifier, "fit", 0, 3600.0) if isinstance(event, StoredEvent)
-            )
+            news = chain.from_iterable(follow(storage, notifier, "fit", 0, 3600.0))
+            heard.extend(event for event in news if isinstance(event, StoredEvent))
 
         thread = threading.Thread(target=listen)
         thread.start()
@@ -81,10 +81,10 @@ def test_a_waiting_fit_hears_that_it_moves_up(storage: Storage, scan_id: str) ->
     notifier.start()
     try:
         stream = follow(storage, notifier, "second", 0, 60.0)
-        assert next(stream) == Queued(2)
+        assert next(stream) == [Queued(2)]
         timer = threading.Timer(0.05, append, (storage, "first", {"kind": "cancelled", "reason": "so it is"}))
         timer.start()
-        assert next(stream) == Queued(1)
+        assert next(stream) == [Queued(1)]
         timer.join()
         stream.close()
     finally:
@@ -97,12 +97,24 @@ def test_a_silent_stream_beats(storage: Storage, scan_id: str) -> None:
     notifier.start()
     try:
         stream = follow(storage, notifier, "fit", 0, 0.01)
-        assert next(stream) == Queued(1)
-        assert isinstance(next(stream), Heartbeat)
-        assert isinstance(next(stream), Heartbeat)
+        assert next(stream) == [Queued(1)]
+        assert next(stream) == [Heartbeat()]
+        assert next(stream) == [Heartbeat()]
         stream.close()
     finally:
         notifier.stop()
+
+
+def test_who_comes_late_hears_all_that_is_stored_together(storage: Storage, scan_id: str) -> None:
+    add_waiting_fit(storage, scan_id, "fit")
+    notifier = Notifier(storage)
+    append(storage, "fit", {"kind": "iterated", "nodes": []})
+    append(storage, "fit", {"kind": "iterated", "nodes": []})
+    append(storage, "fit", {"kind": "failed", "reason": "so it is"})
+    assert [[event.number for event in together] for together in follow(storage, notifier, "fit", 0, 60.0)] == [
+        [1, 2, 3]
+    ]
+    assert [[event.number for event in together] for together in follow(storage, notifier, "fit", 2, 60.0)] == [[3]]
 
 
 def test_a_stream_ends_when_the_fit_is_deleted(storage: Storage, scan_id: str) -> None:
@@ -125,6 +137,6 @@ def test_a_stream_ends_when_the_notifier_stops_or_the_viewer_leaves(storage: Sto
     add_waiting_fit(storage, scan_id, "fit")
     notifier = Notifier(storage)
     notifier.start()
-    assert list(follow(storage, notifier, "fit", 0, 60.0, gone=lambda: True)) == [Queued(1)]
+    assert list(follow(storage, notifier, "fit", 0, 60.0, gone=lambda: True)) == [[Queued(1)]]
     notifier.stop()
     assert list(follow(storage, notifier, "fit", 0, 60.0)) == []

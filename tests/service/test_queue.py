@@ -219,8 +219,9 @@ def test_a_killed_idle_process_does_not_break_the_queue(serving, scan_id: str) -
 
 
 def _alive(service) -> bool:
+    """Two, and the one that stands ready beside them."""
     workers = service._workers._pool._pool_manager.worker_manager.workers
-    return len(workers) == 2 and all(worker.is_alive() for worker in list(workers.values()))
+    return len(workers) == 3 and all(worker.is_alive() for worker in list(workers.values()))
 
 
 def _files(root: Path) -> set[str]:

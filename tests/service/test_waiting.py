@@ -39,11 +39,11 @@ def test_who_follows_a_waiting_fit_hears_its_place_each_time_it_changes(serving,
         running, second, third = (ask(service, scan_id) for _ in range(3))
         until(lambda: get_fit(service.storage, running).state == "running", "the first to run")
         heard = service.follow(third, 0, 60.0)
-        assert next(heard) == Queued(2)
+        assert next(heard) == [Queued(2)]
         service.cancel_fit(second)
-        assert next(heard) == Queued(1)
+        assert next(heard) == [Queued(1)]
         service.cancel_fit(running)
-        first = next(heard)
+        first = next(heard)[0]
         assert isinstance(first, StoredEvent)
         assert (first.number, first.kind) == (1, "started")
         heard.close()

@@ -12,6 +12,7 @@ import os
 import queue
 import secrets
 import shutil
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError, Future
 from contextlib import contextmanager, suppress
@@ -59,6 +60,7 @@ class Batch:
     runner: Runner = run_fit
     wall_s: float = FitLimits().wall_s
     force: bool = False  # replace also what no batch has written
+    ahead: int = SPARE  # tasks at most that the executor is given beside those that it can run at once
 
 
 @contextmanager
@@ -94,48 +96,66 @@ def run_batch(
     outcomes: dict[str, Outcome] = {}
     ended: queue.SimpleQueue[Future[dict[str, bytes]]] = queue.SimpleQueue()
     in_flight: dict[Future[dict[str, bytes]], tuple[BatchRow, dict[str, Any]]] = {}
+    at_hand: deque[_Ready] = deque()  # read and checked, so that a worker that becomes free need not wait for that
     rows = iter(batch.rows)
 
     def note(outcome: Outcome) -> None:
         outcomes[outcome.name] = outcome
         on_outcome(outcome)
 
+    def schedule() -> None:
+        while at_hand and len(in_flight) < executor.workers + min(executor.workers, batch.ahead):
+            row, inputs, task = at_hand.popleft()
+            future = executor.schedule(fit_of_bytes, (task, batch.runner), batch.wall_s)
+            in_flight[future] = row, inputs
+            future.add_done_callback(ended.put)
+
     try:
         while True:
-            while len(in_flight) < executor.workers + min(executor.workers, SPARE) and not asked_to_stop.is_set():
-                row = next(rows, None)
+            while len(in_flight) + len(at_hand) < executor.workers + min(executor.workers, SPARE):
+                row = None if asked_to_stop.is_set() else next(rows, None)
                 if row is None:
                     break
-                try:
-                    task = _fit_of(row)
-                except OSError as error:
-                    note(Outcome(row.name, f"The files of this row cannot be read any more ({error.strerror})."))
-                    continue
-                inputs = _inputs(batch, task)
-                found = None if batch.again else _found(batch.folder / row.name, inputs)
-                if found is not None:
+                found = _looked_at(batch, row)
+                if isinstance(found, Outcome):
                     note(found)
                     continue
-                try:
-                    check_output(_output(batch, row))
-                except BadInput as error:
-                    note(Outcome(row.name, str(error)))
-                    continue
-                future = executor.schedule(fit_of_bytes, (task, batch.runner), batch.wall_s)
-                in_flight[future] = row, inputs
-                future.add_done_callback(ended.put)
+                at_hand.append(found)
+                schedule()
+            schedule()
+            if asked_to_stop.is_set() and len(outcomes) < len(batch.rows):
+                raise KeyboardInterrupt
             if not in_flight:
                 return [outcomes[row.name] for row in batch.rows]
-            if asked_to_stop.is_set():
-                raise KeyboardInterrupt
             with suppress(queue.Empty):
                 future = ended.get(timeout=LOOK_S)
                 row, inputs = in_flight.pop(future)
+                schedule()
                 note(_outcome(batch, row, inputs, future))
     finally:
         for future in in_flight:
             future.cancel()
         _remove_halves(batch.folder)
+
+
+_Ready = tuple[BatchRow, dict[str, Any], FitOfBytes]
+
+
+def _looked_at(batch: Batch, row: BatchRow) -> _Ready | Outcome:
+    """The row with what its result depends on and its task; or its outcome, where there is nothing to be done."""
+    try:
+        task = _fit_of(row)
+    except OSError as error:
+        return Outcome(row.name, f"The files of this row cannot be read any more ({error.strerror}).")
+    inputs = _inputs(batch, task)
+    found = None if batch.again else _found(batch.folder / row.name, inputs)
+    if found is not None:
+        return found
+    try:
+        check_output(_output(batch, row))
+    except BadInput as error:
+        return Outcome(row.name, str(error))
+    return row, inputs, task
 
 
 def _fit_of(row: BatchRow) -> FitOfBytes:

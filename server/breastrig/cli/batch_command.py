@@ -12,7 +12,7 @@ from threading import Event
 from tqdm import tqdm
 
 from breastrig.batch.manifest import INPUTS, BadManifest, BatchRow, read_manifest
-from breastrig.batch.run import Batch, exclusive, run_batch
+from breastrig.batch.run import SPARE, Batch, exclusive, run_batch
 from breastrig.batch.table import FILE, Outcome, is_table, write_table
 from breastrig.cli.output_options import output_folder
 from breastrig.core.errors import BadSettings
@@ -42,7 +42,8 @@ def run(options: argparse.Namespace) -> int:
     except BadManifest as error:
         return _report_faults(error.faults)
     _check_places(options, rows)
-    batch = Batch(rows, options.output, rig.sha256, options.again, run_fit, force=options.force)
+    ahead = 0 if options.scheduler is None else SPARE  # here a process stands ready, and is given what is at hand
+    batch = Batch(rows, options.output, rig.sha256, options.again, run_fit, force=options.force, ahead=ahead)
     with exclusive(options.output):
         executor = _executor(options, rows)
         try:
@@ -73,7 +74,7 @@ def _executor(options: argparse.Namespace, rows: Sequence[BatchRow]) -> Executor
         preload(["breastrig.batch.task", "breastrig.workflow.default_model", "breastrig.workflow.run_fit"])
         if any(row.scan.suffix.lower() not in (".ply", ".glb") for row in rows):
             preload(["breastrig.scan.formats.library_meshes"])  # else each worker loads it with its first scan
-        processes = Processes(options.jobs or limits.workers, memory_bytes=limits.memory_bytes)
+        processes = Processes(options.jobs or limits.workers, memory_bytes=limits.memory_bytes, spare=1)
         start_fork_server()
         return processes
     pool = DaskPool(options.scheduler, memory_bytes=limits.memory_bytes)

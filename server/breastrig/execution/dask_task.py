@@ -103,7 +103,7 @@ def _pool(limits: Limits, workers: int) -> Processes:
     with _lock:
         if limits not in _pools:
             memory_bytes, cpu_s = limits
-            _pools[limits] = Processes(workers, memory_bytes=memory_bytes, cpu_s=cpu_s)
+            _pools[limits] = Processes(workers, memory_bytes=memory_bytes, cpu_s=cpu_s, spare=1)
         return _pools[limits]
 
 

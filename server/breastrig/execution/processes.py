@@ -30,9 +30,16 @@ from breastrig.execution.learned_modules import run_and_tell
 class Processes:
     """A pool that survives the loss of any of its processes."""
 
-    def __init__(self, workers: int, *, memory_bytes: int, cpu_s: int | None = None, tasks_each: int = 1) -> None:
-        """`tasks_each` 0: a process is not replaced after its tasks; for one that serves the same data again."""
+    def __init__(
+        self, workers: int, *, memory_bytes: int, cpu_s: int | None = None, tasks_each: int = 1, spare: int = 0
+    ) -> None:
+        """`tasks_each` 0: a process is not replaced after its tasks; for one that serves the same data again.
+
+        `spare` processes stand ready beside the `workers`, for callers who hand over no more than `workers` tasks at
+        once: Pebble looks for ended processes ten times a second, and the next task need not wait for that.
+        """
         self.workers = workers
+        self._processes = workers + spare
         self._tasks_each = tasks_each
         self._limits = (memory_bytes, cpu_s)
         self._lock = threading.Lock()
@@ -96,7 +103,7 @@ class Processes:
 
     def _new_pool(self) -> ProcessPool:
         return ProcessPool(
-            self.workers,
+            self._processes,
             max_tasks=self._tasks_each,
             initializer=_limit,
             initargs=self._limits,

@@ -23,5 +23,5 @@ def thumbnail_png(surface: Surface, body_frame: dict[str, Any], rays: RayCaster 
     view = camera("front", surface.vertices, frame, SIZE[0] / SIZE[1])
     picture = Scene([Layer(surface.vertices, surface.faces)], rays).render(view, SIZE, background=None)
     stream = io.BytesIO()
-    Image.fromarray(picture).save(stream, "PNG", optimize=True)
+    Image.fromarray(picture).save(stream, "PNG")  # to look for the shortest takes 25 ms, and finds 4 % of 22 kB
     return stream.getvalue()

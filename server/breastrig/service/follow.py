@@ -8,7 +8,7 @@ the database every 20 ms, not fifty, and an event of one fit does not wake the v
 import logging
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -36,6 +36,9 @@ class Queued:
     """The fit waits, so many are before it.  It is no event of the fit: it is not stored and has no number."""
 
     position: int  # 1: the next to run
+
+
+StreamItem = StoredEvent | Queued | Heartbeat
 
 
 class Listener:
@@ -144,8 +147,8 @@ def follow(
     after: int,
     heartbeat_s: float,
     gone: Callable[[], bool] | None = None,
-) -> Iterator[StoredEvent | Queued | Heartbeat]:
-    """The events of a fit with a number above `after`; ends after the last kind.
+) -> Iterator[Sequence[StreamItem]]:
+    """The events of a fit with a number above `after`, those together that are known at once; ends after the last kind.
 
     While the fit waits, its place in the queue, each time that it changes.
 
@@ -156,11 +159,11 @@ def follow(
         sent_position: int | None = None
         while not notifier.stopped:
             listener.reset()
-            for event in events_after(storage, fit_id, after):
-                yield event
-                after = event.number
+            if events := events_after(storage, fit_id, after):
+                yield events
+                after = events[-1].number
                 quiet_since = time.monotonic()
-                if event.kind in LAST_KINDS:
+                if events[-1].kind in LAST_KINDS:
                     return
             try:
                 listener.queues = get_fit(storage, fit_id).state == "queued"
@@ -168,12 +171,12 @@ def follow(
                 return
             position = queue_position(storage, fit_id) if listener.queues else None
             if position is not None and position != sent_position:
-                yield Queued(position)
+                yield [Queued(position)]
                 sent_position = position
                 quiet_since = time.monotonic()
             left = quiet_since + heartbeat_s - time.monotonic()
             if left <= 0:
-                yield Heartbeat()
+                yield [Heartbeat()]
                 quiet_since = time.monotonic()
             if notifier.stopped:
                 return

@@ -10,7 +10,7 @@ import hashlib
 import json
 import logging
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,7 +28,7 @@ from breastrig.execution.scratch_sweeper import scratch_swept
 from breastrig.scan.stored_scan import STORED
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
-from breastrig.service.follow import Heartbeat, Notifier, Queued, follow
+from breastrig.service.follow import Notifier, StreamItem, follow
 from breastrig.service.ink import InkSearch
 from breastrig.service.moving.live_patterns import LivePatterns
 from breastrig.service.moving.moved_landmarks import MovedLandmarks
@@ -46,7 +46,6 @@ from breastrig.storage.file_journal import record_creation
 from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
-from breastrig.storage.rows.events import StoredEvent
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, made_before
 from breastrig.storage.rows.patients import get_patient, scans_of_patient
 from breastrig.storage.rows.scans import Points, ScanRow
@@ -93,10 +92,12 @@ class Service:
         fit_limits = fits or FitLimits()
         preload(TASK_MODULES)
         self._readers = FairProcesses(
-            Processes(self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s),
+            Processes(
+                self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s, spare=1
+            ),
             self._uploads.waiting_per_client,
         )
-        self._workers = executor or Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes)
+        self._workers = executor or Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes, spare=1)
         self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner), model)
         self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
@@ -287,8 +288,11 @@ class Service:
 
     def follow(
         self, fit_id: str, after: int, heartbeat_s: float, gone: Callable[[], bool] | None = None
-    ) -> Iterator[StoredEvent | Queued | Heartbeat]:
-        """The fit's events above `after`, as they come; before the first, its place in the queue."""
+    ) -> Iterator[Sequence[StreamItem]]:
+        """The fit's events above `after`, as they come, those together that are known at once.
+
+        Before the first, its place in the queue.
+        """
         return follow(self.storage, self._notifier, fit_id, after, heartbeat_s, gone)
 
     def transfer(

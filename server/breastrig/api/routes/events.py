@@ -5,7 +5,7 @@ same numbers.
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from apiflask import APIBlueprint
@@ -16,14 +16,15 @@ from breastrig.api.app_context import app_context
 from breastrig.api.environ_keys import READER_GONE
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import common as wire
-from breastrig.service.follow import Heartbeat, Queued
-from breastrig.storage.rows.events import StoredEvent, events_after
+from breastrig.service.follow import Heartbeat, Queued, StreamItem
+from breastrig.storage.rows.events import events_after
 from breastrig.storage.rows.fits import get_fit
 
 events = APIBlueprint("events", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 RECONNECT_MS = 1000
+TOGETHER = 65_536  # characters that are sent at once; each time costs two changes of thread
 STREAM: Any = {
     "content": {"text/event-stream": {"schema": {"type": "string"}}},
     "description": "Server-sent events; `data` is the event's JSON",
@@ -88,15 +89,27 @@ def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
     )
 
 
-def _lines(events: Iterator[StoredEvent | Queued | Heartbeat]) -> Iterator[str]:
+def _lines(news: Iterator[Sequence[StreamItem]]) -> Iterator[str]:
+    """What is known at once is sent at once: whoever opens a stream late has most of it in one piece."""
     yield f"retry: {RECONNECT_MS}\n\n"
-    for item in events:
-        if isinstance(item, Heartbeat):
-            yield ": still here\n\n"
-        elif isinstance(item, Queued):  # without a number: a viewer who comes again need not hear it
-            yield f'event: queued\ndata: {{"kind":"queued","position":{item.position}}}\n\n'
-        else:
-            yield f"id: {item.number}\nevent: {item.kind}\ndata: {item.json}\n\n"
+    for together in news:
+        parts, size = [], 0
+        for item in together:
+            parts.append(_text(item))
+            size += len(parts[-1])
+            if size >= TOGETHER:
+                yield "".join(parts)
+                parts, size = [], 0
+        if parts:
+            yield "".join(parts)
+
+
+def _text(item: StreamItem) -> str:
+    if isinstance(item, Heartbeat):
+        return ": still here\n\n"
+    if isinstance(item, Queued):  # without a number: a viewer who comes again need not hear it
+        return f'event: queued\ndata: {{"kind":"queued","position":{item.position}}}\n\n'
+    return f"id: {item.number}\nevent: {item.kind}\ndata: {item.json}\n\n"
 
 
 def _last_event_id() -> int:

@@ -13,6 +13,7 @@ import io
 import logging
 import sys
 import threading
+import time
 from collections import Counter
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -29,7 +30,9 @@ from breastrig.api.trusted_proxy import BehindProxy, client_of
 from breastrig.api.web_server.admission import Admission
 from breastrig.core.round_robin import RoundRobin
 
-PIECE = 65_536  # bytes of an answer that are fetched at once; so much of each may lie in memory
+PIECE = 65_536  # bytes of an answer that are fetched at once at first, and that are handed over at once
+LARGEST_PIECE = 4 * PIECE  # of a reader who keeps pace; so much of each answer may lie in memory
+KEEPS_PACE_S = 0.02  # in which a piece has gone out: each fetch waits for its client's turn and changes threads twice
 
 Send = Callable[[dict[str, Any]], Awaitable[None]]
 Wsgi = Callable[[dict[str, Any], Any], Iterable[bytes]]
@@ -56,6 +59,7 @@ class _Answer:
     close: Callable[[], None]
     first: bytes = b""
     complete: bool = False
+    at_once: int = PIECE  # bytes to be fetched next
 
     @property
     def streams(self) -> bool:
@@ -143,7 +147,10 @@ class WsgiBridge:
             await answers.begin(answer.status, answer.headers)
             piece = answer.first
             while not answer.complete and not gone.is_set():
+                began = time.monotonic()
                 await answers.piece(piece)
+                if time.monotonic() - began < KEEPS_PACE_S:
+                    answer.at_once = min(2 * answer.at_once, LARGEST_PIECE)
                 piece = await self._next(answer, client)
             await answers.piece(piece, last=True)
         finally:
@@ -249,9 +256,9 @@ def _begin(app: Wsgi, environ: dict[str, Any]) -> _Answer:
 
 
 def _fetch(answer: _Answer) -> bytes:
-    """In a thread: the next piece, of PIECE bytes or what the application gives at once; completes the answer."""
+    """In a thread: the next piece, of `at_once` bytes or what the application gives at once; completes the answer."""
     parts, size = [], 0
-    while size < PIECE:
+    while size < answer.at_once:
         part = next(answer.rest, None)
         if part is None:
             _end(answer)
