@@ -31,6 +31,7 @@ class Posterior:
         hessian = system.hessian + held.T @ (held / np.maximum(system.compliance, HARD)[:, None])
         self._factor = cholesky(hessian + np.diag(FLOOR * problem.scaling))
         self.picks = next((term for term in terms if isinstance(term, Landmarks)), None)
+        self.relief = problem.relief or {}  # landmarks that the skin's form shows
 
     def whitened(self, rows: Array) -> Array:
         """(N, P) rows of a Jacobian -> (N, P) whose products with each other are the covariances of what they move."""

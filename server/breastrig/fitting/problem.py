@@ -16,6 +16,7 @@ from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.energies.body_prior import BodyPrior
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
+from breastrig.energies.landmark_observations import LandmarkObservations
 from breastrig.energies.landmarks import Landmarks
 from breastrig.energies.point_to_plane import PointToPlane
 from breastrig.energies.point_to_point import PointToPoint
@@ -24,6 +25,7 @@ from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
 from breastrig.fitting.body.statistics import body_statistics
+from breastrig.fitting.hollows import look_for_hollows
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import Body, Range, Scales, Shapes, Stage
 from breastrig.fitting.task import FitIterate, FitTask
@@ -79,6 +81,7 @@ class ScanProblem:
         self.held: list[Constraint[BodyState]] = [JointRest(self._joints)]
         self.scaling = step_scaling(task)
         self._picks = Picks.of(task)
+        self.relief = task.relief
         self._began = time.perf_counter()
 
     def start(self) -> BodyState:
@@ -105,7 +108,19 @@ class ScanProblem:
         """All residuals at a state; those of scan and landmarks are made for it."""
         data = data_term(self.task, stage, progress, state, matches)
         picks = [] if self._picks is None else [landmark_term(self._picks, stage, progress, state)]
-        return [*self.priors, data, *picks]
+        return [*self.priors, data, *picks, *self._hollows(stage, state)]
+
+    def _hollows(self, stage: Stage, state: BodyState) -> Terms:
+        """What the skin's form shows of landmarks: looked for once, where the first stage that asks for it begins."""
+        if stage.relief is None:
+            return []
+        if self.relief is None:
+            self.relief = look_for_hollows(self.task, state)
+        if not self.relief:
+            return []
+        places, covariances = zip(*((each.place, each.covariance) for each in self.relief.values()), strict=True)
+        points = self.task.rig.landmark_points(tuple(self.relief))
+        return [LandmarkObservations(self.task.rig, points, np.array(places), stage.relief**2 * np.array(covariances))]
 
     def system(self, terms: Terms, state: BodyState) -> System:
         """Gauss-Newton's quadratic model."""
@@ -142,6 +157,7 @@ class ScanProblem:
             landmark_distance=self._landmark_distance(state.vertices),
             elapsed_s=time.perf_counter() - self._began,
             status=status,
+            relief=self.relief,
         )
 
     def _landmark_distance(self, vertices: Array) -> float | None:

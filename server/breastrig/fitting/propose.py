@@ -80,7 +80,8 @@ def propose_landmarks(
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True
     places[found.vertices] = found.points
-    known = radii(Posterior(task, fitted), orientation.margin)
+    posterior = Posterior(task, fitted)
+    known = radii(posterior, orientation.margin)
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
         if name in shown:
@@ -88,9 +89,12 @@ def propose_landmarks(
             sure = round(confidence_of(each.error), 2)
             proposals[name] = Proposal(each.place, sure, True, HOLDS_90 * each.error, each.reason, areola_of(each))
             continue
+        hollow = posterior.relief.get(name)
+        place, on_scan = (hollow.place, True) if hollow is not None and hollow.all_round else (places[k], bool(seen[k]))
         radius = None if known is None else known.landmarks[name]
         confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)
-        proposals[name] = Proposal(places[k], round(confidence, 2), bool(seen[k]), radius)
+        reason = None if hollow is None else hollow.reason
+        proposals[name] = Proposal(place, round(confidence, 2), on_scan, radius, reason)
     return proposals
 
 

@@ -14,7 +14,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.studies.case import Scene
 from breastrig.evaluation.studies.landmarks import CLICK_ERROR
 from breastrig.evaluation.studies.reference_fit import reference_fit
-from breastrig.fitting.picks.checked_fit import checked_iterates, without
+from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.refine import refined
@@ -44,7 +44,7 @@ def measures_study(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
     for kind, picks in {"exact": shown, "clicked": clicked, "none": {}}.items():
         task = FitTask(rig, scene.target, scene.start(rig, picks), recipe, picks, scene.case.stance)
         *_, last = checked_iterates(task)
-        known = radii(Posterior(without(task, last.not_followed), last.parameters))
+        known = radii(Posterior(ended(task, last), last.parameters))
         skin = refined(scene.target, pose(rig, last.parameters), rig.faces).vertices
         found = _numbers(_stance(scene, rig, scene.target, skin, picks, known))
         answer[kind] = [[*key[:3], true[key][0], *numbers] for key, numbers in found.items() if key in true]
