@@ -9,6 +9,7 @@ import pytest
 from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.fitting.fit import fit_iterates
+from breastrig.fitting.hollows import energy_without_hollows, hollow_terms
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
@@ -18,8 +19,10 @@ from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.least_squares.newton import value
 from breastrig.relief.observe import SeenHollow
 from breastrig.rig.skinning import pose
+from breastrig.rig.state import BodyState
 from breastrig.scan.clean import clean
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
@@ -103,3 +106,14 @@ def test_what_was_seen_once_is_not_looked_for_again(task: FitTask) -> None:
     posterior = Posterior(replace(task, relief=last.relief), last.parameters)
     assert posterior.relief is last.relief
     assert posterior.relief["umbilicus"] is (last.relief or {})["umbilicus"]
+
+
+def test_two_fits_are_compared_by_energies_without_their_hollows(task: FitTask) -> None:
+    last = end(task)
+    state = BodyState(task.rig, last.parameters)
+    (term,) = hollow_terms(task.rig, last.relief or {}, task.recipe.stages[-1])
+    pull = term.residual(state)
+    assert last.energy - energy_without_hollows(task, last) == pytest.approx(value([term], [], state).energy, rel=1e-9)
+    assert pull @ pull > 0.0
+    smooth = end(replace(task, relief={}))
+    assert energy_without_hollows(task, smooth) == smooth.energy

@@ -16,7 +16,6 @@ from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.energies.body_prior import BodyPrior
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
-from breastrig.energies.landmark_observations import LandmarkObservations
 from breastrig.energies.landmarks import Landmarks
 from breastrig.energies.point_to_plane import PointToPlane
 from breastrig.energies.point_to_point import PointToPoint
@@ -25,7 +24,7 @@ from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
 from breastrig.fitting.body.statistics import body_statistics
-from breastrig.fitting.hollows import look_for_hollows
+from breastrig.fitting.hollows import hollow_terms, look_for_hollows
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import Body, Range, Scales, Shapes, Stage
 from breastrig.fitting.task import FitIterate, FitTask
@@ -116,11 +115,7 @@ class ScanProblem:
             return []
         if self.relief is None:
             self.relief = look_for_hollows(self.task, state)
-        if not self.relief:
-            return []
-        places, covariances = zip(*((each.place, each.covariance) for each in self.relief.values()), strict=True)
-        points = self.task.rig.landmark_points(tuple(self.relief))
-        return [LandmarkObservations(self.task.rig, points, np.array(places), stage.relief**2 * np.array(covariances))]
+        return hollow_terms(self.task.rig, self.relief, stage)
 
     def system(self, terms: Terms, state: BodyState) -> System:
         """Gauss-Newton's quadratic model."""
