@@ -16,7 +16,7 @@ from breastrig.correspondence.target import ScanTarget
 DEPTH = 0.06  # m before and behind the place; farther is other skin
 FACING = 0.3  # cosine between a vertex's normal and the plane's; steeper skin has no single height
 LEAST_SKIN = 0.4  # of the usual number of filled pixels around; with less, curvatures are those of a border
-FEWEST = 100  # vertices; fewer show no form
+FEWEST = 50  # vertices; fewer show no form (7 mm apart they are 60 around a fold)
 
 
 @dataclass(frozen=True, eq=False)
