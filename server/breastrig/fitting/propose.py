@@ -6,7 +6,7 @@ was not clear may lie the other way round.  The confidence is 1 / (1 + (e / 10 m
 that belongs to that radius.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -68,11 +68,10 @@ def propose_landmarks(
     if orientation is None:
         orientation, _, _ = scan_orientation(rig, scan, recipe)
     task = orientation_task(rig, scan, orientation, recipe)
-    fitted = orientation.fitted or _fitted(task)
-    shown = {} if coloured is None else seen_landmarks(task, fitted, orientation.margin, coloured)
+    ended, fitted = (task, orientation.fitted) if orientation.fitted is not None else _fitted(task)
+    shown = {} if coloured is None else seen_landmarks(ended, fitted, orientation.margin, coloured)
     if shown:
-        task = with_seen(task, shown, fitted)
-        fitted = _fitted(task)
+        ended, fitted = _fitted(with_seen(task, shown, fitted))
     vertices = pose(rig, fitted)
     points = rig.landmark_points()
     places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))
@@ -80,7 +79,7 @@ def propose_landmarks(
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True
     places[found.vertices] = found.points
-    posterior = Posterior(task, fitted)
+    posterior = Posterior(ended, fitted)
     known = radii(posterior, orientation.margin)
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
@@ -98,7 +97,7 @@ def propose_landmarks(
     return proposals
 
 
-def _fitted(task: FitTask) -> RigParameters:
-    """Where the fit ends."""
+def _fitted(task: FitTask) -> tuple[FitTask, RigParameters]:
+    """The task with what its fit saw of the skin's hollows, and where it ends."""
     *_, last = fit_iterates(task)
-    return last.parameters
+    return replace(task, relief=last.relief), last.parameters
