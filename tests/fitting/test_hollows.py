@@ -141,3 +141,17 @@ def test_where_a_breast_was_taken_off_her_fold_is_hardly_ever_seen(task: FitTask
                 seen[name] += name in (relief or {})
     assert seen["inframammary_fold_L"] <= 1
     assert seen["inframammary_fold_R"] == 9
+
+
+def test_the_posterior_counts_hollows_with_their_own_errors(task: FitTask) -> None:
+    """The fit follows them more closely than they are known."""
+    last = end(task)
+    stages = task.recipe.stages
+    assert stages[-1].relief is not None
+    assert stages[-1].relief < 1.0
+    softer = task.recipe.model_copy(update={"stages": (*stages[:-1], stages[-1].model_copy(update={"relief": 1.0}))})
+    variances = [
+        Posterior(replace(task, recipe=recipe, relief=last.relief), last.parameters).landmark_variances(("umbilicus",))
+        for recipe in (task.recipe, softer)
+    ]
+    np.testing.assert_array_equal(variances[0], variances[1])
