@@ -1,7 +1,8 @@
 """How sure a fit is: the Gaussian that has its normal equations at the end (Laplace's approximation).
 
 The covariance of the unknowns is the inverse of Gauss-Newton's H with the joints' part in it.  It knows the scan's
-noise and the priors, not that the model cannot show every body, so whoever uses it adds that misfit.
+noise and the priors, not that the model cannot show every body, so whoever uses it adds that misfit.  Hollows of the
+skin count with the errors that were measured for them.
 """
 
 import numpy as np
@@ -24,6 +25,8 @@ class Posterior:
 
     def __init__(self, task: FitTask, x: RigParameters) -> None:
         problem, stage = ScanProblem(task), task.recipe.stages[-1]
+        if stage.relief is not None:  # the fit follows hollows more closely than their errors say
+            stage = stage.model_copy(update={"relief": 1.0})
         self.task, self.state = task, BodyState(task.rig, x)
         terms = problem.terms(stage, 1.0, self.state, problem.matches(stage, 1.0, self.state))
         system = problem.system(terms, self.state)
@@ -31,6 +34,7 @@ class Posterior:
         hessian = system.hessian + held.T @ (held / np.maximum(system.compliance, HARD)[:, None])
         self._factor = cholesky(hessian + np.diag(FLOOR * problem.scaling))
         self.picks = next((term for term in terms if isinstance(term, Landmarks)), None)
+        self.relief = problem.relief or {}  # landmarks that the skin's form shows
 
     def whitened(self, rows: Array) -> Array:
         """(N, P) rows of a Jacobian -> (N, P) whose products with each other are the covariances of what they move."""

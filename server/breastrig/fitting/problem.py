@@ -25,6 +25,7 @@ from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
 from breastrig.fitting.body.statistics import body_statistics
+from breastrig.fitting.hollows import hollow_terms, look_for_hollows
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import Body, Range, Scales, Shapes, Stage
 from breastrig.fitting.task import FitIterate, FitTask
@@ -80,6 +81,7 @@ class ScanProblem:
         self.held: list[Constraint[BodyState]] = [JointRest(self._joints)]
         self.scaling = step_scaling(task)
         self._picks = Picks.of(task)
+        self.relief = task.relief
         self._began = time.perf_counter()
 
     def start(self) -> BodyState:
@@ -106,7 +108,15 @@ class ScanProblem:
         """All residuals at a state; those of scan and landmarks are made for it."""
         data = data_term(self.task, stage, progress, state, matches)
         picks = [] if self._picks is None else [landmark_term(self._picks, stage, progress, state)]
-        return [*self.priors, data, *picks]
+        return [*self.priors, data, *picks, *self._hollows(stage, state)]
+
+    def _hollows(self, stage: Stage, state: BodyState) -> Terms:
+        """What the skin's form shows of landmarks: looked for once, where the first stage that asks for it begins."""
+        if stage.relief is None:
+            return []
+        if self.relief is None:
+            self.relief = look_for_hollows(self.task, state)
+        return hollow_terms(self.task.rig, self.relief, stage)
 
     def system(self, terms: Terms, state: BodyState) -> System:
         """Gauss-Newton's quadratic model."""
@@ -143,6 +153,7 @@ class ScanProblem:
             landmark_distance=self._landmark_distance(state.vertices),
             elapsed_s=time.perf_counter() - self._began,
             status=status,
+            relief=self.relief,
         )
 
     def _landmark_distance(self, vertices: Array) -> float | None:

@@ -6,7 +6,7 @@ was not clear may lie the other way round.  The confidence is 1 / (1 + (e / 10 m
 that belongs to that radius.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -68,11 +68,10 @@ def propose_landmarks(
     if orientation is None:
         orientation, _, _ = scan_orientation(rig, scan, recipe)
     task = orientation_task(rig, scan, orientation, recipe)
-    fitted = orientation.fitted or _fitted(task)
-    shown = {} if coloured is None else seen_landmarks(task, fitted, orientation.margin, coloured)
+    ended, fitted = (task, orientation.fitted) if orientation.fitted is not None else _fitted(task)
+    shown = {} if coloured is None else seen_landmarks(ended, fitted, orientation.margin, coloured)
     if shown:
-        task = with_seen(task, shown, fitted)
-        fitted = _fitted(task)
+        ended, fitted = _fitted(with_seen(task, shown, fitted))
     vertices = pose(rig, fitted)
     points = rig.landmark_points()
     places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))
@@ -80,7 +79,8 @@ def propose_landmarks(
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True
     places[found.vertices] = found.points
-    known = radii(Posterior(task, fitted), orientation.margin)
+    posterior = Posterior(ended, fitted)
+    known = radii(posterior, orientation.margin)
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
         if name in shown:
@@ -88,13 +88,16 @@ def propose_landmarks(
             sure = round(confidence_of(each.error), 2)
             proposals[name] = Proposal(each.place, sure, True, HOLDS_90 * each.error, each.reason, areola_of(each))
             continue
+        hollow = posterior.relief.get(name)
+        place, on_scan = (hollow.place, True) if hollow is not None and hollow.all_round else (places[k], bool(seen[k]))
         radius = None if known is None else known.landmarks[name]
         confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)
-        proposals[name] = Proposal(places[k], round(confidence, 2), bool(seen[k]), radius)
+        reason = None if hollow is None else hollow.reason
+        proposals[name] = Proposal(place, round(confidence, 2), on_scan, radius, reason)
     return proposals
 
 
-def _fitted(task: FitTask) -> RigParameters:
-    """Where the fit ends."""
+def _fitted(task: FitTask) -> tuple[FitTask, RigParameters]:
+    """The task with what its fit saw of the skin's hollows, and where it ends."""
     *_, last = fit_iterates(task)
-    return last.parameters
+    return replace(task, relief=last.relief), last.parameters

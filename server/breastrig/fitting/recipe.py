@@ -94,6 +94,7 @@ class Stage(_Part):
     kernel_scale: Range = (1.0, 1.0)  # m, distance at which the kernel starts to let go
     free_shapes: tuple[Literal["body", "soft", "gravity"], ...] = ("body", "soft", "gravity")
     free_scales: bool = True
+    relief: Positive | None = None  # times the errors of landmarks that the skin's hollows show; absent: not looked for
 
     @model_validator(mode="after")
     def _one_data_term(self) -> "Stage":

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.fitting.hollows import energy_without_hollows
 from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
@@ -54,7 +55,8 @@ def found_stance(task: FitTask, frame: Frame) -> FoundStance:
     if not len(arms) or arms.mean() < rule.arms_hanging:
         return FoundStance("standing", "There is no table in the scan, and the arms hang.", standing)
     supine = tuple(checked_iterates(replace(task, stance="supine")))
-    score = standing[-1].energy - supine[-1].energy + rule.per_radian * (arms.mean() - rule.arms_between)
+    as_standing, as_lying = (energy_without_hollows(task, fit[-1]) for fit in (standing, supine))
+    score = as_standing - as_lying + rule.per_radian * (arms.mean() - rule.arms_between)
     if score > 0.0:
         reason = "There is no table in the scan, but breasts and arms are as in a lying patient."
         return FoundStance("supine", reason, supine)

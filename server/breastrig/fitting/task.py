@@ -10,6 +10,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.recipe import Recipe
 from breastrig.least_squares.newton import Status
+from breastrig.relief.observe import SeenHollow
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 
@@ -28,6 +29,7 @@ class FitIterate:
     elapsed_s: float
     status: Status  # RUNNING on all but the last
     not_followed: tuple[Doubt, ...] = ()  # picks that were let go
+    relief: Mapping[str, SeenHollow] | None = None  # landmarks that the skin's form shows; None: not looked at yet
 
     @property
     def is_finite(self) -> bool:
@@ -48,3 +50,4 @@ class FitTask:
     landmark_errors: Mapping[str, float] = field(default_factory=dict)  # m, expected beyond a click's; absent: none
     certain: frozenset[str] = frozenset()  # picks that are followed whatever all else says
     seen: frozenset[str] = frozenset()  # landmarks that colour shows and no person has picked
+    relief: Mapping[str, SeenHollow] | None = None  # what the skin's form shows, where a fit has looked; None: it will

@@ -3,7 +3,7 @@
 Nothing is written here: the same outcome becomes a folder of files, an event, or a program's `Fit`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -61,7 +61,7 @@ class FitRecorder:
         task = ready.task
         rig, target = task.rig, task.target
         let_go = (*ready.exchanged, *last.not_followed)
-        posterior = Posterior(without(task, let_go), last.parameters)
+        posterior = Posterior(replace(without(task, let_go), relief=last.relief), last.parameters)
         doubtful = let_go if task.seen else (*let_go, *unusual(posterior))  # nobody can be asked about those
         vertices = posterior.state.vertices
         compared = Comparison(target, vertices, rig.faces)

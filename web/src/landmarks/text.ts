@@ -83,7 +83,7 @@ export const proposals = {
   confirmLikely: (count: number) => (count === 1 ? "Confirm the likely point" : `Confirm the ${count} likely points`),
   error: (mm: string) => `±\u00a0${mm}\u00a0mm`,
   errorHint: (mm: string, reason: string | null | undefined) =>
-    `${reason ? `Found by colour: ${reason}. ` : ""}The true place lies within ${mm} mm of the proposal in 90 of 100 cases.`,
+    `${reason ? `Found on the skin: ${reason}. ` : ""}The true place lies within ${mm} mm of the proposal in 90 of 100 cases.`,
   offScan: "no skin there",
   offScanHint: "The scan shows no skin here: the model alone says where it would be.",
   unknown: "?",

@@ -20,7 +20,7 @@ from breastrig.evaluation.cohort import Case
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.orientation import best_start
-from breastrig.fitting.picks.checked_fit import checked_iterates, without
+from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import prepared
@@ -94,7 +94,7 @@ class Scene:
             raise FitFailed("The fit broke down: a number is not finite.")
         if not np.isfinite(last.mean_distance):
             raise FitFailed("The model found no skin of the scan near it.")
-        posterior = Posterior(without(task, last.not_followed), last.parameters)
+        posterior = Posterior(ended(task, last), last.parameters)
         doubts = (*last.not_followed, *unusual(posterior))
         return Fitted(vertices, last.parameters, seconds, last.iteration, doubts)
 

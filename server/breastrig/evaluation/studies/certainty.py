@@ -14,7 +14,7 @@ from breastrig.evaluation.studies.case import Scene
 from breastrig.evaluation.studies.landmarks import CLICK_ERROR, FIRST_HALF
 from breastrig.evaluation.studies.reference_fit import ReferenceFit, reference_fit
 from breastrig.evaluation.studies.reliability import add_up, held_at_levels
-from breastrig.fitting.picks.checked_fit import checked_iterates, without
+from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
@@ -51,7 +51,7 @@ def _judged(
 ) -> dict[str, Any]:
     task = FitTask(rig, scene.target, scene.start(rig, picks), recipe, picks, scene.case.stance)
     *_, last = checked_iterates(task)
-    posterior = Posterior(without(task, last.not_followed), last.parameters)
+    posterior = Posterior(ended(task, last), last.parameters)
     vertices, known = pose(rig, last.parameters), radii(posterior)
     counts: dict[str, Any] = {
         "picks": len(picks),

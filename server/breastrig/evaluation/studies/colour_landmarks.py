@@ -42,7 +42,7 @@ def colour_landmarks(cases: tuple[Case, ...], rig: Rig, recipe: Recipe) -> dict[
         "form": _gaps(form, true),
         "coloured": _gaps(coloured, true),
         "held": {name: _held(coloured[name], place) for name, place in true.items()},
-        "seen": {name: each.reason for name, each in coloured.items() if each.reason},
+        "seen": {name: each.reason for name, each in coloured.items() if each.reason not in (None, form[name].reason)},
         "states": {name: str(states.get(name, NATURAL)) for name in SIDES},
         "exchanged": exchanged(coloured, true),
         "areolae": _areolae(case, {name: coloured[name].areola for name in SIDES}),

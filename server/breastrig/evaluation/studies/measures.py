@@ -15,7 +15,7 @@ from breastrig.evaluation.studies.case import Scene
 from breastrig.evaluation.studies.landmarks import CLICK_ERROR
 from breastrig.evaluation.studies.reference_fit import reference_fit
 from breastrig.fitting.body.hidden_skin import hidden_skin
-from breastrig.fitting.picks.checked_fit import checked_iterates, without
+from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.refine import refined
@@ -45,10 +45,9 @@ def measures_study(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
     for kind, picks in {"exact": shown, "clicked": clicked, "none": {}}.items():
         task = FitTask(rig, scene.target, scene.start(rig, picks), recipe, picks, scene.case.stance)
         *_, last = checked_iterates(task)
-        known = radii(Posterior(without(task, last.not_followed), last.parameters))
-        skin = refined(
-            scene.target, pose(rig, last.parameters), rig.faces, hidden_skin(rig, scene.case.stance)
-        ).vertices
+        known = radii(Posterior(ended(task, last), last.parameters))
+        behind = hidden_skin(rig, scene.case.stance)
+        skin = refined(scene.target, pose(rig, last.parameters), rig.faces, behind).vertices
         found = _numbers(_stance(scene, rig, scene.target, skin, picks, known))
         answer[kind] = [[*key[:3], true[key][0], *numbers] for key, numbers in found.items() if key in true]
     return answer

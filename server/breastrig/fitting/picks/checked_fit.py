@@ -50,6 +50,11 @@ def without(task: FitTask, doubts: Sequence[Doubt]) -> FitTask:
     return replace(task, landmarks=kept, certain=task.certain & frozenset(kept))
 
 
+def ended(task: FitTask, last: FitIterate) -> FitTask:
+    """The task as its fit ended: without the picks that were let go, and with what was seen of the skin's form."""
+    return replace(without(task, last.not_followed), relief=last.relief)
+
+
 def agreeing_picks(task: FitTask, begun: Sequence[FitIterate] = ()) -> tuple[FitTask, tuple[Doubt, ...]]:
     """The task without the picks that are let go, and these: of a fit of its own, or of `begun`, all its iterates."""
     if not task.landmarks or task.seen:

@@ -44,9 +44,12 @@ def radii(posterior: Posterior, margin: float | None = None) -> Radii | None:
         stretch, misfits = known.stretch, [_of(known.landmark(name), name in task.landmarks) for name in names]
     else:
         stretch, misfits = known.without_picks.stretch, [known.without_picks.landmark(name) for name in names]
-    spread = stretch**2 * posterior.landmark_variances(names) + lost**2
+    spread = stretch**2 * posterior.landmark_variances(names) + np.array(misfits) ** 2
     scatter, seen = _scatter(posterior, known), seen_vertices(posterior)
-    at_landmarks = HOLDS_90 * scatter * np.sqrt(spread + np.array(misfits) ** 2)
+    at_landmarks = HOLDS_90 * scatter * np.sqrt(spread + lost**2)
+    for k, name in enumerate(names):  # a hollow of the skin says all that is known of its own place, however picks are
+        if name in posterior.relief and posterior.relief[name].all_round:
+            at_landmarks[k] = HOLDS_90 * np.hypot(posterior.relief[name].error, lost)
     at_vertices = HOLDS_90 * np.where(seen, scatter, max(scatter, known.least_scatter_hidden))
     at_vertices *= np.sqrt(
         stretch**2 * posterior.vertex_variances() + lost**2 + vertex_misfit(posterior, known, seen) ** 2

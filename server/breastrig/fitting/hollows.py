@@ -1,0 +1,53 @@
+"""Landmarks that a scan's form shows beside its surface: the model slides along smooth skin, hollows hold it.
+
+A fit that has found the form looks once for the hollows near its landmarks (relief/observe.py), and goes on with what
+it has seen as observations of these landmarks, each with its own covariance.  They are no picks: nobody is asked about
+them, and a pick, or what colour shows of the same landmark, is more exact and takes their place.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from breastrig.energies.landmark_observations import LandmarkObservations
+from breastrig.fitting.recipe import Stage
+from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.geometry.unit_vectors import unit_vectors
+from breastrig.least_squares.newton import value
+from breastrig.least_squares.problem import ResidualTerm
+from breastrig.relief.observe import Expected, SeenHollow, seen_hollows
+from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
+from breastrig.rig.state import BodyState
+
+
+def look_for_hollows(task: FitTask, state: BodyState) -> dict[str, SeenHollow]:
+    """What the scan shows of the landmarks that nobody picked, expected where the model has them now."""
+    rig = task.rig
+    points = rig.landmark_points()
+    places = points.positions(state.vertices, rig.faces)
+    if len(places) < 3 or not np.isfinite(places).all():
+        return {}
+    outwards = unit_vectors(points.positions(state.normals, rig.faces))
+    axes = umeyama(points.positions(rig.template, rig.faces), places).rotation
+    expected = {
+        name: Expected(places[k], outwards[k])
+        for k, name in enumerate(rig.landmark_names)
+        if name not in task.landmarks
+    }
+    return seen_hollows(task.target, expected, axes)
+
+
+def hollow_terms(rig: Rig, relief: Mapping[str, SeenHollow], stage: Stage) -> list[ResidualTerm[BodyState]]:
+    """How hollows that were seen pull in a stage that asks for them; none where none was."""
+    if stage.relief is None or not relief:
+        return []
+    places, covariances = zip(*((each.place, each.covariance) for each in relief.values()), strict=True)
+    points = rig.landmark_points(tuple(relief))
+    return [LandmarkObservations(rig, points, np.array(places), stage.relief**2 * np.array(covariances))]
+
+
+def energy_without_hollows(task: FitTask, last: FitIterate) -> float:
+    """Of a fit's last iterate: two fits that have not seen the same hollows are compared by this."""
+    terms = hollow_terms(task.rig, last.relief or {}, task.recipe.stages[-1])
+    return last.energy - value(terms, [], BodyState(task.rig, last.parameters)).energy
