@@ -22,6 +22,7 @@ from breastrig.core.scipy_parts import cKDTree, coo_array, csc_array, diags_arra
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.normals import VertexNormals, face_normals
+from breastrig.geometry.turned_triangles import turned_triangles
 from breastrig.least_squares.banded_cholesky import banded_cholesky
 
 ROUNDS = 2  # renewals of the matches; a third gains nothing
@@ -162,12 +163,12 @@ def refined(target: ScanTarget, vertices: Array, faces: Integers, hidden: Array 
 
 
 def _with_hidden(vertices: Array, faces: Integers, normals: Array, heights: Array, hidden: Array) -> Array:
-    """(V,) m: the heights with those of hidden skin, but for triangles that would turn over, and all around them."""
-    facing = face_normals(vertices, faces)
+    """(V,) m: the heights with those of hidden skin, but for where the skin would fold, and all around there."""
+    folded = turned_triangles(vertices + heights[:, None] * normals, faces)
     for _ in range(HOLDING_TRIES):
-        turned = _turned(facing, vertices + (heights + hidden)[:, None] * normals, faces)
-        if not len(turned):
+        turned = turned_triangles(vertices + (heights + hidden)[:, None] * normals, faces) & ~folded
+        if not turned.any():
             return heights + hidden
         hidden = hidden.copy()
-        hidden[np.unique(faces[np.isin(faces, turned).any(axis=1)])] = 0.0
+        hidden[np.unique(faces[np.isin(faces, faces[turned]).any(axis=1)])] = 0.0
     return heights
