@@ -10,7 +10,7 @@ from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.skin_map import FittedScan, SkinMap
 from breastrig.drawings.skin_maps.lying_motion import BEYOND, LyingMotion, lying_motion
-from breastrig.evaluation.lying_motion import agreed
+from breastrig.evaluation.lying_motion import Pair, agreed, learnt
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
@@ -76,3 +76,19 @@ def test_skin_that_moves_as_in_everybody_is_carried_without_any_landmark(torso: 
 def test_ways_agree_as_far_as_the_smaller_one_goes() -> None:
     ways = [np.array([[0.004, -0.002, 0.001]]), np.array([[0.001, -0.005, -0.001]])]
     np.testing.assert_array_equal(agreed(ways), [[0.001, -0.002, 0.0]])
+
+
+def test_what_all_bodies_do_is_learnt_and_mirrored(torso: Rig) -> None:
+    """Two ways of lying down that agree; the points lie on the left breast only."""
+    lying = torso.template + known(torso)
+    vertices = np.asarray(torso.regions["breast_L"])
+    a, b = fitted_scan(torso, torso.template, "standing"), fitted_scan(torso, lying @ TURN.T + SHIFT, "supine")
+    pair = Pair(a, b, a.vertices[vertices], b.vertices[vertices], vertices)
+    found = learnt(torso, {"ours": [pair], "given": [pair]}).at(torso.template)
+    np.testing.assert_allclose(found[torso.mirror_vertices] * [-1.0, 1.0, 1.0], found, atol=0.3e-3)
+    for side in ("breast_L", "breast_R"):
+        skin = torso.regions[side]
+        ways = [SkinMap(torso, a, b, motion=motion) for motion in (found, np.zeros_like(found))]
+        learned, still = (np.linalg.norm(way.to_b(a.vertices[skin]) - b.vertices[skin], axis=1).mean() for way in ways)
+        assert learned < 1.2e-3  # blended over 25 mm
+        assert learned < 0.6 * still
