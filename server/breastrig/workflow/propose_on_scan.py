@@ -16,7 +16,7 @@ from breastrig.rig.model import Rig
 from breastrig.scan.scan import Scan
 from breastrig.workflow.coloured_scan import coloured_scan
 from breastrig.workflow.further_jobs import ProposeJob
-from breastrig.workflow.kept_scan import prepared_scan
+from breastrig.workflow.kept.kept_scan import prepared_scan
 
 
 def propose_on_scan(rig: Rig, scan: Scan, orientation: ScanOrientation | None = None) -> dict[str, Proposal]:

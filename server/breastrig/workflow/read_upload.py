@@ -18,7 +18,7 @@ from breastrig.report.thumbnail import thumbnail_png
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
 from breastrig.workflow.jobs import UploadJob
-from breastrig.workflow.kept_scan import prepared_scan
+from breastrig.workflow.kept.kept_scan import prepared_scan
 
 
 def read_upload(job: UploadJob) -> dict[str, Any]:

@@ -33,7 +33,7 @@ from breastrig.workflow.coloured_scan import coloured_scan
 from breastrig.workflow.events import DoubtedPick, Started
 from breastrig.workflow.fit_start import with_earlier_start, with_stance, with_start
 from breastrig.workflow.jobs import DEFAULT, FitJob, FitSettings
-from breastrig.workflow.kept_scan import prepared_scan
+from breastrig.workflow.kept.kept_scan import prepared_scan
 
 if TYPE_CHECKING:
     from breastrig.colour.features.observe import Observation
