@@ -25,7 +25,9 @@ the rigid one 6.1 / 7.1; this 3.0 / 4.4. More rounds of matching slide along the
 Gaussian kernel is too stiff (4.7 / 5.0), Matérn 3/2 too loose (3.1 / 5.0). The least strain of the skin itself (as
 rigid as possible, Sorkine and Alexa, 2007) is not what skin does: weak it gains nothing, strong it is 2 to 5 mm
 worse. Errors of the picks and size of the displacement chosen for each pair by the evidence (chapter 5 there) gain
-nothing, nor do larger displacements on the breasts than on the chest.
+nothing, nor do larger displacements on the breasts than on the chest.  Picks moved towards the hollows that both scans
+show near them (relief/): on 17 pairs of warped bodies 0.04 mm nearer with picks 5 mm off, 0.05 to 0.2 mm farther with
+exact ones; a hollow is seen on two scans 6 mm apart, no nearer than two careful picks.
 """
 
 from dataclasses import dataclass, field

@@ -3,13 +3,17 @@
     breastrig evaluate --warped 44 COHORT -o DIR --quick
     python -m breastrig.evaluation.hidden_skin DIR/warped
 
-Of the choosing half's standing bodies only, fitted without landmarks.  The given patients and our virtual cohort count
-alike, however many each has, and each body counts as she is and mirrored.
+Of the choosing half's bodies only, fitted without landmarks.  The given patients and our virtual cohort count alike,
+however many each has, and each body counts as she is and mirrored.  How high the whole back of a lying body is off says
+how she lies and how deep her trunk is, which no two of these bodies share; the mean over her back is taken away.  Of
+what is left, the back's form, only that is kept on which both ways of computing how a body lies down agree: learnt of
+the cohort alone it takes the given patient of the choosing half 0.6 mm farther from her skin.
 """
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +21,7 @@ from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.evaluation.cohort import read_cohort
-from breastrig.evaluation.lying_motion import OURS, spaced
+from breastrig.evaluation.lying_motion import OURS, agreed, spaced
 from breastrig.evaluation.studies.case import Scene, read_scene
 from breastrig.fitting.body.hidden_skin import SCHEMA, HiddenSkin
 from breastrig.fitting.recipe import load_recipe
@@ -26,8 +30,9 @@ from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 
-STANCE = "standing"
-FILE = Path(__file__).parents[1] / "fitting" / "body" / f"torso_hidden_{STANCE}.json"
+Bodies = Mapping[str, Sequence[tuple[Booleans, Array]]]  # (hidden, heights) of bodies by their source
+
+FOLDER = Path(__file__).parents[1] / "fitting" / "body"
 APART = 0.02  # m, between the places
 WIDTH = 0.03  # m, of the Gaussian over the vertices around a place
 SHOWN = 0.015  # m from a scan's vertex that faces alike (cosine over one half): that skin is not hidden
@@ -48,8 +53,24 @@ def hidden_heights(scene: Scene, rig: Rig, vertices: Array) -> tuple[Booleans, A
     return ~shown & ~at_edge, np.einsum("vi,vi->v", found.points - vertices, normals)
 
 
-def learnt(rig: Rig, bodies: dict[str, Sequence[tuple[Booleans, Array]]]) -> HiddenSkin:
-    """From (hidden, heights) of bodies by their source."""
+def about_the_back(rig: Rig, hidden: Booleans, heights: Array) -> Array:
+    """(V,) m: the heights with those of the back less their mean over its hidden vertices."""
+    back = np.isin(np.arange(len(heights)), rig.regions["back"])
+    known = heights[hidden & back]
+    return np.where(back, heights - (known.mean() if len(known) else 0.0), heights)
+
+
+def agreed_form(rig: Rig, bodies: Bodies) -> HiddenSkin:
+    """What is learnt of lying bodies: as far as each source has it, without how high a whole back is."""
+    ways = [
+        learnt(rig, {source: [(hidden, about_the_back(rig, hidden, heights)) for hidden, heights in given]})
+        for source, given in bodies.items()
+    ]
+    return replace(ways[0], heights=agreed([way.heights for way in ways]))
+
+
+def learnt(rig: Rig, bodies: Bodies) -> HiddenSkin:
+    """The mean of the sources."""
     means, shares = [], []
     for given in bodies.values():
         total, times = np.zeros(len(rig.template)), np.zeros(len(rig.template))
@@ -72,25 +93,26 @@ def learnt(rig: Rig, bodies: dict[str, Sequence[tuple[Booleans, Array]]]) -> Hid
     return HiddenSkin(rig.template[chosen], normals[chosen], smooth)
 
 
-def main(folder: Path, file: Path = FILE) -> None:
-    """Fits the folder's standing bodies and writes the file."""
+def main(folder: Path, into: Path = FOLDER) -> None:
+    """Fits the folder's bodies and writes a file for each stance."""
     rig, recipe = read_rig(default_rig_path()), load_recipe("default")
-    bodies: dict[str, list[tuple[Booleans, Array]]] = {}
+    bodies: dict[str, dict[str, list[tuple[Booleans, Array]]]] = {"standing": {}, "supine": {}}
     for case in read_cohort(folder):
         told = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
-        if case.stance == STANCE and told["half"] == "choose" and told["capture"] == "ordinary":
+        if told["half"] == "choose" and told["capture"] == "ordinary":
             scene = read_scene(case)
             found = hidden_heights(scene, rig, scene.fitted(rig, recipe, {}).vertices)
-            bodies.setdefault("ours" if told["source"].startswith(OURS) else "given", []).append(found)
-    skin = learnt(rig, dict(bodies))
-    document = {
-        "schema": SCHEMA,
-        "bodies": {source: len(given) for source, given in bodies.items()},
-        "places_mm": np.round(1e3 * skin.places, 1).tolist(),
-        "normals": np.round(skin.normals, 3).tolist(),
-        "heights_mm": np.round(1e3 * skin.heights, 2).tolist(),
-    }
-    file.write_text(json.dumps(document) + "\n", "utf-8")
+            bodies[case.stance].setdefault("ours" if told["source"].startswith(OURS) else "given", []).append(found)
+    for stance, given in bodies.items():
+        skin = agreed_form(rig, given) if stance == "supine" else learnt(rig, given)
+        document = {
+            "schema": SCHEMA,
+            "bodies": {source: len(of_source) for source, of_source in given.items()},
+            "places_mm": np.round(1e3 * skin.places, 1).tolist(),
+            "normals": np.round(skin.normals, 3).tolist(),
+            "heights_mm": np.round(1e3 * skin.heights, 2).tolist(),
+        }
+        (into / f"{rig.name}_hidden_{stance}.json").write_text(json.dumps(document) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

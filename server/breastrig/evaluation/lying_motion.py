@@ -97,7 +97,7 @@ def mean_at(rig: Rig, given: Sequence[Pair], at: Array, motion: Array) -> Array:
 
 
 def agreed(ways: Sequence[Array]) -> Array:
-    """(N, 3): each component as far as all of the (N, 3) `ways` have it, 0 where they differ in sign."""
+    """Each number as far as all of the `ways`, arrays of one shape, have it; 0 where they differ in sign."""
     stacked = np.array(ways)
     alike = np.abs(np.sign(stacked).sum(axis=0)) == len(stacked)
     return np.where(alike, np.sign(stacked[0]) * np.abs(stacked).min(axis=0), 0.0)

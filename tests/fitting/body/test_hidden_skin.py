@@ -7,7 +7,7 @@ import pytest
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.evaluation.hidden_skin import learnt
+from breastrig.evaluation.hidden_skin import about_the_back, agreed_form, learnt
 from breastrig.fitting.body.hidden_skin import HiddenSkin, hidden_skin
 from breastrig.fitting.refine import refined
 from breastrig.geometry.normals import vertex_normals
@@ -41,8 +41,18 @@ def test_both_sides_are_alike_and_the_front_is_not_hidden(torso: Rig, heights: A
     assert np.abs(heights[breasts]).max() < 1e-4
 
 
-def test_nothing_is_known_of_lying_bodies_and_of_other_rigs(torso: Rig) -> None:
-    assert hidden_skin(torso, "supine") is None
+def test_of_lying_bodies_the_form_of_the_back_is_known_and_not_how_high_it_lies(torso: Rig) -> None:
+    known = hidden_skin(torso, "supine")
+    assert known is not None
+    np.testing.assert_allclose(known[torso.mirror_vertices], known, atol=0.5e-3)
+    back = known[torso.regions["back"]]
+    assert np.abs(back).max() > 2e-3
+    assert abs(back.mean()) < 0.5e-3
+    breasts = np.concatenate([torso.regions["areola_L"], torso.regions["areola_R"]])
+    assert np.abs(known[breasts]).max() < 1e-4
+
+
+def test_nothing_is_known_of_other_rigs(torso: Rig) -> None:
     assert hidden_skin(replace(torso, name="somebody"), "standing") is None
 
 
@@ -78,3 +88,26 @@ def test_sources_count_alike_however_many_bodies_each_has(torso: Rig) -> None:
     low, high = np.full(len(torso.template), 0.001), np.full(len(torso.template), 0.003)
     skin = learnt(torso, {"ours": [(everywhere, low)] * 3, "given": [(everywhere, high)]})
     np.testing.assert_allclose(skin.heights, 0.002, atol=1e-9)
+
+
+def test_how_high_a_whole_back_lies_is_not_learnt_but_its_form_is(torso: Rig) -> None:
+    hidden = np.zeros(len(torso.template), dtype=np.bool_)
+    hidden[torso.regions["back"]] = True
+    form = np.where(hidden, 0.1 * (torso.template[:, 1] - torso.template[hidden, 1].mean()), 0.0)
+    for high in (-0.02, 0.0, 0.02):
+        np.testing.assert_allclose(about_the_back(torso, hidden, np.where(hidden, form + high, 0.0)), form, atol=1e-12)
+    alone = learnt(torso, {"ours": [(hidden, form)]})
+    both = agreed_form(torso, {"ours": [(hidden, form + 0.02)], "given": [(hidden, form - 0.02)]})
+    np.testing.assert_allclose(both.heights, alone.heights, atol=1e-12)
+    assert np.abs(both.heights).max() > 0.01
+
+
+def test_of_lying_bodies_only_that_is_learnt_on_which_the_sources_agree(torso: Rig) -> None:
+    hidden = np.ones(len(torso.template), dtype=np.bool_)
+    back = np.isin(np.arange(len(hidden)), torso.regions["back"])
+    form = np.where(back, torso.template[:, 1] - torso.template[back, 1].mean(), 0.0)
+    against = agreed_form(torso, {"ours": [(hidden, 0.02 * form)], "given": [(hidden, -0.05 * form)]})
+    assert not against.heights.any()
+    alike = agreed_form(torso, {"ours": [(hidden, 0.02 * form)], "given": [(hidden, 0.05 * form)]})
+    weaker = learnt(torso, {"ours": [(hidden, 0.02 * form)]})
+    np.testing.assert_allclose(alike.heights, weaker.heights, atol=1e-12)
