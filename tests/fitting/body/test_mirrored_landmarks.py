@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from helpers.example_patient import silent
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
@@ -16,7 +17,7 @@ from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.problem import ScanProblem
-from breastrig.fitting.recipe import Recipe, load_recipe
+from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.problem import ResidualTerm
@@ -53,12 +54,6 @@ def task(woman: tuple[FitTask, dict[str, Array]]) -> FitTask:
 @pytest.fixture(scope="module")
 def true(woman: tuple[FitTask, dict[str, Array]]) -> dict[str, Array]:
     return woman[1]
-
-
-def silent(recipe: Recipe) -> Recipe:
-    """The recipe by which no pick tells of its partner."""
-    landmarks = {name: each.model_copy(update={"mirrored": None}) for name, each in recipe.landmarks.items()}
-    return recipe.model_copy(update={"landmarks": landmarks})
 
 
 def end(task: FitTask) -> FitIterate:
@@ -115,6 +110,17 @@ def test_the_partner_is_expected_as_far_from_the_model_without_picks_as_the_pick
 def test_an_unsure_pick_tells_as_little_of_its_partner(task: FitTask) -> None:
     _, found = look(replace(task, landmark_errors={"acromion_L": 0.03}))
     assert found["acromion_R"].error == pytest.approx(np.hypot(0.03, task.recipe.landmark_errors("acromion").mirrored))
+
+
+def test_a_partner_on_skin_that_the_scan_does_not_show_is_less_sure(task: FitTask) -> None:
+    target, picks = task.target, {name: place for name, place in task.landmarks.items() if not name.endswith("_R")}
+    left = (target.vertices[:, 0] > picks["xiphoid"][0] - 0.005)[target.faces].all(axis=1)
+    half = ScanTarget(*compact(target.vertices, target.faces[left]))
+    _, found = look(replace(task, target=half, landmarks=picks))
+    assert set(found) == {"acromion_R", "inframammary_fold_R"}
+    for name, each in found.items():
+        assert half.vertex_tree.query(each.place)[0] > 0.015  # m
+        assert each.error == pytest.approx(np.hypot(0.01, task.recipe.landmark_errors(name).mirrored))
 
 
 def test_who_is_picked_is_not_told_and_who_is_alone_tells_nothing(task: FitTask, true: dict[str, Array]) -> None:
