@@ -12,7 +12,7 @@ from sqlalchemy.exc import OperationalError
 
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.service import queue
-from breastrig.service.event_writer import OTHER_MODEL, event_json
+from breastrig.service.events.event_writer import OTHER_MODEL, event_json
 from breastrig.service.fit_worker import TOO_OFTEN, UNSEEN, fit_job
 from breastrig.storage.location import Location
 from breastrig.storage.rows.events import append, events_after

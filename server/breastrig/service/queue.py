@@ -19,7 +19,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from breastrig.core.errors import BreastRigError, Conflict, NotFound
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
-from breastrig.service.event_writer import event_json
+from breastrig.service.events.event_writer import event_json
 from breastrig.service.fit_worker import UNWRITTEN, Runners
 from breastrig.service.warm.fit_task import fit_task
 from breastrig.storage.rows.events import append

@@ -25,9 +25,9 @@ from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.scratch_sweeper import scratch_swept
 from breastrig.execution.warm_first import ForKey
 from breastrig.scan.stored_scan import STORED
+from breastrig.service.events.follow import Notifier, StreamItem, follow
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
-from breastrig.service.follow import Notifier, StreamItem, follow
 from breastrig.service.ink import InkSearch
 from breastrig.service.moving.live_patterns import LivePatterns
 from breastrig.service.moving.moved_landmarks import MovedLandmarks
