@@ -52,7 +52,10 @@ async function samePlaces(page: Page, base: string, from: string, to: string): P
   expect(carried).toHaveLength(answer.shapes.length);
   for (const shape of answer.shapes) {
     const found = carried.find(({ name }) => name === shape.name)!;
-    shape.points.forEach((point, i) => expect(distance(point, found.points[i]!) * perUnit, shape.name).toBeLessThan(0.02));
+    // Rounded to micrometres, a point may change to the next triangle of a rough scan, which faces elsewhere.
+    const off = shape.points.map((point, i) => distance(point, found.points[i]!) * perUnit);
+    expect(Math.max(...off), shape.name).toBeLessThan(0.1);
+    expect(off.toSorted((a, b) => a - b)[Math.floor(off.length / 2)], shape.name).toBeLessThan(0.002);
   }
   const shown = [(await state(page)), (await state(page)).stances.other!].find(({ fit }) => fit?.id === to)!.drawn.onScan!;
   expect(shown.carried.shapes).toEqual(carried);
