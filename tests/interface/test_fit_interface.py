@@ -279,6 +279,32 @@ def test_proposals_are_landmarks_with_a_confidence(tmp_path: Path) -> None:
     assert by_name.result["landmarks"] == by_file.result["landmarks"]
 
 
+def test_what_is_only_proposed_is_no_evidence() -> None:
+    """It comes from the same scan: counted again, it would make a fit no better and its errors look small."""
+    scan = breastrig.read_scan(STANDING)
+    proposed = breastrig.propose_landmarks(scan)
+    alone, given = breastrig.fit(scan, drawing=None), breastrig.fit(scan, proposed, drawing=None)
+    np.testing.assert_array_equal(given.vertices, alone.vertices)
+    assert given.result["landmark_uncertainty_mm"] == alone.result["landmark_uncertainty_mm"]
+    assert given.picked == {}
+    assert given.notes == (*alone.notes, "12 landmarks are as proposed from this scan, and did not pull at the fit.")
+
+
+def test_beside_picks_only_those_proposals_count_that_colour_shows() -> None:
+    scan = breastrig.read_scan(STANDING)
+    places, _ = read_landmarks(PICKS)
+    picks = {
+        name: 1e-3 / scan.metres_per_unit * places[name] for name in ("suprasternal_notch", "xiphoid", "umbilicus")
+    }
+    sure, unsure = breastrig.Proposal(picks["xiphoid"], 0.9, True), breastrig.Proposal(picks["xiphoid"], 0.7, True)
+    del picks["xiphoid"]
+    fits = [breastrig.fit(scan, picks | more, drawing=None) for more in ({}, {"xiphoid": unsure}, {"xiphoid": sure})]
+    np.testing.assert_array_equal(fits[0].vertices, fits[1].vertices)
+    assert [set(fit.picked) for fit in fits] == [set(picks), set(picks), {*picks, "xiphoid"}]
+    assert fits[1].notes[-1] == "The landmark xiphoid is as proposed from this scan, and did not pull at the fit."
+    assert fits[2].notes == fits[0].notes
+
+
 def test_units_belong_to_the_one_who_reads_the_scan(tmp_path: Path) -> None:
     with pytest.raises(breastrig.BadSettings, match="give its units to read_scan"):
         breastrig.fit(breastrig.read_scan(STANDING), units="m")

@@ -1,4 +1,4 @@
-// Proposed landmarks: dashed marks where the API says, confirmed on the canvas, in the list and all at once; undo brings them back.
+// Proposed landmarks: dashed marks where the API says, confirmed on the canvas, in the list and one after the other, or left to the fit.
 import { expect } from "@playwright/test";
 import type { ProposedLandmarks, Result } from "../src/api/types";
 import { hook, test, untilFitted, untilStill } from "./page";
@@ -8,8 +8,8 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
   await page.keyboard.press("2");
-  const likely = page.getByRole("button", { name: /^Confirm the \d+ likely points$/ });
-  await expect(likely).toBeVisible();
+  const check = page.getByRole("button", { name: "Check them one by one" });
+  await expect(page.locator("#next")).toHaveText("Confirm the 2 points seen"); // by the example's colours
   const scan = await page.evaluate(() => window.__breastrig!.state().scan!.info);
   const { landmarks } = (await (await page.request.get(base + scan.links.proposed)).json()) as ProposedLandmarks;
   expect(await hook.pickCount(page)).toBe(0);
@@ -40,10 +40,22 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
     expect(await hook.pick(page, "nipple_R")).toEqual(landmarks.nipple_R!.point);
   });
 
-  await test.step("the likely ones at once; the service keeps them; the rough ones stay open", async () => {
-    await likely.click();
-    const wanted = Object.values(landmarks).filter((each) => each.on_scan && each.error_mm != null && each.error_mm <= 25).length;
-    expect(await hook.pickCount(page)).toBe(wanted);
+  await test.step("those that colour shows at once; the form's own proposals are not offered so", async () => {
+    await page.keyboard.press("z");
+    await page.locator("#next").click();
+    expect(await hook.pick(page, "nipple_L")).toEqual(landmarks.nipple_L!.point);
+    expect(await hook.pickCount(page)).toBe(2);
+    await expect(page.locator("#next")).toHaveText("Fit with 2 landmarks");
+  });
+
+  await test.step("one after the other, each seen from near; the service keeps them; the others stay open", async () => {
+    await check.click();
+    const wanted = 5;
+    for (let count = await hook.pickCount(page); count < wanted; count += 1) {
+      await page.getByRole("button", { name: "Take the proposal" }).click();
+      expect(await hook.pickCount(page)).toBe(count + 1);
+    }
+    await page.keyboard.press("Escape");
     await expect(page.locator("[data-proposed]")).toHaveCount(Object.keys(landmarks).length - wanted);
     await expect(page.locator("#step-landmarks .saved")).toHaveText("Saved");
     const kept = (await (await page.request.get(base + scan.links.landmarks)).json()) as { landmarks: object };

@@ -71,7 +71,7 @@ export const STATES: readonly StateOfPage[] = [
   {
     name: "placing",
     reach: async (page) => {
-      await page.getByRole("button", { name: /^Confirm the \d+ likely points$/ }).click();
+      for (const name of ["suprasternal_notch", "xiphoid", "nipple_R", "nipple_L"]) await page.locator(`[data-landmark=${name}] .confirm`).click();
       await page.locator(".landmarks [data-landmark=nipple_L] .landmark-name").click();
     },
   },

@@ -35,7 +35,8 @@ def propose_landmarks(scan: Scan | str | Path, *, units: str = "auto", model: Mo
     """A first guess of every landmark of the model, to be checked by a person: name -> Proposal.
 
     Each `point` (3,) and its `error` are in the scan's unit and frame.  `units` belongs to a path, as in `read_scan`.
-    `fit` takes the answer, whole or in part, as its landmarks; they then pull as hard as their confidence says.
+    `fit` takes the answer, whole or in part, as its landmarks, but is not pulled by what is only proposed: it comes
+    from the same scan.  What a person has checked is given as a place: `proposal.point`.
 
     Raises BadScan or another BadInput with one sentence.
     """

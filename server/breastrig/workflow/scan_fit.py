@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from breastrig.colour.features.observe import Observation
 
 ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; none of them was followed."
+SHOWN_BY_COLOUR = 0.8  # confidence, 5 mm; the form of 30 scans proposed none surer than 0.72
 FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or another unit
 
 
@@ -93,6 +94,7 @@ class FitPlan:
     recipe: Recipe
     drawing: AskedDrawing | None
     landmarks: dict[str, Array]  # picked, m, in the scan's frame
+    proposed: dict[str, Array]  # the same of those that the scan's form proposed and nobody has checked
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,8 +142,27 @@ def fit_plan(settings: FitSettings, rig: Rig, landmarks_mm: dict[str, list[float
     recipe = load_recipe(settings.preset)
     drawing = None if settings.drawing is None else asked_drawing(rig, settings.drawing)
     landmarks = checked_landmarks(rig, landmarks_mm)
-    checked_certain(settings.certain, landmarks, settings.landmark_confidence)
-    return FitPlan(settings, rig, recipe, drawing, landmarks)
+    confidence = settings.landmark_confidence
+    checked_certain(settings.certain, landmarks, confidence)
+    proposed = _only_proposed(landmarks, confidence)
+    picked = {name: place for name, place in landmarks.items() if name not in proposed}
+    return FitPlan(settings, rig, recipe, drawing, picked, {name: landmarks[name] for name in proposed})
+
+
+def _only_proposed(landmarks: Collection[str], confidence: Mapping[str, float]) -> frozenset[str]:
+    """The landmarks that are no observations: a proposal is made of this very scan, which would count twice.
+
+    Fits of 60 warped bodies with all likely proposals confirmed are as near the true places as fits without them
+    (choosing, reporting half: 7.0 and 8.6 mm for 7.2 and 8.7), but the radii that should hold 90 % of the true places
+    held 10 and 11 % where they counted as picks, 18 and 14 % where each counted with its error; without, 98 and 88 %.
+
+    What colours show is looked for again only where nobody has picked anything (see _with_colour); beside picks such
+    proposals are observations with an error of their own.
+    """
+    unsure = {name for name in landmarks if confidence.get(name, 1.0) < 1.0}
+    if unsure.issuperset(landmarks):
+        return frozenset(unsure)
+    return frozenset(name for name in unsure if confidence[name] < SHOWN_BY_COLOUR)
 
 
 def scan_of_job(job: FitJob) -> tuple[Scan, float]:
@@ -160,13 +181,13 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     wished = earlier.stance if earlier is not None and settings.stance == AUTO else settings.stance
     ready = prepared_scan(scan, wished, None if orientation is None else orientation.frame)
     target = ready.target
-    _near_the_scan(landmarks, target)
+    _near_the_scan(landmarks | plan.proposed, target)
+    errors = {name: expected_error(share) for name, share in settings.landmark_confidence.items() if name in landmarks}
     _warm(target)
     timing["prepare"] = clock.lap()
     exchanged = _exchanged(rig, plan.recipe, landmarks, settings.certain)
     doubted = {name for doubt in exchanged for name in doubt.names}
     followed = {name: place for name, place in landmarks.items() if name not in doubted}
-    errors = {name: expected_error(share) for name, share in settings.landmark_confidence.items()}
     task = FitTask(
         rig,
         target,
@@ -191,7 +212,7 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     return ReadyScan(
         settings=settings,
         scan=scan,
-        notes=(*scan.notes, *ready.notes, *_words(shown)),
+        notes=(*scan.notes, *ready.notes, *_words(shown), *_unchecked(plan)),
         table_triangles=ready.table_triangles,
         cut_away=ready.cut_away,
         landmarks=landmarks,
@@ -225,6 +246,15 @@ def _with_colour(
         fitted = last.parameters if last.is_finite else None
     shown = {} if fitted is None else seen_landmarks(task, fitted, clearness, scan)
     return (task, begun, shown) if fitted is None or not shown else (with_seen(task, shown, fitted), (), shown)
+
+
+def _unchecked(plan: FitPlan) -> tuple[str, ...]:
+    """A note of landmarks that did not count."""
+    if not plan.proposed:
+        return ()
+    first, *others = plan.proposed
+    which = f"{1 + len(others)} landmarks are" if others else f"The landmark {first} is"
+    return (f"{which} as proposed from this scan, and did not pull at the fit.",)
 
 
 def _words(shown: "Mapping[str, Observation] | None") -> tuple[str, ...]:

@@ -22,10 +22,10 @@ for (const way of ["twelve clicks on the body", "proposals, confirmed at once"] 
         await page.mouse.click(x, y);
       }
     } else {
-      await page.getByRole("button", { name: /^Confirm the \d+ likely points$/ }).click();
+      await page.getByRole("button", { name: "Fit as proposed" }).waitFor();
     }
     lap(`${await hook.pickCount(page)} landmarks placed`);
-    await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
+    await page.getByRole("button", { name: /^Fit (with \d+ landmarks|as proposed)$/ }).click();
     await page.waitForFunction(() => (window.__breastrig!.state().fit?.shown ?? -1) >= 0);
     lap("model on the scan");
     await untilFitted(page);

@@ -20,9 +20,10 @@ function wording(next: NextStep, state: NextShown): string {
   }
   if (next.kind === "check") return questions.check(next.count);
   if (next.kind === "confirm scan") return scanText.confirm;
-  if (next.kind === "confirm") return proposalText.confirmLikely(next.names.length);
+  if (next.kind === "confirm") return proposalText.confirmSeen(next.names.length);
   if (next.kind === "fit" && next.again) return fitText.again(next.landmarks);
-  if (next.kind === "fit") return next.landmarks > 0 ? fitText.with(next.landmarks) : fitText.without;
+  if (next.kind === "fit" && next.landmarks > 0) return fitText.with(next.landmarks);
+  if (next.kind === "fit") return next.isProposed ? proposalText.fit : fitText.without;
   if (next.kind === "correct") return text.next.correct;
   if (next.kind === "draw") return next.isArmed ? text.next.drawing : text.next.draw;
   if (next.kind === "add") return text.next.add(next.stance);
@@ -33,23 +34,25 @@ function wording(next: NextStep, state: NextShown): string {
 export function createNextButton(actions: Actions): Panel<NextShown> {
   let next: NextStep = { kind: "none" };
   const press = (): void => {
-    if (next.kind === "confirm scan") actions.scan.confirm();
-    if (next.kind === "place") actions.landmarks.want(next.isArmed ? null : next.landmark);
-    if (next.kind === "confirm") actions.landmarks.confirm(next.names);
-    if (next.kind === "check") {
+    const pressed = next; // what it does may change what comes next at once
+    if (pressed.kind === "confirm scan") actions.scan.confirm();
+    if (pressed.kind === "place") actions.landmarks.want(pressed.isArmed ? null : pressed.landmark);
+    if (pressed.kind === "confirm") actions.landmarks.confirm(pressed.names);
+    if (pressed.kind === "check") {
       actions.page.goTo("landmarks");
       document.querySelector<HTMLElement>("#step-landmarks .question:not([hidden])")?.focus(); // and into view; Enter answers nothing yet
     }
-    if (next.kind === "fit") void actions.fit.start();
-    if (next.kind === "correct") actions.page.goTo("landmarks");
-    if (next.kind === "draw") actions.drawing.take(next.isArmed ? "none" : "pen");
-    if (next.kind === "add") actions.stances.dialog(true);
-    if (next.kind === "change over") void actions.stances.swap();
+    if (pressed.kind === "fit") void actions.fit.start();
+    if (pressed.kind === "correct") actions.page.goTo("landmarks");
+    if (pressed.kind === "draw") actions.drawing.take(pressed.isArmed ? "none" : "pen");
+    if (pressed.kind === "add") actions.stances.dialog(true);
+    if (pressed.kind === "change over") void actions.stances.swap();
   };
   const words = el("span", {});
   const go = el("button", { type: "button", class: "button primary", id: "next", onclick: press }, words);
   const report = el("a", { class: "button primary", id: "report", download: "report.pdf" }, icon("download"), el("span", {}, resultText.report));
-  const other = button("", () => void actions.fit.start(), "quiet wide");
+  const mayCheck = (): boolean => next.kind === "fit" && next.isProposed === true;
+  const other = button("", () => (mayCheck() ? actions.landmarks.wantNext() : void actions.fit.start()), "quiet wide");
   const otherWords = other.querySelector("span")!;
   const element = el("div", { class: "next" }, go, report, other);
   return {
@@ -71,8 +74,8 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
       go.classList.toggle("is-armed", isArmed);
       go.setAttribute("aria-pressed", String(isArmed));
       const count = pickCount(state);
-      show(other, (next.kind === "place" || next.kind === "confirm") && state.step === "landmarks" && count > 0);
-      setText(otherWords, state.fit ? fitText.again(count) : fitText.with(count));
+      show(other, mayCheck() || ((next.kind === "place" || next.kind === "confirm") && state.step === "landmarks" && count > 0));
+      setText(otherWords, mayCheck() ? proposalText.check : state.fit ? fitText.again(count) : fitText.with(count));
     },
   };
 }

@@ -3,7 +3,7 @@ import { outdated } from "../fit/outdated";
 import { isFitting } from "../fit/state";
 import { levelOf } from "../fit/verdict";
 import { ENOUGH, nextMissing } from "../landmarks/picks";
-import { isLikely, openProposals } from "../landmarks/proposals";
+import { isSeen, openProposals } from "../landmarks/proposals";
 import { askedNames, openQuestions } from "../landmarks/questions";
 import { needsConfirming, pickCount } from "../landmarks/state";
 import { stanceNames, stanceOf } from "../stances/state";
@@ -20,7 +20,7 @@ export type NextStep =
   | { kind: "confirm scan" }
   | { kind: "place"; landmark: string; isArmed: boolean }
   | { kind: "confirm"; names: readonly string[] }
-  | { kind: "fit"; again: boolean; landmarks: number }
+  | { kind: "fit"; again: boolean; landmarks: number; isProposed?: boolean } // isProposed: others are proposed and open
   | { kind: "check"; count: number }
   | { kind: "correct" } // a fit that is not usable: its landmarks are looked at again
   | { kind: "draw"; isArmed: boolean }
@@ -43,8 +43,10 @@ export function nextStep(state: NextShown): NextStep {
   if (state.step === "scan" && needsConfirming(state)) return { kind: "confirm scan" };
   const landmarks = pickCount(state);
   if (state.step === "landmarks") {
-    const likely = openProposals(state.proposals, state.picks.present).filter((proposal) => isLikely(proposal) && !state.skipped.has(proposal.name));
-    if (state.active === null && likely.length > 0) return { kind: "confirm", names: likely.map(({ name }) => name) };
+    const open = openProposals(state.proposals, state.picks.present).filter(({ name }) => !state.skipped.has(name));
+    const seen = open.filter(isSeen);
+    if (state.active === null && seen.length > 0) return { kind: "confirm", names: seen.map(({ name }) => name) };
+    if (state.active === null && open.length > 0 && state.fit === null) return { kind: "fit", again: false, landmarks, isProposed: true };
     const list = state.meta?.landmarks ?? [];
     const landmark = state.active ?? nextMissing(list, state.picks.present, state.skipped);
     if (landmark !== null) return { kind: "place", landmark, isArmed: state.active !== null };

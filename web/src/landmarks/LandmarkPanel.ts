@@ -10,7 +10,7 @@ import type { LandmarkActions } from "./actions";
 import { landmarkExport } from "./LandmarkExport";
 import { isCertain } from "./certain";
 import { partnerOf, plainLabel, sideOf } from "./picks";
-import { errorOf, isLikely, type OpenProposal, openProposals } from "./proposals";
+import { errorOf, isLikely, isSeen, type OpenProposal, openProposals } from "./proposals";
 import type { ProposalSearch } from "./proposalSearch";
 import { createQuestionBox } from "./QuestionBox";
 import { type Asked, askedNames, openQuestions, type Question } from "./questions";
@@ -149,27 +149,24 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
   };
 }
 
-/** Above the list: what the service proposes, and the one press that takes all of it. */
+/** Above the list: what the service proposes, and the one press that takes what the skin's colours show. */
 function makeProposals(actions: LandmarkActions, search: ProposalSearch) {
   const words = el("p", {});
-  let all: readonly string[] = [];
-  let likely: readonly string[] = [];
-  const take = button("", () => actions.confirm(likely), "quiet outlined");
+  let seen: readonly string[] = [];
+  const take = button("", () => actions.confirm(seen), "quiet outlined");
   const again = button(text.proposals.again, () => void search.look(), "quiet outlined");
   const element = el("div", { class: "proposals", hidden: true }, words, take, again);
   return {
     element,
     update({ proposals, active }: Shown, open: readonly OpenProposal[]): void {
       const isNone = proposals?.state === "none";
-      all = open.map(({ name }) => name);
-      likely = open.filter(isLikely).map(({ name }) => name);
-      const rough = all.length - likely.length;
-      show(element, proposals?.state === "looking" || isNone || all.length > 0);
-      const found = rough > 0 ? `${text.proposals.found(all.length)} ${text.proposals.doubtful(rough)}` : text.proposals.found(all.length);
+      seen = open.filter(isSeen).map(({ name }) => name);
+      const rough = open.filter((proposal) => !isLikely(proposal)).length;
+      show(element, proposals?.state === "looking" || isNone || open.length > 0);
+      const found = rough > 0 ? `${text.proposals.found(open.length)} ${text.proposals.doubtful(rough)}` : text.proposals.found(open.length);
       setText(words, proposals?.state === "none" ? text.proposals.none(proposals.reason) : proposals?.state === "looking" ? text.proposals.looking : found);
-      // A rough guess, or one where no skin is, is confirmed by itself only.  The large button offers the others, unless a landmark is being placed.
-      show(take, likely.length > 0 && (rough === 0 || active !== null));
-      setText(take.querySelector("span")!, rough === 0 ? text.proposals.confirmAll(all.length) : text.proposals.confirmLikely(likely.length));
+      show(take, seen.length > 0 && active !== null); // else the large button offers it
+      setText(take.querySelector("span")!, text.proposals.confirmSeen(seen.length));
       show(again, isNone);
     },
   };

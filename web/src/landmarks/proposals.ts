@@ -1,4 +1,6 @@
-// Landmarks that the service proposes on a scan.  They are open until a person confirms them, one by one or all at once.
+// Landmarks that the service proposes on a scan.  They are open until a person confirms them: those that the skin's colours
+// show at once, all others one by one.  The form of the scan proposes what a fit finds by itself: taken for picks without
+// a look they make a fit no better, and seem surer than they are.
 import type { ProposedLandmark } from "../api/types";
 import { formatMmWhole } from "../ui/units";
 import type { Picks } from "./picks";
@@ -12,6 +14,7 @@ export type Proposals =
   | { readonly state: "none"; readonly reason: string };
 
 const LIKELY_MM = 25; // of the body's fixed points nearly all; shoulder tips and navel want a look each
+const SEEN_MM = 10; // nipples and navels that colour shows are at 2 to 8, the surest that form proposes at 12
 
 /** ± 16 mm: the radius that holds the true place in 90 of 100 cases, in words; nothing where the service does not know. */
 export const errorOf = ({ error_mm: mm }: Pick<ProposedLandmark, "error_mm">): string | null => (mm == null ? null : formatMmWhole(mm));
@@ -22,5 +25,8 @@ export function openProposals(proposals: Proposals | null, picks: Picks): OpenPr
   return Object.entries(proposals.landmarks).flatMap(([name, each]) => (name in picks ? [] : [{ name, ...each }]));
 }
 
-/** Good enough to be confirmed together with others; the rest wants a look of its own. */
+/** Good enough to be confirmed together with others. */
+export const isSeen = (proposal: ProposedLandmark): boolean => isLikely(proposal) && proposal.error_mm! <= SEEN_MM;
+
+/** No rough guess. */
 export const isLikely = (proposal: ProposedLandmark): boolean => proposal.on_scan && proposal.error_mm != null && proposal.error_mm <= LIKELY_MM;

@@ -72,15 +72,16 @@ export const questions = {
 
 export const proposals = {
   looking: "Looking for the landmarks on this scan …",
-  found: (count: number) => `${plural(count, "proposal", "proposals")}, shown dashed; ± holds the true place in 90 of 100 cases, in mm. None is used before you confirm it.`,
+  found: (count: number) => `${plural(count, "proposal", "proposals")}, shown dashed; ± holds the true place in 90 of 100 cases, in mm. A fit finds them by itself; one that you confirm counts as your own pick.`,
   doubtful: (count: number) =>
     count === 1 ? "One is a rough guess: check it by itself." : `${count} are rough guesses: check each.`,
   none: (reason: string) => `No proposals: ${reason}`,
   late: "The service is still busy with it.",
   again: "Ask again",
-  confirmAll: (count: number) => `Confirm all ${count}`,
   confirm: (label: string) => `Confirm the proposed ${label}`,
-  confirmLikely: (count: number) => (count === 1 ? "Confirm the likely point" : `Confirm the ${count} likely points`),
+  confirmSeen: (count: number) => (count === 1 ? "Confirm the point seen" : `Confirm the ${count} points seen`),
+  fit: "Fit as proposed",
+  check: "Check them one by one",
   error: (mm: string) => `±\u00a0${mm}\u00a0mm`,
   errorHint: (mm: string, reason: string | null | undefined) =>
     `${reason ? `Found on the skin: ${reason}. ` : ""}The true place lies within ${mm} mm of the proposal in 90 of 100 cases.`,

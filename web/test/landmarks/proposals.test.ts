@@ -3,7 +3,7 @@ import { page } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { ProposedLandmark, Vector } from "../../src/api/types";
 import { nextStep } from "../../src/app/nextStep";
-import { errorOf, isLikely, openProposals } from "../../src/landmarks/proposals";
+import { errorOf, isLikely, isSeen, openProposals } from "../../src/landmarks/proposals";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {
@@ -27,6 +27,7 @@ test("a proposal is labelled by the service's own radius, and nothing is made up
   expect(errorOf(at([0, 0, 0], null))).toBeNull();
   expect(isLikely({ ...at([0, 0, 0], null) })).toBe(false);
   expect(isLikely(at([0, 0, 0], 380))).toBe(false);
+  expect([isLikely(at([0, 0, 0], 14)), isSeen(at([0, 0, 0], 14))]).toEqual([true, false]);
 });
 
 test("proposals come when landmarks are the matter, stay open, and go into no fit", async () => {
@@ -40,13 +41,21 @@ test("proposals come when landmarks are the matter, stay open, and go into no fi
   expect(client.saveLandmarks).not.toHaveBeenCalled();
 });
 
-test("the primary button takes the likely ones only; rough ones and those without skin want a look each", async () => {
-  const { store, actions } = await found();
+test("the primary button takes those that colour shows; then it fits, and whoever wants to checks the others one by one", async () => {
+  const seen = { ...landmarks, nipple_L: at([90, 0, 0], 4), nipple_R: at([-90, 0, 0], 5) };
+  const { store, actions } = await found({ proposed: vi.fn().mockResolvedValue({ landmarks: seen }) });
   const next = nextStep(store.get());
   expect(next).toEqual({ kind: "confirm", names: ["nipple_L", "nipple_R"] });
   if (next.kind === "confirm") actions.landmarks.confirm(next.names);
   expect(store.get().picks.present).toEqual({ nipple_L: [90, 0, 0], nipple_R: [-90, 0, 0] });
+  expect(nextStep(store.get())).toEqual({ kind: "fit", again: false, landmarks: 2, isProposed: true });
+  actions.landmarks.wantNext();
   expect(nextStep(store.get()).kind).toBe("place");
+});
+
+test("what only the form proposes becomes no pick by one press for all: the fit finds it by itself", async () => {
+  const { store } = await found();
+  expect(nextStep(store.get())).toEqual({ kind: "fit", again: false, landmarks: 0, isProposed: true });
 });
 
 test("confirming is one step of the history and is saved; undone, the proposals are open again", async () => {
