@@ -137,7 +137,8 @@ def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
 
     The first call answers once they are found, most often within a second; later calls answer at once.
     A large scan on a busy machine may take longer than a request should: then 202 comes first.  Proposals are for
-    a person to check; they are not stored as the scan's landmarks.
+    a person to check, and are not stored as the scan's landmarks.  A fit finds by itself what only the form of the body
+    proposes: sent to it unchecked, as if it were picked, it makes the fit no better and its errors look small.
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
