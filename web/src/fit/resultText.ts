@@ -83,6 +83,6 @@ export const numbers = {
   total: "total time",
   stop: "stopped because",
   curve: "Mean distance over the iterations",
-  noLandmarks: "None were given.",
+  noLandmarks: "None were given. Those that you check make every place surer.",
   each: "Each landmark",
 };
