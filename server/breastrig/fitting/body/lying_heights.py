@@ -39,9 +39,8 @@ class LyingHeights:
         back, others = np.flatnonzero(self.of_back), np.flatnonzero(~self.of_back)
         slope = np.linalg.solve(covariance[np.ix_(others, others)], covariance[np.ix_(others, back)]).T
         beside = means_of([self.parts[k] for k in others], heights) - self.mean[others]
-        return self.mean[back] + slope @ beside, covariance[np.ix_(back, back)] - slope @ covariance[
-            np.ix_(others, back)
-        ]
+        told = slope @ covariance[np.ix_(others, back)]
+        return self.mean[back] + slope @ beside, covariance[np.ix_(back, back)] - told
 
     @cached_property
     def back(self) -> tuple[Integers, ...]:
@@ -66,9 +65,10 @@ def _some(rig: Rig, vertices: Integers) -> Integers:
     """Those of (N,) vertices that stand for them, alike on both sides."""
     left = vertices[rig.template[vertices, 0] >= 0.0]
     if not len(left):
-        return left
+        return vertices
     chosen = left[spread_out(rig.template[left], MOST // 2)]
-    return np.union1d(chosen, rig.mirror_vertices[chosen])
+    both: Integers = np.union1d(chosen, rig.mirror_vertices[chosen])
+    return both
 
 
 def means_of(parts: Iterable[Integers], heights: Array) -> Array:
