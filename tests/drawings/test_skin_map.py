@@ -9,7 +9,7 @@ from helpers.subdivide import subdivided
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.skin_map import FittedScan, SkinMap, carried
+from breastrig.drawings.skin_map import FittedScan, SkinMap, carried, spread_out
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -93,3 +93,9 @@ def test_a_model_that_is_not_on_its_scan_is_refused(torso: Rig) -> None:
     for pair in ((replace(a, vertices=a.vertices + 1.0), a), (a, replace(a, vertices=a.vertices + 1.0))):
         with pytest.raises(BadDrawing, match=r"does not lie on its scan; .*\."):
             SkinMap(torso, *pair)
+
+
+def test_spread_out_points_are_far_from_each_other() -> None:
+    line = np.linspace(0.0, 1.0, 101)[:, None] * [1.0, 0.0, 0.0]
+    assert sorted(line[spread_out(line, 3)][:, 0]) == [0.0, 0.5, 1.0]
+    assert len(spread_out(line, 500)) == 101

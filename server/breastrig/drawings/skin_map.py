@@ -34,7 +34,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadDrawing
 from breastrig.core.scipy_parts import cholesky, solve_lower
 from breastrig.correspondence.match import Correspondences, MatchRules, match
@@ -43,7 +43,6 @@ from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.drawings.skin_maps.settings import SkinMapSettings, skin_map_settings
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
-from breastrig.geometry.spread_out import spread_out
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
@@ -185,6 +184,17 @@ def carried(rig: Rig, a: FittedScan, b: FittedScan, points: Array) -> Array:
     if a.stance == "supine" and b.stance != "supine":
         return SkinMap(rig, b, a).to_a(points)
     return SkinMap(rig, a, b).to_b(points)
+
+
+def spread_out(points: Array, count: int) -> Integers:
+    """(≤ count,) indices of points far from each other (farthest-point sampling)."""
+    count = min(count, len(points))
+    chosen = np.zeros(count, dtype=np.int64)
+    gaps = np.linalg.norm(points - points[0], axis=1)
+    for k in range(1, count):
+        chosen[k] = int(gaps.argmax())
+        gaps = np.minimum(gaps, np.linalg.norm(points - points[chosen[k]], axis=1))
+    return chosen
 
 
 def _normals(rig: Rig, vertices: Array) -> Array:

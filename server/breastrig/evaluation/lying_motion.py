@@ -19,13 +19,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.drawings.skin_map import FittedScan, SkinMap
+from breastrig.drawings.skin_map import FittedScan, SkinMap, spread_out
 from breastrig.drawings.skin_maps.lying_motion import SCHEMA, LyingMotion
 from breastrig.evaluation.cohort import Case, read_cohort
 from breastrig.evaluation.studies.case import read_scene
 from breastrig.evaluation.studies.transfer import fitted, places
 from breastrig.fitting.recipe import load_recipe
-from breastrig.geometry.spread_out import spread_out
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama

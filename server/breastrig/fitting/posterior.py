@@ -5,8 +5,6 @@ noise and the priors, not that the model cannot show every body, so whoever uses
 skin count with the errors that were measured for them.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from breastrig.core.arrays import Array
@@ -26,8 +24,6 @@ class Posterior:
     """Of a task whose fit ended at `x`."""
 
     def __init__(self, task: FitTask, x: RigParameters) -> None:
-        lying = task.recipe.lying.model_copy(update={"size": 1.0})  # as surely as bodies say it, not as the fit has it
-        task = replace(task, recipe=task.recipe.model_copy(update={"lying": lying}))
         problem, stage = ScanProblem(task), task.recipe.stages[-1]
         if stage.relief is not None:  # the fit follows hollows more closely than their errors say
             stage = stage.model_copy(update={"relief": 1.0})

@@ -24,7 +24,6 @@ from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
-from breastrig.fitting.body.lying_heights import LyingHeights, lying_heights, means_of
 from breastrig.fitting.body.statistics import body_statistics
 from breastrig.fitting.hollows import hollow_terms, look_for_hollows
 from breastrig.fitting.observation_weights import observation_weights
@@ -79,7 +78,6 @@ class ScanProblem:
         self.task = task
         self._joints = expected_joints(task)
         self.priors = prior_terms(task, self._joints)
-        self._back = resting_back(task)
         self.held: list[Constraint[BodyState]] = [JointRest(self._joints)]
         self.scaling = step_scaling(task)
         self._picks = Picks.of(task)
@@ -110,8 +108,7 @@ class ScanProblem:
         """All residuals at a state; those of scan and landmarks are made for it."""
         data = data_term(self.task, stage, progress, state, matches)
         picks = [] if self._picks is None else [landmark_term(self._picks, stage, progress, state)]
-        contact = [] if self._back is None else [table_contact(self.task, self._back, state)]
-        return [*self.priors, *contact, data, *picks, *self._hollows(stage, state)]
+        return [*self.priors, data, *picks, *self._hollows(stage, state)]
 
     def _hollows(self, stage: Stage, state: BodyState) -> Terms:
         """What the skin's form shows of landmarks: looked for once, where the first stage that asks for it begins."""
@@ -249,7 +246,8 @@ def prior_terms(task: FitTask, joints: Joints) -> Terms:
         terms.append(Symmetry(rig, recipe.shapes.symmetry_sigma or np.inf, recipe.scales.symmetry_sigma or np.inf))
     if recipe.shapes.folding is not None:
         terms.append(Folding(rig, recipe.shapes.folding.least, recipe.shapes.folding.sigma))
-    return terms
+    contact = table_contact(task)
+    return terms if contact is None else [*terms, contact]
 
 
 @lru_cache(maxsize=16)
@@ -266,23 +264,23 @@ def body_terms(
     return (BodyPrior(rig, np.concatenate([known.mean_scales, mean]), covariance),)
 
 
-def resting_back(task: FitTask) -> LyingHeights | None:
-    """What is known of the heights of a back on a table; None where none is seen under it, or of an unknown rig."""
-    table = task.target.table
-    known = lying_heights(task.rig) if table is not None and task.stance == "supine" else None
-    if table is None or known is None:
+def table_contact(task: FitTask) -> TableContact | None:
+    """The term of a lying back; None where no table is seen under it or nothing is known of the rig's back."""
+    rig, settings, table = task.rig, task.recipe.lying, task.target.table
+    back = rig.regions.get("back")
+    if table is None or task.stance != "supine" or back is None:
         return None
-    start = pose(task.rig, task.start) @ table.normal - table.height
-    away = np.mean(means_of(known.parts, start)[known.of_back] - known.mean[known.of_back])
-    return known if abs(away) <= task.recipe.lying.reach else None
-
-
-def table_contact(task: FitTask, known: LyingHeights, state: BodyState) -> TableContact:
-    """The term of a lying back, whose height the other parts at this state tell: they are the scan's to move."""
-    settings, table = task.recipe.lying, task.target.table
-    assert table is not None
-    mean, covariance = known.back_given(state.vertices @ table.normal - table.height, settings.alone)
-    return TableContact(task.rig, table, known.back, mean, settings.size**2 * covariance, settings.floor_sigma)
+    leading = np.argmax(rig.weights_by_bone[:, back], axis=0)
+    groups = {name: back[leading == rig.bone_names.index(name)] for name in settings.heights if name in rig.bone_names}
+    known = {name: group for name, group in groups.items() if len(group)}
+    heights = np.array([settings.heights[name] for name in known])
+    start = pose(rig, task.start) @ table.normal - table.height
+    away = np.mean([start[group].mean() for group in known.values()] - heights) if known else np.inf
+    if abs(away) > settings.reach:
+        return None
+    return TableContact(
+        rig, table, tuple(known.values()), heights, settings.sigma, settings.profile_sigma, settings.floor_sigma
+    )
 
 
 def step_scaling(task: FitTask) -> Array:

@@ -117,10 +117,11 @@ class Outliers(_Part):
 class Lying(_Part):
     """Where a back rests on a table that the scan shows; see energies/table_contact.py."""
 
-    alone: Positive  # m, of each part's height beyond what bodies have in common
-    size: Positive  # of the expected deviations, against those of the bodies that they were learnt of
+    sigma: Positive  # m, of the height of the whole back
+    profile_sigma: Positive  # m, of each bone's part against the whole
     floor_sigma: Positive  # m, how softly the table is met from above
     reach: Positive  # m; a plane that is farther off than this at the start is a wall, or she is raised from it
+    heights: dict[str, float]  # m, expected mean height of the back above the table, by bone
 
 
 class LandmarkErrors(_Part):

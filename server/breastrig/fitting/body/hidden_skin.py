@@ -9,9 +9,9 @@ Mean / 95 % in mm over hidden skin, no landmark given, without it and with it:
     standing   6.2 / 16.7  5.3 / 13.5      8.5 / 22.8  7.6 / 19.6      4.8 / 11.8  4.0 / 10.1
     lying      6.7 / 16.4  6.4 / 14.9      9.6 / 23.0  9.3 / 21.3      7.5 / 17.7  7.4 / 16.7
 
-Of lying bodies, measured here with one expected height for all backs, only the back's form is kept.  How high the whole
-back lies differs more from one of them to the next than anything that is common to them; what the scan tells of it is
-in the fit (lying_heights.py).
+Of lying bodies only the back's form is kept.  How high the whole back lies differs more from one of them to the next
+than anything that is common to them: given that one number of each body the fits end at 4.8 / 12.2, 6.0 / 14.9 and
+4.9 / 12.2, but no part of a scan tells it (the preset's [lying]).
 """
 
 import json
