@@ -108,7 +108,7 @@ def test_operations_need_no_token_and_show_nothing_that_needs_one(config: Config
 
 
 def test_a_killed_idle_process_does_not_make_the_service_unready(serving_readers: Service) -> None:
-    pool = serving_readers._readers._processes._pool
+    pool = serving_readers._readers._processes._cold._pool
     manager = pool._pool_manager.worker_manager
     for pid in list(manager.workers):
         with suppress(ProcessLookupError):

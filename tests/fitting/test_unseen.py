@@ -5,12 +5,12 @@ On ten dev scans cut in the same three ways the bones kept 0.85 to 1.20 of their
 
 import numpy as np
 import pytest
-from helpers.example_patient import Patient, example_patient
+from helpers.example_patient import Patient, example_patient, silent
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.problem import expected_joints, prior_terms
-from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.newton import assemble
 from breastrig.rig.parameters import RigParameters
@@ -36,10 +36,10 @@ def kept(patient: Patient, cut: str, points: Array) -> Booleans:
     return np.asarray(points[:, 1] > patient.landmarks[below][1] - 0.005)
 
 
-def cut_fit(patient: Patient, cut: str) -> RigParameters:
+def cut_fit(patient: Patient, cut: str, recipe: Recipe | None = None) -> RigParameters:
     inside = kept(patient, cut, patient.vertices)[patient.faces].all(axis=1)
     landmarks = {n: p for n, p in patient.landmarks.items() if kept(patient, cut, p[None])[0]}
-    return patient.parameters(*compact(patient.vertices, patient.faces[inside]), landmarks)
+    return patient.parameters(*compact(patient.vertices, patient.faces[inside]), landmarks, recipe)
 
 
 def volume(patient: Patient, vertices: Array) -> float:
@@ -64,8 +64,8 @@ def test_unseen_parts_keep_human_proportions(patient: Patient, cut: str) -> None
 
 
 def test_an_unseen_breast_takes_the_shape_of_the_seen_one(patient: Patient) -> None:
-    """Half a body: where the scan says nothing, each weight is what its priors agree on, given all that is seen."""
-    x, rig = cut_fit(patient, "left half"), patient.rig
+    """Half a body: where nothing tells of it, each weight is what its priors agree on, given all that is seen."""
+    x, rig = cut_fit(patient, "left half", silent(load_recipe("default"))), patient.rig
     names = [shape.name for shape in rig.shapes]
     seen = {name: x.weights[k] for k, name in enumerate(names) if name.endswith("_L")}
     assert max(abs(weight) for weight in seen.values()) > 0.5  # there is a shape to follow

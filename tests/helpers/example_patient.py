@@ -9,7 +9,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.orientation import start_from_landmarks
-from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 from breastrig.rig.model import Rig
@@ -21,6 +21,12 @@ from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 
 EXAMPLE = asset_folder("example") / "standing"
+
+
+def silent(recipe: Recipe) -> Recipe:
+    """The recipe by which no pick tells of its partner on the other side."""
+    landmarks = {name: each.model_copy(update={"mirrored": None}) for name, each in recipe.landmarks.items()}
+    return recipe.model_copy(update={"landmarks": landmarks})
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +43,19 @@ class Patient:
         """(V, 3) m"""
         return pose(self.rig, self.x)
 
-    def parameters(self, vertices: Array, faces: Integers, landmarks: dict[str, Array] | None = None) -> RigParameters:
-        """The model fitted to another scan of her, with all her landmarks or these."""
+    def parameters(
+        self,
+        vertices: Array,
+        faces: Integers,
+        landmarks: dict[str, Array] | None = None,
+        recipe: Recipe | None = None,
+    ) -> RigParameters:
+        """The model fitted to another scan of her, with all her landmarks or these, by the default recipe or this."""
         given = self.landmarks if landmarks is None else landmarks
         surface = clean(Scan(vertices, faces, "m", 1.0, "As asked for.", "0" * 64))
         target = ScanTarget(surface.vertices, surface.faces)
         start = start_from_landmarks(self.rig, given)
-        last = list(fit_iterates(FitTask(self.rig, target, start, load_recipe("default"), given)))[-1]
+        last = list(fit_iterates(FitTask(self.rig, target, start, recipe or load_recipe("default"), given)))[-1]
         assert last.status is Status.CONVERGED
         return last.parameters
 

@@ -103,6 +103,12 @@ def failing(job: FitJob) -> Iterator[Event]:
     raise FitFailed("The model found no skin near it; place three landmarks.")
 
 
+def by_process(job: FitJob) -> Iterator[Event]:
+    """Says in which process it ran."""
+    yield started(job)
+    raise FitFailed(f"process {os.getpid()}")
+
+
 def broken(job: FitJob) -> Iterator[Event]:
     yield started(job)
     raise ZeroDivisionError("an error of ours")

@@ -6,6 +6,7 @@ import resource
 import signal
 import sys
 import time
+from collections.abc import Callable
 from importlib import import_module
 
 from threadpoolctl import threadpool_info
@@ -108,3 +109,16 @@ def remember(word: str) -> tuple[int, list[str]]:
 def lose() -> None:
     """Ends the process as if the system had killed it."""
     os._exit(1)
+
+
+def call_as_kept(function: Callable[..., object], *given: object) -> object:
+    """As the service calls in a kept process."""
+    return function(*given)
+
+
+def burn_for(seconds: float) -> int:
+    """Uses the processor for so long; the process."""
+    until = time.process_time() + seconds
+    while time.process_time() < until:
+        pass
+    return os.getpid()

@@ -12,7 +12,7 @@ from sqlalchemy.exc import OperationalError
 
 from breastrig.core.errors import Conflict, NotFound
 from breastrig.service import queue
-from breastrig.service.event_writer import OTHER_MODEL, event_json
+from breastrig.service.events.event_writer import OTHER_MODEL, event_json
 from breastrig.service.fit_worker import TOO_OFTEN, UNSEEN, fit_job
 from breastrig.storage.location import Location
 from breastrig.storage.rows.events import append, events_after
@@ -211,16 +211,16 @@ def test_deleting_a_scan_stops_its_fits_and_leaves_nothing(serving, storage: Sto
 def test_a_killed_idle_process_does_not_break_the_queue(serving, scan_id: str) -> None:
     with serving(fake_fit.quick) as service:
         until(lambda: _alive(service), "all processes")
-        for pid in list(service._workers._pool._pool_manager.worker_manager.workers):
+        for pid in list(service._workers._cold._pool._pool_manager.worker_manager.workers):
             with suppress(ProcessLookupError):  # the pool ends the other one itself when it notices the first
                 os.kill(pid, 9)
-        until(lambda: not service._workers._pool.active, "the pool to notice")
+        until(lambda: not service._workers._cold._pool.active, "the pool to notice")
         assert ended(service, ask_for_fit(service, scan_id)).state == "done"
 
 
 def _alive(service) -> bool:
     """Two, and the one that stands ready beside them."""
-    workers = service._workers._pool._pool_manager.worker_manager.workers
+    workers = service._workers._cold._pool._pool_manager.worker_manager.workers
     return len(workers) == 3 and all(worker.is_alive() for worker in list(workers.values()))
 
 

@@ -26,11 +26,11 @@ from breastrig.scan import background
 from breastrig.scan.clean import Surface
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
-from breastrig.workflow import propose_on_scan as propose_module
 from breastrig.workflow import scan_fit
 from breastrig.workflow.events import Event
 from breastrig.workflow.further_jobs import ProposeJob
 from breastrig.workflow.jobs import FitJob, UploadJob
+from breastrig.workflow.kept import kept_scan
 from breastrig.workflow.propose_on_scan import propose_on_file
 from breastrig.workflow.read_upload import read_upload
 from breastrig.workflow.run_fit import run_fit
@@ -211,8 +211,8 @@ def test_a_command_line_proposal_reads_prepares_and_orients_once(
     calls: dict[str, int], bare: dict[str, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cleaned: list[int] = []
-    of_clean = propose_module.clean
-    monkeypatch.setattr(propose_module, "clean", lambda scan: cleaned.append(1) or of_clean(scan))
+    of_clean = kept_scan.clean
+    monkeypatch.setattr(kept_scan, "clean", lambda scan: cleaned.append(1) or of_clean(scan))
     propose_on_file(ProposeJob(bare["standing"], "ply", "m"))
     assert calls == {"fits": 1, "fronts": 1, "starts": 1}
     assert cleaned == [1]

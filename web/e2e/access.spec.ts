@@ -1,7 +1,7 @@
 // Who may see what, in a real browser: its cookies, origins and policies are not those of a test client.
 import { expect, test } from "@playwright/test";
 import { seriousFindings, smallTargets } from "./audit";
-import { hook, untilFitted } from "./page";
+import { hook, until, untilFitted } from "./page";
 import { type Running, startService } from "./service";
 
 const TOKEN = "a-token-of-more-than-sixteen-characters";
@@ -56,7 +56,7 @@ test("a visitor opens a shared result with its passcode, sees nothing else, and 
   await expect(page.getByText("fitted.glb")).toBeVisible();
   await expect(page.getByLabel("Passcode")).toBeHidden();
   await expect(page.getByText("scan.glb")).toHaveCount(0);
-  await page.waitForFunction(() => window.__breastrig?.state().fit != null);
+  await until(page, () => window.__breastrig?.state().fit != null);
   expect((await hook.picture(page)).colours, "the model is drawn without the scan").toBeGreaterThan(100);
   const status = (path: string): Promise<number> => page.evaluate(async (address) => (await fetch(address)).status, path);
   expect(await status(`/api/shared/${share.id}/result.json`)).toBe(200);

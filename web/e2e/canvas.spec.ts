@@ -2,7 +2,7 @@
 // turn; every tool is large enough, and Done leads back.
 import { type CDPSession, expect } from "@playwright/test";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { distance, hook, test, untilStill } from "./page";
+import { distance, hook, tap, test, untilStill } from "./page";
 import { inTheme } from "./states";
 
 test.use({ hasTouch: true, viewport: { width: 1024, height: 768 } });
@@ -26,10 +26,10 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
     session.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
   const pose = () => page.evaluate(() => window.__breastrig!.pose());
   await page.goto(base);
-  await page.getByRole("button", { name: /standing/i }).tap();
+  await tap(page.getByRole("button", { name: /standing/i }));
   await hook.ready(page);
   await page.keyboard.press("4");
-  await page.getByRole("button", { name: "Draw on the full screen" }).tap();
+  await tap(page.getByRole("button", { name: "Draw on the full screen" }));
   await expect(page.getByRole("button", { name: "Done" })).toBeVisible();
   await expect(page.getByRole("button", { name: "Scan", exact: false }).first()).toBeHidden();
   await untilStill(page);
@@ -43,7 +43,7 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
 
   await test.step("light or hard, the pen's line is the same", async () => {
     await stroke(session, [470, 320], [560, 330], () => 0.05);
-    await page.getByRole("button", { name: "Red", exact: true }).tap();
+    await tap(page.getByRole("button", { name: "Red", exact: true }));
     await stroke(session, [470, 320], [560, 330], (share) => 0.1 + 0.9 * share);
     const [, light, hard] = await lines();
     expect([light!.color, hard!.color]).toEqual(["#101010", "#c53030"]);
@@ -59,20 +59,20 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
     await untilStill(page);
     expect(await lines()).toHaveLength(3);
     expect(distance((await pose()).eye, before.eye)).toBeGreaterThan(0.02);
-    await page.getByRole("button", { name: "Front", exact: true }).tap();
+    await tap(page.getByRole("button", { name: "Front", exact: true }));
     await untilStill(page);
   });
 
   await test.step("where that is wished for a finger draws again", async () => {
     const wish = page.locator(".canvas-bar").getByRole("button", { name: "Fingers" });
-    await wish.tap();
+    await tap(wish);
     await fingers("touchStart", [[470, 400]]);
     for (let i = 1; i <= 8; i += 1) await fingers("touchMove", [[470 + 8 * i, 400]]);
     await fingers("touchEnd", []);
     expect(await lines()).toHaveLength(4);
-    await page.getByRole("button", { name: "Undo" }).first().tap();
+    await tap(page.getByRole("button", { name: "Undo" }).first());
     expect(await lines()).toHaveLength(3);
-    await wish.tap();
+    await tap(wish);
     await expect(wish).toHaveAttribute("aria-pressed", "false");
   });
 
@@ -93,21 +93,21 @@ test("a stylus draws, its hand does nothing, fingers turn; Done leads back", asy
   });
 
   await test.step("a line is erased by a touch of the pen, and comes back", async () => {
-    await page.getByRole("button", { name: "Erase", exact: true }).tap();
+    await tap(page.getByRole("button", { name: "Erase", exact: true }));
     const at = await hook.project(page, (await lines())[3]!.points[10]!);
     await stroke(session, [at.x, at.y], [at.x, at.y], () => 0.5);
     expect(await lines()).toHaveLength(3);
-    await page.getByRole("button", { name: "Undo", exact: true }).tap();
+    await tap(page.getByRole("button", { name: "Undo", exact: true }));
     expect(await lines()).toHaveLength(4);
   });
 
   await test.step("Done leads back; where the browser does not give the screen it is the window", async () => {
     expect(await page.evaluate(() => document.fullscreenElement !== null)).toBe(true);
-    await page.getByRole("button", { name: "Done" }).tap();
+    await tap(page.getByRole("button", { name: "Done" }));
     await expect(page.getByRole("button", { name: "Draw on the full screen" })).toBeVisible();
     await expect.poll(() => page.evaluate(() => document.fullscreenElement)).toBeNull();
     await page.evaluate(() => Object.defineProperty(document.documentElement, "requestFullscreen", { value: undefined }));
-    await page.getByRole("button", { name: "Draw on the full screen" }).tap();
+    await tap(page.getByRole("button", { name: "Draw on the full screen" }));
     await expect(page.getByRole("button", { name: "Done" })).toBeVisible();
     const box = (await page.locator("canvas.view").boundingBox())!;
     expect([box.x, box.y, box.width, box.height]).toEqual([0, 0, 1024, 768]);

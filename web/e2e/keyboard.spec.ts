@@ -1,6 +1,6 @@
 // The whole main job by keys alone: no mouse event is ever sent.
 import { expect, type Page } from "@playwright/test";
-import { distance, hook, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { distance, hook, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
 
 /** Tabs until something with this name has the focus; says how many presses it took. */
 async function tabTo(page: Page, name: RegExp, most = 60): Promise<number> {
@@ -71,7 +71,7 @@ test("from page load to the fitted result without a mouse, and the live region s
       return { x: x + width / 2, y: y + height / 2 };
     };
     await expect(page.locator(".crosshair")).toBeVisible();
-    await page.waitForFunction(() => window.__breastrig!.state().proposals !== null); // said aloud when they come
+    await until(page, () => window.__breastrig!.state().proposals !== null); // said aloud when they come
     for (const [axis, back, forth] of [["x", "ArrowLeft", "ArrowRight"], ["y", "ArrowUp", "ArrowDown"]] as const) {
       for (let i = 0; i < 80; i += 1) {
         const away = goal[axis] - (await cross())[axis];

@@ -2,7 +2,7 @@
 // and the measure that is pointed at in the table.
 import { expect, type Page } from "@playwright/test";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { hook, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { hook, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
 import { inTheme } from "./states";
 
 /** Red over blue of the pixels around page places; skin-coloured clay has more red than a grey scan. */
@@ -40,7 +40,7 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
   await page.keyboard.press("3");
   await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).first().click();
   await untilFitted(page);
-  await page.waitForFunction(() => window.__breastrig?.state().fit?.distances);
+  await until(page, () => window.__breastrig?.state().fit?.distances);
   const truth = trueLandmarks();
   const places: { x: number; y: number }[] = [];
 

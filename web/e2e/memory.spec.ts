@@ -1,6 +1,6 @@
 // What one patient holds on the graphics card is let go before the next one comes.
 import { expect, type Page } from "@playwright/test";
-import { hook, test, untilFitted } from "./page";
+import { hook, test, until, untilFitted } from "./page";
 
 const OPENED = 20;
 
@@ -11,7 +11,7 @@ const goTo = (page: Page, hash: string) => page.evaluate((to) => void (location.
 /** The model, posed as in the first iteration and then as in the last, the surface with its lines and their bands. */
 async function wholeResult(page: Page): Promise<void> {
   await untilFitted(page);
-  await page.waitForFunction(() => window.__breastrig!.state().fit?.distances);
+  await until(page, () => window.__breastrig!.state().fit?.distances);
   const slider = page.locator("#iteration");
   await slider.fill("0");
   const textures = async (): Promise<number> => {
@@ -42,7 +42,7 @@ test(`after ${OPENED} scans the graphics card holds what it held after the first
     await hook.picture(page); // all of it has been drawn
     const open = await memory(page);
     await goTo(page, "#");
-    await page.waitForFunction(() => window.__breastrig!.state().scan === null);
+    await until(page, () => window.__breastrig!.state().scan === null);
     await hook.picture(page);
     seen.push({ open, closed: await memory(page) });
   }

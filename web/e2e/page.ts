@@ -1,7 +1,7 @@
 // What the browser tests share: the page with its record of errors, and the example patient's files.
 import { readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
-import { expect, type Page, test as plain } from "@playwright/test";
+import { expect, type Locator, type Page, test as plain } from "@playwright/test";
 import type { LandmarkFile, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
 
@@ -33,8 +33,11 @@ export const test = plain.extend<{ base: string; troubles: string[] }>({
   },
 });
 
+/** Waits until it is so, and looks ten times a second: looking at every frame makes the browser draw frames for nothing else. */
+export const until = <Given>(page: Page, isSo: (given: Given) => unknown, given?: Given) => page.waitForFunction(isSo as () => unknown, given, { polling: 100 });
+
 export const hook = {
-  ready: (page: Page) => page.waitForFunction(() => window.__breastrig?.isReady()),
+  ready: (page: Page) => until(page, () => window.__breastrig?.isReady()),
   project: (page: Page, point: Vector) => page.evaluate((at) => window.__breastrig!.project(at), point),
   pick: (page: Page, name: string) => page.evaluate((key) => window.__breastrig!.state().picks.present[key] ?? null, name),
   pickCount: (page: Page) => page.evaluate(() => Object.keys(window.__breastrig!.state().picks.present).length),
@@ -62,7 +65,7 @@ export async function untilStill(page: Page): Promise<void> {
 
 /** Waits until the fit is over and its last iteration and drawing are on the screen. */
 export async function untilFitted(page: Page): Promise<void> {
-  await page.waitForFunction(() => {
+  await until(page, () => {
     const { fit } = window.__breastrig!.state();
     return fit && fit.state !== "running" && !fit.playing && (fit.state !== "done" || fit.drawing !== null || fit.drawingName === null);
   });
@@ -70,3 +73,10 @@ export async function untilFitted(page: Page): Promise<void> {
 }
 
 export const distance = (a: Vector, b: Vector): number => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+
+/** Taps, and waits for the click that the browser makes of it a moment later. */
+export async function tap(place: Locator): Promise<void> {
+  const click = place.evaluate((element) => new Promise<void>((clicked) => element.addEventListener("click", () => clicked(), { once: true })));
+  await place.tap();
+  await click;
+}

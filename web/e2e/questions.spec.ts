@@ -3,7 +3,7 @@
 import { expect, type Page } from "@playwright/test";
 import type { LandmarkFile, Result, Vector } from "../src/api/types";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { hook, test, trueLandmarks, untilFitted } from "./page";
+import { hook, test, trueLandmarks, until, untilFitted } from "./page";
 import { inTheme } from "./states";
 
 const PICTURES = process.env.BREASTRIG_E2E_PICTURES; // a folder: for whoever wants to look
@@ -39,7 +39,7 @@ async function fitted(page: Page, base: string, landmarks: Record<string, Vector
 
 /** Until the answer's own fit is on the screen. */
 async function untilFittedAgain(page: Page, before: string): Promise<Result> {
-  await page.waitForFunction((id) => {
+  await until(page, (id) => {
     const { fit, isStarting } = window.__breastrig!.state();
     return fit && fit.id !== id && fit.state === "done" && !isStarting && fit.drawing;
   }, before);

@@ -5,7 +5,7 @@ import { expect, type Page } from "@playwright/test";
 import type { Fit, Result } from "../src/api/types";
 import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/fit/distances";
 import { formatMm, formatPercent, formatSignedMm } from "../src/ui/units";
-import { distance, hook, test, untilFitted, untilStill } from "./page";
+import { distance, hook, test, until, untilFitted, untilStill } from "./page";
 
 /** Shares of strongly blue and strongly orange pixels in a part of the stage (0 to 1 across). */
 async function colours(page: Page, from: number, to: number): Promise<{ coloured: number; skin: number }> {
@@ -207,7 +207,7 @@ test("a landmark that is dragged after the fit is fitted again at once, and arro
   await page.mouse.move(at.x + 12, at.y + 8, { steps: 3 });
   const wanted = await page.evaluate(([x, y]) => window.__breastrig!.pickAt(x!, y!)!.point, [at.x + 12, at.y + 8]);
   // The model follows while the mark is held, by the service's answers for where it is; the fit waits for its end.
-  await page.waitForFunction(() => window.__breastrig!.state().followed !== null);
+  await until(page, () => window.__breastrig!.state().followed !== null);
   expect((await page.evaluate(() => window.__breastrig!.state().fit!.id)), "no fit was asked for").toBe(first.id);
   expect(await page.evaluate(() => window.__breastrig!.picture().checksum)).not.toBe(before3d);
   const asked = page.waitForRequest((request) => request.url().endsWith("/moved"));
@@ -215,7 +215,7 @@ test("a landmark that is dragged after the fit is fitted again at once, and arro
   await asked;
   await page.mouse.move(at.x + 12, at.y + 8);
   await page.mouse.up();
-  await page.waitForFunction((id) => window.__breastrig!.state().fit!.id !== id, first.id);
+  await until(page, (id) => window.__breastrig!.state().fit!.id !== id, first.id);
   expect(await page.evaluate(() => window.__breastrig!.state().followed)).toBeNull();
   expect(distance((await hook.pick(page, "umbilicus"))!, wanted)).toBeLessThan(0.01);
   await untilFitted(page);

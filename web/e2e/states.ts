@@ -1,7 +1,7 @@
 // The states of the page in the order in which a person meets them, for whoever looks at all of them: accessibility,
 // sizes of targets, pictures.  A running fit is held at an iteration, so that it can be looked at.
 import { expect, type Page } from "@playwright/test";
-import { hook, untilFitted } from "./page";
+import { hook, until, untilFitted } from "./page";
 
 export interface StateOfPage {
   readonly name: string;
@@ -86,7 +86,7 @@ export const STATES: readonly StateOfPage[] = [
     name: "fitting",
     reach: async (page) => {
       await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
-      await page.waitForFunction((held) => (window.__breastrig?.state().fit?.shown ?? -1) >= held - 2, HELD_AT);
+      await until(page, (held) => (window.__breastrig?.state().fit?.shown ?? -1) >= held - 2, HELD_AT);
     },
   },
   {
@@ -94,7 +94,7 @@ export const STATES: readonly StateOfPage[] = [
     reach: async (page) => {
       await page.evaluate(() => (window as unknown as { releaseFit: () => void }).releaseFit());
       await untilFitted(page);
-      await page.waitForFunction(() => window.__breastrig?.state().fit?.distances);
+      await until(page, () => window.__breastrig?.state().fit?.distances);
     },
   },
   { name: "distances", reach: (page) => page.keyboard.press("d") },

@@ -2,7 +2,7 @@
 // anything else, lying or upright.
 import { type CDPSession, expect, type Page } from "@playwright/test";
 import { overlaps, smallTargets } from "./audit";
-import { distance, hook, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { distance, hook, tap, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
 
 test.use({ hasTouch: true, viewport: { width: 1024, height: 768 } });
 
@@ -26,14 +26,14 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
   await page.emulateMedia({ reducedMotion: "reduce" });
   await page.goto(base);
   expect(await mess(page)).toEqual([]);
-  await page.getByRole("button", { name: /standing/i }).tap();
+  await tap(page.getByRole("button", { name: /standing/i }));
   await hook.ready(page);
   expect(await mess(page)).toEqual([]);
-  await page.getByRole("button", { name: "Landmarks", exact: false }).first().tap();
+  await tap(page.getByRole("button", { name: "Landmarks", exact: false }).first());
   await expect(page.locator("[data-proposed]").first()).toBeAttached();
 
   await test.step("a tap places", async () => {
-    await page.locator(".landmarks [data-landmark=umbilicus] .landmark-name").tap();
+    await tap(page.locator(".landmarks [data-landmark=umbilicus] .landmark-name"));
     await untilStill(page); // the eye comes near
     const { x, y } = await hook.project(page, truth.umbilicus!);
     await page.touchscreen.tap(x, y);
@@ -41,7 +41,7 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
   });
 
   await test.step("a finger held still aims above its tip, with the loupe; lifting it places", async () => {
-    await page.locator(".landmarks [data-landmark=mid_sternum] .landmark-name").tap();
+    await tap(page.locator(".landmarks [data-landmark=mid_sternum] .landmark-name"));
     await untilStill(page);
     const goal = await hook.project(page, truth.mid_sternum!);
     const finger = { x: goal.x - 20, y: goal.y + ABOVE + 12 };
@@ -83,15 +83,15 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
   });
 
   await test.step("lying and upright, from the landmarks to the result", async () => {
-    await page.getByRole("button", { name: /^Confirm the \d+ likely points$/ }).tap();
+    await tap(page.getByRole("button", { name: /^Confirm the \d+ likely points$/ }));
     expect(await mess(page)).toEqual([]);
-    await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).tap();
+    await tap(page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }));
     await untilFitted(page);
-    await page.waitForFunction(() => window.__breastrig?.state().fit?.distances);
+    await until(page, () => window.__breastrig?.state().fit?.distances);
     for (const viewport of [{ width: 1024, height: 768 }, { width: 820, height: 1180 }, { width: 1280, height: 720 }]) {
       await page.setViewportSize(viewport);
       for (const overlay of ["Both", "Beside", "Swipe"]) {
-        await page.getByRole("button", { name: overlay, exact: true }).tap();
+        await tap(page.getByRole("button", { name: overlay, exact: true }));
         expect(await mess(page), `${viewport.width} x ${viewport.height}, ${overlay}`).toEqual([]);
       }
     }

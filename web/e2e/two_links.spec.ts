@@ -1,7 +1,7 @@
 // Two links, opened at once in two tabs of one browser: each tab has its own patient's result, body and files, every time.
 import { readFile } from "node:fs/promises";
 import { expect, type Page, test } from "@playwright/test";
-import { hook } from "./page";
+import { hook, until } from "./page";
 import { type Link, Owner, sha256 } from "./shared";
 
 const ROUNDS = Number(process.env.BREASTRIG_ROUNDS ?? 3); // `make routes` runs 20
@@ -36,7 +36,7 @@ async function patient(stance: Stance): Promise<Tab> {
 
 /** What the tab has: the number on it, the scan in its memory, and each file that it offers, as it would be downloaded. */
 async function shown(page: Page): Promise<{ mean: number; mesh: string; files: Record<string, string> }> {
-  await page.waitForFunction(() => window.__breastrig?.state().fit?.result != null);
+  await until(page, () => window.__breastrig?.state().fit?.result != null);
   return page.evaluate(async () => {
     const hex = async (bytes: ArrayBuffer): Promise<string> =>
       [...new Uint8Array(await crypto.subtle.digest("SHA-256", bytes))].map((each) => each.toString(16).padStart(2, "0")).join("");

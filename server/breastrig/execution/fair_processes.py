@@ -17,7 +17,7 @@ from typing import Any
 from breastrig.core.errors import TooMany
 from breastrig.core.round_robin import RoundRobin
 from breastrig.execution.asking_client import asking_client
-from breastrig.execution.processes import Processes
+from breastrig.execution.executor import Executor
 
 RETRY_S = 2  # a scan is read within a second or two
 
@@ -45,7 +45,7 @@ class _Task(Future[Any]):
 class FairProcesses:
     """An Executor around a pool.  `waiting_per_client` counts what a client has under way or waiting."""
 
-    def __init__(self, processes: Processes, waiting_per_client: int) -> None:
+    def __init__(self, processes: Executor, waiting_per_client: int) -> None:
         self._processes = processes
         self._most = waiting_per_client
         self._changed = threading.Condition()

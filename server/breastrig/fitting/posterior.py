@@ -2,7 +2,8 @@
 
 The covariance of the unknowns is the inverse of Gauss-Newton's H with the joints' part in it.  It knows the scan's
 noise and the priors, not that the model cannot show every body, so whoever uses it adds that misfit.  Hollows of the
-skin count with the errors that were measured for them.
+skin count with the errors that were measured for them.  What a pick tells of its partner on the other side does not
+count (body/mirrored_landmarks.py): it is no further observation, and a wrong pick would speak for itself.
 """
 
 import numpy as np
@@ -24,7 +25,7 @@ class Posterior:
     """Of a task whose fit ended at `x`."""
 
     def __init__(self, task: FitTask, x: RigParameters) -> None:
-        problem, stage = ScanProblem(task), task.recipe.stages[-1]
+        problem, stage = ScanProblem(task, partners=False), task.recipe.stages[-1]
         if stage.relief is not None:  # the fit follows hollows more closely than their errors say
             stage = stage.model_copy(update={"relief": 1.0})
         self.task, self.state = task, BodyState(task.rig, x)

@@ -24,6 +24,7 @@ from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
+from breastrig.fitting.body.mirrored_landmarks import MirroredLandmark, mirrored_landmarks, mirrored_terms
 from breastrig.fitting.body.statistics import body_statistics
 from breastrig.fitting.hollows import hollow_terms, look_for_hollows
 from breastrig.fitting.observation_weights import observation_weights
@@ -74,14 +75,16 @@ class Picks:
 class ScanProblem:
     """One scan's part of a fit."""
 
-    def __init__(self, task: FitTask) -> None:
-        self.task = task
+    def __init__(self, task: FitTask, *, partners: bool = True) -> None:
+        """`partners`: whether a pick tells where its partner is; what judges picks lets none vouch for itself."""
+        self.task, self._partners = task, partners
         self._joints = expected_joints(task)
         self.priors = prior_terms(task, self._joints)
         self.held: list[Constraint[BodyState]] = [JointRest(self._joints)]
         self.scaling = step_scaling(task)
         self._picks = Picks.of(task)
         self.relief = task.relief
+        self._mirrored: dict[str, MirroredLandmark] = {}
         self._began = time.perf_counter()
 
     def start(self) -> BodyState:
@@ -108,15 +111,18 @@ class ScanProblem:
         """All residuals at a state; those of scan and landmarks are made for it."""
         data = data_term(self.task, stage, progress, state, matches)
         picks = [] if self._picks is None else [landmark_term(self._picks, stage, progress, state)]
-        return [*self.priors, data, *picks, *self._hollows(stage, state)]
-
-    def _hollows(self, stage: Stage, state: BodyState) -> Terms:
-        """What the skin's form shows of landmarks: looked for once, where the first stage that asks for it begins."""
         if stage.relief is None:
-            return []
+            return [*self.priors, data, *picks]
         if self.relief is None:
-            self.relief = look_for_hollows(self.task, state)
-        return hollow_terms(self.task.rig, self.relief, stage)
+            self._look(state, [*self.priors, data], picks)
+        hollows = hollow_terms(self.task.rig, self.relief or {}, stage)
+        return [*self.priors, data, *picks, *hollows, *mirrored_terms(self.task.rig, self._mirrored)]
+
+    def _look(self, state: BodyState, others: Terms, picks: list[Landmarks]) -> None:
+        """What else is known of landmarks: looked for once, where the first stage that asks for it begins."""
+        self.relief = look_for_hollows(self.task, state)
+        for term in picks if self._partners else []:
+            self._mirrored = mirrored_landmarks(self.task, state, term, self.system(others, state), self.scaling)
 
     def system(self, terms: Terms, state: BodyState) -> System:
         """Gauss-Newton's quadratic model."""

@@ -129,6 +129,7 @@ class LandmarkErrors(_Part):
 
     misfit: Positive  # m on each axis, what the model cannot show of real bodies there
     unusual: Positive | None = None  # see Outliers; absent: that of all
+    mirrored: Positive | None = None  # m on each axis, of one side told from the other's pick; absent: it tells nothing
 
 
 class StanceRule(_Part):

@@ -18,7 +18,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from breastrig.core.errors import BadSettings, BreastRigError, NotFound
 from breastrig.core.scratch import scratch_folder
-from breastrig.service.event_writer import EventWriter, Superseded
+from breastrig.service.events.event_writer import EventWriter, Superseded
 from breastrig.storage.disk_files import FolderDraft
 from breastrig.storage.files import Draft, fit_place, scan_place, upload_name
 from breastrig.storage.location import Location

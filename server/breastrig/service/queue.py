@@ -19,8 +19,9 @@ from sqlalchemy.exc import SQLAlchemyError
 from breastrig.core.errors import BreastRigError, Conflict, NotFound
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
-from breastrig.service.event_writer import event_json
-from breastrig.service.fit_worker import UNWRITTEN, Runners, execute_fit
+from breastrig.service.events.event_writer import event_json
+from breastrig.service.fit_worker import UNWRITTEN, Runners
+from breastrig.service.warm.fit_task import fit_task
 from breastrig.storage.rows.events import append
 from breastrig.storage.rows.fits import FitRow, fits_in_state, get_fit, next_queued, put_back
 from breastrig.storage.storage import Storage
@@ -126,7 +127,7 @@ class FitQueue:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
         self._began[fit_id] = time.monotonic()
         args = (self._storage.location, fit_id, self._runners, self._model)
-        future = self._processes.schedule(execute_fit, args, timeout=self._limits.wall_s)
+        future = self._processes.schedule(fit_task(self._storage, fit_id), args, timeout=self._limits.wall_s)
         self._running[fit_id] = future
         future.add_done_callback(lambda ended: self._on_end(fit_id, ended))
 

@@ -15,6 +15,7 @@ from typing import Any
 
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
 from breastrig.execution.executor import Executor
+from breastrig.execution.warm_first import ForKey
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.rows.scans import ScanRow, get_scan
 from breastrig.storage.storage import Storage
@@ -91,7 +92,7 @@ class ScanSearch(ABC):
             try:
                 folder = fetched.enter_context(self._storage.files.reading(scan_place(scan.id), [name]))
                 function, given = self._task(folder / name, scan)
-                future = self._processes.schedule(function, (given,), timeout=self._wall_s)
+                future = self._processes.schedule(ForKey(scan.id, function), (given,), timeout=self._wall_s)
             except BaseException:
                 fetched.close()
                 raise

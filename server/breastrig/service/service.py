@@ -19,16 +19,15 @@ from typing import IO, Any
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, NotFound, NotRemoved, unknown_name
 from breastrig.execution.executor import Executor
-from breastrig.execution.fair_processes import FairProcesses
 from breastrig.execution.fork_server import preload
 from breastrig.execution.kept_processes import KeptProcesses
 from breastrig.execution.limits import FitLimits, UploadLimits
-from breastrig.execution.processes import Processes
 from breastrig.execution.scratch_sweeper import scratch_swept
+from breastrig.execution.warm_first import ForKey
 from breastrig.scan.stored_scan import STORED
+from breastrig.service.events.follow import Notifier, StreamItem, follow
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
-from breastrig.service.follow import Notifier, StreamItem, follow
 from breastrig.service.ink import InkSearch
 from breastrig.service.moving.live_patterns import LivePatterns
 from breastrig.service.moving.moved_landmarks import MovedLandmarks
@@ -41,6 +40,7 @@ from breastrig.service.reports import Reports
 from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.task_modules import TASK_MODULES
 from breastrig.service.waiting_cap import WaitingCap
+from breastrig.service.warm.pools import Pools
 from breastrig.storage.deletion import delete_rows, discard, finish_deletions, remove_files
 from breastrig.storage.file_journal import record_creation
 from breastrig.storage.files import MESH, THUMBNAIL, fit_place, scan_place, upload_name
@@ -91,13 +91,9 @@ class Service:
         self._uploads = uploads or UploadLimits()
         fit_limits = fits or FitLimits()
         preload(TASK_MODULES)
-        self._readers = FairProcesses(
-            Processes(
-                self._uploads.workers, memory_bytes=self._uploads.memory_bytes, cpu_s=self._uploads.cpu_s, spare=1
-            ),
-            self._uploads.waiting_per_client,
-        )
-        self._workers = executor or Processes(fit_limits.workers, memory_bytes=fit_limits.memory_bytes, spare=1)
+        pools = Pools(self._uploads, fit_limits)
+        self._readers, self.warm_scans = pools.readers, pools.scans
+        self._workers = executor or pools.fits
         self._queue = FitQueue(storage, self._workers, fit_limits, Runners(runner, pair_runner), model)
         self.readiness = Readiness(storage, {"read uploads": self._readers, "fit": self._workers})
         self._waiting = WaitingCap(storage, fit_limits.waiting_per_client)
@@ -171,12 +167,14 @@ class Service:
                 sha256 = _keep(source, upload)
                 kept = draft.folder / upload_name(STORED)
                 mesh, small = draft.folder / MESH, draft.folder / THUMBNAIL
-                facts = self._read(UploadJob(upload, units, kept, mesh, small, self._uploads.triangles, self._model))
+                job = UploadJob(upload, units, kept, mesh, small, self._uploads.triangles, self._model)
+                facts = self._read(scan_id, job)
                 upload.unlink()
                 draft.keep()
             row = ScanRow(scan_id, utc_now(), STORED, sha256, facts)
             scan_rows.add_scan(self.storage, row, patient)
         except BaseException:
+            self.warm_scans.drop(scan_id)
             discard(self.storage, scan_id, place)
             raise
         return row
@@ -194,6 +192,7 @@ class Service:
         self._queue.drop(gone)  # a fit may have been asked for in between
         for fit_id in (*fits, *gone):
             self.kept_processes.drop(fit_id)
+        self.warm_scans.drop(scan_id)
         self.plans.forget()
         self.reports.forget()
         left = remove_files(self.storage, scan_id)
@@ -312,9 +311,10 @@ class Service:
             carried: dict[str, Any] = self._readers.result(transfer, (job,), TRANSFER_WALL_S)
         return carried
 
-    def _read(self, job: UploadJob) -> dict[str, object]:
+    def _read(self, scan_id: str, job: UploadJob) -> dict[str, object]:
         try:
-            facts: dict[str, object] = self._readers.result(read_upload, (job,), self._uploads.wall_s)
+            task = ForKey(scan_id, read_upload, begins=True)
+            facts: dict[str, object] = self._readers.result(task, (job,), self._uploads.wall_s)
         except TimeoutError as error:
             raise BadScan(
                 f"Reading this scan took longer than {self._uploads.wall_s:g} s; simplify it first."

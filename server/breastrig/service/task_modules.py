@@ -7,6 +7,7 @@ They are named, not imported, because a worker of a cluster needs them in its ch
 TASK_MODULES = (
     "breastrig.service.fit_worker",
     "breastrig.workflow.default_model",
+    "breastrig.workflow.kept.kept_scan",
     "breastrig.workflow.moving.live_pattern",
     "breastrig.workflow.lines.plan_on_fit",
     "breastrig.workflow.moving.moved_landmarks",

@@ -8,21 +8,20 @@ from typing import Any
 
 from breastrig.core.errors import BadScan
 from breastrig.core.stances import AUTO
-from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.propose import Proposal, propose_landmarks
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
-from breastrig.scan.clean import clean
 from breastrig.scan.scan import Scan
 from breastrig.workflow.coloured_scan import coloured_scan
 from breastrig.workflow.further_jobs import ProposeJob
+from breastrig.workflow.kept.kept_scan import prepared_scan
 
 
 def propose_on_scan(rig: Rig, scan: Scan, orientation: ScanOrientation | None = None) -> dict[str, Proposal]:
     """All landmarks of the rig, points in metres in the scan's own frame; `orientation` when it is known already."""
-    ready = prepared(clean(scan), AUTO, None if orientation is None else orientation.frame)
+    ready = prepared_scan(scan, AUTO, None if orientation is None else orientation.frame)
     return propose_landmarks(rig, ready, load_recipe("default"), orientation, scan)
 
 

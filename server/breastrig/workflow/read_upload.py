@@ -10,16 +10,15 @@ from typing import Any
 
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.stances import AUTO
-from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.thumbnail import thumbnail_png
-from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
 from breastrig.workflow.jobs import UploadJob
+from breastrig.workflow.kept.kept_scan import prepared_scan
 
 
 def read_upload(job: UploadJob) -> dict[str, Any]:
@@ -38,9 +37,8 @@ def _read(job: UploadJob) -> dict[str, Any]:
         raise TooLarge(
             f"This scan has {len(scan.faces):,} triangles, more than the {job.triangles:,} allowed; simplify it first."
         )
-    surface = clean(scan)
     rig = read_rig(job.model or default_rig_path())
-    ready = prepared(surface, AUTO)
+    ready = prepared_scan(scan, AUTO)
     orientation, _, _ = scan_orientation(rig, ready, load_recipe("default"))
     mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
     job.mesh.write_bytes(mesh)

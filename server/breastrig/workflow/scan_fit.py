@@ -20,7 +20,6 @@ from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
 from breastrig.fitting.picks.mistakes import sides_exchanged
-from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import orientation_from
@@ -28,13 +27,13 @@ from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
-from breastrig.scan.clean import clean
 from breastrig.scan.landmark_files import checked_certain
 from breastrig.scan.scan import Scan
 from breastrig.workflow.coloured_scan import coloured_scan
 from breastrig.workflow.events import DoubtedPick, Started
 from breastrig.workflow.fit_start import with_earlier_start, with_stance, with_start
 from breastrig.workflow.jobs import DEFAULT, FitJob, FitSettings
+from breastrig.workflow.kept.kept_scan import prepared_scan
 
 if TYPE_CHECKING:
     from breastrig.colour.features.observe import Observation
@@ -159,7 +158,7 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     orientation = orientation_from(settings.orientation, rig)
     earlier = settings.earlier
     wished = earlier.stance if earlier is not None and settings.stance == AUTO else settings.stance
-    ready = prepared(clean(scan), wished, None if orientation is None else orientation.frame)
+    ready = prepared_scan(scan, wished, None if orientation is None else orientation.frame)
     target = ready.target
     _near_the_scan(landmarks, target)
     _warm(target)

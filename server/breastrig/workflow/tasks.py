@@ -8,6 +8,7 @@ from breastrig.core.late_function import LateFunction
 read_upload = LateFunction("breastrig.workflow.read_upload", "read_upload")
 propose_on_file = LateFunction("breastrig.workflow.propose_on_scan", "propose_on_file")
 find_ink_on_file = LateFunction("breastrig.workflow.find_ink_on_scan", "find_ink_on_file")
+keeping = LateFunction("breastrig.workflow.kept.kept_scan", "keeping")
 run_fit = LateFunction("breastrig.workflow.run_fit", "run_fit")
 run_pair = LateFunction("breastrig.workflow.run_pair", "run_pair")
 transfer = LateFunction("breastrig.workflow.lines.transfer", "transfer")

@@ -16,7 +16,7 @@ from breastrig.api.app_context import app_context
 from breastrig.api.environ_keys import READER_GONE
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import common as wire
-from breastrig.service.follow import Heartbeat, Queued, StreamItem
+from breastrig.service.events.follow import Heartbeat, Queued, StreamItem
 from breastrig.storage.rows.events import events_after
 from breastrig.storage.rows.fits import get_fit
 

@@ -17,7 +17,7 @@ from breastrig.core.errors import BadScan, BadSettings, Conflict, NotFound, unkn
 from breastrig.drawings.drawing_schema import DrawingFile
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
-from breastrig.service.stored_iteration import stored_iteration
+from breastrig.service.events.stored_iteration import stored_iteration
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_position
 from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan

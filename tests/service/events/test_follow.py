@@ -6,7 +6,7 @@ from helpers import fake_fit
 from helpers.rows import add_waiting_fit
 from helpers.waiting import ask_for_fit, stored_events, until
 
-from breastrig.service.follow import LOOK_EVERY_S, Heartbeat, Listener, Notifier, Queued, follow
+from breastrig.service.events.follow import LOOK_EVERY_S, Heartbeat, Listener, Notifier, Queued, follow
 from breastrig.storage.deletion import delete_scan
 from breastrig.storage.rows.events import StoredEvent, append
 from breastrig.storage.storage import Storage

@@ -1,0 +1,1 @@
+"""What a process that serves one scan alone keeps between its tasks."""
