@@ -99,14 +99,20 @@ def test_only_a_lying_body_on_a_table_that_is_seen_is_told_by_it(torso: Rig, kno
 
 def test_the_slope_is_learnt_of_deep_trunks_and_every_woman_counts_alike(torso: Rig) -> None:
     everywhere = np.ones(len(torso.template), dtype=np.bool_)
-    deep, deeper = (Body(0.02, everywhere, np.full(len(torso.template), height)) for height in (0.004, 0.008))
+    deep, deeper = (Body(10.0, everywhere, np.full(len(torso.template), height)) for height in (2.0, 4.0))
     ordinary = Body(0.0, everywhere, np.full(len(torso.template), -0.03))
     document = learnt(torso, {"one": [deep] * 3, "other": [deeper], "third": [ordinary]})
-    np.testing.assert_allclose(document["slopes"], 0.3, atol=1e-4)
+    np.testing.assert_allclose(document["slopes"], 0.3, atol=1e-4)  # so deep that nothing is damped
     assert document["bodies"] == {"one": 3, "other": 1, "third": 1}
 
 
 def test_what_some_of_the_scans_show_is_learnt_in_part(torso: Rig) -> None:
-    everywhere, height = np.ones(len(torso.template), dtype=np.bool_), np.full(len(torso.template), 0.01)
-    document = learnt(torso, {"one": [Body(0.02, everywhere, height)], "other": [Body(0.02, ~everywhere, height)]})
+    everywhere, height = np.ones(len(torso.template), dtype=np.bool_), np.full(len(torso.template), 5.0)
+    document = learnt(torso, {"one": [Body(10.0, everywhere, height)], "other": [Body(10.0, ~everywhere, height)]})
     np.testing.assert_allclose(document["slopes"], 0.25, atol=1e-4)
+
+
+def test_one_woman_who_is_hardly_deep_tells_little(torso: Rig) -> None:
+    everywhere = np.ones(len(torso.template), dtype=np.bool_)
+    document = learnt(torso, {"one": [Body(0.001, everywhere, np.full(len(torso.template), 0.008))]})
+    assert np.abs(document["slopes"]).max() < 0.05

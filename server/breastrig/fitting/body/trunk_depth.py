@@ -6,12 +6,12 @@ certain height times a slope of each place is added to what is expected of hidde
 down to the table.  Of trunks that are not so deep nothing is said: our ways of computing how bodies lie down disagree
 about which of them lie higher and which lower.  The landmarks and all that is seen stay where the fit has them.
 
-The data, beside this file, are of virtual bodies of the choosing half (evaluation/trunk_depth.py writes them): no
-person's body is in them.  Mean / 95 % in mm over hidden skin of lying bodies, women alike, without it and with it:
+The data, beside this file, are of virtual bodies (evaluation/trunk_depth.py writes them): no person's body is in them.
+Mean / 95 % in mm over hidden skin of lying bodies, women alike, without it and with what the other women tell:
 
                             choosing half              reporting half             dev bodies
-    no landmark given   5.9 / 14.3  5.1 / 12.1      7.5 / 17.7  5.8 / 14.3      7.9 / 17.5  5.8 / 13.9
-    those seen given    5.6 / 13.6  5.2 / 12.5      8.0 / 19.0  6.2 / 16.0      9.1 / 20.3  6.5 / 15.0
+    no landmark given   5.9 / 14.3  5.4 / 12.7      7.5 / 17.7  5.9 / 14.6      7.9 / 17.5  5.7 / 13.9
+    those seen given    5.6 / 13.6  5.3 / 12.7      8.0 / 19.0  6.3 / 15.8      9.1 / 20.3  6.5 / 14.8
 
 Tried: the heights of all parts, seen and unseen, with their covariance.  As a term of the fit the back comes as near
 (5.5, 7.8, 6.4), but given landmarks of one woman get 0.5 mm worse and bodies lying by finite elements 1.4 mm farther
