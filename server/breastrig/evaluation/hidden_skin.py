@@ -80,7 +80,11 @@ def learnt(rig: Rig, bodies: Bodies) -> HiddenSkin:
                 times += hidden[side]
         means.append(total / np.maximum(times, 1.0))
         shares.append(times / (2.0 * len(given)))
-    mean, share = np.mean(means, axis=0), np.min(shares, axis=0)
+    return smoothed(rig, np.mean(means, axis=0), np.min(shares, axis=0))
+
+
+def smoothed(rig: Rig, values: Array, share: Array) -> HiddenSkin:
+    """Places of the left side with what (V,) `values` are around them, times the (V,) share that is known."""
     normals = vertex_normals(rig.template, rig.faces)
     left = np.flatnonzero(rig.template[:, 0] >= 0.0)
     chosen = left[spaced(rig.template[left], APART)]
@@ -89,7 +93,7 @@ def learnt(rig: Rig, bodies: Bodies) -> HiddenSkin:
         near = np.asarray(tree.query_ball_point(rig.template[vertex], 2.5 * WIDTH), dtype=np.int64)
         apart = np.linalg.norm(rig.template[near] - rig.template[vertex], axis=1)
         weight = np.exp(-0.5 * (apart / WIDTH) ** 2) * np.maximum(normals[near] @ normals[vertex], 0.0)
-        smooth[k] = (weight * share[near]) @ mean[near] / weight.sum()
+        smooth[k] = (weight * share[near]) @ values[near] / weight.sum()
     return HiddenSkin(rig.template[chosen], normals[chosen], smooth)
 
 

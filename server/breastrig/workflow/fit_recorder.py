@@ -10,7 +10,7 @@ import numpy as np
 from breastrig.core.errors import FitFailed
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.fitting.body.hidden_skin import hidden_skin
+from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.orientation import MIN_LANDMARKS
 from breastrig.fitting.picks.checked_fit import without
@@ -75,7 +75,8 @@ class FitRecorder:
         alone = ModelAlone(vertices, compared.distances)
         if ready.settings.refine:
             clock.lap()
-            vertices = refined(target, vertices, rig.faces, hidden_skin(rig, ready.task.stance)).vertices
+            behind = skin_behind(rig, ready.task.stance, target, vertices)
+            vertices = refined(target, vertices, rig.faces, behind).vertices
             timing["refine"] = clock.lap()
             compared = Comparison(target, vertices, rig.faces)
         known = radii(posterior, ready.clearness)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.evaluation.studies.case import Fitted, Scene
-from breastrig.fitting.body.hidden_skin import hidden_skin
+from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.refine import refined
 from breastrig.geometry.turned_triangles import turned_triangles
@@ -25,7 +25,8 @@ def accuracy(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
         fit: Fitted = scene.fitted(rig, recipe, scene.landmarks, start)
         times.append(fit.seconds)
     distances = surface_distances(scene.target, fit.vertices, rig.faces)
-    fine = refined(scene.target, fit.vertices, rig.faces, hidden_skin(rig, scene.case.stance)).vertices
+    behind = skin_behind(rig, scene.case.stance, scene.target, fit.vertices)
+    fine = refined(scene.target, fit.vertices, rig.faces, behind).vertices
     names = tuple(scene.landmarks)
     places = rig.landmark_points(names).positions(fit.vertices, rig.faces)
     moved = np.linalg.norm(rig.blendshapes, axis=2)  # (S, V) m at weight 1

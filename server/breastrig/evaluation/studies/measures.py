@@ -14,7 +14,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.studies.case import Scene
 from breastrig.evaluation.studies.landmarks import CLICK_ERROR
 from breastrig.evaluation.studies.reference_fit import reference_fit
-from breastrig.fitting.body.hidden_skin import hidden_skin
+from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
@@ -46,8 +46,9 @@ def measures_study(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
         task = FitTask(rig, scene.target, scene.start(rig, picks), recipe, picks, scene.case.stance)
         *_, last = checked_iterates(task)
         known = radii(Posterior(ended(task, last), last.parameters))
-        behind = hidden_skin(rig, scene.case.stance)
-        skin = refined(scene.target, pose(rig, last.parameters), rig.faces, behind).vertices
+        fitted = pose(rig, last.parameters)
+        behind = skin_behind(rig, scene.case.stance, scene.target, fitted)
+        skin = refined(scene.target, fitted, rig.faces, behind).vertices
         found = _numbers(_stance(scene, rig, scene.target, skin, picks, known))
         answer[kind] = [[*key[:3], true[key][0], *numbers] for key, numbers in found.items() if key in true]
     return answer

@@ -11,7 +11,7 @@ Mean / 95 % in mm over hidden skin, no landmark given, without it and with it:
 
 Of lying bodies only the back's form is kept.  How high the whole back lies differs more from one of them to the next
 than anything that is common to them: given that one number of each body the fits end at 4.8 / 12.2, 6.0 / 14.9 and
-4.9 / 12.2, but no part of a scan tells it (the preset's [lying]).
+4.9 / 12.2.  What a scan tells of it is added by trunk_depth.py.
 """
 
 import json
