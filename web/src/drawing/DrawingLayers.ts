@@ -102,18 +102,18 @@ export function createDrawingLayers(drawing: DrawingActions): Panel<Shown> {
       check(own, "own", hidden);
       for (const row of own.querySelectorAll<HTMLElement>("li")) row.classList.toggle("is-chosen", row.dataset.line === chosen);
       const { fit, model } = state;
-      const known = model?.side.drawings.find((each) => each.name === fit?.drawingName);
+      const drawings = model?.side.drawings ?? [];
+      const known = drawings.find((each) => each.name === fit?.drawingName);
+      const onModel = [...(known?.shapes ?? []), ...drawings.flatMap((each) => each.shapes)];
+      const nameOf = (name: string, label?: string): string => plainStart(labelOf(name, label) ?? onModel.find((each) => each.name === name)?.label ?? words.shapeName(name));
       const patterns = shownPatterns(state);
       const shapes = patterns?.shapes ?? known?.shapes ?? [];
-      const named = shapes.map(({ name, label, color }) => {
-        const ofModel = known?.shapes.find((each) => each.name === name)?.label;
-        return { name, label: plainStart(labelOf(name, label) ?? ofModel ?? words.shapeName(name)), color: ownColour(color) };
-      });
+      const named = shapes.map(({ name, label, color }) => ({ name, label: nameOf(name, label), color: ownColour(color) }));
       const label = requestLabel(state.drawn.onScan ? state.drawing : (fit?.drawingName ?? ""), drawingLabels(state));
       reference.set(fit && label !== "" ? words.reference(label) : "", named, hidden, "");
       const from = state.drawn.onScan;
       const brought = from?.carried.shapes ?? [];
-      carried.set(brought.length > 0 ? words.carried(from!.from) : "", brought.map(({ name, label, color }) => ({ name, label: labelOf(name, label) ?? name, color: ownColour(color) })), hidden, "");
+      carried.set(brought.length > 0 ? words.carried(from!.from) : "", brought.map(({ name, label, color, kind }) => ({ name, label: kind === "line" ? (labelOf(name, label) ?? name) : nameOf(name, label), color: ownColour(color) })), hidden, "");
       show(ofBands, [...(patterns?.shapes ?? []), ...brought].some((shape) => shape.error_mm?.some((mm) => mm !== null)));
       bands.checked = !hidden.has(BANDS);
       const hasBridge = [...(patterns?.shapes ?? []), ...brought, ...lines.present].some((shape) => shape.bridged?.includes(true));
