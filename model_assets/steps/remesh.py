@@ -6,6 +6,7 @@ and corners stay where they are, so the cuts come out straight and evenly sample
 of three vertices of the reference, which is what carries shapes and weights over.
 """
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -15,6 +16,7 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from steps.source import Array, Booleans, Integers
 from steps.surface import Surface
 
+Vector = list[float]  # three numbers
 Sizing = Callable[[Array], Array]  # (M, 3) m -> (M,) m, the wished edge length
 INSIDE, BORDER, CORNER = 0, 1, 2
 LONG, SHORT = 4.0 / 3.0, 0.8
@@ -82,7 +84,11 @@ class _Mesh:
             self.around[v].discard(f)
 
     def neighbours(self, v: int) -> set[int]:
-        return {w for f in self.around[v] for w in self.triangles[f]} - {v}
+        found: set[int] = set()
+        for f in self.around[v]:
+            found.update(self.triangles[f])
+        found.discard(v)
+        return found
 
     def sides(self, a: int, b: int) -> list[int]:
         return sorted(self.around[a] & self.around[b])
@@ -91,25 +97,38 @@ class _Mesh:
         return sorted({(min(a, b), max(a, b)) for t in self.triangles.values()
                        for a, b in ((t[0], t[1]), (t[1], t[2]), (t[2], t[0]))})  # fmt: skip
 
-    def normal(self, t: tuple[int, int, int]) -> Array:
-        a, b, c = (self.points[v] for v in t)
-        u, w = b - a, c - a
-        return np.array([u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]])
+    def corners(self, t: tuple[int, int, int]) -> tuple[Vector, Vector, Vector]:
+        """In plain numbers: NumPy takes ten times as long over three of them."""
+        return self.points[t[0]].tolist(), self.points[t[1]].tolist(), self.points[t[2]].tolist()
+
+    def normal(self, t: tuple[int, int, int]) -> Vector:
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self.corners(t)
+        ux, uy, uz, wx, wy, wz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
+        return [uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx]
 
 
 def _length(mesh: _Mesh, a: int, b: int) -> float:
-    d = mesh.points[a] - mesh.points[b]
-    return float(np.sqrt(d @ d))
+    return math.dist(mesh.points[a], mesh.points[b])
+
+
+def _dot(u: Vector, w: Vector) -> float:
+    return u[0] * w[0] + u[1] * w[1] + u[2] * w[2]
+
+
+def _between(p: Vector, q: Vector) -> Vector:
+    return [q[0] - p[0], q[1] - p[1], q[2] - p[2]]
 
 
 def _smallest_angle(mesh: _Mesh, t: tuple[int, int, int]) -> float:
-    a, b, c = (mesh.points[v] for v in t)
-    result = np.pi
-    for p, q, r in ((a, b, c), (b, c, a), (c, a, b)):
-        u, w = q - p, r - p
-        cosine = float(u @ w) / max(float(np.sqrt((u @ u) * (w @ w))), 1e-30)
-        result = min(result, float(np.arccos(min(1.0, max(-1.0, cosine)))))
-    return result
+    a, b, c = mesh.corners(t)
+    ab, bc, ca = _between(a, b), _between(b, c), _between(c, a)
+    la, lb, lc = _dot(ab, ab), _dot(bc, bc), _dot(ca, ca)
+    cosine = max(
+        -_dot(ab, ca) / max(math.sqrt(la * lc), 1e-30),
+        -_dot(bc, ab) / max(math.sqrt(lb * la), 1e-30),
+        -_dot(ca, bc) / max(math.sqrt(lc * lb), 1e-30),
+    )
+    return math.acos(min(1.0, max(-1.0, cosine)))
 
 
 def _split_long(mesh: _Mesh, size: list[float]) -> int:
@@ -169,7 +188,7 @@ def _can_collapse(mesh: _Mesh, gone: int, kept: int, size: list[float]) -> bool:
         after = mesh.normal(t)
         angle = _smallest_angle(mesh, t)
         mesh.points[gone] = saved
-        if float(before @ after) <= 0.3 * float(np.sqrt((before @ before) * (after @ after))) or angle < 0.1:
+        if _dot(before, after) <= 0.3 * math.sqrt(_dot(before, before) * _dot(after, after)) or angle < 0.1:
             return False
     return True
 
@@ -208,11 +227,11 @@ def _flip(mesh: _Mesh, by_angle: bool) -> int:
         if d in mesh.neighbours(c):
             continue
         new = (c, a, d), (d, b, c)
+        old_normal = [u + w for u, w in zip(mesh.normal(first), mesh.normal(second), strict=True)]
+        if any(_dot(mesh.normal(t), old_normal) <= 0.0 for t in new):
+            continue
         old_angle = min(_smallest_angle(mesh, first), _smallest_angle(mesh, second))
         new_angle = min(_smallest_angle(mesh, new[0]), _smallest_angle(mesh, new[1]))
-        old_normal = mesh.normal(first) + mesh.normal(second)
-        if any(float(mesh.normal(t) @ old_normal) <= 0.0 for t in new):
-            continue
         if by_angle:
             better = new_angle > old_angle + 1e-6
         else:

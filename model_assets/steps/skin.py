@@ -27,6 +27,9 @@ class Skin:
         self._corners = vertices[triangles]
         a, b, c = self._corners.transpose(1, 0, 2)
         self._tree = cKDTree((a + b + c) / 3.0, balanced_tree=False, compact_nodes=False)
+        directed = np.concatenate([triangles[:, [i, (i + 1) % 3]] for i in range(3)])
+        codes = np.unique(directed.min(axis=1) * len(vertices) + directed.max(axis=1))
+        self._edges = np.stack([codes // len(vertices), codes % len(vertices)], axis=1)
         self._a = vertices[triangles[:, 0]]
         self._u = vertices[triangles[:, 1]] - self._a
         self._w = vertices[triangles[:, 2]] - self._a
@@ -89,9 +92,7 @@ class Skin:
 
     def sagittal_cut(self, x: float) -> Array:
         """(M, 3) m: all points where mesh edges cross the plane of this x, unordered."""
-        t = self.triangles
-        edges = np.unique(np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1), axis=0)
-        a, b = self.vertices[edges[:, 0]], self.vertices[edges[:, 1]]
+        a, b = self.vertices[self._edges[:, 0]], self.vertices[self._edges[:, 1]]
         da, db = a[:, 0] - x, b[:, 0] - x
         crossing = (da * db < 0) | (da == 0)
         share = (da[crossing] / np.where(da == db, 1.0, da - db)[crossing])[:, None]
