@@ -54,7 +54,7 @@ def test_a_rig_without_breasts_and_a_fit_without_landmarks(toy_stance: Stance) -
     assert "this model has no outline of the breasts" in texts[1]
     assert "no landmarks were picked" in texts[1]
     assert "the model's own place was taken for" in texts[1]
-    assert "suprasternal_notch, nipple_L" in texts[1]
+    assert "taken for suprasternal notch, nipple on both sides" in texts[1]
 
 
 def test_no_doubt_of_a_long_list_is_left_out_and_all_is_in_letters_that_can_be_printed(toy_stance: Stance) -> None:

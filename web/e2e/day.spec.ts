@@ -14,6 +14,7 @@ const other = (page: Page) => page.evaluate(() => window.__breastrig!.other());
 const pose = (page: Page) => page.evaluate(() => window.__breastrig!.pose());
 const unit = ([x, y, z]: Vector): Vector => [x / Math.hypot(x, y, z), y / Math.hypot(x, y, z), z / Math.hypot(x, y, z)];
 const gaze = ({ eye, target }: { eye: Vector; target: Vector }): Vector => unit([eye[0] - target[0], eye[1] - target[1], eye[2] - target[2]]);
+const away = ({ eye, target }: { eye: Vector; target: Vector }): number => Math.hypot(eye[0] - target[0], eye[1] - target[1], eye[2] - target[2]);
 const degrees = (a: Vector, b: Vector): number => (Math.acos(Math.min(1, a[0] * b[0] + a[1] * b[1] + a[2] * b[2])) * 180) / Math.PI;
 
 let service: Running;
@@ -174,6 +175,10 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     const dialog = page.getByRole("dialog", { name: "Measures" });
     await expect(dialog.locator("tbody tr").first()).toBeVisible();
     const file = (await (await asked).json()) as MeasuresFile;
+    await untilStill(page); // the panes are lower now: both bodies as large as each other, and nothing looks out below them
+    expect(away((await other(page))!.pose)).toBeCloseTo(away(await pose(page)), 3);
+    for (const panel of [".steps", ".aside"]) await expect(page.locator(panel)).toBeHidden();
+    await expect(page.locator(".footer")).toBeInViewport({ ratio: 0.9 });
     await expect(dialog.locator("thead .group[colspan]")).toHaveText(["Standing", "Supine", "Change: supine − standing"]);
     const names = [...new Set(file.measures.map(({ measure, kind }) => `${measure} ${kind}`))];
     expect(await dialog.locator("tbody tr[data-measure]").count()).toBe(names.length);

@@ -74,7 +74,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
       new SideLetters(made),
     ];
     main.turned.add(() => follow(main, made));
-    made.turned.add(() => made.isHeld && follow(made, main));
+    made.turned.add(() => (made.isHeld ? follow(made, main) : follow(main, made))); // not held: its pane has another size now
     stage.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault()); // asks the browser to bring it back
     stage.canvas.addEventListener("webglcontextrestored", () => made.invalidate());
     stage.canvas.addEventListener("contextmenu", (event) => event.preventDefault());

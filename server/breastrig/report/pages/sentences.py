@@ -51,10 +51,20 @@ def _doubts(one: Reported) -> list[str]:
         reasons += [str(pick["reason"]) for pick in one.result.get(picks, ())]
     reasons += [str(note) for note in one.result.get("notes", ())]
     unpicked = _unpicked(one)
-    return reasons + (["the model's own place was taken for " + ", ".join(unpicked) + "."] if unpicked else [])
+    return reasons + (["the model's own place was taken for " + ", ".join(_spoken(unpicked)) + "."] if unpicked else [])
 
 
 def _unpicked(one: Reported) -> list[str]:
     """The landmarks that no pick gave, or none that was believed, of those that the measures name."""
     named = dict.fromkeys(name for row in one.rows for name in row.landmarks)
     return [name.removesuffix(" (model)") for name in named if name.endswith(" (model)") and name != OUTLINE]
+
+
+def _spoken(names: Sequence[str]) -> list[str]:
+    """nipple_L and nipple_R: nipple on both sides; suprasternal_notch: suprasternal notch."""
+    sides: dict[str, list[str]] = {}
+    for name in names:
+        stem, side = (name[:-2], name[-1]) if name.endswith(("_L", "_R")) else (name, "")
+        sides.setdefault(stem.replace("_", " "), []).append(side)
+    words = {"": "", "L": " left", "R": " right"}
+    return [stem + (" on both sides" if len(found) > 1 else words[found[0]]) for stem, found in sides.items()]

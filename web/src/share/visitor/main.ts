@@ -3,6 +3,7 @@ import "../../style.css";
 import * as text from "../text";
 import { ApiError } from "../../api/client";
 import type { SharedResult } from "../../api/types";
+import { ownColour } from "../../drawing/lines";
 import { drawing as drawingText } from "../../drawing/text";
 import { createColourBar } from "../../fit/ColourBar";
 import { createNumbersPanel } from "../../fit/NumbersPanel";
@@ -133,12 +134,16 @@ async function close(): Promise<void> {
   location.replace(`/s${CLOSED}`);
 }
 
+function lineRow({ name, colour }: { name: string; colour: string | null }): HTMLElement {
+  const stroke = el("span", { class: "stroke", "aria-hidden": "true" });
+  if (colour !== null) stroke.style.background = colour;
+  return el("li", { "data-line": name }, stroke, drawingText.shapeName(name));
+}
+
 function fillSide({ expires_at, links }: SharedResult, { fit }: VisitorState): void {
   setText(until, words.until(moment.format(new Date(expires_at))));
-  const names = fit?.drawing?.shapes.map(({ name }) => name) ?? [];
-  fill(shapes, names, () =>
-    names.length > 0 ? names.map((name) => el("li", { "data-line": name }, el("span", { class: "stroke", "aria-hidden": "true" }), drawingText.shapeName(name))) : [el("li", {}, resultText.noDrawing)],
-  );
+  const lines = fit?.drawing?.shapes.map(({ name, color }) => ({ name, colour: ownColour(color) })) ?? [];
+  fill(shapes, lines, () => (lines.length > 0 ? lines.map(lineRow) : [el("li", {}, resultText.noDrawing)]));
   const offered = words.files.flatMap(({ key, name, what }) => (links[key] === null ? [] : [{ href: links[key], name, what }]));
   fill(files, offered, () =>
     offered.map(({ href, name, what }) => el("li", {}, el("a", { href, download: name }, icon("download"), el("span", {}, name)), el("span", { class: "muted" }, what))),
