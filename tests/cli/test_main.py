@@ -70,3 +70,8 @@ def test_the_collector_of_garbage_is_as_before_after_a_command(
     finally:
         gc.enable()
     assert "triangles" in capsys.readouterr().out
+
+
+def test_the_package_runs_as_a_program_too() -> None:
+    run = subprocess.run([sys.executable, "-m", "breastrig", "--version"], capture_output=True, text=True, check=True)
+    assert run.stdout.startswith("BreastRig ")
