@@ -12,7 +12,9 @@ import pytest
 from helpers import in_worker
 from helpers.real_server import children
 from helpers.waiting import until
+from pebble import ProcessFuture
 
+from breastrig.execution import processes as execution
 from breastrig.execution.processes import Processes
 
 GIB = 2**30
@@ -32,6 +34,23 @@ def test_a_task_runs_alone_within_its_limits_and_with_one_thread(processes: Proc
     assert (first["memory"], first["cpu"], first["core"]) == ((4 * GIB, 4 * GIB), (1, 6), (0, 0))
     assert first["threads"] == [1]
     assert first["garbage"] == (True, True)  # looked for, but not among the modules
+
+
+def test_a_task_that_was_forgotten_on_the_way_is_asked_again(
+    processes: Processes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    forgotten = ProcessFuture()
+    answers = [forgotten]
+    schedule = processes.schedule
+    monkeypatch.setattr(execution, "ANSWER_S", 2.0)
+    monkeypatch.setattr(processes, "schedule", lambda *a, **k: answers.pop() if answers else schedule(*a, **k))
+    processes.warm_up()
+    assert forgotten.cancelled()
+
+    monkeypatch.setattr(execution, "ANSWER_S", 0.01)
+    monkeypatch.setattr(processes, "schedule", lambda *_, **__: ProcessFuture())
+    with pytest.raises(RuntimeError, match="No process answers"):
+        processes.warm_up()
 
 
 def answer_of_a_program(name: str, *words: str) -> Any:

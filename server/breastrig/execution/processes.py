@@ -26,6 +26,9 @@ from breastrig.core.log_lines import set_up_logs_from_environment
 from breastrig.execution.fork_server import modules_to_preload
 from breastrig.execution.learned_modules import run_and_tell
 
+ANSWER_S = 30.0  # until a process is asked again; importing everything takes a few on a slow machine
+TIMES_ASKED = 3
+
 
 class Processes:
     """A pool that survives the loss of any of its processes."""
@@ -49,8 +52,15 @@ class Processes:
         self._pool = self._new_pool()
 
     def warm_up(self) -> None:
-        """Starts the processes and waits until one has answered."""
-        self.schedule(_nothing, (), timeout=60.0).result()
+        """Starts the processes and waits until one has answered.  Raises RuntimeError when none does."""
+        for _ in range(TIMES_ASKED):
+            future = self.schedule(_nothing, (), timeout=ANSWER_S)
+            try:
+                future.result(timeout=ANSWER_S)
+                return
+            except TimeoutError:  # Pebble forgets a task whose process dies as it is handed over
+                future.cancel()
+        raise RuntimeError("No process answers: the machine may have no memory left for one.")
 
     def schedule(self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float) -> "ProcessFuture[Any]":
         """Runs `function(*args)` in a process of its own.  Both must be importable there by name.
