@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from breastrig.cli import landmarks_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
-from breastrig.scan.landmark_files import read_landmarks
+from breastrig.fitting.propose import Proposal
+from breastrig.scan.landmark_files import landmark_confidences, read_landmarks
 
 EXAMPLE = asset_folder("example")
 
@@ -36,3 +38,16 @@ def test_a_wrong_ending_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixtur
     arguments = ["landmarks", str(EXAMPLE / "standing" / "scan.ply"), "-o", str(tmp_path / "guess.doc")]
     assert main(arguments) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize(("ending", "says"), [("json", ""), ("csv", "check each"), ("mrk.json", "check each")])
+def test_a_file_without_confidences_says_that_its_points_count_as_picked(
+    ending: str, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    guess = {"xiphoid": Proposal(np.array([0.0, 1.0, 2.0]), 0.3, True, 0.02)}
+    monkeypatch.setattr(landmarks_command, "propose_landmarks", lambda *_, **__: guess)
+    out = tmp_path / f"guess.{ending}"
+    assert main(["landmarks", str(EXAMPLE / "standing" / "scan.ply"), "-o", str(out)]) == 0
+    error = capsys.readouterr().err
+    assert (says in error, error.count("\n")) == (True, 1 if says else 0)
+    assert landmark_confidences(out) == ({"xiphoid": 0.3} if ending == "json" else {})

@@ -2,6 +2,8 @@
 
 import argparse
 import json
+import sys
+from pathlib import Path
 
 from breastrig.cli.output_options import files_of_model, output_file
 from breastrig.core.private_files import write_private
@@ -10,12 +12,23 @@ from breastrig.interface.landmarks import propose_landmarks
 from breastrig.interface.scan import read_coloured
 from breastrig.scan.landmark_files import landmark_file
 
+NO_CONFIDENCE = (
+    "This kind of file has no place for confidences, so a fit takes its points as picked by a person: check each of "
+    "them first, or write .json."
+)
+
 
 def run(options: argparse.Namespace) -> int:
     """Proposes and writes, in the scan's frame and unit; returns 0."""
     with all_or_nothing(output_file(options, [options.scan, *files_of_model(options.model)])) as out:
         write_private(out / options.output.name, _proposed(options))
+    if _kind(options.output) != "json":
+        print(f"breastrig: {NO_CONFIDENCE}", file=sys.stderr)
     return 0
+
+
+def _kind(path: Path) -> str:
+    return "mrk.json" if path.name.lower().endswith(".mrk.json") else path.suffix.lower().lstrip(".")
 
 
 def _proposed(options: argparse.Namespace) -> bytes:
@@ -23,8 +36,7 @@ def _proposed(options: argparse.Namespace) -> bytes:
     scan = read_coloured(options.scan, options.units)
     proposals = propose_landmarks(scan, model=options.model)
     places = {name: proposal.point for name, proposal in proposals.items()}
-    name = options.output.name.lower()
-    kind = "mrk.json" if name.endswith(".mrk.json") else options.output.suffix.lower().lstrip(".")
+    kind = _kind(options.output)
     content = landmark_file(places, kind, scan.unit)
     if kind == "json":
         confidence = {name: proposal.confidence for name, proposal in proposals.items()}
