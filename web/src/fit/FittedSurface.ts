@@ -8,7 +8,7 @@ import type { ScanSlice } from "../scan/state";
 import { isUnit, metresFromMm, mmFrom } from "../ui/units";
 import { extent } from "../viewer/extent";
 import type { Surface } from "../viewer/picking";
-import { bringNearer, depthMaterial, MODEL_SHARE, ORDER } from "../viewer/overlaid";
+import { bringNearer, depthMaterial, MODEL_SHARE, ORDER, pushAway } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
 import { nearestNormal } from "../viewer/surfacePoints";
 import { type Part, type Viewer, viewFromScan } from "../viewer/Viewer";
@@ -25,6 +25,7 @@ export class FittedSurface implements Part<State>, Surface {
   private coloured: Float32Array | null = null;
   private readonly plain = new MeshLambertMaterial({ transparent: true });
   private readonly map = distanceMaterial();
+  private readonly solid = new MeshLambertMaterial({ side: FrontSide });
   private readonly depthOnly = depthMaterial(false);
   private readonly trueDepth = depthMaterial(true);
   private passes: Mesh[] = [];
@@ -34,7 +35,10 @@ export class FittedSurface implements Part<State>, Surface {
     private readonly viewer: Viewer,
     private readonly onReady: (error: unknown) => void,
   ) {
-    viewer.beforeFrame.add(() => bringNearer([this.plain, this.map.material, this.depthOnly], this.isOver, viewer.depthUnits));
+    viewer.beforeFrame.add(() => {
+      bringNearer([this.plain, this.map.material, this.depthOnly], this.isOver, viewer.depthUnits);
+      pushAway(this.solid, viewer.depthUnits);
+    });
   }
 
   get bvh(): MeshBVH | null {
@@ -63,7 +67,7 @@ export class FittedSurface implements Part<State>, Surface {
     for (const pass of this.passes) pass.visible = !isAlone;
     this.plain.opacity = isAlone ? 1 : MODEL_SHARE;
     this.plain.side = isAlone ? DoubleSide : FrontSide;
-    this.plain.color.copy(this.viewer.palette.clay);
+    for (const clay of [this.plain, this.solid]) clay.color.copy(this.viewer.palette.clay);
     this.mesh.visible = showsFittedSurface(state) && state.overlay !== "scan";
     this.viewer.inHalf(this.mesh, isBeside(state.overlay) ? "model" : null);
     this.viewer.invalidate();
@@ -89,7 +93,7 @@ export class FittedSurface implements Part<State>, Surface {
       this.mesh = new Mesh(geometry, this.plain);
       this.mesh.name = "fitted";
       this.mesh.renderOrder = ORDER.model;
-      this.passes = ([[this.depthOnly, ORDER.modelDepth], [this.trueDepth, ORDER.restoreModel]] as const).map(([material, order]) => {
+      this.passes = ([[this.solid, ORDER.farBefore], [this.depthOnly, ORDER.modelDepth], [this.trueDepth, ORDER.restoreModel]] as const).map(([material, order]) => {
         const pass = new Mesh(geometry, material);
         pass.renderOrder = order;
         pass.raycast = () => undefined;
