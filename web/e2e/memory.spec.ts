@@ -32,6 +32,11 @@ test(`after ${OPENED} scans the graphics card holds what it held after the first
     ...[supine, standing].map(({ id }) => ({ hash: `#scan=${id}&step=scan`, shown: () => Promise.resolve() })),
   ];
   await page.goto(base);
+  await goTo(page, patients[2]!.hash); // in its own colours: with the result it may come to the screen in grey only
+  await hook.ready(page);
+  await hook.picture(page);
+  await goTo(page, "#");
+  await until(page, () => window.__breastrig!.state().scan === null);
   const order = Array.from({ length: OPENED }, (_, i) => (i % 7 === 0 ? 0 : 1 + (i % 2)));
   const seen: { open: Memory; closed: Memory }[] = [];
   for (const which of order) {
