@@ -48,7 +48,10 @@ def painted_body(
     states: tuple[tuple[str, str], ...] = (),
     inks: tuple[str, str] | None = None,
 ) -> PaintedBody:
-    """The cohort's woman number `patient` (0 to 6), painted; `states` are those of nipples that are not natural."""
+    """The cohort's woman number `patient` (0 to 6), painted; `states` are those of nipples that are not natural.
+
+    Lines are worn, but for those of given inks.
+    """
     return _painted_body(patient, tone, plan, side, seed, supine, states, inks)
 
 
@@ -67,7 +70,9 @@ def _painted_body(
     standing, lying = bodies.patients[patient].bodies
     body = lying if supine else standing
     random = np.random.default_rng((seed, patient))
-    painted = draw_skin(standing, bodies.faces, random, tone=tone, plan=plan, states=dict(states), inks=inks)
+    painted = draw_skin(
+        standing, bodies.faces, random, tone=tone, plan=plan, states=dict(states), inks=inks, even=inks is not None
+    )
     kept = bodies.faces[bodies.scanned[bodies.faces].all(axis=1)]
     vertices, faces = compact(body.vertices, kept)
     low = body.landmarks["umbilicus"][1] - 0.09  # as people crop
