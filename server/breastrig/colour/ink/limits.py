@@ -39,10 +39,11 @@ RED_OVER, RED_SHARE = 0.12, 1.2  # G over R, and G for each R
 RED_BLUE = 1.2  # B for each G; blood and melanin have more
 # On dark skin ink is lighter than skin in some channel: violet and blue in B, green in G, red in R.  No pigment is, and
 # what is lighter as a whole (scars, gloss) changes no hue.
-HUE = 0.25  # R over the mean of G and B; under it for red
+HUE = 0.18  # R over the mean of G and B; under it for red
 LIGHTER = 0.10  # by how much, in G or B, of violet, blue and green
+WIDEST_HUE = 4.6e-3  # m; JPEG keeps hues half as sharp
 LIGHTER_RED, DARKER_GREEN = 0.1, 0.12  # R at most for each G of red ink, blood has twice as much; and its G
-ECHO, ECHO_HUE = 6.0e-3, 0.7  # m from a line to the rim of the opposite hue that JPEG puts beside it; its share of hue
+ECHO, ECHO_HUE = 7.0e-3, 0.9  # m from a line to the rim of the opposite hue that JPEG puts beside it; its share of hue
 LENIENT = 0.65  # share of these densities that a piece needs to belong to a line that has them as a whole
 WIDEST, WIDEST_BLACK = 3.8e-3, 3.4e-3  # m; shadows and creases are wider
 NARROWEST_BLACK, CLEARLY_BLACK = 1.75e-3, 0.45  # m, unless R is that dark: loose hair is narrower and fainter

@@ -66,13 +66,15 @@ def ink_of(
     that of `added`.
     """
     red, green, blue = (float(value) for value in added)
-    if width > limits.WIDEST:
+    if width > limits.WIDEST_HUE:
         return None
     hue = float(hue_of(added)) if hue is None else hue
     if hue >= share * limits.HUE and red > 0.0 and min(green, blue) <= -share * limits.LIGHTER:
         return Ink.COLOURED
     if hue <= -share * limits.HUE and green >= share * limits.DARKER_GREEN and red <= limits.LIGHTER_RED * green:
         return Ink.RED
+    if width > limits.WIDEST:
+        return None
     over = green - red >= share * limits.RED_OVER and green >= limits.RED_SHARE * red
     if over and min(green, blue) >= share * limits.RED:
         return Ink.RED if blue <= limits.RED_BLUE * green else None
