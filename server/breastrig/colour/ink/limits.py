@@ -10,7 +10,7 @@ Ink of half the light adds a density of 0.7.
 TEXEL = 0.6e-3  # m, of the pictures of the skin: a pen covers two or three; finer ones take longer and find no more
 WIDTH = 1.0e-3  # standard deviation of the filter across a line: pens of 1 to 3 mm, blurred by the picture
 WEAK = 0.10  # density above the skin's down to which a line is followed; the skin's own grain reaches 0.05
-HUE_WORTH = 0.65  # of a line seen by its hue against one seen by its darkness, which compressed pictures keep sharper
+HUE_WORTH = 0.5  # of a line seen by its hue against one seen by its darkness, which compressed pictures keep sharper
 ON_SKIN = 0.6  # share of the filter's weight that must lie on skin: ends of the scan look like lines
 OFF_PIXEL = 0.6  # pixels from its pixel's middle; a half would lose ridges that lie between two pixels
 

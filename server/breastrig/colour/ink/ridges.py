@@ -28,7 +28,7 @@ Single = NDArray[np.float32]
 Real = TypeVar("Real", np.float32, np.float64)
 DARKEST = 2e-3  # of full light: sRGB 1 of 255 is 0.3e-3, and noise decides there
 SHARE = 0.2  # of the filter's weight that must lie on skin
-AROUND = 9  # pixels, in which signals are compared
+CELL = 3  # pixels; signals are compared over three cells along both ways
 TRUNCATE = 3.0  # standard deviations
 JUMP, STEEPEST = 2e-3, 2.0  # m of depth, and m for each m aside, that skin which is seen at all may reach
 OFFSETS: Array = frozen(0.5e-3 * np.arange(-8, 9))  # m across a line; all of a pen's width, and bare skin on both sides
@@ -115,12 +115,12 @@ def _strongest(found: Sequence[RidgePoints], worth: Sequence[float], shape: tupl
 
     `worth` is what heights of each signal are multiplied by.
     """
-    spots = [np.rint(points.spots).astype(np.int64).T for points in found]
+    cells = tuple(side // CELL + 1 for side in shape)
+    spots = [np.rint(points.spots).astype(np.int64).T // CELL for points in found]
     around = []
     for points, each, (row, column) in zip(found, worth, spots, strict=True):
-        high = np.zeros(shape, dtype=np.float32)
-        high[row, column] = each * points.heights
-        around.append(uniform_filter(high, AROUND))
+        total = np.bincount(row * cells[1] + column, points.heights, cells[0] * cells[1])
+        around.append(each * uniform_filter(total.reshape(cells), 3))
     parts = []
     for number, (points, (row, column)) in enumerate(zip(found, spots, strict=True)):
         others = np.max([each[row, column] for other, each in enumerate(around) if other != number], axis=0)
