@@ -38,8 +38,8 @@ RED = 0.36  # of G and B for red ink; red scars reach 0.33
 RED_OVER, RED_SHARE = 0.12, 1.2  # G over R, and G for each R
 RED_BLUE = 1.2  # B for each G; blood and melanin have more
 # On dark skin ink is lighter than skin in some channel: violet and blue in B, green in G, red in R.  No pigment is, and
-# what is lighter as a whole (scars, gloss) changes no hue.  Chosen on painted women of the choosing half, five inks in six
-# tones with texels of 0.6 and 1 mm; thin red ink on brown skin in coarse textures is as blood vessels are, and not found.
+# what is lighter as a whole (scars, gloss) changes no hue.  Chosen on painted women of the choosing half, five inks in
+# six tones, texels of 0.6 and 1 mm.  Thin red ink on brown skin in coarse textures is as blood vessels are: not found.
 HUE = 0.18  # R over the mean of G and B; under it for red
 LIGHTER = 0.10  # by how much, in G or B, of violet, blue and green
 WIDEST_HUE = 4.6e-3  # m; JPEG keeps hues half as sharp
