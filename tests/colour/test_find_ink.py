@@ -66,6 +66,13 @@ def test_every_marker_is_found_and_known(marker: str) -> None:
     assert {each.marker.name for each in lines} == {marker}
 
 
+@pytest.mark.parametrize("marker", ["violet", "black", "blue", "green", "red"])
+def test_every_marker_is_found_and_known_on_the_darkest_skin_too(marker: str) -> None:
+    lines = find_ink(read_scan(inked_zip(marker, dark=True), units="m", for_display=False))
+    assert missed_and_false(lines)[:2] < (0.06, 5.0)
+    assert {each.marker.name for each in lines} == {marker}
+
+
 def test_a_worn_line_is_ink_where_the_scan_surely_has_black_ink_and_nowhere_else() -> None:
     across, *_ = strokes()
     for marker, is_found in (("black", True), ("violet", False)):
@@ -76,8 +83,9 @@ def test_a_worn_line_is_ink_where_the_scan_surely_has_black_ink_and_nowhere_else
         assert missed_and_false(lines)[1] < 5.0  # neither the hair nor the scar
 
 
-def test_moles_scars_hair_and_grain_are_no_ink() -> None:
-    assert find_ink(read_scan(inked_zip(bare=True), units="m", for_display=False)) == ()
+@pytest.mark.parametrize("dark", [False, True])
+def test_moles_scars_hair_and_grain_are_no_ink(dark: bool) -> None:
+    assert find_ink(read_scan(inked_zip(bare=True, dark=dark), units="m", for_display=False)) == ()
 
 
 def test_a_scan_of_one_colour_has_no_ink() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from breastrig.colour.ink.markers import MARKERS, markers_of
-from breastrig.colour.ink.pieces import Ink, ink_of
+from breastrig.colour.ink.pieces import Ink, Measured, Piece, ink_of
 
 
 @pytest.mark.parametrize(
@@ -25,6 +25,14 @@ from breastrig.colour.ink.pieces import Ink, ink_of
         ("crease", (0.3, 0.3, 0.3), 4.0, None),
         ("blue cloth", (1.86, 0.83, 0.54), 3.0, None),
         ("nothing", (0.02, 0.02, 0.02), 2.0, None),
+        ("violet on the darkest skin", (0.12, 0.35, -0.7), 2.3, Ink.COLOURED),
+        ("blue on the darkest skin", (0.17, 0.07, -0.7), 2.0, Ink.COLOURED),
+        ("green on the darkest skin", (0.3, -0.35, -0.14), 2.9, Ink.COLOURED),
+        ("red on brown skin", (0.0, 0.26, 0.24), 2.8, Ink.RED),
+        ("red on the darkest skin", (-0.27, 0.2, 0.11), 3.1, Ink.RED),
+        ("blood vessel on brown skin", (0.06, 0.26, 0.26), 2.0, None),
+        ("pale scar on dark skin", (-0.25, -0.15, -0.1), 2.0, None),
+        ("gloss", (-0.5, -0.6, -0.7), 2.0, None),
     ],
 )
 def test_ink_is_told_from_skin_hair_shadow_and_cloth(
@@ -61,3 +69,26 @@ def test_each_marker_is_known_under_any_exposure_and_however_thin(exposure: floa
     added = -np.log(((1 - share) * skin + share * inks) / skin)
     assert markers_of(added, np.ones(len(MARKERS)), -np.log(skin)) == list(MARKERS)
     assert markers_of(added[:0], np.zeros(0), -np.log(skin)) == []
+
+
+def test_a_hue_that_one_side_of_the_line_has_too_is_no_ink() -> None:
+    for added, ink in (((0.17, 0.07, -0.7), Ink.COLOURED), ((-0.27, 0.2, 0.11), Ink.RED)):
+        towards = np.sign(added[0])
+        assert ink_of(np.array(added), 2.9e-3, hue=0.05 * towards) is None
+        assert ink_of(np.array(added), 2.9e-3, hue=0.5 * towards) is ink
+
+
+def piece(added: tuple[float, float, float], aside: float, length: float = 0.03) -> Piece:
+    """Along y, `aside` (m) of the y axis."""
+    along = np.arange(0.0, length, 5e-4)
+    places = np.column_stack([np.full(len(along), aside), along, np.zeros(len(along))])
+    values = np.array(added)
+    hue = float(values[0] - values[1:].mean())
+    return Piece(places, np.zeros(len(along), dtype=np.int64), False, length, values, np.ones(3), 2.9e-3, hue)
+
+
+def test_the_rims_of_opposite_hue_that_a_compressed_picture_has_are_no_lines() -> None:
+    red, rim, violet = piece((-0.4, 0.4, 0.2), 0.0), piece((0.24, -0.13, -0.09), 4e-3), piece((0.3, 0.5, -0.3), -4e-3)
+    assert Measured((red, rim, violet)).pieces() == [red, violet]
+    far = piece((0.24, -0.13, -0.09), 9e-3)
+    assert Measured((red, far)).pieces() == [red, far]

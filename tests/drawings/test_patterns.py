@@ -57,6 +57,19 @@ def test_three_oclock_is_towards_her_left_on_both_breasts(torso: Rig, side: str)
     assert abs(three[1]) < 0.01
 
 
+def test_patterns_start_from_where_a_landmark_is_seen_not_from_where_the_model_has_it(torso: Rig) -> None:
+    own = FittedSkin(torso, torso.template)
+    place = own.at(own.landmark("nipple_L"))[0] + np.array([0.006, 0.004, 0.0])
+    skin = FittedSkin(torso, torso.template, {"nipple_L": place})
+    assert np.linalg.norm(skin.at(skin.landmark("nipple_L"))[0] - place) < 0.005
+    asked = asked_drawing(torso, "tumour:side=L,clock=10,distance_mm=45,radius_mm=12")
+    for start, known in ((own, None), (skin, {"nipple_L": place})):
+        circle = own.at(asked.on_model(torso, torso.template, known).shapes[0].points)
+        middle = own.nearest(circle.mean(axis=0, keepdims=True))
+        assert own.geodesics.distance(start.landmark("nipple_L"), middle) == pytest.approx(0.045, abs=0.0015)
+    np.testing.assert_array_equal(own.at(own.landmark("nipple_R")), skin.at(skin.landmark("nipple_R")))
+
+
 def test_half_hours_lie_between(torso: Rig) -> None:
     skin = FittedSkin(torso, torso.template)
     angles = np.radians(30.0 * np.arange(0.5, 12.1, 0.5))

@@ -55,6 +55,15 @@ def test_a_rigid_motion_carries_every_point_with_it_and_back(torso: Rig) -> None
     assert errors(way.to_a(b.vertices[chosen]), a.vertices[chosen]).max() < 1e-5
 
 
+def test_landmarks_that_colours_show_lead_the_way_as_picked_ones_do(torso: Rig) -> None:
+    chosen = torso.template[on_the_breasts(torso)]
+    picked = [fitted_scan(torso, torso.template), fitted_scan(torso, lying(torso.template), "supine")]
+    seen = [replace(each, landmarks={}, seen=each.landmarks) for each in picked]
+    neither = [replace(each, landmarks={}) for each in picked]
+    np.testing.assert_array_equal(carried(torso, *seen, chosen), carried(torso, *picked, chosen))
+    assert errors(carried(torso, *seen, chosen), carried(torso, *neither, chosen)).max() > 1e-4
+
+
 @pytest.mark.parametrize("landmarks", [True, False])
 def test_a_smooth_change_of_stance_is_followed(landmarks: bool, torso: Rig) -> None:
     a = fitted_scan(torso, torso.template)

@@ -17,6 +17,7 @@ SIZE, RADIUS = 240.0, 150.0  # mm: of the sheet along both ways, of the cylinder
 SIDE = 512  # pixels
 STEPS = 40  # triangles along each way are twice these
 SKIN = (0.46, 0.25, 0.17)  # linear light
+DARK_SKIN = (0.125, 0.062, 0.041)  # of the darkest people; ink that covers it is lighter in some channel
 INKS = {
     "violet": (0.07, 0.03, 0.16),
     "black": (0.012, 0.012, 0.013),
@@ -78,7 +79,7 @@ def _uv(st: np.ndarray, right: np.ndarray) -> np.ndarray:
     return np.where(right[:, None], other, left)
 
 
-def _picture(drawn: tuple[Stroke, ...]) -> np.ndarray:
+def _picture(drawn: tuple[Stroke, ...], skin: tuple[float, float, float] = SKIN) -> np.ndarray:
     """(SIDE, SIDE, 3) sRGB."""
     rng = np.random.default_rng(4)
     column, row = np.meshgrid((np.arange(SIDE) + 0.5) / SIDE, 1 - (np.arange(SIDE) + 0.5) / SIDE)
@@ -86,11 +87,11 @@ def _picture(drawn: tuple[Stroke, ...]) -> np.ndarray:
     s = np.where(upper, (row - 0.515) / 0.96 + 0.5, (row - 0.01) / 0.96) * SIZE
     t = np.where(upper, (0.99 - column) / 0.98, (column - 0.01) / 0.98) * SIZE
     st = np.stack([s, t], axis=2).reshape(-1, 2)
-    light = np.ones((len(st), 3)) * SKIN
+    light = np.ones((len(st), 3)) * skin
     mottled = 1.0 + 0.06 * np.sin(st[:, :1] / 9.0) * np.cos(st[:, 1:] / 13.0)
     light *= mottled
     mole = np.linalg.norm(st - [40.0, 150.0], axis=1) < 2.0
-    light[mole] = (0.16, 0.06, 0.03)
+    light[mole] = np.multiply(skin, (0.35, 0.24, 0.18))
     scar = (np.abs(st[:, 1] - 205.0) < 1.0) & (np.abs(st[:, 0] - 180.0) < 20.0)
     light[scar] *= (1.0, 0.85, 0.85)
     hair = np.abs(st[:, 0] - 130.0 - 4.0 * np.sin(st[:, 1] / 30.0)) < 0.2
@@ -118,7 +119,7 @@ def _mesh(steps: int = STEPS) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=4)
-def inked_zip(marker: str | None = None, bare: bool = False, worn: bool = False) -> bytes:
+def inked_zip(marker: str | None = None, bare: bool = False, worn: bool = False, dark: bool = False) -> bytes:
     """The scan as a zip of OBJ, MTL and PNG, in metres; `bare` without ink, `worn`: little is left of one line."""
     st, faces, right = _mesh()
     lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in place(st)]
@@ -132,7 +133,7 @@ def inked_zip(marker: str | None = None, bare: bool = False, worn: bool = False)
     first, *rest = strokes(marker)
     drawn = () if bare else (replace(first, marker="worn") if worn else first, *rest)
     picture = io.BytesIO()
-    Image.fromarray(_picture(drawn)).save(picture, "PNG")
+    Image.fromarray(_picture(drawn, DARK_SKIN if dark else SKIN)).save(picture, "PNG")
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("scan.obj", "\n".join(lines) + "\n")

@@ -46,20 +46,33 @@ def painted_body(
     seed: int = 5,
     supine: bool = False,
     states: tuple[tuple[str, str], ...] = (),
+    inks: tuple[str, str] | None = None,
 ) -> PaintedBody:
-    """The cohort's woman number `patient` (0 to 6), painted; `states` are those of nipples that are not natural."""
-    return _painted_body(patient, tone, plan, side, seed, supine, states)
+    """The cohort's woman number `patient` (0 to 6), painted; `states` are those of nipples that are not natural.
+
+    Lines are worn, but for those of given inks.
+    """
+    return _painted_body(patient, tone, plan, side, seed, supine, states, inks)
 
 
 @lru_cache(maxsize=8)
 def _painted_body(
-    patient: int, tone: int, plan: str, side: int, seed: int, supine: bool, states: tuple[tuple[str, str], ...]
+    patient: int,
+    tone: int,
+    plan: str,
+    side: int,
+    seed: int,
+    supine: bool,
+    states: tuple[tuple[str, str], ...],
+    inks: tuple[str, str] | None,
 ) -> PaintedBody:
     bodies = read_bodies()
     standing, lying = bodies.patients[patient].bodies
     body = lying if supine else standing
     random = np.random.default_rng((seed, patient))
-    painted = draw_skin(standing, bodies.faces, random, tone=tone, plan=plan, states=dict(states))
+    painted = draw_skin(
+        standing, bodies.faces, random, tone=tone, plan=plan, states=dict(states), inks=inks, even=inks is not None
+    )
     kept = bodies.faces[bodies.scanned[bodies.faces].all(axis=1)]
     vertices, faces = compact(body.vertices, kept)
     low = body.landmarks["umbilicus"][1] - 0.09  # as people crop

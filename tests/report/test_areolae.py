@@ -49,6 +49,10 @@ def test_damaged_areolae_are_refused_with_a_sentence(damage: Callable[[dict[str,
         areolae_of({"areolae": {"L": entry}}, 1.0)
 
 
+def uncertain(fit: breastrig.Fit) -> dict[str, float]:
+    return dict(fit.result["landmark_uncertainty_mm"])
+
+
 @pytest.fixture(scope="module")
 def half_covered() -> PaintedBody:
     return painted_body(tone=4, states=(("R", "covered"),), side=640)
@@ -62,7 +66,24 @@ def test_a_textured_scan_has_the_diameter_of_the_areola_that_is_seen(half_covere
     assert set(fit.result["areolae"]) == {"L", "R"}
     assert fit.result["areolae"]["R"] is None
     assert "Found by colour: nipple_L, umbilicus (areola seen, navel seen)." in fit.notes
-    assert np.linalg.norm(fit.landmarks["nipple_L"] - woman.body.landmarks["nipple_L"]) < 0.006
+    assert fit.seen == {"nipple_L": "areola seen", "umbilicus": "navel seen"}
+    for name in fit.seen:  # as it is seen and with its own error, wherever the model ends
+        off, radius = np.linalg.norm(fit.landmarks[name] - woman.body.landmarks[name]), 1e-3 * uncertain(fit)[name]
+        assert off < min(radius, 0.006)
+        assert radius < 0.01
+    model = dict(
+        zip(fit.model.landmark_names, fit.model.landmark_points().positions(fit.vertices, fit.faces), strict=True)
+    )
+    for name in fit.model.landmark_names:
+        assert np.allclose(fit.landmarks[name], model[name], atol=2e-6) is (name not in fit.seen)
+    between = {name for each in breastrig.measure(fit) if each.name == "notch_nipple" for name in each.landmarks}
+    assert between == {"nipple_L (seen)", "nipple_R (model)", "suprasternal_notch (model)"}
+    fit.save(tmp_path / "saved")
+    loaded = breastrig.Fit.load(tmp_path / "saved")
+    assert loaded.seen == fit.seen
+    np.testing.assert_array_equal(loaded.in_metres.seen["umbilicus"], fit.landmarks["umbilicus"])
+    again = breastrig.fit(place, {"umbilicus": model["umbilicus"]}, units="m", drawing=None, refine=False)
+    assert again.seen == {}  # who has picked has seen what was proposed
     (row,) = (each for each in breastrig.measure(fit) if each.name == "areola_diameter")
     assert row.right is None
     assert "the right one is not seen" in row.method

@@ -53,6 +53,17 @@ def test_what_was_fitted_comes_back(folder: Path) -> None:
     assert found.rig.sha256 == read_rig(default_rig_path()).sha256
 
 
+def test_landmarks_seen_by_colour_are_read_where_they_are_and_must_be_the_models(folder: Path, tmp_path: Path) -> None:
+    assert read_fit_folder(folder).seen == {}  # picked ones are not, and older results say nothing of it
+    place = shutil.copytree(folder, tmp_path / "fit") / "result.json"
+    document = json.loads(place.read_text("utf-8"))
+    place.write_text(json.dumps(document | {"landmarks_seen": {"umbilicus": "navel seen"}}), "utf-8")
+    assert read_fit_folder(place.parent).seen["umbilicus"].tolist() == document["landmarks"]["umbilicus"]
+    place.write_text(json.dumps(document | {"landmarks_seen": {"tail": "seen"}}), "utf-8")
+    with pytest.raises(BadInput, match=r"damaged \(landmarks_seen\)"):
+        read_fit_folder(place.parent)
+
+
 def test_the_scan_that_is_kept_says_nothing_but_its_shape(folder: Path) -> None:
     header = (folder / "scan.ply").read_bytes().split(b"end_header")[0]
     for line in header.splitlines():

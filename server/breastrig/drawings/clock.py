@@ -6,8 +6,8 @@ tape on the skin.  The clock's face is the plane that the circle of that distanc
 which follows a breast that points sideways or down.
 """
 
-from collections.abc import Hashable
-from dataclasses import dataclass
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -35,6 +35,7 @@ class FittedSkin:
 
     rig: Rig
     vertices: Array
+    known: Mapping[str, Array] = field(default_factory=dict)  # (3,) landmarks that are known better than the model's
 
     @cached_property
     def constructions(self) -> LastUsed[Hashable, Any]:
@@ -62,6 +63,8 @@ class FittedSkin:
         """BadDrawing when the rig has none of that name."""
         if name not in self.rig.landmark_names:
             raise BadDrawing(f"This drawing starts from the landmark {name}, which this model does not have.")
+        if name in self.known:
+            return self.nearest(self.known[name][None])
         return self.rig.landmark_points((name,))
 
     @cached_property

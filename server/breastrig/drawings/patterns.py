@@ -70,11 +70,14 @@ class AskedDrawing:
     fixed: tuple[ModelDrawing, ...]
     patterns: tuple[tuple[str, Pattern], ...]
 
-    def on_model(self, rig: Rig, vertices: Array) -> ModelDrawing:
-        """All of it as surface points, for (V, 3) m fitted vertices in the scan's frame."""
+    def on_model(self, rig: Rig, vertices: Array, landmarks: Mapping[str, Array] | None = None) -> ModelDrawing:
+        """All of it as surface points, for (V, 3) m fitted vertices in the scan's frame.
+
+        `landmarks` (3,) m are those that are known better than where the model has them.
+        """
         if len(self.fixed) == 1 and not self.patterns:
             return self.fixed[0]  # the rig's own, of which more is known already
-        return self.on_skin(FittedSkin(rig, vertices))
+        return self.on_skin(FittedSkin(rig, vertices, landmarks or {}))
 
     def on_skin(self, skin: FittedSkin) -> ModelDrawing:
         """The same on a skin that has been measured before, and remembers it."""

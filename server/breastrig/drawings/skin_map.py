@@ -5,7 +5,7 @@ millimetre may still disagree along the skin by ten.  The picked landmarks know 
 scans' surfaces know the depth, and skin stretches smoothly.  So the way from A to B is a rigid motion plus a
 smooth displacement u(x), a Gaussian process with three kinds of observations, each weighed by its error:
 
-* picked landmarks present in both scans,
+* landmarks present in both scans, picked by a person or seen by their colours,
 * the surface of scan B: points of A must arrive on it (only along its normal),
 * the two fitted models: the same point of the model on A and on B, weakly; without landmarks they are all there is.
 
@@ -60,7 +60,13 @@ class FittedScan:
     landmarks: dict[str, Array]  # picked and not doubted, (3,)
     stance: str  # standing | supine
     radii: Array | None = None  # (V,) m, each holds the vertex's true place with 90 %; None: not known
+    seen: dict[str, Array] = field(default_factory=dict)  # (3,) landmarks that the scan's colours show
     _searches: dict[Rig, ClosestPointSearch] = field(default_factory=dict, init=False, repr=False)
+
+    @property
+    def known(self) -> dict[str, Array]:
+        """(3,) landmarks that are known better than by the model: picked, or seen."""
+        return self.seen | self.landmarks
 
     def search(self, rig: Rig) -> ClosestPointSearch:
         """On the fitted model, built once."""
@@ -124,9 +130,9 @@ class SkinMap:
     def _solved(self, on_a: Correspondences) -> Array:
         """(K, 3) the weights w."""
         a, b, own = self._a, self._b, self._settings
-        names = [name for name in a.landmarks if name in b.landmarks]
+        names = [name for name in a.known if name in b.known]
         chosen = spread_out(on_a.points, own.model_points)
-        known = [np.array([scan.landmarks[name] for name in names]).reshape(-1, 3) for scan in (a, b)]
+        known = [np.array([scan.known[name] for name in names]).reshape(-1, 3) for scan in (a, b)]
         start = self.expected(on_a.points)
         basis = self._basis(on_a.points)
         size = basis.shape[1]

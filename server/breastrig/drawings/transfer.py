@@ -153,7 +153,12 @@ def _model_map(rig: Rig, a: FittedScan, b: FittedScan, model: ClosestPointSearch
 
 
 def fitted_scan(
-    surface: Surface, vertices: Array, landmarks: dict[str, Array], stance: str, radii: Array | None = None
+    surface: Surface,
+    vertices: Array,
+    landmarks: dict[str, Array],
+    stance: str,
+    radii: Array | None = None,
+    seen: dict[str, Array] | None = None,
 ) -> FittedScan:
     """A cleaned scan with its fit."""
-    return FittedScan(ScanTarget(surface.vertices, surface.faces), vertices, landmarks, stance, radii)
+    return FittedScan(ScanTarget(surface.vertices, surface.faces), vertices, landmarks, stance, radii, seen or {})

@@ -25,7 +25,7 @@ from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.parameters import Parameters, parameters_by_name
 from breastrig.rig.model import Rig
-from breastrig.workflow.fit_file_names import FIT_FILES, RESULT, UNCERTAINTY, fit_set
+from breastrig.workflow.fit_file_names import FIT_FILES, LANDMARKS_SEEN, RESULT, UNCERTAINTY, fit_set
 from breastrig.workflow.fit_files import fit_file, json_bytes, write_files
 from breastrig.workflow.fit_folder import FitFolder, fit_of_files, read_fit_files
 from breastrig.workflow.fit_outcome import FitOutcome
@@ -73,7 +73,8 @@ class Fit:
     faces: Integers  # (F, 3)
     scan_vertices: Array  # (S, 3) the scan as it was fitted: cleaned, without a table
     scan_faces: Integers  # (G, 3)
-    landmarks: dict[str, Array]  # (3,) each: where the fitted model has them
+    landmarks: dict[str, Array]  # (3,) each: where the fitted model has them, those of `seen` where colours show them
+    seen: dict[str, str]  # landmarks that the scan's colours show, each with what shows it; none where any was picked
     picked: dict[str, Array]  # (3,) each: as they were given
     not_followed: dict[str, str]  # given landmarks that all else contradicts, each with a sentence
     unusual: dict[str, str]  # given landmarks that were followed and should be looked at, each with a sentence
@@ -214,6 +215,7 @@ def _fit(files: FitFiles, found: FitFolder, inputs: tuple[Path, ...], shown: str
         scan_vertices=frozen(found.surface.vertices / per_unit),
         scan_faces=frozen(found.surface.faces, np.int64),
         landmarks={name: frozen(place) for name, place in result.landmarks.items()},
+        seen=dict(found.result.get(LANDMARKS_SEEN, {})),
         picked={name: frozen(place) for name, place in result.landmarks_picked.items()},
         not_followed=_by_name(result.landmarks_not_followed),
         unusual=_by_name(result.landmarks_unusual),

@@ -43,7 +43,7 @@ class Measure:
     left: Number | None
     right: Number | None
     value: Number | None  # where there is one for both sides
-    landmarks: tuple[str, ...]  # what it is measured between, each with its source: picked, or the model's
+    landmarks: tuple[str, ...]  # what it is measured between, each with its source: picked, seen, or model
     method: str
 
     @property
@@ -58,7 +58,8 @@ def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
     """Distances (mm), ratios, breast volumes (ml) and, standing, the grade of ptosis of a fit or of the folder of one.
 
     They are in mm and ml whatever the scan's unit; `unit` says so.  Landmarks that were picked and not doubted count
-    as they were picked, the others as the fitted model has them.  `model` is that of a folder.  Raises BadInput.
+    as they were picked, those that the scan's colours show as they are seen, the others as the fitted model has them.
+    `model` is that of a folder.  Raises BadInput.
     """
     found = (fit if isinstance(fit, Fit) else Fit.load(fit, model)).in_metres
     uncertain = found.result.get("landmark_uncertainty_mm", {})
@@ -71,6 +72,7 @@ def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
                 scan_faces=found.surface.faces,
                 name=found.stance,
                 picked=found.landmarks,
+                seen=found.seen,
                 landmark_radii={name: 1e-3 * radius for name, radius in uncertain.items()},
                 areolae=areolae_of(found.result, found.metres_per_unit),
                 radii=found.radii,

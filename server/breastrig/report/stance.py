@@ -29,6 +29,7 @@ class Stance:
     scan_faces: Integers  # (G, 3)
     name: str  # standing | supine
     picked: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that were picked and not doubted
+    seen: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that the scan's colours show
     lines: tuple[Polyline, ...] = ()  # on the scan
     remarks: tuple[str, ...] = ()  # what the plan says in words
     landmark_radii: Mapping[str, float] = field(default_factory=dict)  # m; 90 % of true places are within
@@ -69,7 +70,7 @@ class Place:
 
     name: str
     point: Array  # (3,) m
-    source: str  # picked | model
+    source: str  # picked | seen | model
     radius: float | None = None  # m; holds the true place with 90 %; None: not known
 
     def __str__(self) -> str:
@@ -77,12 +78,15 @@ class Place:
 
 
 def places(stance: Stance) -> dict[str, Place]:
-    """Every landmark of the rig: as picked where it was picked and not doubted, else the fitted model's."""
+    """Every landmark of the rig.
+
+    As picked where it was picked and not doubted, as seen where the scan's colours show it, else the fitted model's.
+    """
     rig = stance.rig
-    model = rig.landmark_points().positions(stance.vertices, rig.faces)
-    return {
-        name: Place(name, np.asarray(stance.picked[name]), "picked", stance.landmark_radii.get(name))
-        if name in stance.picked
-        else Place(name, point, "model", stance.landmark_radii.get(name))
-        for name, point in zip(rig.landmark_names, model, strict=True)
-    }
+    model = dict(zip(rig.landmark_names, rig.landmark_points().positions(stance.vertices, rig.faces), strict=True))
+    found = {}
+    for name in rig.landmark_names:
+        said = (("picked", stance.picked), ("seen", stance.seen), ("model", model))
+        source, point = next((source, points[name]) for source, points in said if name in points)
+        found[name] = Place(name, np.asarray(point), source, stance.landmark_radii.get(name))
+    return found

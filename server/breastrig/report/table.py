@@ -46,7 +46,7 @@ class Row:
     left: Value | None
     right: Value | None
     value: Value | None
-    landmarks: tuple[str, ...]  # each with its source: picked, or the model's
+    landmarks: tuple[str, ...]  # each with its source: picked, seen, or model
     method: str
     paths: Mapping[str, Array] = field(default_factory=dict)  # left, right or value: (M, 3) m, what was measured
 

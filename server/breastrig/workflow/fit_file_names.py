@@ -7,6 +7,7 @@ from breastrig.core.output_record import OutputSet
 RESULT = "result.json"
 UNCERTAINTY = "uncertainty.bin"
 RESULT_SCHEMA = "breastrig/result@1"
+LANDMARKS_SEEN = "landmarks_seen"  # in it
 FIT_FILES = (
     "scan.ply",
     "fitted.ply",

@@ -26,7 +26,7 @@ from breastrig.report.distances import (
     surface_summary_mm,
 )
 from breastrig.report.files.surface_files import surface_ply
-from breastrig.workflow.fit_file_names import FIT_FILES, RESULT, RESULT_SCHEMA, UNCERTAINTY
+from breastrig.workflow.fit_file_names import FIT_FILES, LANDMARKS_SEEN, RESULT, RESULT_SCHEMA, UNCERTAINTY
 from breastrig.workflow.fit_outcome import FitOutcome
 
 
@@ -57,6 +57,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         dict(zip(rig.landmark_names, rig.landmark_points().positions(vertices, rig.faces), strict=True))
         for vertices in (outcome.vertices, outcome.model_alone.vertices)
     )
+    seen = {name: each.place for name, each in outcome.seen.items()}
     quaternions = quaternion_from_rotation(x.rotations)
     return {
         "schema": RESULT_SCHEMA,
@@ -98,7 +99,8 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         "landmarks_not_followed": [_doubted(doubt) for doubt in outcome.doubts if not doubt.followed],
         "landmarks_unusual": [_doubted(doubt) for doubt in outcome.doubts if doubt.followed],
         "landmark_uncertainty_mm": {} if outcome.radii is None else _in_mm(outcome.radii.landmarks),
-        "landmarks": {name: _rounded(place / per_unit) for name, place in model_landmarks.items()},
+        "landmarks": {name: _rounded(place / per_unit) for name, place in (model_landmarks | seen).items()},
+        **({LANDMARKS_SEEN: {name: each.reason for name, each in outcome.seen.items()}} if seen else {}),
         "landmarks_picked": {name: _rounded(place / per_unit) for name, place in outcome.landmarks.items()},
         **({AREOLAE: areolae_document(outcome.areolae, per_unit)} if outcome.areolae else {}),
         "parameters": {

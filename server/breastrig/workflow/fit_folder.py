@@ -25,7 +25,7 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.scan.clean import Surface
 from breastrig.scan.limits import FILE_BYTES
 from breastrig.scan.read import read_scan
-from breastrig.workflow.fit_file_names import FIT_FILES, RESULT, UNCERTAINTY
+from breastrig.workflow.fit_file_names import FIT_FILES, LANDMARKS_SEEN, RESULT, UNCERTAINTY
 
 RESULT_BYTES = 4_000_000  # a result.json has some ten thousand
 
@@ -39,6 +39,7 @@ class FitFolder:
     surface: Surface  # the cleaned scan that was fitted
     vertices: Array  # (V, 3) m, the fitted model, refined or not
     landmarks: dict[str, Array]  # picked and not doubted, (3,) m
+    seen: dict[str, Array]  # which the scan's colours show, (3,) m; none where any was picked
     stance: str  # standing | supine
     metres_per_unit: float
     parameters: RigParameters
@@ -86,7 +87,9 @@ class _Result(_Part):
     scan: _Scan
     model: _Model
     stance: Literal["standing", "supine"]
+    landmarks: dict[str, list[FiniteFloat]]
     landmarks_picked: dict[str, list[FiniteFloat]]
+    landmarks_seen: dict[str, str] = {}
     landmarks_not_followed: list[_Doubted]
     landmarks_unusual: list[_Doubted] = []
     parameters: _Parameters
@@ -168,6 +171,9 @@ def _fit(text: bytes, mesh: Callable[[str, str], tuple[Array, Integers]], rig: R
     asked_about = (*result.landmarks_not_followed, *result.landmarks_unusual)
     doubted = {name for doubt in asked_about for name in doubt.names}
     places = {name: np.array(place) for name, place in result.landmarks_picked.items() if name not in doubted}
+    seen = {name: np.array(result.landmarks.get(name, ())) for name in result.landmarks_seen}
+    if any(place.shape != (3,) or name not in rig.landmark_names for name, place in seen.items()):
+        raise BadInput(f"{shown}/result.json is damaged ({LANDMARKS_SEEN}); fit the scan again.")
     if any(place.shape != (3,) or name not in rig.landmark_names for name, place in places.items()):
         raise BadInput(f"{shown}/result.json is damaged (landmarks_picked); fit the scan again.")
     return FitFolder(
@@ -176,6 +182,7 @@ def _fit(text: bytes, mesh: Callable[[str, str], tuple[Array, Integers]], rig: R
         surface=Surface(surface_vertices, surface_faces, ()),
         vertices=vertices,
         landmarks={name: per_unit * place for name, place in places.items()},
+        seen={name: per_unit * place for name, place in seen.items()},
         stance=result.stance,
         metres_per_unit=per_unit,
         parameters=_parameters(f"{shown}/result.json", rig, result.parameters),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.doubt import Doubt
+from breastrig.fitting.seen.landmarks import SeenLandmark
 from breastrig.fitting.uncertainty.radii import Radii
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.geometry.polyline import Polyline
@@ -47,6 +48,7 @@ class FitOutcome:
     timing_s: dict[str, float]
     distances: SurfaceDistances
     landmarks: dict[str, Array]  # picked, m
+    seen: Mapping[str, SeenLandmark]  # by name, where colours show it and no one has picked any; their radii are theirs
     doubts: tuple[Doubt, ...]  # picks that are asked about
     drawing: ModelDrawing | None
     lines: tuple[Polyline, ...]

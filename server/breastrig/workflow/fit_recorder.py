@@ -18,6 +18,7 @@ from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
 from breastrig.fitting.seen.areolae import seen_areolae
+from breastrig.fitting.seen.landmarks import followed
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
@@ -80,7 +81,12 @@ class FitRecorder:
             timing["refine"] = clock.lap()
             compared = Comparison(target, vertices, rig.faces)
         known = radii(posterior, ready.clearness)
-        drawing = ready.drawing.on_model(rig, vertices) if ready.drawing else None
+        seen = followed(task, ready.shown, {name for doubt in let_go for name in doubt.names})
+        if known is not None and seen:
+            known = replace(known, landmarks=known.landmarks | {name: each.radius for name, each in seen.items()})
+        drawing = (
+            ready.drawing.on_model(rig, vertices, {n: s.place for n, s in seen.items()}) if ready.drawing else None
+        )
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()
         lines = with_errors(rig, compared.search, None if known is None else known.vertices, lines)
         areolae = seen_areolae(rig, vertices, ready.landmarks, ready.scan, ready.shown)
@@ -103,6 +109,7 @@ class FitRecorder:
             timing_s=timing,
             distances=compared.distances,
             landmarks=ready.landmarks,
+            seen=seen,
             doubts=tuple(doubt for doubt in doubtful if not task.certain.issuperset(doubt.names)),
             drawing=drawing,
             lines=lines,

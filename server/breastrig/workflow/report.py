@@ -137,6 +137,7 @@ def stance_of(folder: Path, fit: FitFolder, plan: PlanLines | None = None) -> St
         scan_faces=fit.surface.faces,
         name=fit.stance,
         picked=fit.landmarks,
+        seen=fit.seen,
         lines=planned_lines(folder, fit.unit, plan),
         remarks=() if plan is None else _remarks(plan[0]),
         landmark_radii={n: 1e-3 * radius for n, radius in fit.result.get("landmark_uncertainty_mm", {}).items()},

@@ -418,7 +418,7 @@ export type Measure = {
   value_low: number | null;
   /** high end of its band, where one is known */
   value_high: number | null;
-  /** what it was measured between, each with its source: picked, or the model's */
+  /** what it was measured between, each with its source: picked, seen by colour, or the model's */
   landmarks: string;
   method: string;
   /** what was measured; null for a change between two stances */
@@ -885,8 +885,10 @@ export type ResultFile = {
   landmarks_unusual?: DoubtedPick[];
   /** radius that holds the landmark's true place with 90 %, by name; of a fit of this version */
   landmark_uncertainty_mm?: Record<string, number>;
-  /** of the fitted model, in the scan's frame and unit */
+  /** of the fitted model, or where the scan's colours show them (landmarks_seen), in the scan's frame and unit */
   landmarks: Record<string, [number, number, number]>;
+  /** what shows each landmark that the scan's colours place, by name; none where any was picked */
+  landmarks_seen?: Record<string, string>;
   /** as given, in the scan's frame and unit */
   landmarks_picked?: Record<string, [number, number, number]>;
   parameters: ResultParameters;

@@ -91,7 +91,13 @@ class ResultFile(Document):
     landmark_uncertainty_mm: dict[str, float] = Field(
         {}, description="radius that holds the landmark's true place with 90 %, by name; of a fit of this version"
     )
-    landmarks: dict[str, Three] = Field(description="of the fitted model, in the scan's frame and unit")
+    landmarks: dict[str, Three] = Field(
+        description="of the fitted model, or where the scan's colours show them (landmarks_seen), in the scan's frame "
+        "and unit"
+    )
+    landmarks_seen: dict[str, str] = Field(
+        {}, description="what shows each landmark that the scan's colours place, by name; none where any was picked"
+    )
     landmarks_picked: dict[str, Three] = Field({}, description="as given, in the scan's frame and unit")
     parameters: ResultParameters
     notes: list[str]
@@ -140,7 +146,9 @@ class Measure(Document):
     value: float | None = Field(description="of a measure without sides")
     value_low: float | None = Field(description="low end of its band, where one is known")
     value_high: float | None = Field(description="high end of its band, where one is known")
-    landmarks: str = Field(description="what it was measured between, each with its source: picked, or the model's")
+    landmarks: str = Field(
+        description="what it was measured between, each with its source: picked, seen by colour, or the model's"
+    )
     method: str
     paths: MeasuredLines | None = Field(None, description="what was measured; null for a change between two stances")
 

@@ -10,6 +10,7 @@ Ink of half the light adds a density of 0.7.
 TEXEL = 0.6e-3  # m, of the pictures of the skin: a pen covers two or three; finer ones take longer and find no more
 WIDTH = 1.0e-3  # standard deviation of the filter across a line: pens of 1 to 3 mm, blurred by the picture
 WEAK = 0.10  # density above the skin's down to which a line is followed; the skin's own grain reaches 0.05
+HUE_WORTH = 0.5  # of a line seen by its hue against one seen by its darkness, which compressed pictures keep sharper
 ON_SKIN = 0.6  # share of the filter's weight that must lie on skin: ends of the scan look like lines
 OFF_PIXEL = 0.6  # pixels from its pixel's middle; a half would lose ridges that lie between two pixels
 
@@ -36,6 +37,14 @@ FAINT_NARROWEST = 1.6e-3  # m; loose hair stays narrower
 RED = 0.36  # of G and B for red ink; red scars reach 0.33
 RED_OVER, RED_SHARE = 0.12, 1.2  # G over R, and G for each R
 RED_BLUE = 1.2  # B for each G; blood and melanin have more
+# On dark skin ink is lighter than skin in some channel: violet and blue in B, green in G, red in R.  No pigment is, and
+# what is lighter as a whole (scars, gloss) changes no hue.  Chosen on painted women of the choosing half, five inks in
+# six tones, texels of 0.6 and 1 mm.  Thin red ink on brown skin in coarse textures is as blood vessels are: not found.
+HUE = 0.18  # R over the mean of G and B; under it for red
+LIGHTER = 0.10  # by how much, in G or B, of violet, blue and green
+WIDEST_HUE = 4.6e-3  # m; JPEG keeps hues half as sharp
+LIGHTER_RED, DARKER_GREEN = 0.1, 0.12  # R at most for each G of red ink, blood has twice as much; and its G
+ECHO, ECHO_HUE = 7.0e-3, 0.9  # m from a line to the rim of the opposite hue that JPEG puts beside it; its share of hue
 LENIENT = 0.65  # share of these densities that a piece needs to belong to a line that has them as a whole
 WIDEST, WIDEST_BLACK = 3.8e-3, 3.4e-3  # m; shadows and creases are wider
 NARROWEST_BLACK, CLEARLY_BLACK = 1.75e-3, 0.45  # m, unless R is that dark: loose hair is narrower and fainter

@@ -2,9 +2,10 @@
 
 A piece is judged by its mean profile across, red, green and blue, against the bare skin on both sides: grain and the
 picture's noise cancel along it.  Each marker adds density in its own way: violet, blue and green most in red, black
-alike in all, red in green and blue.  What else makes thin lines does otherwise: skin's pigments (moles, veins, scars,
-rims of areolae) add most in blue and least in red; creases and shadows are wider; loose hair is narrower and faint;
-at the edge of cloth or table there is no skin on the other side.
+alike in all, red in green and blue.  On dark skin, which is darker than ink in some channel, it turns the hue to blue,
+green or red, as no pigment of the skin does.  What else makes thin lines does otherwise: skin's pigments (moles, veins,
+scars, rims of areolae) add most in blue and least in red; creases and shadows are wider; loose hair is narrower and
+faint; at the edge of cloth or table there is no skin on the other side.
 """
 
 from collections.abc import Sequence
@@ -15,7 +16,7 @@ import numpy as np
 
 from breastrig.colour.ink import limits
 from breastrig.colour.ink.chains import neighbours_joined
-from breastrig.colour.ink.ridges import DENSITY, OFFSETS, RidgePoints, profiles
+from breastrig.colour.ink.ridges import DENSITY, OFFSETS, RidgePoints, darkening, hue_of, profiles
 from breastrig.colour.skin_texture import SkinTexture
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.scipy_parts import cKDTree, csr_array
@@ -44,6 +45,7 @@ class Piece:
     added: Array  # (3,) density of red, green, blue above the skin's
     skin: Array  # (3,) density of the skin on both sides
     width: float  # m
+    hue: float  # of the line over that of the skin on both sides, whichever differs less; 0 where it lies between both
 
     def ends(self) -> tuple[Array, Array]:
         """((2, 3) m first and last place, (2, 3) unit vectors that lead out of them)."""
@@ -55,12 +57,22 @@ class Piece:
         return tips, out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)
 
 
-def ink_of(added: Array, width: float, share: float = 1.0, has_black: bool = False) -> Ink | None:
+def ink_of(
+    added: Array, width: float, share: float = 1.0, has_black: bool = False, hue: float | None = None
+) -> Ink | None:
     """Which ink adds (3,) densities in a line of that width (m); `share` lowers what is asked for.
 
-    `has_black`: the scan surely has black ink, of which this may be a faint line.
+    `has_black`: the scan surely has black ink, of which this may be a faint line.  `hue` is a piece's, by default
+    that of `added`.
     """
     red, green, blue = (float(value) for value in added)
+    if width > limits.WIDEST_HUE:
+        return None
+    hue = float(hue_of(added)) if hue is None else hue
+    if hue >= share * limits.HUE and red > 0.0 and min(green, blue) <= -share * limits.LIGHTER:
+        return Ink.COLOURED
+    if hue <= -share * limits.HUE and green >= share * limits.DARKER_GREEN and red <= limits.LIGHTER_RED * green:
+        return Ink.RED
     if width > limits.WIDEST:
         return None
     over = green - red >= share * limits.RED_OVER and green >= limits.RED_SHARE * red
@@ -87,7 +99,8 @@ class Measured:
     def pieces(self, factor: float = 1.0, has_black: bool = False) -> list[Piece]:
         """Those that may be ink; `factor` is of densities, `has_black` as in `ink_of`."""
         share = factor * limits.LENIENT
-        return _without_doubles([line for line in self.lines if ink_of(line.added, line.width, share, has_black)])
+        may_be = [line for line in self.lines if ink_of(line.added, line.width, share, has_black, line.hue)]
+        return _without_doubles(_without_echoes(may_be))
 
 
 def measured(texture: SkinTexture, found: Sequence[RidgePoints]) -> Measured:
@@ -116,14 +129,51 @@ def measured(texture: SkinTexture, found: Sequence[RidgePoints]) -> Measured:
     left, middle, right, width = _measured(across, [chain for chain, _, _ in chains])
     skin = 0.5 * (left + right)
     added = middle - skin
+    hue = _between(hue_of(middle - left), hue_of(middle - right))
     chroma = np.minimum(left[:, 2] - left[:, 0], right[:, 2] - right[:, 0])
     result = []
     for number in np.flatnonzero(chroma >= limits.SKIN_SHARE * usual):
         chain, closed, length = chains[number]
         result.append(
-            Piece(places[chain], faces[chain], closed, length, added[number], skin[number], float(width[number]))
+            Piece(
+                places[chain],
+                faces[chain],
+                closed,
+                length,
+                added[number],
+                skin[number],
+                float(width[number]),
+                float(hue[number]),
+            )
         )
     return Measured(tuple(result))
+
+
+def _between(one: Array, other: Array) -> Array:
+    """(N,) of two (N,) values the one nearer to 0, and 0 where their signs differ."""
+    return np.asarray(np.sign(one) * np.maximum(np.minimum(np.abs(one), np.sign(one) * other), 0.0))
+
+
+def _without_echoes(found: list[Piece]) -> list[Piece]:
+    """Without pieces beside one of the opposite hue that is much clearer: compressed pictures have such rims.
+
+    Only what differs from the skin in hue more than in darkness can be one.
+    """
+    if not found:
+        return found
+    places = np.concatenate([piece.places for piece in found])
+    owner = np.repeat(np.arange(len(found)), [len(piece.places) for piece in found])
+    added = np.array([piece.added for piece in found])
+    hue = np.asarray(hue_of(added))
+    may_be = np.abs(darkening(added)) < 0.5 * np.abs(hue)
+    pairs = cKDTree(places).query_pairs(limits.ECHO, output_type="ndarray").astype(np.int64)
+    one, other = owner[pairs].T
+    beside = np.zeros(len(places), dtype=np.bool_)
+    for column, own, near in ((0, one, other), (1, other, one)):
+        echo = may_be[own] & (hue[own] * hue[near] < 0.0) & (np.abs(hue[own]) < limits.ECHO_HUE * np.abs(hue[near]))
+        beside[pairs[echo, column]] = True
+    share = np.bincount(owner, beside) / np.bincount(owner)
+    return [piece for piece, echo in zip(found, share > 0.5, strict=True) if not echo]
 
 
 def _without_doubles(found: list[Piece]) -> list[Piece]:
@@ -180,7 +230,11 @@ def _measured(across: Array, chains: Sequence[Integers]) -> tuple[Array, Array, 
     share = np.linspace(0.0, 1.0, len(OFFSETS))[:, None]
     whole = np.where(count > 0, total / np.maximum(count, 1.0), np.nan)
     above = whole - (1.0 - share) * left[:, None] - share * right[:, None]
-    above = np.maximum(np.nan_to_num(above[:, :, :2].mean(axis=2)), 0.0)
+    dark, hue = darkening(above), hue_of(above)
+    share_of = [np.abs(np.nan_to_num(each[:, MIDDLE]).mean(axis=1)) for each in (dark, hue)]
+    sign = np.sign(np.nan_to_num(hue[:, MIDDLE]).mean(axis=1))
+    above = np.where((limits.HUE_WORTH * share_of[1] > share_of[0])[:, None], sign[:, None] * hue, dark)
+    above = np.maximum(np.nan_to_num(above), 0.0)
     top = np.maximum(above[:, MIDDLE].max(axis=1), 1e-6)
     return left, middle, right, above[:, WITHIN].sum(axis=1) * (OFFSETS[1] - OFFSETS[0]) / top
 

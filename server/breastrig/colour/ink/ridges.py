@@ -1,26 +1,34 @@
-"""Middles of thin dark lines in one picture of the skin, to a fraction of a pixel.
+"""Middles of thin lines in one picture of the skin, to a fraction of a pixel.
 
 Colours are taken as optical densities, -log of the linear light: a shadow adds the same to all channels, and ink adds
 its own density whatever the skin's tone.  Ink is seen in red and green: skin's own pigments (melanin, blood) absorb
-blue most and red least, while each marker darkens red or green (a red one green and blue).  A line is where the
-smoothed density, seen across, has its top (Steger, An unbiased detector of curvilinear structures, 1998): the
-Hessian's sharpest direction is across, and the top lies where the first derivative in this direction vanishes.
+blue most and red least, while each marker darkens red or green (a red one green and blue).  On the darkest skin ink
+that covers it may be as light as the skin, or lighter: there it is seen by its hue.
+
+A line is where the smoothed density, seen across, has its top (Steger, An unbiased detector of curvilinear structures,
+1998): the Hessian's sharpest direction is across, and the top lies where the first derivative in this direction
+vanishes.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import gaussian_filter, uniform_filter
 
+from breastrig.colour.ink import limits
 from breastrig.colour.ink.limits import OFF_PIXEL, ON_SKIN, WEAK, WIDTH
 from breastrig.colour.skin_texture import SkinPicture
 from breastrig.core.arrays import Array, Booleans, Integers, frozen
 from breastrig.geometry.unit_vectors import unit_vectors
 
 Single = NDArray[np.float32]
+Real = TypeVar("Real", np.float32, np.float64)
 DARKEST = 2e-3  # of full light: sRGB 1 of 255 is 0.3e-3, and noise decides there
 SHARE = 0.2  # of the filter's weight that must lie on skin
+CELL = 3  # pixels; signals are compared over three cells along both ways
 TRUNCATE = 3.0  # standard deviations
 JUMP, STEEPEST = 2e-3, 2.0  # m of depth, and m for each m aside, that skin which is seen at all may reach
 OFFSETS: Array = frozen(0.5e-3 * np.arange(-8, 9))  # m across a line; all of a pen's width, and bare skin on both sides
@@ -49,6 +57,19 @@ class RidgePoints:
         )
 
 
+def darkening(density: NDArray[Real]) -> NDArray[Real]:
+    """(...) of (..., 3) densities, red, green and blue: what every ink does to lighter skin."""
+    return np.asarray(0.5 * (density[..., 0] + density[..., 1]), dtype=density.dtype)
+
+
+def hue_of(density: NDArray[Real]) -> NDArray[Real]:
+    """(...) of (..., 3) densities: red over the others, what coloured ink changes on the darkest skin too.
+
+    Violet, blue and green raise it, red lowers it.
+    """
+    return np.asarray(density[..., 0] - 0.5 * (density[..., 1] + density[..., 2]), dtype=density.dtype)
+
+
 def _density_table() -> Single:
     value = np.arange(256) / 255.0
     light = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
@@ -60,16 +81,24 @@ DENSITY: Single = frozen(_density_table(), np.float32)
 
 def ridge_points(picture: SkinPicture, own: Booleans) -> RidgePoints:
     """All of a picture on the triangles that are its own (F,); a neighbour's picture has those of the others."""
-    skin = picture.skin
-    sigma = WIDTH / picture.texel
-    mask = skin.astype(np.float32)
-    half = np.float32(0.5) * DENSITY
-    signal = half.take(picture.pixels[:, :, 0]) + half.take(picture.pixels[:, :, 1])
-    signal *= mask
-    weight = gaussian_filter(mask, sigma, truncate=TRUNCATE)
-    smooth = gaussian_filter(signal, sigma, truncate=TRUNCATE)
+    skin, density = picture.skin, np.moveaxis(DENSITY.take(np.moveaxis(picture.pixels, 2, 0)), 0, 2)
+    weight = gaussian_filter(skin.astype(np.float32), WIDTH / picture.texel, truncate=TRUNCATE)
+    dark = _smoothed(darkening(density), skin, weight, picture.texel)
+    coloured = _smoothed(hue_of(density), skin, weight, picture.texel)
+    found = [_tops_of(smooth, picture, own, weight) for smooth in (dark, coloured, -coloured)]
+    return _strongest(found, (1.0, limits.HUE_WORTH, limits.HUE_WORTH), skin.shape)
+
+
+def _smoothed(signal: Single, skin: Booleans, weight: Single, texel: float) -> Single:
+    smooth = gaussian_filter(signal * skin, WIDTH / texel, truncate=TRUNCATE)
     smooth /= np.maximum(weight, SHARE)
-    rows, columns = _candidates(smooth, skin, WEAK / _gain(sigma))
+    return np.asarray(smooth)
+
+
+def _tops_of(smooth: Single, picture: SkinPicture, own: Booleans, weight: Single) -> RidgePoints:
+    """The tops of a smoothed signal that stand out of the skin by WEAK at least."""
+    sigma = WIDTH / picture.texel
+    rows, columns = _candidates(smooth, picture.skin, WEAK / _gain(sigma))
     faces = picture.faces[rows, columns].astype(np.int64)
     mine = own[faces] & (weight[rows, columns] > ON_SKIN)
     rows, columns, faces = rows[mine], columns[mine], faces[mine]
@@ -79,6 +108,24 @@ def ridge_points(picture: SkinPicture, own: Booleans) -> RidgePoints:
     places = picture.places(spots[:, 0], spots[:, 1], faces)
     ahead = picture.places(spots[:, 0] + along[:, 0], spots[:, 1] + along[:, 1], faces)
     return RidgePoints(places, unit_vectors(ahead - places), faces, curvature * _gain(sigma), spots, along)
+
+
+def _strongest(found: Sequence[RidgePoints], worth: Sequence[float], shape: tuple[int, ...]) -> RidgePoints:
+    """Of lines that several signals see those points whose signal is strongest around; its own are left unbroken.
+
+    `worth` is what heights of each signal are multiplied by.
+    """
+    cells = tuple(side // CELL + 1 for side in shape)
+    spots = [np.rint(points.spots).astype(np.int64).T // CELL for points in found]
+    around = []
+    for points, each, (row, column) in zip(found, worth, spots, strict=True):
+        total = np.bincount(row * cells[1] + column, points.heights, cells[0] * cells[1])
+        around.append(each * uniform_filter(total.reshape(cells), 3))
+    parts = []
+    for number, (points, (row, column)) in enumerate(zip(found, spots, strict=True)):
+        others = np.max([each[row, column] for other, each in enumerate(around) if other != number], axis=0)
+        parts.append(points.at(np.flatnonzero(around[number][row, column] >= others)))
+    return RidgePoints(*(np.concatenate([getattr(each, name.name) for each in parts]) for name in fields(RidgePoints)))
 
 
 def profiles(picture: SkinPicture, points: RidgePoints) -> NDArray[np.float32]:

@@ -115,7 +115,8 @@ def _stroke(
     weight = np.array([part.length for part in parts])
     added = np.average([part.added for part in parts], axis=0, weights=weight)
     width = float(np.average([part.width for part in parts], weights=weight))
-    ink, length = ink_of(added, width, factor, has_black), float(weight.sum())
+    hue = float(np.average([part.hue for part in parts], weights=weight))
+    ink, length = ink_of(added, width, factor, has_black, hue), float(weight.sum())
     if ink is None or length < limits.DETAIL:
         return None
     rows = []

@@ -6,8 +6,8 @@ whose landmark need not lie where a real body has it (the misfit of the presets)
 there without bending the rest, and form that says otherwise more clearly keeps its place.
 """
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,6 +27,16 @@ from breastrig.scan.scan import Scan
 
 if TYPE_CHECKING:
     from breastrig.colour.features.observe import Expectation, Observation
+
+
+@dataclass(frozen=True, eq=False)
+class SeenLandmark:
+    """Where colour shows a landmark; the model, whose shapes need not reach it, may end beside."""
+
+    place: Array  # (3,) m, on the skin, in the scan's frame
+    radius: float  # m, holds the true place with 90 %
+    reason: str  # what shows it, a few words
+
 
 UNKNOWN = 0.02  # m, error of the form with models of which nobody knows how far bodies are from them
 
@@ -71,6 +81,20 @@ def areola_of(observation: "Observation") -> SeenAreola | None:
     """The areola that a nipple was found in, as measures have it."""
     areola = observation.areola
     return None if areola is None else SeenAreola(2.0 * areola.radius, areola.diameter_half, areola.rim)
+
+
+def followed(
+    task: FitTask, shown: "Mapping[str, Observation] | None", let_go: Collection[str]
+) -> dict[str, SeenLandmark]:
+    """By name what a finished fit of the task knows by colour better than by its model.
+
+    All that was `shown` and among the task's observations, but for what the fit `let_go` of as all else contradicts it.
+    """
+    return {
+        name: SeenLandmark(each.place, HOLDS_90 * each.error, each.reason)
+        for name, each in (shown or {}).items()
+        if name in task.seen and name not in let_go
+    }
 
 
 def with_seen(task: FitTask, seen: Mapping[str, "Observation"], fitted: RigParameters) -> FitTask:

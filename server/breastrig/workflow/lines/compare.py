@@ -45,7 +45,7 @@ def compare(job: CompareJob) -> dict[str, Any]:
     """Writes compare.json, compare.csv and compare.png into job.out; the first one's document.  Raises BadInput."""
     rig = read_rig(job.model or default_rig_path())
     folder = fit_folder_of(job.fit, rig)
-    scan = fitted_scan(folder.surface, folder.vertices, folder.landmarks, folder.stance)
+    scan = fitted_scan(folder.surface, folder.vertices, folder.landmarks, folder.stance, seen=folder.seen)
     shapes = []
     for file in (job.first, job.second):
         given = parsed_drawing(drawing_document(file), rig, folder.unit)

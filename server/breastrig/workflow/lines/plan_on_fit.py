@@ -43,7 +43,7 @@ def plan_on_folders(rig: Rig, plan: Plan, fits: Sequence[tuple[FitFolder, str]],
     here, *others = (
         PlannedScan(
             fit.stance,
-            fitted_scan(fit.surface, fit.vertices, fit.landmarks, fit.stance, fit.radii),
+            fitted_scan(fit.surface, fit.vertices, fit.landmarks, fit.stance, fit.radii, fit.seen),
             items_of(plan, name, is_home=place == home),
         )
         for place, ((fit, _), name) in enumerate(zip(fits, names, strict=True))

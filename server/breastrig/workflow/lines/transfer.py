@@ -47,8 +47,8 @@ def transfer(job: TransferJob) -> dict[str, Any]:
     if is_plan(document):
         return _plan_on(rig, checked_plan(document), source, goal, job.other_patient)
     given = parsed_drawing(document, rig, source.unit)
-    a = fitted_scan(source.surface, source.vertices, source.landmarks, source.stance, source.radii)
-    b = fitted_scan(goal.surface, goal.vertices, goal.landmarks, goal.stance, goal.radii)
+    a = fitted_scan(source.surface, source.vertices, source.landmarks, source.stance, source.radii, source.seen)
+    b = fitted_scan(goal.surface, goal.vertices, goal.landmarks, goal.stance, goal.radii, goal.seen)
     shapes = list(given.on_scan)
     if given.on_model:
         drawn = ModelDrawing(given.name, given.name, given.on_model)

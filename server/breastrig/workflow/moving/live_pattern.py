@@ -37,7 +37,7 @@ def read_and_live_pattern(fit: str, folder: Path, model: Path | None, question: 
     """The same after reading the fit's folder.  Raises BadInput for what is no fit."""
     rig = read_rig(model or default_rig_path())
     found = fit_folder_of(folder, rig)
-    scan = fitted_scan(found.surface, found.vertices, found.landmarks, found.stance, found.radii)
+    scan = fitted_scan(found.surface, found.vertices, found.landmarks, found.stance, found.radii, found.seen)
     _prepared.clear()
     _prepared[fit] = PreparedFit(found.unit, found.metres_per_unit, LiveSkin(rig, scan))
     return _answer(_prepared[fit], question)

@@ -13,14 +13,20 @@ MOTTLING = (1.5, 0.7, 0.7)  # L, a, b; standard deviation
 PATCH = (0.017, 0.024)  # m, radius of what covers a nipple
 NAVEL = (0.0065, 0.0095)  # m, half the width and height of a large one
 NAVEL_SIZE, NAVEL_STRENGTH = (0.5, 1.1), (0.15, 0.9)  # of that; and how much of the crease's colour it shows
+OFF_SKIN = 0.0025  # m off the skin, up to which an even line is seen
 INK_FADES = 0.0004  # m, from full ink to none
 
 
 class Albedo:
-    """One woman's skin as a function of the place on it; drawn once, the same for both stances."""
+    """One woman's skin as a function of the place on it; drawn once, the same for both stances.
 
-    def __init__(self, skin: Skin, palette: Palette, marks: Marks, random: np.random.Generator) -> None:
-        self._skin, self._palette, self._marks = skin, palette, marks
+    `even`: lines are as dark everywhere.  Otherwise they fade where a misplaced picture leaves the skin, as worn ones.
+    """
+
+    def __init__(
+        self, skin: Skin, palette: Palette, marks: Marks, random: np.random.Generator, even: bool = False
+    ) -> None:
+        self._skin, self._palette, self._marks, self._even = skin, palette, marks, even
         length = np.exp(random.uniform(np.log(WAVE_LENGTHS[0]), np.log(WAVE_LENGTHS[1]), WAVES))
         direction = random.standard_normal((WAVES, 3))
         self._waves = 2.0 * np.pi / length[:, None] * direction / np.linalg.norm(direction, axis=1, keepdims=True)
@@ -72,15 +78,28 @@ class Albedo:
         colour[near] = part
 
     def _cover(self, places: Array, stroke: Stroke, soft: float) -> Array:
-        """(N,) 0 to 1: how much of a place is under the stroke."""
+        """(N,) 0 to 1: how much of a place is under the stroke.
+
+        Places lie a little off the skin (between a scan's vertices, in misplaced pictures).
+        """
         points = self._skin.places(stroke.points)[stroke.inked]
-        if not len(points):
-            return np.zeros(len(places))
-        reach = 0.5 * stroke.width + 3.0 * soft
-        low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
-        near = np.flatnonzero(((places > low) & (places < high)).all(axis=1))
-        away, _ = cKDTree(points).query(places[near], distance_upper_bound=reach)
         cover = np.zeros(len(places))
+        if not len(points):
+            return cover
+        reach = 0.5 * stroke.width + 3.0 * soft
+        room = float(np.hypot(reach, OFF_SKIN)) if self._even else reach
+        low, high = points.min(axis=0) - room, points.max(axis=0) + room
+        near = np.flatnonzero(((places > low) & (places < high)).all(axis=1))
+        found = cKDTree(points).query(places[near], distance_upper_bound=room)
+        distance, nearest = np.asarray(found[0]), np.asarray(found[1])
+        there = np.isfinite(distance)
+        near, nearest, away = near[there], nearest[there], distance[there]
+        if self._even:
+            off = places[near] - points[nearest]
+            normals = self._skin.normals[stroke.points.faces[stroke.inked][nearest]]
+            height = np.einsum("nd,nd->n", off, normals)
+            aside = np.linalg.norm(off - height[:, None] * normals, axis=1)
+            away = np.where(np.abs(height) < OFF_SKIN, aside, np.inf)
         cover[near] = 1.0 / (1.0 + np.exp(np.clip((away - 0.5 * stroke.width) / (0.35 * soft), -50.0, 50.0)))
         return cover
 

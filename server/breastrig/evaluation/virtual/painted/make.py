@@ -26,7 +26,7 @@ from breastrig.evaluation.virtual.warped.make import Half
 from breastrig.evaluation.virtual.warped.sources import CHOOSE, REPORT
 
 SEED = 20_261_123
-PAINT_VERSION = 3  # of the formulas; another one paints all anew
+PAINT_VERSION = 4  # of the formulas; another one paints all anew
 TEXTURE = 1024  # texels a side
 
 
@@ -59,18 +59,23 @@ def draw_skin(
     tone: int | None = None,
     plan: str | None = None,
     states: dict[str, str] | None = None,
+    inks: tuple[str, str] | None = None,
+    even: bool = True,
 ) -> PaintedSkin:
-    """A skin for a standing body; what is None is drawn: tone 1 to 6, plan, states of the nipples by side."""
+    """A skin for a standing body; what is None is drawn: tone 1 to 6, plan, states of the nipples by side.
+
+    `inks` are those of most lines and of the rest; lines that are not `even` fade here and there, as worn ones do.
+    """
     drawn_tone, drawn_plan = int(random.choice(TONES)), str(random.choice(PLANS))
     tone, plan = drawn_tone if tone is None else tone, drawn_plan if plan is None else plan
     drawn = {side: str(random.choice(["", "", "", "", "", "", COVERED, RECONSTRUCTED])) for side in "LR"}
     states = {side: state for side, state in drawn.items() if state} if states is None else states
     palette = draw_palette(tone, random)
     skin = Skin(standing, faces)
-    marks = draw_marks(standing, faces, random, plan, states)
+    marks = draw_marks(standing, faces, random, plan, states, inks)
     seed = int(random.integers(2**31))
     without = Marks(marks.areolae, (), marks.scars, marks.veins, marks.spots)
-    painted, bare = (Albedo(skin, palette, each, np.random.default_rng(seed)) for each in (marks, without))
+    painted, bare = (Albedo(skin, palette, each, np.random.default_rng(seed), even) for each in (marks, without))
     return PaintedSkin(skin, marks, painted, bare, tone, plan)
 
 

@@ -14,8 +14,10 @@ from breastrig.evaluation.virtual.bodies import VirtualBody
 from breastrig.evaluation.virtual.painted.tones import INKS
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.curves import resampled
+from breastrig.geometry.normals import face_crosses
 from breastrig.geometry.rays import RayCaster
 from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.geometry.unit_vectors import unit_vectors
 
 SPACING = 0.0008  # m between the points of a line
 RIM_POINTS = 120
@@ -87,6 +89,7 @@ class Skin:
     def __init__(self, body: VirtualBody, faces: Integers) -> None:
         self.body, self.vertices, self.faces = body, body.vertices, faces
         self.search = ClosestPointSearch(body.vertices, faces)
+        self.normals = unit_vectors(face_crosses(body.vertices, faces))  # (F, 3)
         self._rays = RayCaster(body.vertices, faces)
 
     def nearest(self, points: Array) -> SurfacePoints:
@@ -116,9 +119,17 @@ def resampled_flat(flat: Array, spacing: float, closed: bool) -> Array:
 
 
 def draw_marks(
-    body: VirtualBody, faces: Integers, random: np.random.Generator, plan: str, states: dict[str, str]
+    body: VirtualBody,
+    faces: Integers,
+    random: np.random.Generator,
+    plan: str,
+    states: dict[str, str],
+    inks: tuple[str, str] | None = None,
 ) -> Marks:
-    """Marks for a standing body; `plan` is one of PLANS, `states` says which nipples are not natural (by L, R)."""
+    """Marks for a standing body; `plan` is one of PLANS, `states` says which nipples are not natural (by L, R).
+
+    `inks` as in `draw_plan`.
+    """
     skin = Skin(body, faces)
     size, softness = random.uniform(0.014, 0.027), random.uniform(0.0006, 0.0025)
     areolae = tuple(
@@ -142,7 +153,7 @@ def draw_marks(
         _wandering(skin, f"vein_{k + 1}", front, random, 0.06, 0.16, 0.0030, np.array([-3.0, -2.0, -5.0]), 0.6)
         for k in range(int(random.integers(2, 7)))
     )
-    return Marks(areolae, draw_plan(skin, plan, random), scars, veins, spots)
+    return Marks(areolae, draw_plan(skin, plan, random, inks), scars, veins, spots)
 
 
 def _areola(skin: Skin, side: str, state: str, radius: float, softness: float, random: np.random.Generator) -> Areola:
@@ -197,11 +208,14 @@ def _wandering(
     return Stroke(name, False, "#808080", lab, width, strength, skin.nearest(line), np.ones(len(line), dtype=np.bool_))
 
 
-def draw_plan(skin: Skin, plan: str, random: np.random.Generator) -> tuple[Stroke, ...]:
-    """A surgeon's lines, of one of the PLANS, in one or two inks."""
+def draw_plan(
+    skin: Skin, plan: str, random: np.random.Generator, inks: tuple[str, str] | None = None
+) -> tuple[Stroke, ...]:
+    """A surgeon's lines, of one of the PLANS, in two `inks`, of most lines and of the rest; drawn when not given."""
     if plan == "none":
         return ()
-    main, second = (str(ink) for ink in random.choice(list(INKS), 2, replace=False))
+    drawn = (str(ink) for ink in random.choice(list(INKS), 2, replace=False))
+    main, second = drawn if inks is None else inks
     pen = (main, float(random.uniform(0.0010, 0.0022)), float(random.uniform(0.6, 0.92)))
     other = (second, float(random.uniform(0.0010, 0.0022)), float(random.uniform(0.6, 0.92)))
     at = {name: place[:2] for name, place in skin.body.landmarks.items()}
