@@ -7,6 +7,8 @@ or objects in it goes through the fast one, told to put its commas at the ends o
 import json
 from typing import Any
 
+_CONTAINERS = (dict, list, tuple)
+_NOT_FLAT = (*_CONTAINERS, str)  # a text may hold what stands between numbers
 _text = json.JSONEncoder(allow_nan=False).encode
 
 
@@ -17,13 +19,13 @@ def indented(document: Any) -> str:
 
 def _indented(value: Any, line: str) -> str:
     """`line` is the line break with the indentation of the value's own first line."""
-    if not isinstance(value, dict | list | tuple) or not value:
+    if not isinstance(value, _CONTAINERS) or not value:
         return _text(value)
     inner = line + " "
     if isinstance(value, dict):
         parts = [f"{_key(name)}: {_indented(each, inner)}" for name, each in value.items()]
         return f"{{{inner}{(',' + inner).join(parts)}{line}}}"
-    if not any(isinstance(each, dict | list | tuple | str) for each in value):
+    if not any(isinstance(each, _NOT_FLAT) for each in value):
         return f"[{inner}{_text(value)[1:-1].replace(', ', ',' + inner)}{line}]"
     return f"[{inner}{(',' + inner).join(_indented(each, inner) for each in value)}{line}]"
 

@@ -96,6 +96,7 @@ def json_of(document: Document) -> bytes:
 
 
 _LEAVES = frozenset((bool, int, float, str))  # written as they are
+_CONTAINERS = frozenset((list, tuple, dict))
 
 
 def _plain(value: Any) -> Any:
@@ -105,15 +106,16 @@ def _plain(value: Any) -> Any:
         return value if value and type(value[-1]) in _LEAVES else [_plain(each) for each in value]
     if kind is dict:
         entries = value
-    elif dataclasses.is_dataclass(value):
-        entries = {name: getattr(value, name) for name in value.__dataclass_fields__}
+    elif fields := getattr(kind, "__dataclass_fields__", None):
+        entries = {name: getattr(value, name) for name in fields}
     else:
         return value
     result = {}
     for name, each in entries.items():
-        if type(each) in _LEAVES:
+        kind = type(each)
+        if kind in _LEAVES:
             if each != "":
                 result[name] = each
-        elif each is not None and not (isinstance(each, list | tuple | dict) and not each):
+        elif each is not None and (each or kind not in _CONTAINERS):
             result[name] = each if name == "extensions" else _plain(each)
     return result

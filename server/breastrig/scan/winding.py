@@ -20,7 +20,7 @@ def _neighbours(faces: Integers) -> tuple[Integers, Integers, Booleans]:
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     forward = start < end
     key = np.where(forward, start, end) * (int(faces.max()) + 1) + np.where(forward, end, start)
-    order = np.argsort(key)
+    order = np.argsort(key, kind="stable")  # as in geometry/boundary.py
     ordered = key[order]
     same = ordered[1:] == ordered[:-1]
     alone = same.copy()  # edges of exactly two triangles

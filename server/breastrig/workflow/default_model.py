@@ -1,7 +1,8 @@
 """The model that comes with BreastRig, read and made ready when this module is imported.
 
 The fork server imports it, so that the process of each task finds the model and what never changes about it (groups of
-vertices, weights of observations, its part of fitted.glb) instead of computing them anew: a sixth of a fit.
+vertices, weights of observations, what is expected of bodies, its part of fitted.glb) instead of computing them anew: a
+sixth of a fit.
 """
 
 from contextlib import suppress
@@ -9,10 +10,14 @@ from contextlib import suppress
 import numpy as np
 
 from breastrig.core.errors import BadModel
+from breastrig.core.stances import AUTO, STANCES
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
 from breastrig.energies.folding import pressed_edges
+from breastrig.fitting.body.hidden_skin import hidden_skin
 from breastrig.fitting.body.statistics import body_statistics
+from breastrig.fitting.body.trunk_depth import trunk_depth
 from breastrig.fitting.observation_weights import observation_weights
+from breastrig.fitting.problem import body_terms
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.refine import make_ready as make_layers_ready
 from breastrig.fitting.uncertainty.calibration import calibration
@@ -20,10 +25,12 @@ from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.lines.ribbon import ribbons
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.skinned import skinned_document
+from breastrig.relief.limits import relief
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.state import BodyState
 from breastrig.rig.vertex_groups import vertex_groups
+from breastrig.workflow.fit_files import library_versions
 
 
 def make_ready(rig: Rig) -> None:
@@ -34,7 +41,12 @@ def make_ready(rig: Rig) -> None:
         observation_weights(rig, recipe.observations, every)
     if recipe.shapes.folding is not None:
         pressed_edges(rig, recipe.shapes.folding.least)
-    _ = lying_motion(rig), body_statistics(rig), calibration(rig.name), verdict_limits(rig.name)
+    _ = lying_motion(rig), body_statistics(rig), calibration(rig.name), verdict_limits(rig.name), relief()
+    _ = trunk_depth(rig), library_versions()
+    for stance in STANCES:
+        if stance != AUTO:
+            hidden_skin(rig, stance)
+            body_terms(rig, recipe.shapes, recipe.scales, recipe.body, stance)
     make_layers_ready(rig.template, rig.faces)
     skinned_document(rig, {})
     for drawing in rig.drawings:

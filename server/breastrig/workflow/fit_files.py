@@ -43,7 +43,7 @@ def _in_mm(values: Mapping[str, float]) -> dict[str, float]:
 
 
 @cache
-def _library_versions() -> dict[str, str]:
+def library_versions() -> dict[str, str]:
     """Of the libraries that results name, from the heads of their descriptions, which are long."""
     heads = {name: distribution(name).read_text("METADATA") or "" for name in ("numpy", "scipy", "trimesh")}
     return {name: head.partition("\nVersion: ")[2].partition("\n")[0].strip() for name, head in heads.items()}
@@ -116,7 +116,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
             "blendshapes": dict(zip(rig.shape_names, _rounded(x.weights, 9), strict=True)),
         },
         "notes": list(outcome.notes),
-        "versions": {"breastrig": __version__} | _library_versions(),
+        "versions": {"breastrig": __version__} | library_versions(),
     }
 
 

@@ -143,7 +143,7 @@ def rest_place(rig: Rig, target: ScanTarget, fronts: Array) -> Place:
     """The best place for a scan whose front is about one of (N, 3) unit directions."""
     thinned = target.vertices[:: max(1, len(target.vertices) // 2000)]
     turns = [turn for front in fronts for turn in _turns(front, TURNS)]
-    tries = [one for turn in turns for one in _starts(rig, thinned, turn, (0.0,))]
+    tries = _starts(rig, thinned, np.array(turns), (0.0,))
     found = _searched(rig, target, tries, FEW_KEPT * len(fronts))
     if found.shows_a_part:
         found = min(found, _place_of_part(rig, target, thinned, fronts), key=lambda place: place.score)
@@ -158,7 +158,7 @@ def _place_of_part(rig: Rig, target: ScanTarget, thinned: Array, fronts: Array) 
         for turn in _turns(front, PART_TURNS)
         for yaw in PART_YAWS
     ]
-    tries = [one for turn in yawed for one in _starts(rig, thinned, turn, PART_SHIFTS)]
+    tries = _starts(rig, thinned, np.array(yawed), PART_SHIFTS)
     return _searched(rig, target, tries, FEW_KEPT * len(fronts))
 
 
@@ -171,16 +171,20 @@ def _turns(front: Array, turns: int) -> list[Array]:
     return [np.column_stack([np.cross(up, front), up, front]) for up in ups]
 
 
-def _starts(rig: Rig, scan: Array, rotation: Array, shifts: tuple[float, ...]) -> list[Similarity]:
-    """The rest pose in these axes at several heights, beside the middle of the (V, 3) scan and at its front."""
-    local = scan @ rotation
-    low, high = np.percentile(local, [1, 99], axis=0)
+def _starts(rig: Rig, scan: Array, rotations: Array, shifts: tuple[float, ...]) -> list[Similarity]:
+    """The rest pose in each of (T, 3, 3) axes, at several heights, beside the middle of a (V, 3) scan, at its front."""
+    local = np.ascontiguousarray((scan @ rotations).transpose(2, 0, 1))  # (3, T, V)
+    low, high = np.percentile(local[1:], [1, 99], axis=2)  # (2, T) each, of heights and depths
     body_low, body_high = rig.template.min(axis=0), rig.template.max(axis=0)
-    ends = sorted((high[1] - body_high[1] - 0.2, low[1] - body_low[1] + 0.1))
-    middle, front = np.median(local[:, 0]), high[2] - body_high[2]
-    heights = np.linspace(ends[0], ends[1], HEIGHTS)
-    places = [np.array([middle + shift, height, front]) for shift in shifts for height in heights]
-    return [Similarity(1.0, rotation, rotation @ place) for place in places]
+    ends = np.sort([high[0] - body_high[1] - 0.2, low[0] - body_low[1] + 0.1], axis=0)
+    heights = np.linspace(ends[0], ends[1], HEIGHTS).T  # (T, HEIGHTS)
+    parts = zip(rotations, np.median(local[0], axis=1), heights, high[1] - body_high[2], strict=True)
+    return [
+        Similarity(1.0, rotation, rotation @ np.array([middle + shift, height, front]))
+        for rotation, middle, levels, front in parts
+        for shift in shifts
+        for height in levels
+    ]
 
 
 def _searched(rig: Rig, target: ScanTarget, begun: list[Similarity], few: int) -> Place:
