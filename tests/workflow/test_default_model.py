@@ -20,8 +20,8 @@ from breastrig.workflow.scan_fit import read_model
 def _caches() -> dict[str, "_lru_cache_wrapper[object]"]:
     """All functions of ours that remember what they returned, but those for colours, which few scans have."""
     found = (each for each in gc.get_objects() if type(each) is _lru_cache_wrapper)
-    named = {f"{each.__module__}.{each.__name__}": each for each in found}
-    return {name: each for name, each in named.items() if re.match(r"breastrig\.(?!colour\.)", name)}
+    ours = (each for each in found if re.match(r"breastrig\.(?!colour\.)", str(getattr(each, "__module__", None))))
+    return {f"{each.__module__}.{each.__name__}": each for each in ours}
 
 
 def _computed(caches: dict[str, "_lru_cache_wrapper[object]"]) -> Counter[str]:
