@@ -83,11 +83,35 @@ def test_a_table_under_the_body_is_a_table_still() -> None:
     assert ready.cut_away == 0.0
 
 
-def test_a_body_alone_and_one_beside_a_hand_are_not_touched() -> None:
-    for surface in (joined(body()), joined(body(), HAND)):
-        ready = prepared(surface, "auto")
-        assert ready.surface is surface
-        assert ready.cut_away == 0.0
+@pytest.mark.parametrize("stance", ["auto", "standing", "supine"])
+def test_a_body_alone_is_not_touched(stance: str) -> None:
+    surface = joined(body())
+    ready = prepared(surface, stance)
+    assert ready.surface is surface
+    assert ready.target.faces is surface.faces
+    assert ready.cut_away == 0.0
+
+
+@pytest.mark.parametrize("behind", [0.02, 0.10, 0.18])
+def test_who_is_said_to_stand_is_freed_of_walls_however_close_they_are(behind: float) -> None:
+    near = plane([-0.8, -0.3, -behind], [1.6, 0.0, 0.0], [0.0, 1.3, 0.0])
+    alone, surface = prepared(joined(body()), "standing"), joined(body(), near)
+    ready = prepared(surface, "standing")
+    np.testing.assert_array_equal(ready.target.vertices, alone.target.vertices)
+    assert ready.target.table is None
+    assert ready.table_triangles == 0
+    assert len(ready.frame.background) == 1
+    lying = prepared(surface, "auto")  # what the upload takes it for
+    assert lying.frame.stance == "supine"
+    again = prepared(surface, "standing", lying.frame)
+    np.testing.assert_array_equal(again.target.vertices, alone.target.vertices)
+    assert again.target.table is None
+
+
+def test_what_stands_by_a_wall_is_named_with_a_place_on_each_piece() -> None:
+    ready = prepared(joined(body(), WALL, HAND), "auto")
+    (hand,) = ready.beside
+    assert np.linalg.norm(hand.place - [0.4, 0.0, 0.1]) == pytest.approx(0.08, abs=0.01)
 
 
 def test_fits_cut_what_the_upload_has_cut() -> None:

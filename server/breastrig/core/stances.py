@@ -1,4 +1,5 @@
 """How a patient may be scanned."""
 
 AUTO = "auto"  # it is to be found
-STANCES = (AUTO, "standing", "supine")
+STANDING = "standing"
+STANCES = (AUTO, STANDING, "supine")

@@ -1,18 +1,23 @@
-"""A cleaned scan made ready for a fit: the table under a lying patient cut away, to be indexed.
+"""A cleaned scan made ready for a fit: floors, walls, other people's hands and the table under a patient cut away.
 
 Upload, proposals, fits and evaluations all come through here, so that they look at the same skin.  What the upload has
 found of the scan's directions is handed on with the scan and not looked for again.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from breastrig.core.arrays import Array, Integers
+from breastrig.core.stances import STANDING
 from breastrig.correspondence.target import ScanTarget
+from breastrig.geometry.normals import face_areas
+from breastrig.geometry.plane import Plane
 from breastrig.scan.background import cut_background, without_background
 from breastrig.scan.clean import MIN_TRIANGLES, Surface, compact, large_pieces
 from breastrig.scan.orient import Frame, propose_frame
+from breastrig.scan.other_pieces import Piece, without_other_pieces
 from breastrig.scan.table import Table, found_table
 
 
@@ -20,11 +25,12 @@ from breastrig.scan.table import Table, found_table
 class PreparedScan:
     """What is fitted to."""
 
-    surface: Surface  # in the scan's own frame, table included, floors and walls not
+    surface: Surface  # in the scan's own frame, table included; floors, walls and other people's hands not
     target: ScanTarget  # without the table
     table_triangles: int  # how many were cut away as table
     known_frame: Frame | None = None
-    cut_away: float = 0.0  # m², of floors and walls
+    cut_away: float = 0.0  # m², of floors, walls and what is none of the body
+    beside: tuple[Piece, ...] = ()  # of these, what is no floor and no wall
 
     @cached_property
     def frame(self) -> Frame:
@@ -42,32 +48,75 @@ class PreparedScan:
 def prepared(surface: Surface, stance: str, frame: Frame | None = None) -> PreparedScan:
     """The scan of a patient in this stance (auto | standing | supine); `frame` when it is known already.
 
-    A table is looked for unless she stands; one that is seen behind the body says that she lies.  Floors and walls are
-    cut away where nobody has said that she stands, or where it is known that there are some.
+    A large plane close behind the body says that she lies on a table, unless somebody has said that she stands: then it
+    is a wall, and is cut away as all others are.
     """
-    cut_away, table = 0.0, None
-    if stance != "standing" or (frame is not None and frame.background):
-        surface, frame, cut_away, table = _without_background(surface, frame)
-    vertices, faces, cut, plane = surface.vertices, surface.faces, 0, None
-    if stance != "standing" and frame is not None and frame.table is not None:
-        table = table or found_table(vertices, faces, *frame.table)
-        body = ~table.triangles
-        if not body.all() and np.count_nonzero(body) >= MIN_TRIANGLES:
-            plane = table.plane
-            kept = faces[body]
-            kept = kept[large_pieces(vertices, kept)[0]]  # without what curled up at the table's edge
-            cut = len(faces) - len(kept)
-            vertices, faces = compact(vertices, kept)
-    return PreparedScan(surface, ScanTarget(vertices, faces, table=plane), cut, frame, cut_away)
+    room = _without_background(surface, stance == STANDING, frame)
+    body, plane = _without_table(surface.vertices, room)
+    skin = room.faces if body is None else room.faces[body]
+    hers, beside = without_other_pieces(surface.vertices, skin, room.is_room)
+    left, seen, cut_away = surface, room.frame, 0.0
+    if beside or room.is_room:
+        faces = np.delete(room.faces, np.flatnonzero(~hers) if body is None else body[~hers], axis=0)
+        cut_away = float(face_areas(surface.vertices, surface.faces).sum() - face_areas(surface.vertices, faces).sum())
+        note = _note(room.is_room, len(beside), cut_away)
+        left = Surface(*compact(surface.vertices, faces), (*surface.notes, note))
+        if frame is None and seen.table is None:
+            seen = _seen_without(left, seen)
+    if body is None:
+        target, cut = ScanTarget(left.vertices, left.faces), 0
+    else:
+        target = ScanTarget(*compact(surface.vertices, skin[hers]), table=plane)
+        cut = len(room.faces) - len(body)
+    return PreparedScan(left, target, cut, seen, cut_away, beside)
 
 
-def _without_background(surface: Surface, frame: Frame | None) -> tuple[Surface, Frame, float, Table | None]:
-    """The surface without floors and walls, how it is seen then, the area (m²) of what was cut, and a table found."""
+@dataclass(frozen=True, eq=False)
+class _Room:
+    """A scan of which floors and walls were cut away."""
+
+    faces: Integers  # (F, 3) those that are left
+    frame: Frame  # as they are seen
+    table: Table | None  # what was found for frame.table on the way
+
+    @property
+    def is_room(self) -> bool:
+        """Whether there were any."""
+        return bool(self.frame.background)
+
+
+def _without_background(surface: Surface, stands: bool, known: Frame | None) -> _Room:
     vertices, faces = surface.vertices, surface.faces
-    if frame is not None and not frame.background:
-        return surface, frame, 0.0, None
-    found = without_background(vertices, faces) if frame is None else cut_background(vertices, faces, frame)
-    if not found.frame.background:
-        return surface, found.frame, 0.0, found.table
-    note = f"A floor or wall and what stood by it were cut away: {1e4 * found.area:,.0f} cm²."
-    return Surface(*compact(vertices, found.faces), (*surface.notes, note)), found.frame, found.area, None
+    if known is None:
+        found = without_background(vertices, faces, stands)
+        frame, table = found.frame, found.table
+    else:
+        frame, table = known, None
+        if stands and known.table is not None:
+            frame = replace(known, background=(*known.background, known.table))
+        found = cut_background(vertices, faces, frame)
+    return _Room(found.faces, replace(frame, table=None), None) if stands else _Room(found.faces, frame, table)
+
+
+def _without_table(vertices: Array, room: _Room) -> tuple[Integers | None, Plane | None]:
+    """Indices of the room's triangles that are not the table, and its plane; None where there is no table."""
+    if room.frame.table is None:
+        return None, None
+    table = room.table or found_table(vertices, room.faces, *room.frame.table)
+    body = np.flatnonzero(~table.triangles)
+    if len(body) == len(room.faces) or len(body) < MIN_TRIANGLES:
+        return None, None
+    return body[large_pieces(vertices, room.faces[body])[0]], table.plane  # without what curled up at its edge
+
+
+def _seen_without(surface: Surface, before: Frame) -> Frame:
+    """The frame of what is left, when that shows no table either."""
+    seen = propose_frame(surface.vertices, surface.faces)
+    return before if seen.table is not None else replace(seen, background=before.background)
+
+
+def _note(is_room: bool, pieces: int, area: float) -> str:
+    if is_room:
+        return f"A floor or wall and what stood by it were cut away: {1e4 * area:,.0f} cm²."
+    which = "A piece beside the body was" if pieces == 1 else f"{pieces} pieces beside the body were"
+    return f"{which} cut away: {1e4 * area:,.0f} cm²."

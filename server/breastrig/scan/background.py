@@ -11,7 +11,6 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.components import triangle_components
-from breastrig.geometry.normals import face_areas
 from breastrig.scan.clean import FRAGMENT_SHARE, MIN_TRIANGLES, large_pieces
 from breastrig.scan.orient import Frame, propose_frame
 from breastrig.scan.table import Table, found_table
@@ -31,29 +30,30 @@ class WithoutBackground:
 
     faces: Integers  # (F, 3) of the same vertices
     frame: Frame  # as seen on what is left, with the planes that were cut
-    area: float  # m², of what was cut
     table: Table | None = None  # what was found for frame.table on the way
 
 
-def without_background(vertices: Array, faces: Integers) -> WithoutBackground:
-    """The triangles that are no floor or wall; all of them where there is none."""
-    whole = faces
+def without_background(vertices: Array, faces: Integers, stands: bool = False) -> WithoutBackground:
+    """The triangles that are no floor or wall; all of them where there is none.
+
+    `stands`: it is known that no plane is a table, however close the body is to it.
+    """
     planes: Planes = ()
     frame = propose_frame(vertices, faces)
     table: Table | None = None
     while frame.table is not None and len(planes) < PLANES:
         table = found_table(vertices, faces, *frame.table)
-        if _all_is_low(vertices[faces[~table.triangles, 0]] @ frame.table[0] - frame.table[1]):
+        if not stands and _all_is_low(vertices[faces[~table.triangles, 0]] @ frame.table[0] - frame.table[1]):
             break  # as above any table, and what is left need not be taken apart
         kept = _left_by(table, vertices, faces)
         body = None if kept is None else _body(vertices, kept)
-        if kept is None or body is None or not _is_background(vertices[body] @ frame.table[0] - frame.table[1]):
+        if kept is None or body is None:
+            break
+        if not stands and not _is_background(vertices[body] @ frame.table[0] - frame.table[1]):
             break
         faces, planes, table = kept, (*planes, frame.table), None
         frame = propose_frame(vertices, faces)
-    if not planes:
-        return WithoutBackground(faces, frame, 0.0, table)
-    return _found(vertices, whole, faces, replace(frame, background=planes))
+    return WithoutBackground(faces, replace(frame, background=planes), table)
 
 
 def cut_background(vertices: Array, faces: Integers, frame: Frame) -> WithoutBackground:
@@ -62,13 +62,7 @@ def cut_background(vertices: Array, faces: Integers, frame: Frame) -> WithoutBac
     for plane in frame.background:
         kept = _left_by(found_table(vertices, left, *plane), vertices, left)
         left = left if kept is None else kept
-    return _found(vertices, faces, left, frame)
-
-
-def _found(vertices: Array, whole: Integers, left: Integers, frame: Frame) -> WithoutBackground:
-    left = left[only_body(vertices, left)] if frame.table is None else left
-    area = float(face_areas(vertices, whole).sum() - face_areas(vertices, left).sum())
-    return WithoutBackground(left, frame, area)
+    return WithoutBackground(left, frame)
 
 
 def _left_by(plane: Table, vertices: Array, faces: Integers) -> Integers | None:

@@ -1,0 +1,97 @@
+"""Pieces beside the body that are none of its skin, such as the hand of whoever helps, cut away before the fit.
+
+A scan may show the body in several pieces: an arm, an island within a hole, two sides that were never joined.  Such a
+piece continues the body: along much of its border the body's own border runs a few centimetres off, and both lie in
+one surface, so that neither rises above the other's tangent plane.  A hand does not: what faces it across the gap is
+seen across a valley, or lies under it.  What continues the body is body from then on, for the next piece.
+
+Where hand and body touch they are one piece, and nothing is cut.  An arm that was scanned 3 cm and more apart is taken
+for another person's; a fit of the trunk hardly misses it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.scipy_parts import cKDTree
+from breastrig.geometry.boundary import boundary_vertices
+from breastrig.geometry.components import triangle_components
+from breastrig.geometry.normals import face_areas, vertex_normals
+from breastrig.scan.background import only_body
+
+LARGE = 0.5  # of the body's area; a larger piece is a side of her, and another person's arm up to its shoulder is less
+REACH = 0.06  # m from border to border; tears and the shadows of noses of scanners are narrower
+RISE = 0.5  # sine: how far each may lie above or below the other's tangent plane; 6 cm on a breast bend by 0.45
+ALIKE = 0.3  # cosine between the normals on both sides of a tear
+SHARE = 0.15  # of a piece's border that has to continue the body
+NO_LENGTH = 1e-9  # m
+ROUNDS = 6  # pieces that continue pieces; each round adds all that continue what is body by then
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One of those pieces."""
+
+    place: Array  # (3,) m, on it: with no more than that it is found again on any mesh of the scan
+    area: float  # m²
+
+
+def without_other_pieces(vertices: Array, faces: Integers, in_room: bool) -> tuple[Booleans, tuple[Piece, ...]]:
+    """(F,) the body's triangles among (F, 3) `faces`, and the pieces that the others are, the largest first.
+
+    `in_room`: floors or walls were cut away.  What is left beside her is furniture then, and not looked at closer.
+    """
+    count, labels = triangle_components(faces, len(vertices))
+    piece = labels[faces[:, 0]]
+    if (piece == piece[0]).all():
+        return np.ones(len(faces), dtype=np.bool_), ()
+    hers = only_body(vertices, faces) if in_room else _body_pieces(vertices, faces, labels, count)[piece]
+    areas = face_areas(vertices, faces)
+    whole = np.bincount(piece[~hers], areas[~hers], count)
+    others = np.argsort(-whole, kind="stable")[: np.count_nonzero(whole)]
+    return hers, tuple(_piece(vertices, faces, np.flatnonzero(piece == other), areas) for other in others)
+
+
+def _piece(vertices: Array, faces: Integers, own: Integers, areas: Array) -> Piece:
+    largest = own[np.argmax(areas[own])]
+    return Piece(vertices[faces[largest]].mean(axis=0), float(areas[own].sum()))
+
+
+def _body_pieces(vertices: Array, faces: Integers, labels: Integers, count: int) -> Booleans:
+    """(P,) which of the pieces are the body: the largest, and what continues it."""
+    areas = np.bincount(labels[faces[:, 0]], face_areas(vertices, faces), count)
+    is_body = areas >= LARGE * areas.max()
+    on_border = np.flatnonzero(boundary_vertices(faces, len(vertices)))
+    border = _Border(vertices[on_border], vertex_normals(vertices, faces)[on_border], labels[on_border])
+    for _ in range(ROUNDS):
+        joins = border.continuing(is_body)
+        if not joins.any():
+            break
+        is_body = is_body | joins
+    return np.asarray(is_body)
+
+
+class _Border:
+    """All borders of a scan's pieces: (B, 3) m places, (B, 3) unit normals, (B,) pieces."""
+
+    def __init__(self, places: Array, normals: Array, pieces: Integers) -> None:
+        self.places, self.normals, self.pieces = places, normals, pieces
+
+    def continuing(self, is_body: Booleans) -> Booleans:
+        """(P,) pieces of which enough of the border continues that of the (P,) pieces that are the body's."""
+        hers = is_body[self.pieces]
+        if hers.all() or not hers.any():
+            return np.zeros(len(is_body), dtype=np.bool_)
+        others = np.flatnonzero(~hers)
+        own = np.flatnonzero(hers)
+        found = cKDTree(self.places[own]).query(self.places[others], distance_upper_bound=REACH)
+        distance, nearest = np.asarray(found[0]), np.asarray(found[1])
+        near = np.isfinite(distance)
+        one, other = others[near], own[nearest[near]]
+        across = (self.places[one] - self.places[other]) / (distance[near, None] + NO_LENGTH)
+        rises = np.maximum(*(np.abs(np.einsum("bi,bi->b", across, self.normals[side])) for side in (one, other)))
+        alike = np.einsum("bi,bi->b", self.normals[one], self.normals[other])
+        goes_on = one[(rises < RISE) & (alike > ALIKE)]
+        length, continued = (np.bincount(self.pieces[of], minlength=len(is_body)) for of in (others, goes_on))
+        return np.asarray((length > 0) & (continued >= SHARE * length))
