@@ -130,6 +130,8 @@ def test_proposals_and_fits_begin_with_what_the_upload_found(
     facts = upload(scan, tmp_path)
     unit, known = facts["unit"], facts["orientation"]
     assert facts["stance"]["proposed"] == stance
+    assert (facts["table"] is not None) == (stance == "supine")
+    assert facts["other_pieces"] == []
     assert calls == {"fits": int(stance == "standing"), "fronts": 1, "starts": 1}
     calls.update(fits=0, fronts=0, starts=0)
     proposed = propose_on_file(ProposeJob(scan, "ply", unit, None, known))

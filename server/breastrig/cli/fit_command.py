@@ -66,7 +66,7 @@ def _notes(scan: dict[str, Any]) -> list[str]:
     if scan.get("reconstructed_from_points"):
         notes.append("The file holds points alone; the surface was made from them.")
     if scan.get("cut_away_cm2"):
-        notes.append(f"A floor or wall and what stood by it were cut away: {scan['cut_away_cm2']:,} cm².")
+        notes.append(f"What stood around the body was cut away: {scan['cut_away_cm2']:,} cm².")
     return notes
 
 

@@ -20,6 +20,8 @@ from breastrig.scan.stored_scan import write_stored
 from breastrig.workflow.jobs import UploadJob
 from breastrig.workflow.kept.kept_scan import prepared_scan
 
+PIECES = 20  # at most that the page is told of, the largest; it hides small ones by itself
+
 
 def read_upload(job: UploadJob) -> dict[str, Any]:
     """The facts of the scan, ready for JSON.  Raises BadScan or TooLarge with a sentence."""
@@ -40,6 +42,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
     rig = read_rig(job.model or default_rig_path())
     ready = prepared_scan(scan, AUTO)
     orientation, _, _ = scan_orientation(rig, ready, load_recipe("default"))
+    table = ready.target.table
     mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
     job.mesh.write_bytes(mesh)
     is_whole = ready.target.faces is ready.surface.faces  # no table was cut away
@@ -57,6 +60,8 @@ def _read(job: UploadJob) -> dict[str, Any]:
         "notes": [*scan.notes, *ready.surface.notes],
         "cut_away_cm2": round(1e4 * ready.cut_away),
         "background": [{"normal": normal.tolist(), "height_m": height} for normal, height in ready.frame.background],
+        "table": None if table is None else {"normal": table.normal.tolist(), "height_m": table.height},
+        "other_pieces": [piece.place.tolist() for piece in ready.beside[:PIECES]],
         "frame": orientation.body_frame(),
         "stance": {"proposed": orientation.stance, "reason": orientation.stance_reason},
         "orientation": orientation.facts(),

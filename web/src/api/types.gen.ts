@@ -43,7 +43,7 @@ export type CarriedShape = {
   distance_to_mm: (number | null)[];
 };
 
-/** A floor or wall: all that lies within 15 mm of it, or behind it, is no patient. */
+/** A floor or wall: all that lies within 15 mm of it, or behind it, is no patient. Or a table under her. */
 export type CutPlane = {
   /** unit vector towards the patient */
   normal: [number, number, number];
@@ -132,10 +132,14 @@ export type ExampleScan = {
   colours: "none" | "vertex" | "texture";
   /** the file held points without triangles; the surface was made from them */
   reconstructed_from_points?: boolean;
-  /** area of floors and walls, which fits and measures do not see */
+  /** area of floors, walls and other people's hands, which fits and measures do not see */
   cut_away_cm2?: number;
   /** the floors and walls that were cut away */
   background?: CutPlane[];
+  /** under a lying patient; fits and measures do not see it */
+  table?: CutPlane | null;
+  /** a place, metres, on each piece beside the body that was cut away */
+  other_pieces?: [number, number, number][];
   /** what reading found, one sentence each */
   notes: string[];
   frame: Frame;
@@ -922,10 +926,14 @@ export type Scan = {
   colours: "none" | "vertex" | "texture";
   /** the file held points without triangles; the surface was made from them */
   reconstructed_from_points?: boolean;
-  /** area of floors and walls, which fits and measures do not see */
+  /** area of floors, walls and other people's hands, which fits and measures do not see */
   cut_away_cm2?: number;
   /** the floors and walls that were cut away */
   background?: CutPlane[];
+  /** under a lying patient; fits and measures do not see it */
+  table?: CutPlane | null;
+  /** a place, metres, on each piece beside the body that was cut away */
+  other_pieces?: [number, number, number][];
   /** what reading found, one sentence each */
   notes: string[];
   frame: Frame;

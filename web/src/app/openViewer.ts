@@ -1,5 +1,4 @@
 // Makes the 3D view and keeps it up to date; without WebGL the page says so and the rest of it goes on working.
-import type { Vector } from "../api/types";
 import { CornerPins } from "../drawing/CornerPins";
 import { ErrorBands } from "../drawing/ErrorBands";
 import { MirrorOverlay } from "../drawing/MirrorOverlay";
@@ -23,7 +22,7 @@ import { LandmarkPins } from "../landmarks/LandmarkPins";
 import { ModelPicture } from "../landmarks/ModelPicture";
 import { ProposalPins } from "../landmarks/ProposalPins";
 import { Ruler } from "../scan/Ruler";
-import { tableNormalOf } from "../scan/body";
+import { type CutByService, cutByService, NOTHING_CUT } from "../scan/body";
 import { listenToLasso } from "../scan/CropTool";
 import { ScanMesh } from "../scan/ScanMesh";
 import { withLoose } from "../scan/state";
@@ -146,11 +145,11 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     updateAll(store.get());
   });
 
-  const tableNormal = (): Vector | null => {
+  const cut = (): CutByService => {
     const info = store.get().scan?.info;
-    return info ? tableNormalOf(info) : null;
+    return info ? cutByService(info) : NOTHING_CUT;
   };
-  actions.drawing.setSkin(skinFrom(() => scan.parts, tableNormal));
+  actions.drawing.setSkin(skinFrom(() => scan.parts, cut));
   listenToLasso(stage.canvas, viewer, scan, cross, store, actions.scan); // before the pen, which says last what turns the body
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);

@@ -3,7 +3,7 @@
 import { type BufferGeometry, DoubleSide, Ray, Vector3 } from "three";
 import type { MeshBVH } from "three-mesh-bvh";
 import type { Vector } from "../api/types";
-import { type BodyQuestion, bodyOf, partOf, type ScanParts } from "../scan/body";
+import { type BodyQuestion, bodyOf, type CutByService, NOTHING_CUT, partOf, type ScanParts } from "../scan/body";
 import { NO_CROPS } from "../scan/crop";
 import type { Drawable } from "../scan/drawable";
 import { metresFromMm, mmFromMetres } from "../ui/units";
@@ -28,23 +28,23 @@ const toMetres = (at: Vector): Vector3 => new Vector3(metresFromMm(at[0]), metre
 const toMm = (at: Vector3): Vector => [mmFromMetres(at.x), mmFromMetres(at.y), mmFromMetres(at.z)];
 const REACH = 0.25; // metres that a needle goes to each side; half a torso
 
-const questionOf = (whole: BufferGeometry, tableNormal: Vector | null): BodyQuestion => ({
+const questionOf = (whole: BufferGeometry, cut: CutByService): BodyQuestion => ({
   positions: whole.attributes.position!.array as Float32Array,
   index: Uint32Array.from(whole.index!.array),
   isSplit: whole.hasAttribute("uv"),
-  tableNormal,
+  cut,
   crops: NO_CROPS,
   wantsRelief: false,
 });
 
 /** The patient in a scan, found here and now. */
-export function partsOf(whole: BufferGeometry, tableNormal: Vector | null): FoundParts {
-  const { drawable, part } = bodyOf(questionOf(whole, tableNormal));
+export function partsOf(whole: BufferGeometry, cut: CutByService): FoundParts {
+  const { drawable, part } = bodyOf(questionOf(whole, cut));
   return { whole, drawable, body: part && partOf(whole, part) };
 }
 
-/** `whole` has an index and its BVH as `boundsTree`; `tableNormal`: unit, from a table to the body that lies on it. */
-export const skinOf = (whole: BufferGeometry, tableNormal: Vector | null = null): Skin => skinOn(partsOf(whole, tableNormal));
+/** `whole` has an index and its BVH as `boundsTree`. */
+export const skinOf = (whole: BufferGeometry, cut: CutByService = NOTHING_CUT): Skin => skinOn(partsOf(whole, cut));
 
 export function skinOn({ whole, drawable, body }: FoundParts): Skin {
   const geometry = body ?? whole;
@@ -89,15 +89,15 @@ export function skinOn({ whole, drawable, body }: FoundParts): Skin {
   };
 }
 
-/** The skin of whatever scan is on the screen, and the normal of the table that it shows; made once for each. */
-export function skinFrom(parts: () => ScanParts | null, tableNormal: () => Vector | null = () => null): () => Skin | null {
+/** The skin of whatever scan is on the screen; made once for each. */
+export function skinFrom(parts: () => ScanParts | null, cut: () => CutByService = () => NOTHING_CUT): () => Skin | null {
   let made: { of: BufferGeometry; drawable: Drawable | null; skin: Skin } | null = null;
   return () => {
     const now = parts();
     if (!now) return null;
     const { whole, drawable, body } = now;
     // Who draws before the worker has answered does not wait for it.
-    if (made?.of !== whole || made.drawable !== drawable) made = { of: whole, drawable, skin: drawable ? skinOn({ whole, drawable, body }) : skinOf(whole, tableNormal()) };
+    if (made?.of !== whole || made.drawable !== drawable) made = { of: whole, drawable, skin: drawable ? skinOn({ whole, drawable, body }) : skinOf(whole, cut()) };
     return made.skin;
   };
 }

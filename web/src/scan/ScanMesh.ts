@@ -8,7 +8,7 @@ import { depthMaterial, ORDER, wipesDepth } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
 import { nearestNormal } from "../viewer/surfacePoints";
 import { type Viewer, viewFromScan } from "../viewer/Viewer";
-import { type Body, type Outline, partOf, type ScanParts, setTree, tableNormalOf } from "./body";
+import { type Body, cutByService, NOTHING_CUT, type Outline, partOf, type ScanParts, setTree } from "./body";
 import { knownBody, knownOutline, searchScan } from "./bodySearch";
 import { type Crops, cropsOf, NO_CROPS } from "./crop";
 import { place } from "./place";
@@ -144,7 +144,7 @@ export class ScanMesh implements Surface {
     this.isSettled = false;
     const { eye, target } = this.viewer.pose;
     const known = whole.boundsTree ? knownBody(bytes, crops) : null;
-    const search = known ? null : searchScan(bytes, whole, scan && tableNormalOf(scan.info), crops, scan?.info.background);
+    const search = known ? null : searchScan(bytes, whole, scan ? cutByService(scan.info) : NOTHING_CUT, crops);
     if (search && !whole.boundsTree) {
       const outline = await search.outline;
       if (bytes !== this.wanted) return;

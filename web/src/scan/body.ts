@@ -5,7 +5,7 @@ import { MeshBVH, type SerializedBVH } from "three-mesh-bvh";
 import type { CutPlane, Scan, Vector } from "../api/types";
 import { borderEdges } from "./borders";
 import { croppedFaces, type Crops } from "./crop";
-import { type Drawable, drawableOf } from "./drawable";
+import { type Drawable, drawableOf, type TablePlane } from "./drawable";
 import { reliefOf } from "./relief";
 
 /** What picking and drawing need of a surface. */
@@ -39,18 +39,30 @@ export interface BodyQuestion {
   readonly positions: Float32Array;
   readonly index: Uint32Array;
   readonly isSplit: boolean; // vertices may stand several times at one place
-  readonly tableNormal: Vector | null; // unit, from a table to the body that lies on it
-  readonly background?: readonly CutPlane[]; // floors and walls that the service has cut away
+  readonly cut: CutByService;
   readonly crops: Crops; // hidden by hand
   readonly wantsRelief: boolean; // nothing but its shape is there to see
 }
+
+/** What the service has found to be no patient. */
+export interface CutByService {
+  readonly table: TablePlane | null;
+  readonly background: readonly CutPlane[]; // floors and walls
+  readonly others: readonly Vector[]; // a place on each piece beside her
+}
+
+export const NOTHING_CUT: CutByService = { table: null, background: [], others: [] };
 
 export type Surface = Pick<BodyQuestion, "positions" | "index" | "isSplit">;
 
 const BACKGROUND_BAND = 0.015; // metres: its noise, and more than the service's own band
 
-/** A patient who lies faces as her table does; without a table the service calls no scan lying. */
-export const tableNormalOf = (info: Pick<Scan, "stance" | "frame">): Vector | null => (info.stance.proposed === "supine" ? info.frame.front : null);
+/** Where the service names no table a patient who lies faces as hers does. */
+export function cutByService(info: Pick<Scan, "stance" | "frame" | "table" | "background" | "other_pieces">): CutByService {
+  const guess = info.stance.proposed === "supine" ? { normal: info.frame.front, height: null } : null;
+  const table = info.table ? { normal: info.table.normal, height: info.table.height_m } : guess;
+  return { table, background: info.background ?? [], others: info.other_pieces ?? [] };
+}
 
 export function outlineOf({ positions, index, isSplit }: Surface): Outline {
   const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3)).setIndex(new BufferAttribute(index, 1));
@@ -85,10 +97,10 @@ export function backgroundFaces(positions: ArrayLike<number>, index: ArrayLike<n
 }
 
 /** The triangles that are left, as a scan of their own: each piece is judged beside them and not beside a wall. */
-function drawableWithout(background: Uint8Array, positions: ArrayLike<number>, index: Uint32Array, tableNormal: Vector | null): Drawable {
-  if (!background.includes(1)) return drawableOf(positions, index, tableNormal);
+function drawableWithout(background: Uint8Array, positions: ArrayLike<number>, index: Uint32Array, { table, others }: CutByService): Drawable {
+  if (!background.includes(1)) return drawableOf(positions, index, table, others);
   const kept = index.filter((_, i) => !background[(i / 3) | 0]);
-  const left = drawableOf(positions, kept, tableNormal);
+  const left = drawableOf(positions, kept, table, others);
   let next = 0;
   const [isSkin, outwards] = [new Uint8Array(background.length), new Int8Array(background.length).fill(1)];
   background.forEach((is, face) => {
@@ -100,9 +112,9 @@ function drawableWithout(background: Uint8Array, positions: ArrayLike<number>, i
   return { ...left, isSkin, outwards };
 }
 
-export function bodyOf({ positions, index, isSplit, tableNormal, background = [], crops, wantsRelief }: BodyQuestion): Body {
+export function bodyOf({ positions, index, isSplit, cut, crops, wantsRelief }: BodyQuestion): Body {
   const relief = wantsRelief ? reliefOf(positions, index) : null;
-  const drawable = without(croppedFaces(positions, index, crops), drawableWithout(backgroundFaces(positions, index, background), positions, index, tableNormal));
+  const drawable = without(croppedFaces(positions, index, crops), drawableWithout(backgroundFaces(positions, index, cut.background), positions, index, cut));
   const { isSkin, count } = drawable;
   if (count === 0 || count === isSkin.length) return { drawable, relief, part: null };
   const [hers, faces] = [new Uint32Array(3 * count), new Uint32Array(count)];

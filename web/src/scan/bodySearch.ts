@@ -1,8 +1,7 @@
 // Asks a worker for a scan's outline and for the patient in it; each scan is asked for once, however often it comes back to the
 // stage, and for the patient once again with each part of it that is hidden by hand.
 import type { BufferGeometry } from "three";
-import type { CutPlane, Vector } from "../api/types";
-import { type Body, type Outline, outlineOf } from "./body";
+import { type Body, type CutByService, type Outline, outlineOf } from "./body";
 import type { WorkerAnswer, WorkerQuestion } from "./body.worker";
 import type { Crops } from "./crop";
 import BodyWorker from "./body.worker?worker";
@@ -48,7 +47,7 @@ export interface Search {
 }
 
 /** `whole` is the mesh of `file`. */
-export function searchScan(file: ArrayBuffer, whole: BufferGeometry, tableNormal: Vector | null, crops: Crops, background: readonly CutPlane[] = []): Search {
+export function searchScan(file: ArrayBuffer, whole: BufferGeometry, cut: CutByService, crops: Crops): Search {
   const known = knownOutline(file);
   const surface = () => ({
     positions: new Float32Array(whole.attributes.position!.array),
@@ -82,7 +81,7 @@ export function searchScan(file: ArrayBuffer, whole: BufferGeometry, tableNormal
   };
   worker.onerror = () => end(null);
   const wantsRelief = !whole.hasAttribute("uv") && !whole.hasAttribute("color");
-  const question: WorkerQuestion = { ...surface(), tableNormal, background, crops, wantsRelief, wantsOutline: !known };
+  const question: WorkerQuestion = { ...surface(), cut, crops, wantsRelief, wantsOutline: !known };
   worker.postMessage(question, [question.positions.buffer, question.index.buffer]);
   return { outline: outline.promise, body: body.promise };
 }

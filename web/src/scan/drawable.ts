@@ -1,9 +1,10 @@
 // Which triangles of a scan are the patient's skin: a table under her and pieces that hang loose beside her are not shown and
 // not drawn on.
 //
-// The service proposes the table's normal; the plane is then laid through what lies near it and faces as it does.  Skin
+// The service says where the table is; the plane is laid once more through what lies near it and faces as it does.  Skin
 // that rests on the table leaves it steeply, so close to the plane the direction decides.  What is left falls into
-// connected pieces, and those that are small beside the largest are scraps.  Positions are metres in the scan's own axes.
+// connected pieces: those that are small beside the largest are scraps, and those that the service has cut away, of which
+// it names a place on each, are other people's.  Positions are metres in the scan's own axes.
 import type { Vector } from "../api/types";
 import { cross, dot } from "../viewer/frame";
 
@@ -23,6 +24,12 @@ export interface Drawable {
   readonly count: number;
   /** by triangle: 1 where the normals of its piece point out of the body, -1 where they point into it */
   readonly outwards: Int8Array;
+}
+
+/** As the service found it. */
+export interface TablePlane {
+  readonly normal: Vector; // unit, from the table to the body that lies on it
+  readonly height: number | null; // metres along it; null: not known, and looked for
 }
 
 interface Triangles {
@@ -125,14 +132,14 @@ interface Table {
   readonly band: number;
 }
 
-/** `normal`: unit, from the table to the body, as the service proposes it; null when nothing flat is there. */
-function tableOf({ crosses, centres, areas, corners, places }: Triangles, positions: ArrayLike<number>, index: ArrayLike<number>, normal: Vector): Table | null {
+/** null when nothing flat is there. */
+function tableOf({ crosses, centres, areas, corners, places }: Triangles, positions: ArrayLike<number>, index: ArrayLike<number>, { normal, height }: TablePlane): Table | null {
   const across = cross(normal, Math.abs(normal[0]) < 0.8 ? [1, 0, 0] : [0, 1, 0]);
   const axis = across.map((value) => value / Math.hypot(...across)) as Vector;
   const other = cross(normal, axis);
   const at = { u: along(centres, axis), v: along(centres, other), h: along(centres, normal), w: areas };
   const facing = Uint8Array.from(along(crosses, normal), (value, face) => (value > FACING * 2 * areas[face]! ? 1 : 0));
-  const level = levelOf(at.h, facing, areas);
+  const level = height ?? levelOf(at.h, facing, areas);
   if (level === null) return null;
   let [plane, band, spread]: [Vector, number, number] = [[0, 0, level], 2 * BIN, Infinity];
   const above = (face: number): number => at.h[face]! - plane[0] * at.u[face]! - plane[1] * at.v[face]! - plane[2];
@@ -164,11 +171,21 @@ function tableOf({ crosses, centres, areas, corners, places }: Triangles, positi
   return { isTable, heights: Float64Array.from(areas, (_, face) => above(face)), band };
 }
 
-/** `tableNormal`: unit, from a table to the body that lies on it; null where the service found none. */
-export function drawableOf(positions: ArrayLike<number>, index: ArrayLike<number>, tableNormal: Vector | null): Drawable {
+/** The triangle whose middle is nearest to a place. */
+function nearestFace(centres: Float64Array, [x, y, z]: Vector): number {
+  let [best, least] = [0, Infinity];
+  for (let i = 0; i < centres.length; i += 3) {
+    const away = (centres[i]! - x) ** 2 + (centres[i + 1]! - y) ** 2 + (centres[i + 2]! - z) ** 2;
+    if (away < least) [best, least] = [i / 3, away];
+  }
+  return best;
+}
+
+/** `plane`: null where the service found no table; `others`: a place on each piece that is another person's. */
+export function drawableOf(positions: ArrayLike<number>, index: ArrayLike<number>, plane: TablePlane | null, others: readonly Vector[] = []): Drawable {
   const triangles = trianglesOf(positions, index);
   const { corners, places, areas, crosses, centres } = triangles;
-  const table = tableNormal && tableOf(triangles, positions, index, tableNormal);
+  const table = plane && tableOf(triangles, positions, index, plane);
   const parent = Int32Array.from({ length: places }, (_, i) => i);
   const rootOf = (place: number): number => {
     let root = place;
@@ -192,6 +209,10 @@ export function drawableOf(positions: ArrayLike<number>, index: ArrayLike<number
   }
   const isLow = ({ top }: { top: number }): boolean => table !== null && top < table.band; // the table's edge, the floor
   const largest = Math.max(0, ...[...pieces.values()].filter((piece) => !isLow(piece)).map(({ area }) => area));
+  for (const place of areas.length === 0 ? [] : others) {
+    const root = rootOf(corners[3 * nearestFace(centres, place)]!);
+    if (pieces.get(root)?.area !== largest) pieces.delete(root); // joined with her by a rest of the table she is not given up
+  }
   const isSkin = Uint8Array.from(areas, (_, face) => {
     const piece = table?.isTable[face] ? undefined : pieces.get(rootOf(corners[3 * face]!));
     return piece !== undefined && !isLow(piece) && piece.area >= PIECE_SHARE * largest ? 1 : 0;

@@ -58,7 +58,7 @@ export const scan = {
   surface: "Surface",
   fromPoints: "made from points",
   cutAway: "Cut away",
-  cutAwayHint: "A floor or wall: fits and measures do not see it. The button for table and loose pieces shows it.",
+  cutAwayHint: "A floor, a wall, or what is beside the body, such as another person's hand: fits and measures do not see it. The button for table and loose pieces shows it.",
   stances: { auto: "Decide from the scan", standing: "Standing", supine: "Supine" },
   facingFrom: { landmarks: "Upright by its landmarks.", fit: "Upright by the fitted model's spine.", person: "Turned by you." },
   why: "How this was found out",

@@ -5,12 +5,13 @@ import type { Vector } from "../../src/api/types";
 import { gap } from "../../src/drawing/lines";
 import { type Skin, skinOf } from "../../src/drawing/skin";
 import { BRIDGE_MM, freehand, handStrokes, isJoined, leadsOver } from "../../src/drawing/strokes";
+import { NOTHING_CUT } from "../../src/scan/body";
 import { drawableOf } from "../../src/scan/drawable";
 import { cut, half, made, onTable, place } from "../shapes";
 
 test("the table and a scrap are no skin, the body is, down to where it meets the table", () => {
   const geometry = onTable();
-  const { isSkin, outwards } = drawableOf(geometry.attributes.position!.array, geometry.index!.array, [0, 0, 1]);
+  const { isSkin, outwards } = drawableOf(geometry.attributes.position!.array, geometry.index!.array, { normal: [0, 0, 1], height: null });
   const ofBody = half().index!.count / 3;
   expect(isSkin.slice(0, ofBody).every((is) => is === 1)).toBe(true);
   expect(isSkin.slice(ofBody).some((is) => is === 1)).toBe(false);
@@ -25,8 +26,8 @@ test("without a table in the scan nothing flat is taken for one", () => {
 
 test("a hand may draw on the body's outside, not on the table, and not on the inside of its back", () => {
   const geometry = onTable();
-  const skin = skinOf(geometry, [0, 0, 1]);
-  const { isSkin } = drawableOf(geometry.attributes.position!.array, geometry.index!.array, [0, 0, 1]);
+  const skin = skinOf(geometry, { ...NOTHING_CUT, table: { normal: [0, 0, 1], height: null } });
+  const { isSkin } = drawableOf(geometry.attributes.position!.array, geometry.index!.array, { normal: [0, 0, 1], height: null });
   const pointOf = (face: number): Vector => {
     const corner = geometry.index!.getX(3 * face);
     return [geometry.attributes.position!.getX(corner), geometry.attributes.position!.getY(corner), geometry.attributes.position!.getZ(corner)].map((value) => 1000 * value) as Vector;

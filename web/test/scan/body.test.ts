@@ -3,7 +3,7 @@ import { type BufferGeometry, Matrix4, Mesh, MeshBasicMaterial, PlaneGeometry, R
 import { acceleratedRaycast } from "three-mesh-bvh";
 import { expect, test } from "vitest";
 import type { Scan, Vector } from "../../src/api/types";
-import { type Body, type BodyQuestion, bodyOf, partOf, tableNormalOf } from "../../src/scan/body";
+import { type Body, type BodyQuestion, bodyOf, type CutByService, cutByService, NOTHING_CUT, partOf } from "../../src/scan/body";
 import { borderEdges } from "../../src/scan/borders";
 import { NO_CROPS } from "../../src/scan/crop";
 import { withLoose } from "../../src/scan/state";
@@ -11,17 +11,19 @@ import { extent } from "../../src/viewer/extent";
 import { withScan } from "../fakes";
 import { half, made, onTable, place } from "../shapes";
 
-const question = (whole: BufferGeometry, tableNormal: Vector | null): BodyQuestion => ({
+const question = (whole: BufferGeometry, cut: CutByService): BodyQuestion => ({
   positions: whole.attributes.position!.array as Float32Array,
   index: Uint32Array.from(whole.index!.array),
   isSplit: false,
-  tableNormal,
+  cut,
   crops: NO_CROPS,
   wantsRelief: false,
 });
 
+const asGuessed = (normal: Vector | null): CutByService => ({ ...NOTHING_CUT, table: normal && { normal, height: null } });
+
 /** As the worker hands it over. */
-const found = (whole: BufferGeometry, tableNormal: Vector | null): Body => structuredClone(bodyOf(question(whole, tableNormal)));
+const found = (whole: BufferGeometry, tableNormal: Vector | null): Body => structuredClone(bodyOf(question(whole, asGuessed(tableNormal))));
 
 function below(geometry: BufferGeometry, x: number, y: number): { point: Vector3; face: number } | null {
   const mesh = new Mesh(geometry, new MeshBasicMaterial());
@@ -58,7 +60,7 @@ test("a floor or wall that the service has cut away is no skin, however large, a
   const behind = place(new SphereGeometry(0.2, 32, 32), 0, 0, -0.8);
   const whole = made(half(), wall, behind);
   const hers = half().index!.count / 3;
-  const { drawable, part } = bodyOf({ ...question(whole, null), background: [{ normal: [0, 0, 1], height_m: -0.3 }] });
+  const { drawable, part } = bodyOf(question(whole, { ...NOTHING_CUT, background: [{ normal: [0, 0, 1], height_m: -0.3 }] }));
   expect(part!.faces).toEqual(Uint32Array.from({ length: hers }, (_, face) => face));
   expect(drawable.isSkin.slice(hers).every((is) => is === 0)).toBe(true);
   expect(found(whole, null).drawable.isSkin[0], "else she is the loose piece").toBe(0);
@@ -96,10 +98,32 @@ test("a scan of nothing but the patient is left as it is", () => {
   expect(body.drawable.count).toBe(body.drawable.isSkin.length);
 });
 
-test("only a patient who lies has a table", () => {
+test("the table is where the service says, else where a patient who lies faces", () => {
   const frame = { up: [0, 1, 0], front: [0, 0, 1] };
-  expect(tableNormalOf({ stance: { proposed: "supine" }, frame } as unknown as Scan)).toEqual([0, 0, 1]);
-  expect(tableNormalOf({ stance: { proposed: "standing" }, frame } as unknown as Scan)).toBeNull();
+  const lying = { stance: { proposed: "supine" }, frame } as unknown as Scan;
+  expect(cutByService({ ...lying, table: { normal: [0, 0.6, 0.8], height_m: -0.2 } }).table).toEqual({ normal: [0, 0.6, 0.8], height: -0.2 });
+  expect(cutByService(lying).table).toEqual({ normal: [0, 0, 1], height: null });
+  expect(cutByService({ ...lying, stance: { proposed: "standing" } } as unknown as Scan)).toEqual(NOTHING_CUT);
+});
+
+test("a table is hidden by the service's plane where the body's front is off", () => {
+  const [whole, hers] = [onTable(), half().index!.count / 3];
+  const front: Vector = [Math.sin(0.4), 0, Math.cos(0.4)];
+  const left = (cut: CutByService): number => bodyOf(question(whole, cut)).drawable.count - hers;
+  expect(left(asGuessed(front)), "the guess takes her for the scrap").not.toBe(0);
+  expect(left({ ...NOTHING_CUT, table: { normal: [0, 0, 1], height: 0 } })).toBe(0);
+});
+
+test("a piece that the service has cut away is hidden, however large; her own never is", () => {
+  const hand = place(new SphereGeometry(0.06, 32, 32), 0.3, 0, 0.1);
+  const whole = made(half(), hand);
+  const hers = half().index!.count / 3;
+  const cut = (others: Vector[]) => bodyOf(question(whole, { ...NOTHING_CUT, others })).drawable.isSkin;
+  expect(cut([]).every((is) => is === 1)).toBe(true);
+  const isSkin = cut([[0.3, 0.02, 0.15]]);
+  expect(isSkin.slice(0, hers).every((is) => is === 1)).toBe(true);
+  expect(isSkin.slice(hers).some((is) => is === 1)).toBe(false);
+  expect(cut([[0, 0, 0.1]]).every((is) => is === 1)).toBe(true);
 });
 
 test("loose pieces are hidden until somebody asks for them, and what was found belongs to its own scan", async () => {

@@ -5,7 +5,7 @@ import type { MeshBVH } from "three-mesh-bvh";
 import { afterEach, expect, test, vi } from "vitest";
 import { skinFrom, skinOn } from "../../src/drawing/skin";
 import { viewBarShown } from "../../src/fit/state";
-import { bodyOf, type BodyQuestion, partOf } from "../../src/scan/body";
+import { bodyOf, type BodyQuestion, NOTHING_CUT, partOf } from "../../src/scan/body";
 import { type Crop, croppedFaces, cropsOf, NO_CROPS, shareWithin } from "../../src/scan/crop";
 import { cropKey } from "../../src/scan/cropKeys";
 import { keepCrops, keptCrops } from "../../src/scan/keptCrops";
@@ -28,7 +28,7 @@ const question = (whole: BufferGeometry, crops: readonly Crop[]): BodyQuestion =
   positions: whole.attributes.position!.array as Float32Array,
   index: Uint32Array.from(whole.index!.array),
   isSplit: false,
-  tableNormal: null,
+  cut: NOTHING_CUT,
   crops,
   wantsRelief: false,
 });

@@ -2,7 +2,7 @@
 import type { BufferGeometry} from "three";
 import { PlaneGeometry, SphereGeometry } from "three";
 import { expect, test } from "vitest";
-import { bodyOf } from "../../src/scan/body";
+import { bodyOf, NOTHING_CUT } from "../../src/scan/body";
 import { NO_CROPS } from "../../src/scan/crop";
 import { reliefOf } from "../../src/scan/relief";
 
@@ -50,7 +50,7 @@ test("noise as of a depth camera on a plane is hardly seen", () => {
 
 test("the worker adds it where it is asked to, and only there", () => {
   const ball = new SphereGeometry(0.06, 32, 24);
-  const question = { positions: ball.attributes.position!.array as Float32Array, index: Uint32Array.from(ball.index!.array), isSplit: false, tableNormal: null, crops: NO_CROPS };
+  const question = { positions: ball.attributes.position!.array as Float32Array, index: Uint32Array.from(ball.index!.array), isSplit: false, cut: NOTHING_CUT, crops: NO_CROPS };
   expect(bodyOf({ ...question, wantsRelief: false }).relief).toBeNull();
   expect(bodyOf({ ...question, wantsRelief: true }).relief).toHaveLength(ball.attributes.position!.count);
 });

@@ -201,4 +201,5 @@ def scan_answer(row: ScanRow) -> wire.Scan:
         plan=f"/api/patients/{patient}/plan",
     )
     shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
+    shown.setdefault("table", row.facts.get("orientation", {}).get("seen", {}).get("table"))  # of earlier versions
     return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **shown)

@@ -76,7 +76,7 @@ class ScanLinks(Wire):
 
 
 class CutPlane(Wire):
-    """A floor or wall: all that lies within 15 mm of it, or behind it, is no patient."""
+    """A floor or wall: all that lies within 15 mm of it, or behind it, is no patient.  Or a table under her."""
 
     normal: Three = Field(description="unit vector towards the patient")
     height_m: float = Field(description="along the normal, in the scan's own axes")
@@ -94,8 +94,14 @@ class Scan(Wire):
     reconstructed_from_points: bool = Field(
         False, description="the file held points without triangles; the surface was made from them"
     )
-    cut_away_cm2: int = Field(0, ge=0, description="area of floors and walls, which fits and measures do not see")
+    cut_away_cm2: int = Field(
+        0, ge=0, description="area of floors, walls and other people's hands, which fits and measures do not see"
+    )
     background: list[CutPlane] = Field(default=[], description="the floors and walls that were cut away")
+    table: CutPlane | None = Field(None, description="under a lying patient; fits and measures do not see it")
+    other_pieces: list[Three] = Field(
+        default=[], description="a place, metres, on each piece beside the body that was cut away"
+    )
     notes: list[str] = Field(description="what reading found, one sentence each")
     frame: Frame
     stance: Stance
