@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers.bare_example import write_bare_example
 from helpers.example_patient import EXAMPLE
@@ -24,6 +25,8 @@ from breastrig.gltf.write_rig import write_rig
 from breastrig.report.thumbnail import thumbnail_png
 from breastrig.scan import background
 from breastrig.scan.clean import Surface
+from breastrig.scan.hand_cuts import HandCut, cut_triangles
+from breastrig.scan.read import read_scan
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.workflow import scan_fit
@@ -223,7 +226,7 @@ def test_a_command_line_proposal_reads_prepares_and_orients_once(
     assert cleaned == [1, 1]
 
 
-def test_what_was_cut_as_table_stands_in_the_result(tmp_path: Path) -> None:
+def test_what_was_cut_as_table_or_by_hand_stands_in_the_result(tmp_path: Path) -> None:
     """Said or found: a lying patient's table goes, and result.json says how much of the scan that was."""
     picks = json.loads((SUPINE / "landmarks.json").read_text())["landmarks"]
     for stance in ("auto", "supine"):
@@ -231,5 +234,14 @@ def test_what_was_cut_as_table_stands_in_the_result(tmp_path: Path) -> None:
         cut = result["scan"]["table_triangles"]
         assert 0.3 < cut / result["scan"]["triangles"] < 0.45
         assert f"{cut} triangles of the table under the patient were left out." in result["notes"]
-    standing = events_of(SUPINE / "scan.ply", tmp_path / "standing", picks, stance="standing")[-1].result
-    assert standing["scan"]["table_triangles"] == 0
+    scan = read_scan(SUPINE / "scan.ply", "ply", "auto", texture=False)
+    lasso = [[-0.06, -1.0], [0.1, -1.0], [0.1, 1.0], [-0.06, 1.0]]
+    corner = {"to_picture": np.eye(4).ravel().tolist(), "lasso": lasso}
+    cut = int(np.count_nonzero(cut_triangles(scan.vertices, scan.faces, [HandCut.of(corner)])))
+    assert cut > 200
+    standing = events_of(SUPINE / "scan.ply", tmp_path / "standing", picks, stance="standing", cuts=(corner,))
+    result = standing[-1].result
+    assert result["scan"]["table_triangles"] == 0
+    assert result["scan"]["cut_by_hand_triangles"] == cut
+    assert result["scan"]["triangles"] == len(scan.faces)
+    assert f"{cut:,} triangles were cut away by hand." in result["notes"]

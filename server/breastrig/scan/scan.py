@@ -26,6 +26,7 @@ class Scan:
     uv: Array | None = None  # (V, 2) origin at the lower left of the texture; only together with a texture
     texture: bytes | None = None  # a JPEG without metadata, small enough to be shown; else `picture` itself
     from_points: bool = False  # the file held points alone, and its triangles were laid through them
+    cut_by_hand: int = 0  # triangles that a person has cut away; they are not among the faces
     picture: bytes | None = None  # behind it: the file's own JPEG or PNG, its pixels and nothing else
 
     def __post_init__(self) -> None:

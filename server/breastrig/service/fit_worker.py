@@ -180,5 +180,6 @@ def fit_job(scan: ScanRow, fit: FitRow, folder: Path, out: Path, model: Path | N
         drawing=fit.drawing,
         model=model,
         refine=fit.refine,
-        orientation=scan.facts.get("orientation"),
+        orientation=None if fit.cuts else scan.facts.get("orientation"),  # that is of the whole scan
+        cuts=fit.cuts,
     )

@@ -1,11 +1,13 @@
 """Proposed landmarks: searched once a scan and model, see scan_search.py."""
 
+import hashlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from breastrig.execution.executor import Executor
 from breastrig.service.scan_search import ScanSearch, Task
+from breastrig.storage.rows.cuts import cuts_digest, get_cuts
 from breastrig.storage.rows.proposals import get_proposals, put_proposals
 from breastrig.storage.rows.scans import ScanRow
 from breastrig.storage.storage import Storage
@@ -15,7 +17,7 @@ Proposer = Callable[[ProposeJob], dict[str, Any]]
 
 
 class Proposals(ScanSearch):
-    """{name: {point (mm), confidence, on_scan, error_mm}} of each scan; the variant is the sha256 of the model."""
+    """{name: {point (mm), confidence, on_scan, error_mm}} of each scan; see `variant`."""
 
     what = "Finding landmarks"
     instead = "Place them by hand."
@@ -27,6 +29,11 @@ class Proposals(ScanSearch):
         self._proposer = proposer
         self._model = model
 
+    def variant(self, scan_id: str, model_sha256: str) -> str:
+        """The sha256 of the model, and of what is cut out of the scan by hand."""
+        digest = cuts_digest(get_cuts(self._storage, scan_id))
+        return hashlib.sha256(f"{model_sha256} {digest}".encode()).hexdigest() if digest else model_sha256
+
     def _stored(self, scan_id: str, variant: str) -> dict[str, Any] | None:
         return get_proposals(self._storage, scan_id, variant)
 
@@ -34,5 +41,6 @@ class Proposals(ScanSearch):
         put_proposals(self._storage, scan_id, variant, found)
 
     def _task(self, file: Path, scan: ScanRow) -> Task:
-        job = ProposeJob(file, scan.file_type, scan.facts["unit"], self._model, scan.facts.get("orientation"))
-        return self._proposer, job
+        cuts = get_cuts(self._storage, scan.id)
+        orientation = None if cuts else scan.facts.get("orientation")  # that is of the whole scan
+        return self._proposer, ProposeJob(file, scan.file_type, scan.facts["unit"], self._model, orientation, cuts)

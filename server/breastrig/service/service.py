@@ -203,7 +203,7 @@ class Service:
 
     def proposed_landmarks(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
         """The landmarks that the model proposes on the scan; None when they are still being looked for."""
-        return self._proposals.get(scan, model_sha256, wait_s)
+        return self._proposals.get(scan, self._proposals.variant(scan.id, model_sha256), wait_s)
 
     def ink(self, scan: ScanRow, wait_s: float) -> dict[str, Any] | None:
         """The lines of ink on the scan's skin, a drawing in mm; None when they are still being looked for."""

@@ -42,11 +42,18 @@ landmarks = Table(
     Column("certain", Text, nullable=False, server_default="[]"),  # JSON, names among them
 )
 
+cuts = Table(  # what a person has cut out of the scan; it stays whole itself
+    "cuts",
+    metadata,
+    Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
+    Column("json", Text, nullable=False),  # [{to_picture, lasso}], see scan/hand_cuts.py
+)
+
 proposals = Table(
     "proposals",
     metadata,
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
-    Column("model_sha256", String(64), nullable=False),  # of the model that proposed
+    Column("model_sha256", String(64), nullable=False),  # of the model that proposed, and the cuts
     Column("json", Text, nullable=False),  # {name: {point, confidence, on_scan, error_mm}}, mm, scan frame
 )
 
@@ -100,6 +107,7 @@ fits = Table(
     Column("drawing", String(100)),
     Column("landmarks_mm", Text, nullable=False),  # JSON, as they were when the fit was asked for
     Column("certain", Text, nullable=False, server_default="[]"),  # JSON, names among them
+    Column("cuts", Text, nullable=False, server_default="[]"),  # JSON, the scan's, as they were then
     Column("refine", Boolean, nullable=False, server_default=false()),
     Column("start_from", String(32)),  # an earlier fit of the same scan, whose last pose this one goes on from
     Column("partner", String(32)),  # the fit of the other stance, when both are fitted together

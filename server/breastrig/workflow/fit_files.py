@@ -64,11 +64,12 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         "notice": LIMITS_OF_USE,
         "scan": {
             "vertices": len(scan.vertices),
-            "triangles": len(scan.faces),
+            "triangles": len(scan.faces) + scan.cut_by_hand,
             "unit": scan.unit,
             "unit_reason": scan.unit_reason,
             "sha256": scan.sha256,
             "table_triangles": outcome.table_triangles,
+            **({"cut_by_hand_triangles": scan.cut_by_hand} if scan.cut_by_hand else {}),
             **({"reconstructed_from_points": True} if scan.from_points else {}),
             **({"cut_away_cm2": round(1e4 * outcome.cut_away)} if outcome.cut_away else {}),
         },

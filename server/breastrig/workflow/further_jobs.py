@@ -20,6 +20,7 @@ class ProposeJob:
     units: str
     model: Path | None = None  # None: the torso of the package
     orientation: dict[str, Any] | None = None  # what the upload has found, see fitting/scan_orientation.py
+    cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
 
 
 @dataclass(frozen=True)

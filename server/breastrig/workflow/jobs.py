@@ -45,6 +45,7 @@ class FitJob(FitSettings):
     units: str = "auto"
     file_type: str | None = None  # None: from the content
     model: Path | None = None  # None: the torso of the package
+    cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
 
 
 @dataclass(frozen=True)

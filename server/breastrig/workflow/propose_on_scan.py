@@ -13,6 +13,7 @@ from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig.scan.hand_cuts import without_hand_cuts
 from breastrig.scan.scan import Scan
 from breastrig.workflow.coloured_scan import coloured_scan
 from breastrig.workflow.further_jobs import ProposeJob
@@ -32,7 +33,7 @@ def propose_on_file(job: ProposeJob) -> dict[str, Any]:
     """
     try:
         rig = read_rig(job.model or default_rig_path())
-        scan = coloured_scan(job.scan, job.file_type, job.units)
+        scan = without_hand_cuts(coloured_scan(job.scan, job.file_type, job.units), job.cuts)
         proposals = propose_on_scan(rig, scan, orientation_from(job.orientation, rig))
     except MemoryError as error:
         raise BadScan("Finding landmarks on this scan needs more memory than it may use; simplify it first.") from error

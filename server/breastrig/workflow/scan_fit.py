@@ -27,6 +27,7 @@ from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
+from breastrig.scan.hand_cuts import without_hand_cuts
 from breastrig.scan.landmark_files import checked_certain
 from breastrig.scan.scan import Scan
 from breastrig.workflow.coloured_scan import coloured_scan
@@ -168,7 +169,7 @@ def _only_proposed(landmarks: Collection[str], confidence: Mapping[str, float]) 
 def scan_of_job(job: FitJob) -> tuple[Scan, float]:
     """The job's scan, and the seconds that reading it took; a BadInput says what is wrong with it."""
     clock = Clock()
-    return coloured_scan(job.scan, job.file_type, job.units), clock.lap()
+    return without_hand_cuts(coloured_scan(job.scan, job.file_type, job.units), job.cuts), clock.lap()
 
 
 def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:

@@ -43,12 +43,32 @@ export type CarriedShape = {
   distance_to_mm: (number | null)[];
 };
 
+/** A part of a scan that a person has cut away: the triangles whose middle lies within the lasso, however deep. */
+export type Cut = {
+  /** 4 x 4, column by column: from metres in the scan's axes to the picture in which it was drawn */
+  to_picture: number[];
+  /** its corners there, -1 to 1 across and up */
+  lasso: [number, number][];
+};
+
 /** A floor or wall: all that lies within 15 mm of it, or behind it, is no patient. Or a table under her. */
 export type CutPlane = {
   /** unit vector towards the patient */
   normal: [number, number, number];
   /** along the normal, in the scan's own axes */
   height_m: number;
+};
+
+export type Cuts = {
+  /** the first that was made first */
+  cuts: Cut[];
+  /** the same for the same cuts, empty without any; a fit says with which it was made */
+  digest: string;
+};
+
+export type CutsFile = {
+  /** the first that was made first */
+  cuts: Cut[];
 };
 
 export type Distances = {
@@ -180,6 +200,8 @@ export type Fit = {
   preset: string;
   drawing: string | null;
   refine: boolean;
+  /** the digest of what was cut out of the scan when this fit was asked for */
+  cuts: string;
   /** id of the fit that this one went on from */
   start_from: string | null;
   /** id of the other stance's fit when both are fitted together */
@@ -948,6 +970,7 @@ export type ScanLinks = {
   mesh: string;
   landmarks: string;
   proposed: string;
+  cuts: string;
   ink: string;
   drawing: string;
   fits: string;

@@ -19,6 +19,7 @@ from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
 from breastrig.service.events.stored_iteration import stored_iteration
 from breastrig.storage.files import fit_place
+from breastrig.storage.rows.cuts import cuts_digest, get_cuts
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, fits_page, get_fit, queue_position
 from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan
 
@@ -104,6 +105,7 @@ def _new_fit(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance)
         drawing=asked.drawing,
         landmarks_mm=picks.points_mm,
         certain=picks.certain,
+        cuts=get_cuts(context.service.storage, scan.id),
         refine=asked.refine,
         start_from=asked.start_from,
     )
@@ -319,6 +321,7 @@ def fit_answer(row: FitRow) -> wire.Fit:
         "preset": row.preset,
         "drawing": row.drawing,
         "refine": row.refine,
+        "cuts": cuts_digest(row.cuts),
         "start_from": row.start_from,
         "partner": row.partner,
         "last_event": row.last_event,

@@ -12,6 +12,7 @@ from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.storage.files import MESH, THUMBNAIL, OpenedFile, scan_place
+from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts, put_cuts
 from breastrig.storage.rows.ink import drop_ink as keep_dropped
 from breastrig.storage.rows.patients import patient_of_scan
 from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan, put_landmarks
@@ -126,6 +127,30 @@ def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile) -> wire.Landma
     return json_data
 
 
+@scans.get("/<scan_id>/cuts")
+@scans.output(wire.Cuts)
+@scans.doc(operation_id="getCuts")
+def show_cuts(scan_id: str) -> wire.Cuts:
+    """What a person has cut out of the scan"""
+    storage = app_context().service.storage
+    get_scan(storage, scan_id)
+    return cuts_answer(get_cuts(storage, scan_id))
+
+
+@scans.put("/<scan_id>/cuts")
+@scans.input(wire.CutsFile)
+@scans.output(wire.Cuts)
+@scans.doc(operation_id="putCuts")
+def replace_cuts(scan_id: str, json_data: wire.CutsFile) -> wire.Cuts:
+    """Replace what is cut out of the scan
+
+    The scan itself stays whole; fits and proposals that are asked for from now on do not see what is cut.
+    """
+    cuts = tuple(cut.model_dump() for cut in json_data.cuts)
+    put_cuts(app_context().service.storage, scan_id, cuts)
+    return cuts_answer(cuts)
+
+
 @scans.get("/<scan_id>/landmarks/proposed")
 @scans.output(wire.ProposedLandmarks)
 @scans.doc(
@@ -185,6 +210,11 @@ def drop_ink(scan_id: str, json_data: wire.InkChange) -> wire.Ink:
     return wire.Ink.model_validate(keep_dropped(app_context().service.storage, scan_id, json_data.dropped))
 
 
+def cuts_answer(cuts: Cuts) -> wire.Cuts:
+    """The cuts as the API shows them."""
+    return wire.Cuts.model_validate({"cuts": cuts, "digest": cuts_digest(cuts)})
+
+
 def scan_answer(row: ScanRow) -> wire.Scan:
     """The stored row as the API shows it."""
     place = f"/api/scans/{row.id}"
@@ -194,6 +224,7 @@ def scan_answer(row: ScanRow) -> wire.Scan:
         mesh=f"{place}/mesh.glb",
         landmarks=f"{place}/landmarks",
         proposed=f"{place}/landmarks/proposed",
+        cuts=f"{place}/cuts",
         ink=f"{place}/ink",
         drawing=f"{place}/drawing",
         fits=f"{place}/fits",

@@ -20,6 +20,7 @@ FitState = Literal["queued", "running", "done", "failed", "cancelled"]
 VerdictLevel = Literal["good", "check", "unusable"]
 Point = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Three = Annotated[list[float], Field(min_length=3, max_length=3)]
+Number = Annotated[FiniteFloat, Field(ge=-1e9, le=1e9)]
 Name = Annotated[str, Field(min_length=1, max_length=100)]
 
 UNITS: tuple[Units, ...] = ("auto", "m", "dm", "cm", "mm", "in", "ft")
@@ -68,6 +69,7 @@ class ScanLinks(Wire):
     mesh: str
     landmarks: str
     proposed: str
+    cuts: str
     ink: str
     drawing: str
     fits: str
@@ -118,6 +120,25 @@ class LandmarkFile(Wire):
     certain: list[Name] = Field(
         default=[], max_length=200, description="names of landmarks that are followed whatever all else says"
     )
+
+
+class Cut(Wire):
+    """A part of a scan that a person has cut away: the triangles whose middle lies within the lasso, however deep."""
+
+    to_picture: Annotated[list[Number], Field(min_length=16, max_length=16)] = Field(
+        description="4 x 4, column by column: from metres in the scan's axes to the picture in which it was drawn"
+    )
+    lasso: list[Annotated[list[Number], Field(min_length=2, max_length=2)]] = Field(
+        min_length=3, max_length=300, description="its corners there, -1 to 1 across and up"
+    )
+
+
+class CutsFile(Wire):
+    cuts: list[Cut] = Field(max_length=32, description="the first that was made first")
+
+
+class Cuts(CutsFile):
+    digest: str = Field(description="the same for the same cuts, empty without any; a fit says with which it was made")
 
 
 class ProposedLandmark(Wire):
@@ -274,6 +295,7 @@ class Fit(Wire):
     preset: str
     drawing: str | None
     refine: bool
+    cuts: str = Field(description="the digest of what was cut out of the scan when this fit was asked for")
     start_from: str | None = Field(description="id of the fit that this one went on from")
     partner: str | None = Field(description="id of the other stance's fit when both are fitted together")
     last_event: int = Field(description="number of the last stored event, 0 before the first")

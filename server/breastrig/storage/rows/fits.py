@@ -12,6 +12,7 @@ from breastrig.core.errors import BadInput, NotFound
 from breastrig.storage import schema
 from breastrig.storage.file_journal import clear_entries
 from breastrig.storage.files import fit_place
+from breastrig.storage.rows.cuts import Cuts, cuts_text
 from breastrig.storage.rows.paging import newest_first
 from breastrig.storage.rows.scans import Points
 from breastrig.storage.storage import Storage
@@ -30,6 +31,7 @@ class NewFit:
     drawing: str | None = None
     landmarks_mm: Points
     certain: tuple[str, ...] = ()  # of the landmarks, those that are followed whatever all else says
+    cuts: Cuts = ()  # of the scan, by hand
     refine: bool = False
     start_from: str | None = None  # an earlier fit of the same scan
 
@@ -99,6 +101,7 @@ def add_fits(storage: Storage, created_at: str, new_fits: dict[str, NewFit], onc
                 "asked_stance": new_fit.stance,
                 "landmarks_mm": json.dumps(new_fit.landmarks_mm),
                 "certain": json.dumps(new_fit.certain),
+                "cuts": cuts_text(new_fit.cuts),
                 "id": fit_id,
                 "partner": partner if others else None,
                 "leads": fit_id == first,
@@ -279,6 +282,7 @@ def _fit_row(row: Row[Any]) -> FitRow:
         drawing=row.drawing,
         landmarks_mm=json.loads(row.landmarks_mm),
         certain=tuple(json.loads(row.certain)),
+        cuts=tuple(json.loads(row.cuts)),
         refine=row.refine,
         start_from=row.start_from,
         last_event=row.last_event,

@@ -1,0 +1,77 @@
+"""What a person has cut out of a scan with a lasso: gone for fits and proposals, while the stored scan stays whole.
+
+A cut is the lasso's corners in a picture, and how that picture showed the scan: a projective map from its own axes.  It
+cuts like scissors, everything within the lasso however deep.  So it is small, needs no numbering of triangles, and the
+page and this module find the same triangles: both take a triangle's middle, in numbers as short as the page's.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.errors import BadScan
+from breastrig.scan.clean import MIN_TRIANGLES
+from breastrig.scan.scan import Scan
+
+
+@dataclass(frozen=True, eq=False)
+class HandCut:
+    """One lasso."""
+
+    to_picture: Array  # (4, 4) from metres in the scan's axes, homogeneous; w > 0 is before the eye
+    lasso: Array  # (N, 2) its corners there
+
+    @classmethod
+    def of(cls, document: Mapping[str, Any]) -> "HandCut":
+        """From {to_picture: 16 numbers, column by column, lasso: [[x, y], ...]}."""
+        return cls(np.reshape(document["to_picture"], (4, 4)).T.astype(np.float64), np.array(document["lasso"], float))
+
+
+def cut_triangles(vertices: Array, faces: Integers, cuts: Sequence[HandCut]) -> Booleans:
+    """(F,) the triangles whose middle lies within one of the lassos."""
+    result = np.zeros(len(faces), dtype=np.bool_)
+    if not cuts:
+        return result
+    short = np.asarray(vertices, dtype=np.float32).astype(np.float64)
+    middles = (short[faces[:, 0]] + short[faces[:, 1]] + short[faces[:, 2]]) / 3.0
+    for cut in cuts:
+        left = np.flatnonzero(~result)
+        result[left[_within(cut, middles[left])]] = True
+    return result
+
+
+def without_hand_cuts(scan: Scan, documents: Sequence[Mapping[str, Any]]) -> Scan:
+    """The scan as it is left by these cuts (see HandCut.of).  BadScan where that is next to nothing."""
+    cut = cut_triangles(scan.vertices, scan.faces, [HandCut.of(document) for document in documents])
+    count = int(np.count_nonzero(cut))
+    if not count:
+        return scan
+    if len(cut) - count < MIN_TRIANGLES:
+        raise BadScan("What was cut away by hand leaves nothing to look at; take one of the cuts back.")
+    note = f"{count:,} triangles were cut away by hand." if count > 1 else "One triangle was cut away by hand."
+    return replace(scan, faces=scan.faces[~cut], cut_by_hand=count, notes=(*scan.notes, note))
+
+
+def _within(cut: HandCut, places: Array) -> Integers:
+    """Indices of the (N, 3) m places that the lasso holds."""
+    m, (x, y, z) = cut.to_picture, places.T
+    w = m[3, 0] * x + m[3, 1] * y + m[3, 2] * z + m[3, 3]
+    seen = np.flatnonzero(w > 0.0)
+    x, y, z, w = x[seen], y[seen], z[seen], w[seen]
+    u = (m[0, 0] * x + m[0, 1] * y + m[0, 2] * z + m[0, 3]) / w
+    v = (m[1, 0] * x + m[1, 1] * y + m[1, 2] * z + m[1, 3]) / w
+    (left, low), (right, high) = cut.lasso.min(axis=0), cut.lasso.max(axis=0)
+    near = np.flatnonzero((u >= left) & (u <= right) & (v >= low) & (v <= high))
+    near = near[np.argsort(v[near])]  # then each edge is crossed by places in one row
+    u, v = u[near], v[near]
+    inside = np.zeros(len(near), dtype=np.bool_)  # a ray to the right crosses an odd number of edges
+    for (x_end, y_end), (x_start, y_start) in zip(cut.lasso, np.roll(cut.lasso, 1, axis=0), strict=True):
+        if y_end == y_start:
+            continue
+        first, last = np.searchsorted(v, (min(y_end, y_start), max(y_end, y_start)))  # low <= v < high
+        row = slice(int(first), int(last))
+        inside[row] ^= u[row] < ((x_start - x_end) * (v[row] - y_end)) / (y_start - y_end) + x_end
+    return np.asarray(seen[near[inside]])

@@ -1,0 +1,92 @@
+"""What a person has cut out of a scan: kept with it, known to fits and proposals, deleted with it."""
+
+import math
+from pathlib import Path
+
+import pytest
+from flask.testing import FlaskClient
+from helpers.waiting import until
+from sqlalchemy import func, select
+
+from breastrig.service.fit_worker import fit_job
+from breastrig.service.service import Service
+from breastrig.storage import schema
+from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.rows.scans import get_scan
+
+PICTURE = [5.0, 0, 0, 0, 0, 5.0, 0, 0, 0, 0, -1.0, 0, 0, 0, 0, 1.0]
+CUT = {"to_picture": PICTURE, "lasso": [[0.1, -0.2], [0.4, -0.2], [0.25, 0.123456789012]]}
+OTHER = {"to_picture": PICTURE, "lasso": [[-0.1, -0.2], [-0.4, -0.2], [-0.25, 0.3], [-0.2, 0.3]]}
+
+
+def test_cuts_are_kept_replaced_and_deleted_with_the_scan(client: FlaskClient, service: Service, scan_id: str) -> None:
+    place = client.get(f"/api/scans/{scan_id}").json["links"]["cuts"]
+    assert place == f"/api/scans/{scan_id}/cuts"
+    assert client.get(place).json == {"cuts": [], "digest": ""}
+    put = client.put(place, json={"cuts": [CUT, OTHER]})
+    assert put.status_code == 200, put.json
+    assert put.json["cuts"] == [CUT, OTHER]
+    assert client.get(place).json == put.json
+    assert len(put.json["digest"]) == 16
+    one = client.put(place, json={"cuts": [OTHER]}).json
+    assert one["digest"] not in ("", put.json["digest"])
+    assert client.put(place, json={"cuts": [CUT, OTHER]}).json["digest"] == put.json["digest"]
+    assert client.delete(f"/api/scans/{scan_id}").status_code == 204
+    assert client.get(place).status_code == 404
+    assert client.put(place, json={"cuts": []}).status_code == 404
+    with service.storage.database.reading() as connection:
+        assert connection.execute(select(func.count()).select_from(schema.cuts)).scalar_one() == 0
+
+
+@pytest.mark.parametrize(
+    "cuts",
+    [
+        [{"to_picture": PICTURE[:15], "lasso": CUT["lasso"]}],
+        [{"to_picture": PICTURE, "lasso": CUT["lasso"][:2]}],
+        [{"to_picture": PICTURE, "lasso": [[0.0, 0.0]] * 301}],
+        [{"to_picture": PICTURE, "lasso": [[0.0, 0.0, 0.0]] * 3}],
+        [{"to_picture": [1e300, *PICTURE[1:]], "lasso": CUT["lasso"]}],
+        [{"to_picture": ["1e999", *PICTURE[1:]], "lasso": CUT["lasso"]}],
+        [CUT | {"name": "Jane Doe"}],
+        [CUT] * 33,
+        "all of it",
+    ],
+)
+def test_what_is_no_cut_is_refused_and_nothing_is_lost(client: FlaskClient, scan_id: str, cuts: object) -> None:
+    place = f"/api/scans/{scan_id}/cuts"
+    kept = client.put(place, json={"cuts": [CUT]}).json
+    assert client.put(place, json={"cuts": cuts}).status_code == 422
+    assert client.get(place).json == kept
+
+
+def test_a_fit_says_with_which_cuts_it_was_made(
+    client: FlaskClient, service: Service, scan_id: str, tmp_path: Path
+) -> None:
+    place, body = f"/api/scans/{scan_id}/cuts", {"scan": scan_id, "drawing": None}
+    before = client.post("/api/fits", json=body).json["id"]
+    digest = client.put(place, json={"cuts": [CUT]}).json["digest"]
+    after = client.post("/api/fits", json=body).json["id"]
+    client.put(place, json={"cuts": []})
+    assert client.get(f"/api/fits/{before}").json["cuts"] == ""
+    assert client.get(f"/api/fits/{after}").json["cuts"] == digest
+    row = get_fit(service.storage, after)
+    job = fit_job(get_scan(service.storage, scan_id), row, tmp_path, tmp_path, None)
+    assert job.cuts == (CUT,)
+    assert job.orientation is None, "that was found with what is cut"
+    until(lambda: client.get(f"/api/fits/{after}").json["state"] == "done", "the fit")
+
+
+def test_proposals_are_made_anew_when_something_is_cut(client: FlaskClient, service: Service, scan_id: str) -> None:
+    proposed = f"/api/scans/{scan_id}/landmarks/proposed"
+    made = service.storage.folders.scan(scan_id) / "proposed"
+
+    def times() -> int:
+        until(lambda: client.get(proposed).status_code == 200, "the proposals")
+        return len(made.read_text().splitlines())
+
+    assert [times(), times()] == [1, 1]
+    client.put(f"/api/scans/{scan_id}/cuts", json={"cuts": [CUT]})
+    assert [times(), times()] == [2, 2]
+    client.put(f"/api/scans/{scan_id}/cuts", json={"cuts": []})
+    assert times() == 3
+    assert math.isfinite(client.get(proposed).json["landmarks"]["nipple_L"]["confidence"])
