@@ -41,6 +41,7 @@ def test_a_fit_is_accepted_executed_and_described(client: FlaskClient, service: 
         "preset": "default",
         "drawing": "lumpectomy",
         "refine": True,
+        "cuts": "",
         "start_from": None,
         "partner": None,
         "last_event": 6,

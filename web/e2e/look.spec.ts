@@ -80,7 +80,7 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
     await expect(page.getByText(/^Differs by/)).toBeHidden();
   });
 
-  await test.step("the lasso hides an arm, and Z brings it back", async () => {
+  await test.step("the lasso cuts an arm away, Z brings it back, and a fit from before says so", async () => {
     await page.keyboard.press("1");
     await page.getByRole("button", { name: "Lasso" }).click();
     await untilStill(page);
@@ -94,7 +94,7 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
     for (const [x, y] of [[30, -60], [30, 200], [-150, 200], [-150, -60]] as const) await page.mouse.move(at.x + x, at.y + y, { steps: 6 });
     await page.mouse.up();
     await expect.poll(pick).toBeNull();
-    await expect(page.getByText("Fits, measures and files still see the whole scan.", { exact: false })).toHaveCount(0); // the lasso is still in the hand
+    await expect(page.getByText("until you bring it back", { exact: false })).toHaveCount(0); // the lasso is still in the hand
     await page.keyboard.press("z");
     await expect.poll(pick).toBe(face);
     await page.locator("canvas.view").focus();
@@ -112,11 +112,19 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
     await page.keyboard.press("Enter");
     await expect.poll(pick).toBeNull();
     await page.keyboard.press("Escape");
-    await page.reload(); // it is still hidden
+    await until(page, () => window.__breastrig?.state().scan?.cuts);
+    await page.evaluate(() => sessionStorage.clear()); // the service keeps it
+    await page.reload();
     await hook.ready(page);
+    await page.keyboard.press("5");
+    const old = page.getByText("Since this fit, parts of the scan were cut away or brought back.");
+    await expect(old).toBeVisible();
     await page.keyboard.press("1");
-    await expect(page.getByText("Hidden here cannot be picked or drawn on.", { exact: false })).toBeVisible();
-    await page.getByRole("button", { name: "Show all" }).click();
+    await expect(page.getByText("kept with the scan until you bring it back", { exact: false })).toBeVisible();
+    await page.getByRole("button", { name: "Bring all back" }).click();
+    await page.keyboard.press("5");
+    await expect(old).toBeHidden();
+    await page.keyboard.press("1");
     expect(await seriousFindings(page)).toEqual([]);
   });
 

@@ -1,7 +1,7 @@
 // A page without a browser: the real store and actions, a client that answers what the test says.
 import { vi } from "vitest";
 import { ApiError, type Client } from "../src/api/client";
-import type { LandmarkDefinition, Patient, PlanItem, PlanOnScan, Scan, StoredPlan, Vector } from "../src/api/types";
+import type { Cut, LandmarkDefinition, Patient, PlanItem, PlanOnScan, Scan, StoredPlan, Vector } from "../src/api/types";
 import { createActions } from "../src/app/actions";
 import { withPlacingView } from "../src/app/placingView";
 import { initialSession, type Session } from "../src/app/session";
@@ -80,6 +80,8 @@ export function page(answers: Partial<Client> = {}) {
   const store = createStore<Session>({ ...initialSession, meta: { landmarks } as Session["meta"] }, withPlacingView);
   const client = {
     mesh: async () => new ArrayBuffer(8),
+    cuts: async () => ({ cuts: [], digest: "" }),
+    saveCuts: vi.fn(async (_scan: Scan, cuts: readonly Cut[]) => ({ cuts: [...cuts], digest: cuts.length === 0 ? "" : `of ${cuts.map(({ lasso }) => lasso[0]![0]).join()}` })),
     landmarks: async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: {} }),
     ...fakePlans(),
     patients: async () => ({ patients: [], next: null }),
@@ -87,9 +89,9 @@ export function page(answers: Partial<Client> = {}) {
     saveLandmarks: vi.fn(async (_scan: Scan, file: unknown) => file),
     scan: async (id: string) => scanInfo(id),
     upload: async () => scanInfo("uploaded"),
-    startFit: async () => ({ id: "f1", links: fitLinks("f1") }),
+    startFit: async () => ({ id: "f1", links: fitLinks("f1"), cuts: "" }),
     moved: vi.fn(async () => ({ nodes: [] })),
-    fit: async (id: string) => ({ id, links: fitLinks(id), stance: "standing", asked_stance: "auto", preset: "default", drawing: "lumpectomy", refine: true }),
+    fit: async (id: string) => ({ id, links: fitLinks(id), stance: "standing", asked_stance: "auto", preset: "default", drawing: "lumpectomy", refine: true, cuts: "" }),
     drawing: async () => ({ schema: "breastrig/drawing@1", unit: "mm", shapes: [] }),
     bytes: async () => new ArrayBuffer(8),
     cancel: vi.fn(async () => ({})),

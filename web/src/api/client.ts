@@ -1,6 +1,8 @@
 // One function per route.  Whatever goes wrong becomes an ApiError whose message a person can act on.
 import * as text from "./text";
 import type {
+  Cut,
+  Cuts,
   DrawingFile,
   EventPage,
   EventRecord,
@@ -108,6 +110,8 @@ export const client = {
   mesh: (scan: Scan) => bytes(scan.links.mesh),
   landmarks: (scan: Scan) => askJson<LandmarkFile>(scan.links.landmarks),
   saveLandmarks: (scan: Scan, file: LandmarkFile) => askJson<LandmarkFile>(scan.links.landmarks, "PUT", file, true),
+  cuts: (scan: Scan) => askJson<Cuts>(scan.links.cuts),
+  saveCuts: (scan: Scan, cuts: readonly Cut[]) => askJson<Cuts>(scan.links.cuts, "PUT", { cuts }, JSON.stringify(cuts).length < KEPT_ALIVE_BYTES),
   /** 202 means: still looking, ask again in so many seconds. */
   async proposed(scan: Scan): Promise<ProposedLandmarks | { retryAfterS: number }> {
     const answer = await ask(scan.links.proposed);
@@ -124,7 +128,7 @@ export const client = {
   dropInk: (scan: Scan, dropped: Readonly<Record<string, boolean>>) => askJson<Ink>(scan.links.ink, "PATCH", { dropped }, true),
   /** Where the model of a fit lies with these picks (mm): for a drag, kept nowhere. */
   moved: (links: FitLinks, landmarks: Record<string, Vector>) => askJson<MovedModel>(links.moved, "POST", { landmarks }),
-  startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links">>("/api/fits", "POST", request),
+  startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links"> & Partial<Pick<Fit, "cuts">>>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
   cancel: (link: string) => askJson<Fit>(link, "POST"),
   /** All events so far; `link` is that of the stream. */

@@ -220,6 +220,8 @@ export type Fit = {
 export type FitAccepted = {
   id: string;
   links: FitLinks;
+  /** the digest of what is cut out of the scan */
+  cuts: string;
   /** the fit of the second scan, when there is one */
   partner?: FitPartner | null;
 };
@@ -251,6 +253,8 @@ export type FitPage = {
 export type FitPartner = {
   id: string;
   links: FitLinks;
+  /** the digest of what is cut out of its scan */
+  cuts: string;
 };
 
 export type FitRequest = {
@@ -929,7 +933,10 @@ export type ResultParameters = {
 
 export type ResultScan = {
   vertices: number;
+  /** of the file, with what was cut away */
   triangles: number;
+  /** of these, cut away by a person; absent without any */
+  cut_by_hand_triangles?: number | null;
   unit: string;
   sha256: string;
 };

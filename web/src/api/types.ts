@@ -3,7 +3,9 @@ import type * as wire from "./types.gen";
 
 export type {
   CarriedDrawing,
+  Cut,
   CutPlane,
+  Cuts,
   DrawingFile,
   DrawnShape,
   EventPage,

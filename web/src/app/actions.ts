@@ -32,13 +32,12 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refit });
   const plan = planActions(store, client);
   const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
-  const scan = scanActions(store, client, scanContents(client, plan, fit.stop), proposals.lookOnce, memory);
+  const scan = scanActions(store, client, scanContents(client, plan, fit.stop), proposals.lookOnce);
   const drawing = drawingActions(store, plan);
   const leaving = leavingActions(store, { landmarks, lines: drawing });
   const guarded = leaving.guarded(scan);
   const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan }, memory);
   const forgetScan = (id: string): void => {
-    scan.forget(id);
     stances.forget(id);
   };
   const patients = patientActions(store, client, forgetScan);

@@ -13,7 +13,7 @@ export const help = {
     ["Esc", "Stop placing"],
     ["P · E · T · M", "In the step Drawing: pen, points of a line, tumour, tape measure; Enter ends a line or the tape, Delete takes away a point or a line"],
     ["Tab, arrows", "In the step Drawing: from handle to handle of a pattern; arrows move it by 1 mm (Shift: 5 mm)"],
-    ["Lasso", "In the step Scan: draw around what is to be hidden from the view; Z brings it back, Esc puts the lasso down"],
+    ["Lasso", "In the step Scan: draw around what is to be cut away; Z brings it back, Esc puts the lasso down"],
     ["F", "View from the front"],
     ["O", "Scan, both, model, beside, swipe"],
     ["D", "Distances in colour"],

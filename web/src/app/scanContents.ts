@@ -29,6 +29,7 @@ export function scanContents(client: Client, plan: Pick<PlanActions, "read">, st
       isStarting: false,
       stances: initialStances,
     }),
+    cut: (): Partial<Session> => ({ proposals: null }),
     interrupted: (): Partial<Session> => ({ active: null }),
     stop,
   };

@@ -27,7 +27,7 @@ type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice;
 const PAUSE_MS = 150; // a run of key presses that nudge a landmark is one fit
 
 /** As the service's first word makes it: nothing has been computed yet. */
-const freshFit = (id: string, links: FitLinks, drawingName: string | null, given: Pick<FitState, "picks" | "certain" | "before" | "asked" | "isOpened">): FitState => ({
+const freshFit = (id: string, links: FitLinks, drawingName: string | null, given: Pick<FitState, "picks" | "certain" | "before" | "asked" | "cuts" | "isOpened">): FitState => ({
   id,
   links,
   state: "running",
@@ -170,13 +170,13 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
     const landmarks = { ...picks.present };
     const certain = certainNames(picks.present, kept);
     try {
-      const { id, links } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, refine, landmarks, certain });
+      const { id, links, cuts } = await client.startFit({ scan: scan.info.id, stance, preset, drawing: drawing || null, refine, landmarks, certain });
       if (mine !== run || store.get().scan?.info.id !== scan.info.id) {
         void client.cancel(links.cancel).catch(() => undefined); // nobody waits for it any more
         return;
       }
       const before = isUnseen ? (store.get().fit?.result ?? store.get().fit?.before ?? null) : null;
-      (isUnseen ? followUnseen : follow)(freshFit(id, links, drawing || null, { picks: picks.present, certain, before, asked: { stance, preset, refine } }));
+      (isUnseen ? followUnseen : follow)(freshFit(id, links, drawing || null, { picks: picks.present, certain, before, cuts, asked: { stance, preset, refine } }));
     } catch (error) {
       if (mine === run) store.set((state) => ({ ...standStill(state), ...withProblem(state, "fit", messageOf(error)) }));
     }
@@ -234,7 +234,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
         const { picks, certain } = store.get();
         // The settings come back with the fit, so that the next one is asked for as this one was; its drawing is the plan's.
         const asked = { stance: fit.asked_stance, preset: fit.preset, refine: fit.refine };
-        const given = { picks: pickCount(store.get()) > 0 ? picks.present : null, certain: certainNames(picks.present, certain), before: null, asked, isOpened: true };
+        const given = { picks: pickCount(store.get()) > 0 ? picks.present : null, certain: certainNames(picks.present, certain), before: null, asked, cuts: fit.cuts, isOpened: true };
         store.set(asked);
         follow(freshFit(fit.id, fit.links, fit.drawing, given));
         stepAfter = fit.state === "done" ? step : null;

@@ -1,13 +1,14 @@
-// Whether the fit on the screen is still the one that is asked for: other landmarks and other settings make it old.
+// Whether the fit on the screen is still the one that is asked for: other landmarks, cuts and settings make it old.
 import { certainNames } from "../landmarks/certain";
 import type { Picks } from "../landmarks/picks";
 import type { LandmarksSlice } from "../landmarks/state";
+import type { ScanSlice } from "../scan/state";
 import type { FitSlice } from "./state";
 
 /** gone: all of its landmarks were taken away; the first that holds. */
-export type Outdated = "gone" | "landmarks" | "settings" | null;
+export type Outdated = "gone" | "landmarks" | "cuts" | "settings" | null;
 
-type Shown = Pick<FitSlice, "fit" | "stance" | "preset" | "refine"> & Pick<LandmarksSlice, "picks" | "certain">;
+type Shown = Pick<FitSlice, "fit" | "stance" | "preset" | "refine"> & Pick<LandmarksSlice, "picks" | "certain"> & Pick<ScanSlice, "scan">;
 
 const SAME_MM = 0.01; // what writing a place to a file and reading it leaves; a nudge of one pixel is more
 
@@ -16,7 +17,7 @@ const isSame = (a: Picks, b: Picks): boolean => {
   return names.length === Object.keys(b).length && names.every((name) => name in b && Math.hypot(...a[name]!.map((value, axis) => value - b[name]![axis]!)) < SAME_MM);
 };
 
-export function outdated({ fit, picks, certain, ...now }: Shown): Outdated {
+export function outdated({ fit, picks, certain, scan, ...now }: Shown): Outdated {
   if (fit === null) return null;
   const given = fit.picks;
   if (given) {
@@ -24,6 +25,8 @@ export function outdated({ fit, picks, certain, ...now }: Shown): Outdated {
     if (!isSame(given, present)) return Object.keys(present).length === 0 ? "gone" : "landmarks";
     if (certainNames(present, certain).join() !== fit.certain.join()) return "landmarks";
   }
+  const cuts = scan?.cuts ?? null;
+  if (fit.cuts !== undefined && cuts !== null && fit.cuts !== cuts) return "cuts";
   const asked = fit.asked;
   if (!asked) return null;
   const isOtherStance = now.stance !== asked.stance && now.stance !== fit.result?.stance;

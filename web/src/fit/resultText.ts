@@ -46,6 +46,7 @@ export const numbers = {
   outdated: {
     gone: "This fit belongs to landmarks that are gone.",
     landmarks: "This fit belongs to other landmarks than those shown now.",
+    cuts: "Since this fit, parts of the scan were cut away or brought back.",
     settings: "This fit was made with other settings than those chosen now.",
   },
   again: "Fit again",

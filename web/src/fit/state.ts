@@ -33,6 +33,7 @@ export interface FitState {
   readonly picks: Picks | null; // that it was started with; null when it came from the address
   readonly certain: readonly string[]; // of those
   readonly asked?: AskedSettings; // of a fit whose settings the page knows
+  readonly cuts?: string; // what was cut out of the scan by hand, see ScanState
   readonly isOpened?: boolean; // it came from the address: what it was given is told by its result
   readonly before: Result | null; // of the fit whose place it takes, which is shown until this one has its own
 }

@@ -8,7 +8,7 @@ import type { Crosshair } from "../viewer/Crosshair";
 import { ARROWS, onCanvasKey } from "../viewer/keys";
 import type { Viewer } from "../viewer/Viewer";
 import type { ScanActions } from "./actions";
-import { type Crop, shareWithin } from "./crop";
+import { type Crop, MOST, shareWithin } from "./crop";
 import type { ScanMesh } from "./ScanMesh";
 import type { ScanSlice } from "./state";
 import * as text from "./text";
@@ -84,7 +84,8 @@ export function listenToLasso(canvas: HTMLElement, viewer: Viewer, scan: ScanMes
       const at = viewer.toCamera(x, y, "scan");
       return at ? [[at.x, at.y] as const] : [];
     });
-    return { toPicture, lasso };
+    const every = Math.ceil(lasso.length / MOST.corners); // of a very long line the service would not take all
+    return { toPicture, lasso: lasso.filter((_, i) => i % every === 0) };
   }
 
   canvas.addEventListener("pointerdown", (event) => {

@@ -8,8 +8,7 @@ import type { Store } from "../store/store";
 import { tidyFrame, type Turn, turned } from "../viewer/frame";
 import { fromFront, type ViewSlice } from "../viewer/state";
 import { containerKind } from "./containers/kind";
-import { type Crop, type Crops, cropsOf, NO_CROPS } from "./crop";
-import { keepCrops, keptCrops, type TabMemory } from "./keptCrops";
+import { type Crop, type Crops, cropsFrom, cropsOf, cutsOf, MOST, NO_CROPS } from "./crop";
 import type { ScanSlice, ScanState } from "./state";
 import * as text from "./text";
 
@@ -27,6 +26,8 @@ export interface ScanContents {
   interrupted(): object;
   /** Nothing goes on with the scan that was open. */
   stop(): void;
+  /** What was found on it does not hold any more, because something was cut away. */
+  cut(): object;
 }
 
 /** What is sent of a file: itself, or the plain triangles of one that is compressed or nested. */
@@ -37,13 +38,13 @@ async function plain(file: File, onUnpacking: () => void): Promise<File> {
   return (await import("./containers/unpack")).unpack(file, kind);
 }
 
-/** `memory`: what this tab remembers over a reload. */
-export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void, memory: TabMemory | null = null) {
+export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void) {
+  let saving = Promise.resolve(); // one after the other: the last one stays
   let generation = 0; // the scan asked for last wins over slower, earlier ones
 
   /** Shows `info` as the page's scan; everything that belonged to the one before is dropped. */
   async function adopt(info: ExampleScan, title: string, file: File | null, own: Frame | null, isNew: boolean, mine: number): Promise<void> {
-    const [mesh, kept] = await Promise.all([client.mesh(info), contents.read(info, isNew)]);
+    const [mesh, kept, { cuts, digest }] = await Promise.all([client.mesh(info), contents.read(info, isNew), client.cuts(info)]);
     if (mine !== generation) return;
     contents.stop();
     store.set((state) => ({
@@ -56,7 +57,8 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
         file,
         ...(own ? { frame: tidyFrame(own), frameFrom: "person" } : kept.stands),
         example: info.example_landmarks ?? null,
-        crops: startHistory(keptCrops(memory, info.id)),
+        crops: startHistory(cropsFrom(cuts)),
+        cuts: digest,
       },
       step: "scan",
       overlay: "both",
@@ -83,9 +85,26 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
   }
 
   function changeCrops(change: (crops: History<Crops>) => History<Crops>, announcement: string): void {
+    const before = cropsOf(store.get().scan);
     store.set((state) => (state.scan ? { scan: { ...state.scan, crops: change(state.scan.crops ?? startHistory(NO_CROPS)) }, showLoose: false, announcement, ...withProblem(state, "scan", null) } : {}));
     const { scan } = store.get();
-    if (scan) keepCrops(memory, scan.info.id, cropsOf(scan));
+    if (!scan || cropsOf(scan) === before) return;
+    store.set({ scan: { ...scan, cuts: null } });
+    saving = saving.then(() => saveCrops(scan));
+  }
+
+  /** Unless they have been changed again meanwhile: the next saving has them all. */
+  async function saveCrops(of: ScanState): Promise<void> {
+    const crops = cropsOf(of);
+    const { scan } = store.get();
+    const isNow = (): boolean => store.get().scan?.info.id === of.info.id && cropsOf(store.get().scan) === crops;
+    if (scan?.info.id === of.info.id && !isNow()) return;
+    try {
+      const { digest } = await client.saveCuts(of.info, cutsOf(crops));
+      if (isNow()) store.set((state) => ({ scan: { ...state.scan!, cuts: digest }, ...contents.cut() }));
+    } catch (error) {
+      if (isNow()) store.set((state) => withProblem(state, "scan", text.crop.unsaved(messageOf(error))));
+    }
   }
 
   return {
@@ -146,13 +165,16 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     /** While it is in the hand the scan is seen alone. */
     takeLasso: (isCropping: boolean): void => store.set((state) => ({ isCropping, ...(isCropping ? { step: "scan", overlay: "scan", showLoose: false } : {}), announcement: isCropping ? text.crop.how : "", ...withProblem(state, "scan", null) })),
 
-    /** Hides what the lasso went around, in this page's view alone. */
-    crop: (crop: Crop): void => changeCrops((crops) => record(crops, [...crops.present, crop]), text.crop.hidden),
+    /** Cuts away what the lasso went around. */
+    crop(crop: Crop): void {
+      if (cropsOf(store.get().scan).length < MOST.cuts) changeCrops((crops) => record(crops, [...crops.present, crop]), text.crop.hidden);
+      else store.set((state) => withProblem(state, "scan", text.crop.tooMany(MOST.cuts)));
+    },
+    /** Brings one part back, whichever of them. */
+    bringBack: (which: number): void => changeCrops((crops) => record(crops, crops.present.filter((_, i) => i !== which)), text.crop.shown),
     uncrop: (): void => changeCrops((crops) => record(crops, NO_CROPS), text.crop.shown),
     undoCrop: (): void => changeCrops(undo, text.crop.shown),
     redoCrop: (): void => changeCrops(redo, text.crop.hidden),
-    /** Of a scan that is deleted nothing is remembered. */
-    forget: (scan: string): void => keepCrops(memory, scan, NO_CROPS),
     cropRefused: (): void => store.set((state) => withProblem(state, "scan", text.crop.nothingLeft)),
 
     chooseUnits: (units: UnitChoice): void => store.set({ units }),

@@ -1,5 +1,7 @@
-// What a person has drawn around and hidden: the surroundings, an arm that is in the way, a bad part of the scan.  A lasso
-// cuts like scissors: everything within it as it was seen, however deep.  The stored scan stays whole.
+// What a person has drawn around and cut away: the surroundings, an arm that is in the way, a bad part of the scan.  A lasso
+// cuts like scissors: everything within it as it was seen, however deep.  The service keeps the cuts with the scan, which stays
+// whole, and finds the same triangles (scan/hand_cuts.py).
+import type { Cut } from "../api/types";
 import type { History } from "../store/history";
 
 export interface Crop {
@@ -12,6 +14,12 @@ export interface Crop {
 export type Crops = readonly Crop[];
 export const NO_CROPS: Crops = [];
 export const cropsOf = (scan: { readonly crops?: History<Crops> } | null): Crops => scan?.crops?.present ?? NO_CROPS;
+
+/** As many as the service keeps of one scan, and corners of one lasso. */
+export const MOST = { cuts: 32, corners: 300 };
+
+export const cropsFrom = (cuts: readonly Cut[]): Crops => cuts.map(({ to_picture, lasso }) => ({ toPicture: to_picture, lasso }));
+export const cutsOf = (crops: Crops): Cut[] => crops.map(({ toPicture, lasso }) => ({ to_picture: [...toPicture], lasso: lasso.map(([x, y]) => [x, y]) }));
 
 /** Says of a place, metres, whether it lies within the lasso. */
 function within({ toPicture: m, lasso }: Crop): (x: number, y: number, z: number) => boolean {

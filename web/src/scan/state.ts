@@ -11,7 +11,8 @@ export interface ScanState {
   readonly frameFrom: "service" | "landmarks" | "fit" | "person"; // who says so; the last of these wins
   readonly file: File | null; // kept, so that another unit needs no second choosing
   readonly example: LandmarkFile | null;
-  readonly crops?: History<Crops>; // what is hidden from the view, not from the service
+  readonly crops?: History<Crops>; // what is cut away by hand
+  readonly cuts?: string | null; // which cuts the service keeps, as fits say with which they were made; null: not told yet
   readonly hasLoose?: boolean; // a table or loose pieces are in it, which the view has found
 }
 

@@ -16,16 +16,19 @@ export const empty = {
 };
 
 export const crop = {
-  label: "Hide parts of the scan",
+  label: "Cut parts of the scan away",
   lasso: "Lasso",
-  undo: "Bring back what was hidden last (Z)",
-  redo: "Hide it again (Shift+Z)",
-  all: "Show all",
-  how: "Draw around what is to be hidden; everything behind it goes too. The second button or two fingers turn the body; Escape puts the lasso down. By keys: arrows on the body move a cross, Enter sets a corner, twice hides.",
-  corner: (count: number) => `Corner ${count} of the lasso. Enter again at the same place hides what lies within.`,
-  note: (count: number) => (count === 0 ? "For this view alone: fits, measures and files see the whole scan." : "Hidden here cannot be picked or drawn on. Fits, measures and files still see the whole scan."),
-  hidden: "Hidden.",
-  shown: "Shown again.",
+  undo: "Undo the last cut (Z)",
+  redo: "Cut it again (Shift+Z)",
+  all: "Bring all back",
+  part: (number: number) => `Bring cut ${number} back`,
+  how: "Draw around what is to go; everything behind it goes too. The second button or two fingers turn the body; Escape puts the lasso down. By keys: arrows on the body move a cross, Enter sets a corner, twice cuts.",
+  corner: (count: number) => `Corner ${count} of the lasso. Enter again at the same place cuts away what lies within.`,
+  note: (count: number) => (count === 0 ? "What you cut away is no part of fits and proposals; the scan itself stays whole." : "No part of fits and proposals, and kept with the scan until you bring it back. The button for table and loose pieces shows it."),
+  hidden: "Cut away.",
+  shown: "Brought back.",
+  tooMany: (most: number) => `More than ${most} cuts are not kept: bring some back and draw around larger parts.`,
+  unsaved: (why: string) => `What is cut away could not be kept, and fits do not know of it: ${why} Cut or undo once more to try again.`,
   nothingLeft: "The lasso goes around the whole scan, so nothing would be left: draw around the part that is in the way.",
 };
 

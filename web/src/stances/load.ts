@@ -7,6 +7,7 @@ import type { FitState } from "../fit/state";
 import { certainAt } from "../landmarks/certain";
 import type { PlanActions } from "../plan/actions";
 import { frameFromPicks, type Picks, picksOf } from "../landmarks/picks";
+import { cropsFrom } from "../scan/crop";
 import type { ScanState } from "../scan/state";
 import { uploaded } from "../scan/text";
 import { startHistory } from "../store/history";
@@ -45,6 +46,7 @@ export async function loadFit(client: Client, id: string, picks: Picks | null, c
     isConnected: true,
     picks,
     certain,
+    cuts: fit.cuts,
     before: null,
   };
 }
@@ -58,12 +60,12 @@ function frameOf(info: ExampleScan, picks: Picks, fit: FitState | null): Pick<Sc
 
 export async function loadWorkspace(client: Client, plan: Pick<PlanActions, "read">, scan: string, fit: string | null, own: Frame | null): Promise<Workspace> {
   const info: ExampleScan = await client.scan(scan);
-  const [mesh, saved, planned] = await Promise.all([client.mesh(info), client.landmarks(info), plan.read(info)]);
+  const [mesh, saved, planned, { cuts, digest }] = await Promise.all([client.mesh(info), client.landmarks(info), plan.read(info), client.cuts(info)]);
   const picks = picksOf(saved);
   const fitted = fit === null ? null : await loadFit(client, fit, picks, saved.certain ?? []);
   const stands = own ? ({ frame: tidyFrame(own), frameFrom: "person" } as const) : frameOf(info, picks, fitted);
   return {
-    scan: { info, title: uploaded, mesh, file: null, example: info.example_landmarks ?? null, ...stands },
+    scan: { info, title: uploaded, mesh, file: null, example: info.example_landmarks ?? null, crops: startHistory(cropsFrom(cuts)), cuts: digest, ...stands },
     picks: startHistory(picks),
     certain: certainAt(picks, saved.certain),
     drawn: startDrawn(planned.lines, planned),

@@ -1,14 +1,17 @@
-// Parts of a scan that are hidden by a lasso: which triangles, that they can be neither picked nor drawn on, undone and redone,
-// and that the scan itself stays whole.
+// Parts of a scan that are cut away by a lasso: which triangles, that they can be neither picked nor drawn on, undone, redone and
+// kept with the scan, which itself stays whole.
 import { type BufferGeometry, Matrix4, PerspectiveCamera, Ray, Vector3 } from "three";
 import type { MeshBVH } from "three-mesh-bvh";
 import { afterEach, expect, test, vi } from "vitest";
 import { skinFrom, skinOn } from "../../src/drawing/skin";
 import { viewBarShown } from "../../src/fit/state";
 import { bodyOf, type BodyQuestion, NOTHING_CUT, partOf } from "../../src/scan/body";
-import { type Crop, croppedFaces, cropsOf, NO_CROPS, shareWithin } from "../../src/scan/crop";
+import { type Crop, croppedFaces, cropsFrom, cropsOf, cutsOf, MOST, NO_CROPS, shareWithin } from "../../src/scan/crop";
+import type { Cut } from "../../src/api/types";
+import { ApiError } from "../../src/api/client";
+import { outdated } from "../../src/fit/outdated";
+import example from "../../../tests/scan/hand_cuts.json";
 import { cropKey } from "../../src/scan/cropKeys";
-import { keepCrops, keptCrops } from "../../src/scan/keptCrops";
 import { half, made } from "../shapes";
 import { withScan } from "../fakes";
 
@@ -83,46 +86,77 @@ test("the pen goes by what is hidden now, not by what was", () => {
   expect(skin()!.nearest([80, 0, 60]).point[0]).toBeLessThan(35);
 });
 
-test("hiding is undone and redone step by step, belongs to its scan, and never reaches the service", async () => {
-  const savePlan = vi.fn();
-  const { store, actions } = await withScan({ savePlan });
+test("cuts are undone and redone step by step, brought back one by one, and the service keeps what is seen", async () => {
+  const { store, actions, client } = await withScan();
+  const kept = (): Crop[] => cropsFrom(vi.mocked(client.saveCuts).mock.lastCall![1]) as Crop[];
+  const settled = () => vi.waitFor(() => expect(store.get().scan!.cuts).not.toBeNull());
   actions.scan.takeLasso(true);
   expect(store.get()).toMatchObject({ isCropping: true, overlay: "scan" });
   const press = (key: string, shiftKey = false) => cropKey(store.get(), { key, shiftKey } as KeyboardEvent, actions.scan);
-  const count = (): number => cropsOf(store.get().scan).length;
-  actions.scan.crop(rightOf(0.05));
-  actions.scan.crop(rightOf(0.03));
-  expect(count()).toBe(2);
+  const crops = () => cropsOf(store.get().scan);
+  const [one, two, three] = [rightOf(0.05), rightOf(0.03), rightOf(0.01)];
+  actions.scan.crop(one);
+  expect(store.get().scan!.cuts, "not told yet").toBeNull();
+  await settled();
+  expect(kept()).toEqual([one]);
+  actions.scan.crop(two);
   expect(viewBarShown(store.get()).hasLoose, "it can be looked at again").toBe(true);
   expect(press("z")).toBe(true);
-  expect(count()).toBe(1);
+  expect(crops()).toEqual([one]);
   press("Z", true);
-  expect(count()).toBe(2);
+  actions.scan.crop(three);
+  actions.scan.bringBack(1);
+  expect(crops()).toEqual([one, three]);
+  await settled();
+  expect(kept()).toEqual([one, three]);
   actions.scan.uncrop();
-  expect(count()).toBe(0);
+  await settled();
+  expect([crops(), store.get().scan!.cuts]).toEqual([[], ""]);
+  expect(vi.mocked(client.saveCuts).mock.lastCall![1]).toEqual([]);
   press("z");
-  expect(count()).toBe(2);
+  expect(crops()).toHaveLength(2);
   press("Escape");
   expect([store.get().isCropping, press("z")]).toEqual([false, false]);
-  expect(savePlan).not.toHaveBeenCalled();
   await actions.scan.open("s2", null);
-  expect(count()).toBe(0);
+  expect(crops()).toEqual([]);
 });
 
-test("what is hidden stays so when its scan comes back and over a reload, and is forgotten with the scan", () => {
-  const stored = new Map<string, string>();
-  const memory = { getItem: (key: string) => stored.get(key) ?? null, setItem: (key: string, value: string) => void stored.set(key, value), removeItem: (key: string) => void stored.delete(key) };
-  keepCrops(memory, "s1", [rightOf(0.05), rightOf(0.03)]);
-  expect(keptCrops(memory, "s1")).toEqual([rightOf(0.05), rightOf(0.03)]);
-  expect(keptCrops(memory, "s2")).toEqual([]);
-  keepCrops(memory, "s1", []);
-  expect(stored.size).toBe(0);
-  for (const wrong of ["{", "null", "[3]", '[{"toPicture":[1],"lasso":[[0,0],[1,0],[0,1]]}]', '[{"toPicture":[null],"lasso":"x"}]']) {
-    stored.set("breastrig.hidden.s1", wrong);
-    expect(keptCrops(memory, "s1")).toEqual([]);
-  }
-  const full = { ...memory, setItem: () => { throw new Error("full"); } };
-  expect(() => keepCrops(full, "s1", [rightOf(0.05)])).not.toThrow();
+test("a scan comes back as it was cut, and its proposals are looked for anew after a cut", async () => {
+  const cuts = async () => ({ cuts: cutsOf([rightOf(0.05)]), digest: "kept" });
+  const { store, actions } = await withScan({ cuts });
+  expect(cropsOf(store.get().scan)).toEqual([rightOf(0.05)]);
+  expect(store.get().scan!.cuts).toBe("kept");
+  store.set({ proposals: { state: "none", reason: "" } });
+  actions.scan.crop(rightOf(0.03));
+  await vi.waitFor(() => expect(store.get().proposals).toBeNull());
+});
+
+test("what the service could not keep is said, and stays in view; more than it takes are not cut", async () => {
+  const saveCuts = vi.fn(() => Promise.reject(new ApiError("No room.", 507)));
+  const { store, actions } = await withScan({ saveCuts });
+  actions.scan.crop(rightOf(0.05));
+  await vi.waitFor(() => expect(store.get().problems.scan).toContain("No room."));
+  expect(cropsOf(store.get().scan)).toHaveLength(1);
+  for (let i = 0; i < MOST.cuts; i += 1) actions.scan.crop(rightOf(0.05));
+  expect(cropsOf(store.get().scan)).toHaveLength(MOST.cuts);
+  expect(store.get().problems.scan).toContain(String(MOST.cuts));
+});
+
+test("a fit from before a cut says so, until what was cut is brought back", async () => {
+  const { store, actions } = await withScan();
+  await actions.fit.start();
+  expect([store.get().fit!.cuts, outdated(store.get())]).toEqual(["", null]);
+  actions.scan.crop(rightOf(0.05));
+  await vi.waitFor(() => expect(outdated(store.get())).toBe("cuts"));
+  actions.scan.undoCrop();
+  await vi.waitFor(() => expect(store.get().scan!.cuts).toBe(""));
+  expect(outdated(store.get())).toBeNull();
+});
+
+test("page and service find the same triangles", () => {
+  const { positions, index, cuts, cut } = example;
+  const found = croppedFaces(new Float32Array(positions), index, cropsFrom(cuts as Cut[]));
+  expect([...found.keys()].filter((face) => found[face])).toEqual(cut);
 });
 
 test("in another step there is no lasso; one that takes all is refused with a sentence", async () => {

@@ -76,10 +76,13 @@ def start_fit(
         _once(headers_data.idempotency_key, json_data),
         client=client_of(request.remote_addr),
     )
-    partner_id = get_fit(storage, fit_id).partner
-    partner = None if partner_id is None else wire.FitPartner(id=partner_id, links=fit_links(partner_id))
-    links = fit_links(fit_id)
-    return wire.FitAccepted(id=fit_id, links=links, partner=partner), 202, {"Location": links.self}
+    made = get_fit(storage, fit_id)
+    partner = None
+    if made.partner is not None:
+        second = get_fit(storage, made.partner)
+        partner = wire.FitPartner(id=second.id, links=fit_links(second.id), cuts=cuts_digest(second.cuts))
+    answer = wire.FitAccepted(id=fit_id, links=fit_links(fit_id), cuts=cuts_digest(made.cuts), partner=partner)
+    return answer, 202, {"Location": answer.links.self}
 
 
 def _check_start(asked: wire.FitRequest, start_from: str) -> None:

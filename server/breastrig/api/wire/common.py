@@ -264,11 +264,13 @@ class FitLinks(Wire):
 class FitPartner(Wire):
     id: str
     links: FitLinks
+    cuts: str = Field(description="the digest of what is cut out of its scan")
 
 
 class FitAccepted(Wire):
     id: str
     links: FitLinks
+    cuts: str = Field(description="the digest of what is cut out of the scan")
     partner: FitPartner | None = Field(None, description="the fit of the second scan, when there is one")
 
 

@@ -35,7 +35,8 @@ class LandmarkDistances(Document):
 
 class ResultScan(Document):
     vertices: int
-    triangles: int
+    triangles: int = Field(description="of the file, with what was cut away")
+    cut_by_hand_triangles: int | None = Field(None, description="of these, cut away by a person; absent without any")
     unit: str
     sha256: str
 
