@@ -1,5 +1,5 @@
 // The scan: matte grey or its own colours, the inside and the rims of holes darker, ready for picking by BVH.
-import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, type Texture, type Vector3 } from "three";
+import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, type Texture, type Vector3 } from "three";
 import { acceleratedRaycast, type MeshBVH } from "three-mesh-bvh";
 import { extent } from "../viewer/extent";
 import { firstMesh, readGltf } from "../viewer/gltf";
@@ -8,13 +8,14 @@ import { depthMaterial, ORDER, wipesDepth } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
 import { nearestNormal } from "../viewer/surfacePoints";
 import { type Viewer, viewFromScan } from "../viewer/Viewer";
-import { type Body, cutByService, NOTHING_CUT, type Outline, partOf, type ScanParts, setTree } from "./body";
+import { type Body, cutByService, cutIndex, NOTHING_CUT, type Outline, partOf, type ScanParts, setTree } from "./body";
 import { knownBody, knownOutline, searchScan } from "./bodySearch";
 import { type Crops, cropsOf, NO_CROPS } from "./crop";
 import { place } from "./place";
 import type { ScanSlice } from "./state";
 
 const BEHIND = 0.0025; // metres that the scan steps back for the model: as much as both are sure of
+const VEIL = 0.5; // of the grey over what was cut away, when it is shown
 const INSIDE = 0.5; // brightness of a triangle that is seen from behind
 const RELIEF = { fold: 0.42, ridge: 0.16 }; // of the brightness, where the surface bends most
 
@@ -28,11 +29,13 @@ export class ScanMesh implements Surface {
   private crops: Crops = NO_CROPS;
   private borders: LineSegments | null = null;
   private depth: Mesh | null = null; // again, after a model that lies over it
+  private cut: Mesh | null = null; // a veil over what was cut away
   private found: Body | null = null;
   private readonly relief = { value: 0 }; // how much of it is seen, for the shader
   // One of each for all scans: with each new material its program would be made again.
   private readonly skin = skinMaterial(this.relief);
   private readonly rim = new LineBasicMaterial();
+  private readonly veil = new MeshBasicMaterial({ transparent: true, opacity: VEIL, depthWrite: false, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 });
   private readonly lateDepth = depthMaterial(true, DoubleSide);
   private readonly rims: Record<"whole" | "body", BufferAttribute | null> = { whole: null, body: null };
   /** null while there is no scan */
@@ -96,6 +99,7 @@ export class ScanMesh implements Surface {
     this.texture = null;
     this.borders = null;
     this.depth = null;
+    this.dropVeil();
     this.stands = null;
     this.found = null;
     this.parts = null;
@@ -190,10 +194,30 @@ export class ScanMesh implements Surface {
   private take(body: Body): void {
     const { whole, body: before } = this.parts!;
     before?.dispose();
+    this.dropVeil();
     this.found = body;
     if (body.relief) whole.setAttribute("relief", new BufferAttribute(body.relief, 1, true)); // before her part, which shares it
     this.parts = { whole, drawable: body.drawable, body: body.part && partOf(whole, body.part) };
     this.rims.body = body.part && new BufferAttribute(body.part.rims, 3);
+  }
+
+  private dropVeil(): void {
+    this.cut?.removeFromParent();
+    this.cut?.geometry.dispose();
+    this.cut = null;
+  }
+
+  /** What was cut away is shown as such; made when it is first looked at. */
+  private showVeil(mesh: Mesh, isShown: boolean): void {
+    const { whole, drawable, body } = this.parts!;
+    if (isShown && !this.cut && drawable && body) {
+      const geometry = new BufferGeometry().setAttribute("position", whole.attributes.position!);
+      geometry.setIndex(new BufferAttribute(cutIndex(whole.index!.array, drawable), 1)).boundingSphere = whole.boundingSphere;
+      this.cut = new Mesh(geometry, this.veil);
+      this.cut.raycast = () => undefined;
+      mesh.add(this.cut);
+    }
+    if (this.cut) this.cut.visible = isShown;
   }
 
   /** Her alone, or all that was scanned. */
@@ -202,6 +226,7 @@ export class ScanMesh implements Surface {
     const isHer = body !== null && !showLoose;
     mesh.geometry = isHer ? body : whole;
     if (this.depth) this.depth.geometry = mesh.geometry;
+    this.showVeil(mesh, showLoose);
     this.showRims(isHer ? this.rims.body : this.rims.whole);
   }
 
@@ -228,6 +253,7 @@ export class ScanMesh implements Surface {
     else material.color.copy(palette.scan);
     this.relief.value = state.showRelief && this.found?.relief ? 1 : 0;
     this.rim.color.copy(palette["scan-edge"]);
+    this.veil.color.copy(palette["scan-edge"]);
     this.viewer.inHalf(mesh, hasModel && isBeside(state.overlay) ? "scan" : null);
     if (this.depth) this.depth.visible = hasModel && state.overlay === "both";
     mesh.visible = !(hasModel && state.overlay === "model");

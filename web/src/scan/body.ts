@@ -128,6 +128,9 @@ export function bodyOf({ positions, index, isSplit, cut, crops, wantsRelief }: B
   return { drawable, relief, part: { index: hers, faces, ...outlineOf({ positions, index: hers, isSplit }) } };
 }
 
+/** The corners of the triangles that are not hers: what was cut away. */
+export const cutIndex = (index: ArrayLike<number>, { isSkin }: Drawable): Uint32Array => Uint32Array.from(index).filter((_, i) => !isSkin[(i / 3) | 0]);
+
 /** The scan's surface with her triangles only; it shares the vertices of the whole. */
 export function partOf(whole: BufferGeometry, hers: BodyPart): BufferGeometry {
   const part = new BufferGeometry();
