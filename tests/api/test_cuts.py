@@ -8,11 +8,12 @@ from flask.testing import FlaskClient
 from helpers.waiting import until
 from sqlalchemy import func, select
 
+from breastrig.api.routes.scans import cut_facts
 from breastrig.service.fit_worker import fit_job
 from breastrig.service.service import Service
 from breastrig.storage import schema
 from breastrig.storage.rows.fits import get_fit
-from breastrig.storage.rows.scans import get_scan
+from breastrig.storage.rows.scans import ScanRow, get_scan
 
 PICTURE = [5.0, 0, 0, 0, 0, 5.0, 0, 0, 0, 0, -1.0, 0, 0, 0, 0, 1.0]
 CUT = {"to_picture": PICTURE, "lasso": [[0.1, -0.2], [0.4, -0.2], [0.25, 0.123456789012]]}
@@ -90,3 +91,18 @@ def test_proposals_are_made_anew_when_something_is_cut(client: FlaskClient, serv
     client.put(f"/api/scans/{scan_id}/cuts", json={"cuts": []})
     assert times() == 3
     assert math.isfinite(client.get(proposed).json["landmarks"]["nipple_L"]["confidence"])
+
+
+def test_a_scan_of_an_earlier_version_names_its_table_as_it_was_seen() -> None:
+    seen = {"normal": [0.0, 0.0, 1.0], "height_m": -0.1}
+    wall = {"normal": [0.0, 1.0, 0.0], "height_m": 0.2}
+
+    def shown(**facts: object) -> dict[str, object]:
+        return cut_facts(ScanRow("a", "2026-01-01", "stored", "0" * 64, facts))
+
+    assert shown() == {"background": [], "table": None, "other_pieces": []}
+    old = shown(background=[wall], orientation={"seen": {"table": seen}})
+    assert old == {"background": [wall], "table": seen, "other_pieces": []}
+    laid = shown(table=wall, orientation={"seen": {"table": seen}})
+    assert laid["table"] == wall
+    assert shown(table=None, orientation={"seen": {"table": seen}})["table"] is None

@@ -83,6 +83,7 @@ def test_a_link_shows_the_result_and_by_default_not_the_scan(
             "mesh": None,
             "close": f"{place}/close",
         },
+        "cut": None,
     }
     assert visitor.get(place).json == answer.json
     for name in FILES:
@@ -100,8 +101,12 @@ def test_a_link_shows_the_result_and_by_default_not_the_scan(
 def test_the_scan_is_shown_when_the_owner_says_so(
     client: FlaskClient, visitor: FlaskClient, service: Service, scan_id: str, fit_id: str, share, scan: str
 ) -> None:
+    lasso = {"to_picture": [1.0] * 16, "lasso": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]}
+    assert client.put(f"/api/scans/{scan_id}/cuts", json={"cuts": [lasso]}).status_code == 200
     made = share(scan=scan)
-    links = opened(visitor, made).json["links"]
+    shown = opened(visitor, made).json
+    assert shown["cut"] == {"background": [], "table": None, "other_pieces": [], "cuts": [lasso]}
+    links = shown["links"]
     assert (links["mesh"], links["report"]) == tuple(
         f"/api/shared/{made['id']}/{name}" for name in ("mesh.glb", "report.pdf")
     )

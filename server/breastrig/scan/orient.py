@@ -141,7 +141,8 @@ def propose_frame(vertices: Array, faces: Integers) -> Frame:
     seen_around = False
     if table is not None:
         front, stance = table[0], "supine"
-        stance_reason = f"{100 * table[2]:.0f} % of the scan lies in one plane behind the body: a table."
+        share = f"{100 * table[2]:.0f} % of the scan"
+        stance_reason = f"{share} lies in one plane behind the body: a table. If it is a wall, say that she stands."
         reason = "The front is where the table faces"
         confidence = 0.7
     else:

@@ -1100,6 +1100,15 @@ export type ShareWithOpenings = {
   opened_at: string[];
 };
 
+/** What of the mesh is not looked at, as the owner sees it; the mesh's file holds it still. */
+export type SharedCut = {
+  background: CutPlane[];
+  table: CutPlane | null;
+  other_pieces: [number, number, number][];
+  /** by hand */
+  cuts: Cut[];
+};
+
 export type SharedLinks = {
   self: string;
   result: string;
@@ -1120,6 +1129,8 @@ export type SharedResult = {
   id: string;
   expires_at: string;
   links: SharedLinks;
+  /** null when the link does not show the scan */
+  cut: SharedCut | null;
 };
 
 export type Stance = {

@@ -1,6 +1,7 @@
 """Scans: upload, look at, delete; and the landmarks picked on them."""
 
 from pathlib import PurePosixPath
+from typing import Any
 
 from apiflask import APIBlueprint
 from flask import Response
@@ -232,5 +233,11 @@ def scan_answer(row: ScanRow) -> wire.Scan:
         plan=f"/api/patients/{patient}/plan",
     )
     shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
-    shown.setdefault("table", row.facts.get("orientation", {}).get("seen", {}).get("table"))  # of earlier versions
-    return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **shown)
+    return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **shown | cut_facts(row))
+
+
+def cut_facts(row: ScanRow) -> dict[str, Any]:
+    """What the service has found in the scan that is no patient: background, table, other_pieces."""
+    seen = (row.facts.get("orientation") or {}).get("seen", {})  # all that earlier versions have kept of the table
+    known = {"background": [], "table": seen.get("table"), "other_pieces": []}
+    return known | {name: row.facts[name] for name in known if name in row.facts}

@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from breastrig.api.share_limits import PASSCODE_LENGTH
-from breastrig.api.wire.common import Name, Wire
+from breastrig.api.wire.common import Cut, CutPlane, Name, Three, Wire
 
 ShareScan = Literal["none", "plain", "full"]
 
@@ -72,7 +72,17 @@ class SharedLinks(Wire):
     close: str
 
 
+class SharedCut(Wire):
+    """What of the mesh is not looked at, as the owner sees it; the mesh's file holds it still."""
+
+    background: list[CutPlane]
+    table: CutPlane | None
+    other_pieces: list[Three]
+    cuts: list[Cut] = Field(description="by hand")
+
+
 class SharedResult(Wire):
     id: str = Field(description="of the share; it opens nothing")
     expires_at: str
     links: SharedLinks
+    cut: SharedCut | None = Field(description="null when the link does not show the scan")

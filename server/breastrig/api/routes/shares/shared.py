@@ -14,7 +14,7 @@ from breastrig.api.access.security import refuse
 from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.big_answers import big_answer
-from breastrig.api.routes.scans import mesh_file
+from breastrig.api.routes.scans import cut_facts, mesh_file
 from breastrig.api.routes.shares.passcode import check_passcode
 from breastrig.api.routes.shares.share_credential import (
     begin_visit,
@@ -31,7 +31,9 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.errors import NotFound
 from breastrig.drawings.drawing_schema import DrawingFile
 from breastrig.storage.files import OpenedFile, fit_place
+from breastrig.storage.rows.cuts import get_cuts
 from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.rows.shares import ShareRow
 
 shared = APIBlueprint("shared", __name__, url_prefix="/api/shared", tag=SHARES_TAG)
@@ -260,4 +262,12 @@ def _result(share: ShareRow) -> wire_shares.SharedResult:
             mesh=None if share.scan == "none" else f"{place}/mesh.glb",
             close=f"{place}/close",
         ),
+        cut=None if share.scan == "none" else _cut(share),
     )
+
+
+def _cut(share: ShareRow) -> wire_shares.SharedCut:
+    storage = app_context().service.storage
+    scan = get_scan(storage, get_fit(storage, share.fit).scan)
+    facts = cut_facts(scan) | {"cuts": get_cuts(storage, scan.id)}
+    return wire_shares.SharedCut.model_validate(facts)
