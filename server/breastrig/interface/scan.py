@@ -12,8 +12,8 @@ import breastrig.scan.read as scan_files
 from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.private_files import is_ordinary, shown
+from breastrig.scan.coloured_scan import coloured_scan
 from breastrig.scan.scan import Scan as ScanInMetres
-from breastrig.workflow.coloured_scan import coloured_scan
 
 if TYPE_CHECKING:
     import trimesh
