@@ -121,7 +121,13 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
     await expect(old).toBeVisible();
     await page.keyboard.press("1");
     await expect(page.getByText("kept with the scan until you bring it back", { exact: false })).toBeVisible();
-    await page.getByRole("button", { name: "Bring all back" }).click();
+    const back = page.getByRole("button", { name: "Bring cut 1 back" });
+    await untilStill(page);
+    const without = (await hook.picture(page)).checksum;
+    await back.focus(); // it is seen where it was
+    await expect.poll(async () => (await hook.picture(page)).checksum).not.toBe(without);
+    await back.press("Enter");
+    await expect(page.getByRole("button", { name: "Lasso" })).toBeFocused();
     await page.keyboard.press("5");
     await expect(old).toBeHidden();
     await page.keyboard.press("1");

@@ -8,9 +8,9 @@ import { depthMaterial, ORDER, wipesDepth } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
 import { nearestNormal } from "../viewer/surfacePoints";
 import { type Viewer, viewFromScan } from "../viewer/Viewer";
-import { type Body, cutByService, cutIndex, NOTHING_CUT, type Outline, partOf, type ScanParts, setTree } from "./body";
+import { type Body, cutByService, indexOf, NOTHING_CUT, type Outline, partOf, type ScanParts, setTree } from "./body";
 import { knownBody, knownOutline, searchScan } from "./bodySearch";
-import { type Crops, cropsOf, NO_CROPS } from "./crop";
+import { type Crop, croppedFaces, type Crops, cropsOf, NO_CROPS } from "./crop";
 import { place } from "./place";
 import type { ScanSlice } from "./state";
 
@@ -19,7 +19,7 @@ const VEIL = 0.5; // of the grey over what was cut away, when it is shown
 const INSIDE = 0.5; // brightness of a triangle that is seen from behind
 const RELIEF = { fold: 0.42, ridge: 0.16 }; // of the brightness, where the surface bends most
 
-type Shown = Pick<ScanSlice & ViewSlice, "scan" | "showColours" | "showLoose" | "showRelief" | "overlay">;
+type Shown = Pick<ScanSlice & ViewSlice, "scan" | "showColours" | "showLoose" | "showRelief" | "overlay"> & Partial<Pick<ScanSlice, "pointedCut">>;
 
 export class ScanMesh implements Surface {
   mesh: Mesh<BufferGeometry, MeshLambertMaterial> | null = null;
@@ -29,7 +29,7 @@ export class ScanMesh implements Surface {
   private crops: Crops = NO_CROPS;
   private borders: LineSegments | null = null;
   private depth: Mesh | null = null; // again, after a model that lies over it
-  private cut: Mesh | null = null; // a veil over what was cut away
+  private cut: { readonly of: "all" | Crop; readonly mesh: Mesh } | null = null; // a veil over what was cut away
   private found: Body | null = null;
   private readonly relief = { value: 0 }; // how much of it is seen, for the shader
   // One of each for all scans: with each new material its program would be made again.
@@ -202,37 +202,40 @@ export class ScanMesh implements Surface {
   }
 
   private dropVeil(): void {
-    this.cut?.removeFromParent();
-    this.cut?.geometry.dispose();
+    this.cut?.mesh.removeFromParent();
+    this.cut?.mesh.geometry.dispose();
     this.cut = null;
   }
 
-  /** What was cut away is shown as such; made when it is first looked at. */
-  private showVeil(mesh: Mesh, isShown: boolean): void {
+  /** All of what was cut away, or the cut that is pointed at, is seen as such. */
+  private showVeil(mesh: Mesh, of: "all" | Crop | null): void {
     const { whole, drawable, body } = this.parts!;
-    if (isShown && !this.cut && drawable && body) {
-      const geometry = new BufferGeometry().setAttribute("position", whole.attributes.position!);
-      geometry.setIndex(new BufferAttribute(cutIndex(whole.index!.array, drawable), 1)).boundingSphere = whole.boundingSphere;
-      this.cut = new Mesh(geometry, this.veil);
-      this.cut.raycast = () => undefined;
-      mesh.add(this.cut);
-    }
-    if (this.cut) this.cut.visible = isShown;
+    if (this.cut?.of === of || (!this.cut && of === null)) return;
+    this.dropVeil();
+    if (of === null || !drawable || !body) return;
+    const index = whole.index!.array;
+    const faces = of === "all" ? drawable.isSkin.map((is) => 1 - is) : croppedFaces(whole.attributes.position!.array, index, [of]);
+    const geometry = new BufferGeometry().setAttribute("position", whole.attributes.position!);
+    geometry.setIndex(new BufferAttribute(indexOf(index, faces), 1)).boundingSphere = whole.boundingSphere;
+    const veil = new Mesh(geometry, this.veil);
+    veil.raycast = () => undefined;
+    mesh.add(veil);
+    this.cut = { of, mesh: veil };
   }
 
   /** Her alone, or all that was scanned. */
-  private showPart(mesh: Mesh<BufferGeometry, MeshLambertMaterial>, showLoose: boolean): void {
+  private showPart(mesh: Mesh<BufferGeometry, MeshLambertMaterial>, { showLoose, pointedCut = null }: Shown): void {
     const { whole, body } = this.parts!;
     const isHer = body !== null && !showLoose;
     mesh.geometry = isHer ? body : whole;
     if (this.depth) this.depth.geometry = mesh.geometry;
-    this.showVeil(mesh, showLoose);
+    this.showVeil(mesh, showLoose ? "all" : pointedCut === null ? null : (this.crops[pointedCut] ?? null));
     this.showRims(isHer ? this.rims.body : this.rims.whole);
   }
 
   private paint(mesh: Mesh<BufferGeometry, MeshLambertMaterial>, state: Shown, hasModel: boolean): void {
     const { palette } = this.viewer;
-    this.showPart(mesh, state.showLoose);
+    this.showPart(mesh, state);
     const frame = state.scan?.frame;
     if (frame && frame !== this.stands) {
       this.stands = frame;

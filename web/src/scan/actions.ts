@@ -86,7 +86,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
 
   function changeCrops(change: (crops: History<Crops>) => History<Crops>, announcement: string): void {
     const before = cropsOf(store.get().scan);
-    store.set((state) => (state.scan ? { scan: { ...state.scan, crops: change(state.scan.crops ?? startHistory(NO_CROPS)) }, showLoose: false, announcement, ...withProblem(state, "scan", null) } : {}));
+    store.set((state) => (state.scan ? { scan: { ...state.scan, crops: change(state.scan.crops ?? startHistory(NO_CROPS)) }, showLoose: false, pointedCut: null, announcement, ...withProblem(state, "scan", null) } : {}));
     const { scan } = store.get();
     if (!scan || cropsOf(scan) === before) return;
     store.set({ scan: { ...scan, cuts: null } });
@@ -172,6 +172,8 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     },
     /** Brings one part back, whichever of them. */
     bringBack: (which: number): void => changeCrops((crops) => record(crops, crops.present.filter((_, i) => i !== which)), text.crop.shown),
+    /** It is seen where it was while its button is pointed at. */
+    pointAtCut: (pointedCut: number | null): void => store.set({ pointedCut }),
     uncrop: (): void => changeCrops((crops) => record(crops, NO_CROPS), text.crop.shown),
     undoCrop: (): void => changeCrops(undo, text.crop.shown),
     redoCrop: (): void => changeCrops(redo, text.crop.hidden),

@@ -128,8 +128,8 @@ export function bodyOf({ positions, index, isSplit, cut, crops, wantsRelief }: B
   return { drawable, relief, part: { index: hers, faces, ...outlineOf({ positions, index: hers, isSplit }) } };
 }
 
-/** The corners of the triangles that are not hers: what was cut away. */
-export const cutIndex = (index: ArrayLike<number>, { isSkin }: Drawable): Uint32Array => Uint32Array.from(index).filter((_, i) => !isSkin[(i / 3) | 0]);
+/** The corners of those triangles that are 1. */
+export const indexOf = (index: ArrayLike<number>, faces: Uint8Array): Uint32Array => Uint32Array.from(index).filter((_, i) => faces[(i / 3) | 0]);
 
 /** The scan's surface with her triangles only; it shares the vertices of the whole. */
 export function partOf(whole: BufferGeometry, hers: BodyPart): BufferGeometry {

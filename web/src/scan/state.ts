@@ -24,10 +24,11 @@ export interface ScanSlice {
   readonly showLoose: boolean; // the table and loose pieces as well
   readonly showRelief: boolean; // folds darker where a scan has no colours
   readonly isCropping: boolean; // the lasso is in the hand
+  readonly pointedCut: number | null; // which of the cuts its button is pointed at
   readonly units: UnitChoice;
 }
 
-export const initialScan: ScanSlice = { loading: null, scan: null, confirmed: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, units: "auto" };
+export const initialScan: ScanSlice = { loading: null, scan: null, confirmed: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, pointedCut: null, units: "auto" };
 
 /** The view has found a table or loose pieces in this file's scan. */
 export const withLoose = ({ scan }: Pick<ScanSlice, "scan">, file: ArrayBuffer): Pick<ScanSlice, "scan"> => ({ scan: scan?.mesh === file ? { ...scan, hasLoose: true } : scan });

@@ -3,7 +3,7 @@ import { type BufferGeometry, Matrix4, Mesh, MeshBasicMaterial, PlaneGeometry, R
 import { acceleratedRaycast } from "three-mesh-bvh";
 import { expect, test } from "vitest";
 import type { Scan, Vector } from "../../src/api/types";
-import { type Body, type BodyQuestion, bodyOf, type CutByService, cutByService, cutIndex, NOTHING_CUT, partOf } from "../../src/scan/body";
+import { type Body, type BodyQuestion, bodyOf, type CutByService, cutByService, indexOf, NOTHING_CUT, partOf } from "../../src/scan/body";
 import { borderEdges } from "../../src/scan/borders";
 import { NO_CROPS } from "../../src/scan/crop";
 import { withLoose } from "../../src/scan/state";
@@ -114,13 +114,8 @@ test("a table is hidden by the service's plane where the body's front is off", (
   expect(left({ ...NOTHING_CUT, table: { normal: [0, 0, 1], height: 0 } })).toBe(0);
 });
 
-test("what was cut away is all that is not hers", () => {
-  const whole = onTable();
-  const { drawable, part } = found(whole, [0, 0, 1]);
-  const index = whole.index!.array;
-  const cut = cutIndex(index, drawable);
-  expect(cut).toHaveLength(index.length - part!.index.length);
-  expect([...cut]).toEqual([...index.slice(part!.index.length)]); // the ball comes first in this scan
+test("the corners of chosen triangles", () => {
+  expect([...indexOf([0, 1, 2, 2, 1, 3, 3, 1, 4], Uint8Array.from([1, 0, 1]))]).toEqual([0, 1, 2, 3, 1, 4]);
 });
 
 test("a piece that the service has cut away is hidden, however large; her own never is", () => {

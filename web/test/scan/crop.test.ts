@@ -105,7 +105,10 @@ test("cuts are undone and redone step by step, brought back one by one, and the 
   expect(crops()).toEqual([one]);
   press("Z", true);
   actions.scan.crop(three);
+  actions.scan.pointAtCut(1);
+  expect(store.get().pointedCut).toBe(1);
   actions.scan.bringBack(1);
+  expect(store.get().pointedCut).toBeNull();
   expect(crops()).toEqual([one, three]);
   await settled();
   expect(kept()).toEqual([one, three]);
