@@ -92,6 +92,23 @@ def test_an_island_of_an_island_stays_and_a_hand_beside_them_goes() -> None:
     assert len(ready.target.faces) == np.count_nonzero(~rings)
 
 
+def test_a_hand_with_its_arm_goes_beside_a_part_of_a_body_and_another_side_of_her_stays() -> None:
+    """Skin all around an arm is as much as a side of a trunk, but not as seen from one place."""
+    vertices, faces = front()
+    x = vertices[faces].mean(axis=1)[:, 0]
+    side, other = faces[x > 0.0], faces[x < -0.07]
+    arm = hand([0.0, 0.0, 0.0])
+    arm = arm[0] * [1.5, 2.5, 1.5] + [0.4, 0.0, 0.1], arm[1]
+    areas = [face_areas(vertices, each).sum() for each in (side, other)]
+    assert 0.5 < face_areas(*arm).sum() / areas[0] < 1.0
+    ready = prepared(beside(vertices, side, arm), "auto")
+    assert len(ready.beside) == 1
+    assert len(ready.target.faces) == len(side)
+    assert 0.5 < areas[1] / areas[0] < 1.0
+    both = prepared(clean_of(vertices, np.concatenate([side, other])), "auto")
+    assert both.beside == ()
+
+
 def test_a_hand_over_a_lying_patient_goes_and_her_table_is_still_one() -> None:
     scan = clean(read_scan(asset_folder("example") / "supine" / "scan.ply", None, "auto", texture=False))
     alone = prepared(scan, "auto")

@@ -17,11 +17,11 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.scipy_parts import cKDTree
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.components import triangle_components
-from breastrig.geometry.normals import face_areas, vertex_normals
+from breastrig.geometry.normals import face_areas, face_crosses, vertex_normals
 from breastrig.scan.background import only_body
 
-LARGE = 0.5  # of the body's area; a larger piece is a side of her, and another person's arm up to its shoulder is less
-REACH = 0.06  # m from border to border; tears and the shadows of noses of scanners are narrower
+LARGE = 0.3  # of the body's area, as seen from one side; a side of her shows it, an arm with skin all around does not
+REACH = 0.06  # m from border to border; tears are narrower
 RISE = 0.5  # sine: how far each may lie above or below the other's tangent plane; 6 cm on a breast bend by 0.45
 ALIKE = 0.3  # cosine between the normals on both sides of a tear
 SHARE = 0.15  # of a piece's border that has to continue the body
@@ -59,9 +59,12 @@ def _piece(vertices: Array, faces: Integers, own: Integers, areas: Array) -> Pie
 
 
 def _body_pieces(vertices: Array, faces: Integers, labels: Integers, count: int) -> Booleans:
-    """(P,) which of the pieces are the body: the largest, and what continues it."""
-    areas = np.bincount(labels[faces[:, 0]], face_areas(vertices, faces), count)
-    is_body = areas >= LARGE * areas.max()
+    """(P,) which of the pieces are the body: the largest, other sides of it, and what continues them."""
+    piece, crosses = labels[faces[:, 0]], 0.5 * face_crosses(vertices, faces)
+    areas = np.bincount(piece, np.linalg.norm(crosses, axis=1), count)
+    facing = np.linalg.norm([np.bincount(piece, along, count) for along in crosses.T], axis=0)
+    is_body = facing >= LARGE * areas.max()
+    is_body[np.argmax(areas)] = True
     on_border = np.flatnonzero(boundary_vertices(faces, len(vertices)))
     border = _Border(vertices[on_border], vertex_normals(vertices, faces)[on_border], labels[on_border])
     for _ in range(ROUNDS):
