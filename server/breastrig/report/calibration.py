@@ -32,12 +32,23 @@ class Outline(Spread):
     outwards: float  # m, by which it lies too far in
 
 
+class Heights(_Part):
+    """Of nipple, fold and lowest skin, along a standing body's axis."""
+
+    picked: NotNegative  # m, 90 %, of a place that was picked
+    lowest: NotNegative  # m, 90 %, of the lowest skin
+    covered_below: float  # m of the nipple over the xiphoid, under which its breast covers the fold
+    fold_over_xiphoid: float  # m, of a fold that nobody sees
+    hidden_fold: NotNegative  # m, 90 %, of that
+
+
 class MeasureCalibration(_Part):
     """Of the torso's measures."""
 
     standing: Outline
     supine: Outline
     base_width: Spread
+    heights: Heights
 
     def outline(self, stance: str) -> Outline:
         """Of a stance; every one but lying counts as standing."""
