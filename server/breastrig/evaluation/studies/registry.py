@@ -15,6 +15,7 @@ from breastrig.evaluation.studies.measures import measures_study
 from breastrig.evaluation.studies.other_patient import other_patient
 from breastrig.evaluation.studies.transfer import transfer_study
 from breastrig.evaluation.studies.two_stances import gain
+from breastrig.evaluation.studies.verdicts import verdicts
 from breastrig.fitting.recipe import Recipe
 from breastrig.rig.model import Rig
 
@@ -48,6 +49,7 @@ ANSWERS: dict[str, Answer] = {
     "unseen": _of_one_case(unseen.unseen),
     "certainty": _of_one_case(certainty.certainty),
     "measures": _of_one_case(measures_study),
+    "verdicts": _of_one_case(verdicts),
     "peer": _of_one_case(peers.peer),
     "two_stances": two_stances,
     "transfer": transfer_study,
