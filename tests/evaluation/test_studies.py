@@ -13,15 +13,15 @@ from breastrig.evaluation.page.charts import has_numbers
 from breastrig.evaluation.page.figures import reliability_figure
 from breastrig.evaluation.page.verdicts_section import verdicts_section
 from breastrig.evaluation.studies.case import read_scene
-from breastrig.evaluation.studies.certainty import GIVEN, NOT_GIVEN, certainty
 from breastrig.evaluation.studies.measures import measures_study
 from breastrig.evaluation.studies.orientation import turned, without_table, wrong_way
 from breastrig.evaluation.studies.reference_fit import reference_fit
-from breastrig.evaluation.studies.reliability import LEVELS, held_at_levels
 from breastrig.evaluation.studies.sensitivity import TERMS, scaled_compliance, with_shapes
 from breastrig.evaluation.studies.transfer import ALL
+from breastrig.evaluation.studies.trust.certainty import GIVEN, NOT_GIVEN, certainty
+from breastrig.evaluation.studies.trust.reliability import LEVELS, held_at_levels
+from breastrig.evaluation.studies.trust.verdicts import verdicts
 from breastrig.evaluation.studies.unseen import CUTS, cut_fit, unseen, whole_fit
-from breastrig.evaluation.studies.verdicts import verdicts
 from breastrig.evaluation.tables.certainty import CARRIED, held, levels_held, reliability_table
 from breastrig.evaluation.tables.measures import measures_table, ptosis_table
 from breastrig.evaluation.tables.verdicts import verdicts_table
