@@ -11,17 +11,20 @@ import trimesh
 from breastrig.evaluation.cohort import read_cohort
 from breastrig.evaluation.page.charts import has_numbers
 from breastrig.evaluation.page.figures import reliability_figure
+from breastrig.evaluation.page.verdicts_section import verdicts_section
 from breastrig.evaluation.studies.case import read_scene
-from breastrig.evaluation.studies.certainty import GIVEN, NOT_GIVEN, certainty
 from breastrig.evaluation.studies.measures import measures_study
 from breastrig.evaluation.studies.orientation import turned, without_table, wrong_way
 from breastrig.evaluation.studies.reference_fit import reference_fit
-from breastrig.evaluation.studies.reliability import LEVELS, held_at_levels
 from breastrig.evaluation.studies.sensitivity import TERMS, scaled_compliance, with_shapes
 from breastrig.evaluation.studies.transfer import ALL
+from breastrig.evaluation.studies.trust.certainty import GIVEN, NOT_GIVEN, certainty
+from breastrig.evaluation.studies.trust.reliability import LEVELS, held_at_levels
+from breastrig.evaluation.studies.trust.verdicts import verdicts
 from breastrig.evaluation.studies.unseen import CUTS, cut_fit, unseen, whole_fit
 from breastrig.evaluation.tables.certainty import CARRIED, held, levels_held, reliability_table
-from breastrig.evaluation.tables.measures import measures_table
+from breastrig.evaluation.tables.measures import measures_table, ptosis_table
+from breastrig.evaluation.tables.verdicts import verdicts_table
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
@@ -208,10 +211,44 @@ def test_measures_are_compared_with_those_of_the_true_surface(cohort: Path, rig:
     assert unit == "mm"
     assert found == pytest.approx(true, abs=1e-6)  # between true picks
     assert low < true < high
-    assert len(answer["none"]) == len(answer["exact"])
+    grades = {row[0] for row in answer["exact"]} - {row[0] for row in answer["none"]}
+    assert grades == {"nipple_above_fold", "lowest_point_above_fold", "ptosis"}  # of a nipple that somebody knows
     table = measures_table([record("measures", answer)])
     names = [column.name for column in table.columns]
+    assert "ptosis" not in {row.cells[0] for row in table.rows}
     for row in table.rows:
         cells = dict(zip(names, row.cells, strict=True))
-        assert cells["none_error"] is not None
+        assert (cells["none_error"] is None) == (cells["measure"] in grades)
         assert cells["exact_held"] in (0.0, 50.0, 100.0)
+    (row,) = (row for row in ptosis_table([record("measures", answer)]).rows if row.cells[0] == "exact picks")
+    assert row.cells[1:4] == ("none", 2, 100.0)
+
+
+def test_grades_are_counted_by_the_true_one_and_by_what_is_left_open() -> None:
+    def graded(true: float, found: float, low: float | None, high: float | None) -> list[object]:
+        return ["ptosis", "grade", "grade", true, found, low, high]
+
+    rows = [graded(2, 2, 1, 3), graded(2, 3, 2, 3), graded(2, 1, 1, 1), graded(2, 4, None, None), graded(0, 0, 0, 1)]
+    table = ptosis_table([record("measures", {"exact": rows, "clicked": [], "none": []})])
+    none, second = (row.cells for row in table.rows)
+    assert none == ("exact picks", "none", 1, 100.0, 0.0, 0.0, 0.0, 0.0, 100.0)
+    assert second == ("exact picks", "II", 4, 0.0, 25.0, 25.0, 25.0, 25.0, 50.0)
+    assert measures_table([record("measures", {"exact": rows, "clicked": [], "none": []})]).rows == []
+
+
+def test_a_right_fit_is_told_from_one_that_is_head_down(cohort: Path, rig: Rig) -> None:
+    answer = verdicts(read_scene(read_cohort(cohort)[0]), rig, load_recipe("default"))
+    assert answer["whole"]
+    fits = answer["fits"]
+    assert fits["landmarks"]["error_mm"] < 5.0
+    assert fits["head_down"]["error_mm"] > 150.0
+    assert fits["head_down"]["level"] != "good"
+    assert fits["head_down"]["reasons"]
+    table = verdicts_table([record("verdicts", answer)])
+    rows = {row.cells[0]: row.cells[1:] for row in table.rows}
+    assert rows["head down"][:3] == ("whole", "wrong", 1)
+    assert rows["landmarks given"][:3] == ("whole", "right", 1)
+    for row in rows.values():
+        assert sum(share for share in row[3:] if isinstance(share, float)) == pytest.approx(100.0)
+    (said,) = (each for each in verdicts_section(table).answers if "wrong" in each)
+    assert "are to be checked or unusable" in said

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from breastrig.report.calibration import measure_calibration
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
-from breastrig.report.table import Row, csv_bytes, flat_rows
+from breastrig.report.table import Row, Value, csv_bytes, flat_rows
 from breastrig.rig.model import Rig
 
 LENGTHS = ("notch_nipple", "midclavicle_nipple", "nipple_fold", "nipple_midline", "nipple_nipple", "base_width")
-HANGING = ("nipple_above_fold", "lowest_point_above_fold", "ptosis")
+NONE = Value(np.nan)
 TOLERANCE = {
     "mm": 0.1,
     "ml": 0.5,
@@ -46,7 +47,7 @@ def test_every_length_is_given_straight_and_along_the_skin_and_says_how(
 
 def test_a_symmetric_model_has_ratios_of_1_and_differences_of_0(at_rest: Stance) -> None:
     rows = measures(at_rest)
-    assert {row.measure for row in rows} == {*LENGTHS, *HANGING, "volume", "M1", "M2", "M3", "M4", "M5", "M6"}
+    assert {row.measure for row in rows} == {*LENGTHS, "volume", "M1", "M2", "M3", "M4", "M5", "M6"}
     for row in rows:
         if row.kind == "ratio":
             assert row.value is not None
@@ -123,14 +124,39 @@ def test_a_rig_without_outlines_has_the_lengths_that_its_landmarks_allow(toy_rig
     }
 
 
-def test_the_base_is_as_wide_as_its_outline_and_measured_straight_across(at_rest: Stance) -> None:
+def test_the_base_is_as_wide_as_callipers_held_in_front_of_the_chest_find_it(at_rest: Stance) -> None:
     width = by_name(measures(at_rest))["base_width", "straight"].left
     outline = at_rest.shape("breast_base_L")
     assert width is not None
     assert outline is not None
     line = outline.points.positions(at_rest.vertices, at_rest.rig.faces)
-    level = 1e3 * max(np.linalg.norm(a - b) for a in line for b in line if abs(a[1] - b[1]) < 0.002)
-    assert width.value == pytest.approx(level, abs=1.0)
+    assert width.value == pytest.approx(1e3 * np.ptp(line[:, 0]), abs=0.5)  # not 147 mm, the way through the chest
+
+
+def test_a_lying_patient_has_no_base_width(at_rest: Stance) -> None:
+    assert "base_width" not in {row.measure for row in measures(replace(at_rest, name="supine"))}
+
+
+def test_what_a_fits_outline_is_off_is_taken_off_and_its_error_grows_with_the_radii(at_rest: Stance) -> None:
+    """As much at the width's two ends as all around the volume; where no radii are known raters' 5 mm stay."""
+    known = measure_calibration()
+    plain = by_name(measures(at_rest))
+    sure, unsure = (
+        by_name(measures(replace(at_rest, radii=np.full(len(at_rest.vertices), radius)))) for radius in (0.004, 0.012)
+    )
+    width, volume = ("base_width", "straight"), ("volume", "volume")
+    for rows in (sure, unsure):
+        assert (rows[width].left or NONE).value - (plain[width].left or NONE).value == pytest.approx(
+            2e3 * known.standing.outwards, abs=1e-6
+        )
+    half = 1e3 * known.base_width.of(0.012 * np.sqrt(2.0))
+    assert (unsure[width].left or NONE).high == pytest.approx((unsure[width].left or NONE).value + half)
+    bands = [rows[volume].left or NONE for rows in (plain, sure, unsure)]
+    assert bands[1].value == pytest.approx(bands[2].value)
+    assert bands[1].value > bands[0].value
+    spans = [(each.high or 0.0) - (each.low or 0.0) for each in bands]
+    assert spans[1] < spans[2]
+    assert spans[2] / spans[1] == pytest.approx(known.standing.of(0.012) / known.standing.of(0.004), rel=0.1)
 
 
 def test_bands_are_as_wide_as_the_radii_of_the_ends_say(at_rest: Stance) -> None:

@@ -5,11 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from breastrig.report.calibration import measure_calibration
 from breastrig.report.measures import measures
 from breastrig.report.ptosis import GLANDULAR, LEAN, grade
 from breastrig.report.stance import Stance
 from breastrig.report.table import Row, changes, number, with_band
 from breastrig.rig.model import Rig
+
+PICKS = ("nipple_L", "nipple_R", "inframammary_fold_L", "inframammary_fold_R")
 
 
 def by_name(stance: Stance) -> dict[str, Row]:
@@ -28,19 +31,28 @@ def test_grades_end_where_the_article_and_its_usual_reading_say(nipple: float, l
     assert grade(1e-3 * nipple, 1e-3 * lowest) == expected
 
 
-def lowered(stance: Stance, nipple_mm: float, side: str = "L") -> Stance:
-    """The patient with the nipple picked so far above (below: less than zero) the fold."""
+def landmarks(stance: Stance) -> dict[str, np.ndarray]:
     rig = stance.rig
-    at = dict(zip(rig.landmark_names, rig.landmark_points().positions(stance.vertices, rig.faces), strict=True))
+    return dict(zip(rig.landmark_names, rig.landmark_points().positions(stance.vertices, rig.faces), strict=True))
+
+
+def picked(stance: Stance, *names: str) -> Stance:
+    """The patient with these landmarks picked where the model has them."""
+    return replace(stance, picked={name: landmarks(stance)[name] for name in (*PICKS, *names)})
+
+
+def lowered(stance: Stance, nipple_mm: float, side: str = "L") -> Stance:
+    """The patient, nipples and folds picked, one nipple so far above (below: less than zero) the fold."""
+    at = landmarks(stance)
     nipple, fold = at[f"nipple_{side}"], at[f"inframammary_fold_{side}"]
     pick = np.array([nipple[0], fold[1] + 1e-3 * nipple_mm, nipple[2]])
-    return replace(stance, picked={**stance.picked, f"nipple_{side}": pick})
+    return replace(stance, picked=picked(stance).picked | {f"nipple_{side}": pick})
 
 
 @pytest.mark.parametrize("wanted", [12.0, -6.0, -18.0, -41.0])
 def test_the_nipples_height_is_measured_against_the_fold_of_its_own_side(at_rest: Stance, wanted: float) -> None:
     rows = by_name(lowered(at_rest, wanted))
-    heights, before = rows["nipple_above_fold"], by_name(at_rest)["nipple_above_fold"]
+    heights, before = rows["nipple_above_fold"], by_name(picked(at_rest))["nipple_above_fold"]
     assert heights.left is not None
     assert heights.left.value == pytest.approx(wanted, abs=0.01)
     assert heights.right == before.right
@@ -52,7 +64,7 @@ def test_the_nipples_height_is_measured_against_the_fold_of_its_own_side(at_rest
 
 
 def test_more_ptosis_of_the_model_is_a_lower_nipple_and_contour(at_rest: Stance, asymmetric: Stance) -> None:
-    rest, hanging = by_name(at_rest), by_name(asymmetric)
+    rest, hanging = by_name(picked(at_rest)), by_name(picked(asymmetric))
     for measure, least_mm in (("nipple_above_fold", 2.0), ("lowest_point_above_fold", 0.3)):
         before, after = rest[measure].left, hanging[measure].left
         assert before is not None
@@ -60,37 +72,69 @@ def test_more_ptosis_of_the_model_is_a_lower_nipple_and_contour(at_rest: Stance,
         assert after.value < before.value - least_mm, measure
 
 
-def test_the_band_knows_the_landmarks_radii_and_the_lean_and_opens_the_grades_it_crosses(at_rest: Stance) -> None:
+def test_the_band_of_picked_heights_is_a_clicks_and_the_leans_and_opens_the_grades_it_crosses(at_rest: Stance) -> None:
     stance = lowered(at_rest, -2.0)
-    radii = dict.fromkeys(stance.rig.landmark_names, 0.003) | {"nipple_L": 0.004}
+    radii = dict.fromkeys(stance.rig.landmark_names, 0.015)  # what the fit thinks of the model there
     known = replace(stance, landmark_radii=radii, radii=np.full(len(stance.vertices), 0.006))
-    rows = by_name(known)
-    value, graded = rows["nipple_above_fold"].left, rows["ptosis"].left
+    rows, errors = by_name(known), measure_calibration().heights
+    value, graded, low = (rows[name].left for name in ("nipple_above_fold", "ptosis", "lowest_point_above_fold"))
     assert value is not None
     assert value.high is not None
-    places = dict(
-        zip(
-            known.rig.landmark_names,
-            known.rig.landmark_points().positions(known.vertices, known.rig.faces),
-            strict=True,
-        )
-    )
-    offset = (stance.picked["nipple_L"] - places["inframammary_fold_L"])[[0, 2]]
+    offset = (stance.picked["nipple_L"] - stance.picked["inframammary_fold_L"])[[0, 2]]
     assert value.high - value.value == pytest.approx(
-        1e3 * np.linalg.norm([0.004, 0.003, LEAN * np.linalg.norm(offset)]), rel=1e-3
+        1e3 * np.linalg.norm([errors.picked, errors.picked, LEAN * np.linalg.norm(offset)]), rel=1e-3
     )
+    assert low is not None
+    assert low.high is not None
+    assert low.high - low.value >= 1e3 * np.hypot(errors.picked, errors.lowest)
     assert graded is not None
-    assert (graded.low, graded.value, graded.high) == (0.0, 1.0, 1.0)
-    assert with_band(graded, "grade") == "I  (none to I)"
+    assert (graded.low, graded.value) == (0.0, 1.0)
     assert number(graded, "grade") == "I"
+    assert with_band(graded, "grade").startswith("I  (none to ")
+
+
+def test_a_nipple_that_nobody_picked_or_sees_gives_no_grade(at_rest: Stance) -> None:
+    """The fit leaves the nipple of a hanging breast far too high; one side may be known alone."""
+    assert by_name(at_rest) == {}
+    rows = by_name(replace(at_rest, seen={"nipple_R": landmarks(at_rest)["nipple_R"]}))
+    assert rows.keys() == {"nipple_above_fold", "lowest_point_above_fold", "ptosis"}
+    for row in rows.values():
+        assert row.left is None
+        assert row.right is not None
+        assert row.paths.keys() == {"right"}
+        assert row.difference is None
+    assert "left nipple is neither picked nor seen" in rows["ptosis"].method
+
+
+def test_a_fold_that_its_breast_covers_is_taken_at_the_xiphoids_level(at_rest: Stance) -> None:
+    at, errors = landmarks(at_rest), measure_calibration().heights
+    low = at["nipple_L"] - [0.0, at["nipple_L"][1] - at["xiphoid"][1] + 0.02, 0.0]  # 20 mm under the xiphoid's level
+    radii = dict.fromkeys(at_rest.rig.landmark_names, 0.01)
+    stance = replace(
+        at_rest,
+        picked={"nipple_L": low, "nipple_R": at["nipple_R"], "xiphoid": at["xiphoid"]},
+        landmark_radii=radii,
+        radii=np.full(len(at_rest.vertices), 0.006),
+    )
+    row = by_name(stance)["nipple_above_fold"]
+    assert row.left is not None
+    assert row.right is not None
+    assert row.left.value == pytest.approx(-20.0 - 1e3 * errors.fold_over_xiphoid, abs=0.01)
+    assert row.left.low is not None
+    assert row.left.value - row.left.low > 1e3 * errors.hidden_fold
+    assert {"xiphoid (picked)", "inframammary_fold_R (model)"} <= set(row.landmarks)
+    assert "inframammary_fold_L (model)" not in row.landmarks
+    shown = by_name(replace(stance, picked={**stance.picked, "inframammary_fold_L": at["inframammary_fold_L"]}))
+    assert "inframammary_fold_L (picked)" in shown["nipple_above_fold"].landmarks
 
 
 def test_a_lying_patient_has_no_grade_and_grades_are_not_subtracted(at_rest: Stance) -> None:
-    assert by_name(replace(at_rest, name="supine")) == {}
-    rows = measures(at_rest)
+    assert by_name(replace(picked(at_rest), name="supine")) == {}
+    rows = measures(picked(at_rest))
     assert "ptosis" not in {row.measure for row in changes(rows, rows)}
 
 
 def test_a_rig_without_outlines_of_the_breasts_has_no_grade(toy_rig: Rig) -> None:
     scan = np.array(toy_rig.template)
-    assert by_name(Stance(toy_rig, scan, scan, toy_rig.faces, "standing")) == {}
+    nipples = dict.fromkeys(("nipple_L", "nipple_R"), scan[0])
+    assert by_name(Stance(toy_rig, scan, scan, toy_rig.faces, "standing", nipples)) == {}

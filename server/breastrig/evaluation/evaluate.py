@@ -14,6 +14,7 @@ from breastrig.evaluation.tables import measures as measures_tables
 from breastrig.evaluation.tables import studies as study_tables
 from breastrig.evaluation.tables import transfer as transfer_tables
 from breastrig.evaluation.tables import unseen as unseen_tables
+from breastrig.evaluation.tables import verdicts as verdict_tables
 from breastrig.evaluation.tables.table import Table
 from breastrig.gltf.read_rig import read_rig
 
@@ -69,6 +70,8 @@ def all_tables(results: Results) -> list[Table]:
         certainty_tables.reliability_table(found),
         certainty_tables.believed_table(found),
         measures_tables.measures_table(found),
+        measures_tables.ptosis_table(found),
+        verdict_tables.verdicts_table(found),
         colour_landmark_tables.colour_landmarks_table(found),
         colour_landmark_tables.areolae_table(found),
         ink_tables.ink_table(found),

@@ -57,6 +57,7 @@ class Measure:
 def measure(fit: Fit | str | Path, model: Model = None) -> tuple[Measure, ...]:
     """Distances (mm), ratios, breast volumes (ml) and, standing, the grade of ptosis of a fit or of the folder of one.
 
+    A grade needs a nipple that was picked or that the scan's colours show.
     They are in mm and ml whatever the scan's unit; `unit` says so.  Landmarks that were picked and not doubted count
     as they were picked, those that the scan's colours show as they are seen, the others as the fitted model has them.
     `model` is that of a folder.  Raises BadInput.

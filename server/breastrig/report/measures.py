@@ -2,6 +2,9 @@
 
 Definitions: notch, midclavicle and fold to nipple, nipple to midline, nipple to nipple and base width as clinics take
 them (Henseler 2023, who gives them for 100 women); the symmetry ratios are in symmetry.py, the volume in volume.py.
+The base's width is taken across, as callipers are held: the outline reaches back to the middle of the side, and a
+straight line through the chest would be 190 mm long where clinics find 130.  Lying breasts have none: their outer
+border slides by up to 8 mm from woman to woman, and clinics measure it on standing ones.
 Landmarks are taken where they were picked, unless the pick was doubted, else from the fitted model; every row says
 which.
 
@@ -21,7 +24,8 @@ from breastrig.geometry.geodesic import Geodesics, length
 from breastrig.geometry.surface_points import SurfacePoints, joined
 from breastrig.report.bands import banded, half_width
 from breastrig.report.body_frame import BodyFrame, body_frame
-from breastrig.report.ptosis import ptosis
+from breastrig.report.calibration import measure_calibration
+from breastrig.report.ptosis import STANDING, ptosis
 from breastrig.report.stance import Place, Stance, places
 from breastrig.report.symmetry import symmetry
 from breastrig.report.table import Row, Value
@@ -40,8 +44,10 @@ LENGTHS = (  # from one landmark to another, on each side
 NAMES = {"L": "left", "R": "right"}
 OUTLINE = "breast base outline (model)"
 BORDER = "areola's border (colour)"
-LEVELS = 40  # heights at which a chord of the outline is measured: every 3 mm
 CHORD = "distance in space"
+ACROSS = (
+    "at right angles to the fitted model's median plane, from the inner to the outer end of its breast base outline"
+)
 TAPE = "shortest way on the fitted model's skin"
 
 
@@ -86,11 +92,10 @@ class _Table:
                 row = ("nipple_nipple", "Nipple to nipple", kind, "mm", None, None, _mm(length(line), half))
                 yield Row(*row, _named(both), method, {"value": line})
         widths = [self._base_width(breast_outline(self.stance.rig, side)) for side in SIDES]
-        if all(width is not None for width in widths):
+        if all(width is not None for width in widths) and self.stance.name == STANDING:
             (left, across_left), (right, across_right) = (width for width in widths if width is not None)
-            method = f"{CHORD} between the sides of the model's breast base outline, at the height where it is widest"
             paths = {"left": across_left, "right": across_right}
-            yield Row("base_width", "Base width", STRAIGHT, "mm", left, right, None, (OUTLINE,), method, paths)
+            yield Row("base_width", "Base width", STRAIGHT, "mm", left, right, None, (OUTLINE,), ACROSS, paths)
 
     def _look_for_all_ways(self) -> None:
         """On the skin, together, which takes a third of the time; each is asked for later, and is known then."""
@@ -149,20 +154,20 @@ class _Table:
         return {side: half_width([place.radius for place in ends[side] if place is not None]) for side in SIDES}
 
     def _base_width(self, outline: DrawnShape | None) -> tuple[Value, Array] | None:
-        """The widest of the outline's chords at one height, and its (2, 3) m ends: callipers are held across."""
+        """Across from the outline's inner to its outer end, and the (2, 3) m line: callipers are held upright in front
+        of the chest, so depth does not count."""
         if outline is None:
             return None
         line = resampled(outline.points.positions(self.stance.vertices, self.stance.rig.faces), SPACING, closed=True)
-        lateral, height = self.frame.lateral(line), self.frame.height(line)
-        low, high = np.percentile(height, [0, 100])
-        best, ends = 0.0, line[:2]
-        for level in np.linspace(low, high, LEVELS + 2)[1:-1]:
-            crossing = np.flatnonzero((height > level) != (np.roll(height, -1) > level))
-            pair = line[crossing[[lateral[crossing].argmin(), lateral[crossing].argmax()]]]
-            width = float(np.linalg.norm(pair[0] - pair[1]))
-            if width > best:
-                best, ends = width, pair
-        return _mm(best, half_width([self.stance.radius_at(end[None]) for end in ends])), np.asarray(ends)
+        lateral = self.frame.lateral(line)
+        first, second = line[lateral.argmin()], line[lateral.argmax()]
+        known = measure_calibration()
+        more = 0.0 if self.stance.radii is None else known.outline(self.stance.name).outwards
+        radius = half_width([self.stance.radius_at(end[None]) for end in (first, second)])
+        start = first - more * self.frame.axes[:, 0]
+        width = float(np.ptp(lateral)) + 2.0 * more
+        across = np.stack([start, start + width * self.frame.axes[:, 0]])
+        return _mm(width, None if radius is None else known.base_width.of(radius)), across
 
     def _on_skin(self, point: Array) -> SurfacePoints:
         return self.stance.on_model(point[None])

@@ -9,7 +9,11 @@ millimetres are the usual reading of the grades:
     glandular (pseudoptosis): the nipple above the fold, the breast's lowest point well below it
 
 Heights are along the body's own axis (body_frame.py): a scan does not say where the ground is.  A patient who lies has
-no ptosis, so these rows are there for a standing one only.
+no ptosis, so these rows are there for a standing one only, and only for breasts whose nipple was picked or is seen in
+the scan's colours: without either the fit leaves the nipple of a hanging breast 50 mm too high.
+
+A breast that hangs hides its fold.  Then nobody can pick it, and the model takes the crease under the breast for it,
+which lies deeper; the fold's level is then taken from the xiphoid's, beside which it lies on most women.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,11 +24,13 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.report.bands import half_width
 from breastrig.report.body_frame import BodyFrame
+from breastrig.report.calibration import Heights, measure_calibration
 from breastrig.report.stance import Place, Stance
 from breastrig.report.table import Row, Value
 from breastrig.report.volume import vertices_within
 
 STANDING = "standing"
+PICKED, MODEL = "picked", "model"  # sources of places, stance.py
 SLIGHT, MODERATE = 0.010, 0.030  # m of the nipple below the fold: Regnault's I and II end there
 AT_CONTOUR = 0.010  # m of the nipple above the breast's lowest point: it is at the lowest contour
 GLANDULAR_DROP = 0.020  # m of the lowest point below the fold; a breast that hangs over its fold by less is usual
@@ -42,6 +48,9 @@ class _Heights:
     nipple_half: float | None  # of its band
     lowest: float  # above the fold; below zero where the breast hangs over it
     lowest_half: float | None
+    contour_half: float | None  # of the nipple's height over the lowest point
+    at: tuple[Array, Array]  # (3,) m, nipple and lowest point
+    names: tuple[str, ...]  # nipple and what says where the fold is, with their sources
 
 
 def grade(nipple: float, lowest: float) -> float:
@@ -54,57 +63,93 @@ def grade(nipple: float, lowest: float) -> float:
 
 
 def ptosis(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> Iterator[Row]:
-    """Three rows for a standing patient whose rig has nipples, folds and outlines of the breasts; else none."""
-    ends = {side: (known.get(f"nipple_{side}"), known.get(f"inframammary_fold_{side}")) for side in SIDES}
-    insides = {side: vertices_within(stance.rig, side) for side in SIDES}
+    """Three rows for a standing patient of whom a nipple is known, by a rig with folds and outlines of the breasts."""
     if stance.name != STANDING:
         return
-    sides: dict[str, _Heights] = {}
-    nipples: dict[str, Array] = {}
-    lowest: dict[str, Array] = {}
-    names: list[str] = []
-    for side, (nipple, fold) in ends.items():
-        inside = insides[side]
-        if nipple is None or fold is None or inside is None:
-            return
-        skin = stance.vertices[inside]
-        low = skin[frame.height(skin).argmin()]
-        level = float(frame.height(fold.point))
-        above = [float(frame.height(point)) - level for point in (nipple.point, low)]
-        halves = [
-            half_width([radius, fold.radius, LEAN * _across(frame, point - fold.point)])
-            for point, radius in ((nipple.point, nipple.radius), (low, stance.radius_at(low[None])))
-        ]
-        sides[side] = _Heights(above[0], halves[0], above[1], halves[1])
-        nipples[SIDES[side]] = np.stack([nipple.point, nipple.point - above[0] * frame.axes[:, 1]])
-        lowest[SIDES[side]] = np.stack([low, low - above[1] * frame.axes[:, 1]])
-        names += [str(nipple), str(fold)]
-    left, right = sides["L"], sides["R"]
-    landmarks = tuple(dict.fromkeys(names))
-    folds = tuple(name for name in landmarks if name.startswith("inframammary_fold"))
+    sides = {side: each for side in SIDES if (each := _heights(stance, frame, known, side)) is not None}
+    if not sides:
+        return
+    up = frame.axes[:, 1]
+    landmarks = tuple(dict.fromkeys(name for each in sides.values() for name in each.names))
+    folds = tuple(name for name in landmarks if not name.startswith("nipple"))
+    unknown = [f"the {name} nipple is neither picked nor seen" for side, name in SIDES.items() if side not in sides]
+    nipples = {SIDES[side]: np.stack([each.at[0], each.at[0] - each.nipple * up]) for side, each in sides.items()}
+    lowest = {SIDES[side]: np.stack([each.at[1], each.at[1] - each.lowest * up]) for side, each in sides.items()}
     how = "along the body's own axis, above the level of the fold's lowest point; below it less than zero"
+    if any(name.startswith("xiphoid") for name in folds):
+        how += "; a fold that the breast covers is taken at the xiphoid's level"
+    how = "; ".join([how, *unknown])
+    over, under, grades = (
+        [None if each is None else shown(each) for each in (sides.get(side) for side in SIDES)]
+        for shown in (_nipple, _lowest, _graded)
+    )
     yield Row(
-        "nipple_above_fold", "Nipple above fold", "in height", "mm",
-        _mm(left.nipple, left.nipple_half), _mm(right.nipple, right.nipple_half), None, landmarks, how, nipples,
+        "nipple_above_fold", "Nipple above fold", "in height", "mm", over[0], over[1], None, landmarks, how, nipples
     )  # fmt: skip
     yield Row(
         "lowest_point_above_fold", "Lowest point above fold", "in height", "mm",
-        _mm(left.lowest, left.lowest_half), _mm(right.lowest, right.lowest_half), None,
-        (*folds, OUTLINE), how, lowest,
+        under[0], under[1], None, (*folds, OUTLINE), how, lowest,
     )  # fmt: skip
     how = (
         "Regnault: I nipple at the fold or up to 10 mm below, II 10 to 30 mm, III more or at the lowest contour; "
         "glandular: nipple above the fold, lowest point 20 mm and more below it"
     )
     yield Row(
-        "ptosis", "Ptosis (Regnault)", "grade", "grade", _graded(left), _graded(right), None,
-        (*landmarks, OUTLINE), how, nipples,
+        "ptosis", "Ptosis (Regnault)", "grade", "grade",
+        grades[0], grades[1], None, (*landmarks, OUTLINE), "; ".join([how, *unknown]), nipples,
     )  # fmt: skip
+
+
+def _heights(stance: Stance, frame: BodyFrame, known: Mapping[str, Place], side: str) -> _Heights | None:
+    """None where the rig lacks what is needed, or nothing but the model says where the nipple is."""
+    nipple, fold = known.get(f"nipple_{side}"), known.get(f"inframammary_fold_{side}")
+    inside = vertices_within(stance.rig, side)
+    if nipple is None or fold is None or inside is None or nipple.source == MODEL:
+        return None
+    errors = measure_calibration().heights
+    skin = stance.vertices[inside]
+    low = skin[frame.height(skin).argmin()]
+    level, fold_error, said = _fold(frame, nipple, fold, known.get("xiphoid"), errors)
+    above = [float(frame.height(point)) - level for point in (nipple.point, low)]
+    own = _error(nipple, errors), None if stance.radii is None else errors.lowest
+    halves = [
+        half_width([error, fold_error, LEAN * _across(frame, point - fold.point)])
+        for point, error in zip((nipple.point, low), own, strict=True)
+    ]
+    contour = half_width(own)
+    return _Heights(above[0], halves[0], above[1], halves[1], contour, (nipple.point, low), (str(nipple), said))
+
+
+def _fold(
+    frame: BodyFrame, nipple: Place, fold: Place, xiphoid: Place | None, errors: Heights
+) -> tuple[float, float | None, str]:
+    """The level of the fold and its error (m), and what says it."""
+    if fold.source == MODEL and xiphoid is not None:
+        over = float(frame.height(nipple.point) - frame.height(xiphoid.point))
+        if over < errors.covered_below:
+            found = None if xiphoid.radius is None else half_width([errors.hidden_fold, _error(xiphoid, errors)])
+            return float(frame.height(xiphoid.point)) + errors.fold_over_xiphoid, found, str(xiphoid)
+    return float(frame.height(fold.point)), _error(fold, errors), str(fold)
+
+
+def _error(place: Place, errors: Heights) -> float | None:
+    """m, 90 %, of a place's height: of one that was picked a click's, whatever the fit thinks of the model there."""
+    if place.radius is None:
+        return None
+    return errors.picked if place.source == PICKED else place.radius
 
 
 def _across(frame: BodyFrame, offset: Array) -> float:
     """m of a (3,) m offset at right angles to the body's axis: what a lean turns into height."""
     return float(np.linalg.norm(offset - (offset @ frame.axes[:, 1]) * frame.axes[:, 1]))
+
+
+def _nipple(heights: _Heights) -> Value:
+    return _mm(heights.nipple, heights.nipple_half)
+
+
+def _lowest(heights: _Heights) -> Value:
+    return _mm(heights.lowest, heights.lowest_half)
 
 
 def _mm(above: float, half: float | None) -> Value:
@@ -113,9 +158,16 @@ def _mm(above: float, half: float | None) -> Value:
 
 
 def _graded(heights: _Heights) -> Value:
-    """The grade, and the grades that the nipple's band leaves open; none for a glandular one, which is no degree."""
+    """The grade, and the grades that the bands leave open; none for a glandular one, which is no degree.
+
+    How far the nipple is over the lowest contour does not depend on where the fold is.
+    """
     found = grade(heights.nipple, heights.lowest)
-    if heights.nipple_half is None or found == GLANDULAR:
+    if heights.nipple_half is None or heights.contour_half is None or found == GLANDULAR:
         return Value(found)
-    ends = [grade(heights.nipple + side * heights.nipple_half, heights.lowest) for side in (1.0, -1.0)]
-    return Value(found, *(0.0 if end == GLANDULAR else end for end in ends))
+    over = heights.nipple - heights.lowest
+    nipples = [heights.nipple + side * heights.nipple_half for side in (-1.0, 1.0)]
+    overs = [over + side * heights.contour_half for side in (-1.0, 1.0)]
+    open_ones = [grade(nipple, nipple - each) for nipple in nipples for each in overs]
+    degrees = [0.0 if each == GLANDULAR else each for each in open_ones]
+    return Value(found, min(degrees), max(degrees))

@@ -6,9 +6,10 @@ far round the chest, through three level lines of the skin: on the outline, 10 m
 heights and slopes of the chest around the breast and nothing of ribs or muscle.  The volume is the flux between skin
 and wall, signed, so that a breast that hangs over its fold counts its tissue and not what is behind it.
 
-The outline is the model's own (`breast_base`), carried by the fit.  Raters place it 3.5 to 6.7 mm apart
-(Wesselius 2018), so the band holds the volumes with the outline moved 5 mm in and out, widened by what the
-distance between fit and scan can hide if all of it had one sign.
+The outline is the model's own (`breast_base`), carried by the fit, which places it too far in where the scan ends;
+by how much is known and taken off (calibration.toml).  The band holds the volumes with the outline moved in and out by
+its error, widened by the mean distance of fit and scan.  Where nothing is known of the fit the error is what raters
+differ by: they place the outline 3.5 to 6.7 mm apart (Wesselius 2018).
 
 Tried and dropped: the model posed with its breast shapes at their smallest.  A fit also uses other shapes to show a
 breast, and the smallest breast of the model is not flat.  A spline over the plane of the outline: at the side of the
@@ -27,6 +28,7 @@ from breastrig.geometry.fields.level_sets import crossings, part_above
 from breastrig.geometry.normals import face_areas, face_crosses, vertex_normals
 from breastrig.geometry.thin_plate_spline import ThinPlateSpline
 from breastrig.report.body_frame import body_frame
+from breastrig.report.calibration import measure_calibration
 from breastrig.report.stance import Stance
 from breastrig.rig.model import DrawnShape, Rig
 
@@ -36,12 +38,11 @@ BORDER_DISTANCES = (
     0.010,
     0.020,
 )  # m outside the outline; farther out: another slope, and the other breast
-WIDENED = 1.4  # of the band: alone it held 85 % of warped bodies' volumes with picks 5 mm off, 73 % without picks
 SPACING = 0.003  # m between points of the outline: well below the mesh's edges
 SMOOTHING = 1e-5  # of the spline, in units of the chest's radius: keeps points on top of each other solvable
 METHOD = (
     "between the fitted skin inside the breast base outline and a thin-plate spline through the skin on, 10 mm and "
-    "20 mm outside it; band: outline 5 mm in and out, and the mean distance of fit and scan over the whole area"
+    "20 mm outside it; band: the outline's error in and out, and the mean distance of fit and scan over the whole area"
 )
 
 
@@ -125,19 +126,29 @@ def breast_volume(stance: Stance, side: str) -> Volume | None:
     faces = _without_arms(rig)
     frame = body_frame(rig, stance.vertices)
     axis = Axis(frame.middle, frame.axes[:, 1])
+    outwards, error = _outline_error(stance, line)
     low, (value, area), high = (
-        volume_above(stance.vertices, faces, inside, axis, level) for level in (OUTLINE_ERROR, 0.0, -OUTLINE_ERROR)
+        volume_above(stance.vertices, faces, inside, axis, level - outwards) for level in (error, 0.0, -error)
     )
     gaps = stance.distances[within]
     known = gaps[np.isfinite(gaps)]
-    hidden = area * float(np.abs(known).mean()) if len(known) else 0.0
+    hidden = area * abs(float(known.mean())) if len(known) else 0.0
     return Volume(
         value=value,
-        low=value - WIDENED * float(np.hypot(value - low[0], hidden)),
-        high=value + WIDENED * float(np.hypot(high[0] - value, hidden)),
+        low=value - float(np.hypot(value - low[0], hidden)),
+        high=value + float(np.hypot(high[0] - value, hidden)),
         area=area,
         seen=len(known) / max(len(gaps), 1),
     )
+
+
+def _outline_error(stance: Stance, line: Array) -> tuple[float, float]:
+    """m: how far out the outline (N, 3) belongs, and within what of there it lies with 90 %."""
+    if stance.radii is None:
+        return 0.0, OUTLINE_ERROR
+    known = measure_calibration().outline(stance.name)
+    radii = stance.on_model(line).positions(stance.radii[:, None], stance.rig.faces)
+    return known.outwards, known.of(float(radii.mean()))
 
 
 def _distance_to_line(points: Array, line: Array) -> Array:

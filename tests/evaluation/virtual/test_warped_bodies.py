@@ -12,7 +12,7 @@ from breastrig.evaluation.virtual.warped.make import source_of
 from breastrig.evaluation.virtual.warped.mastectomy import breast_region
 from breastrig.evaluation.virtual.warped.numbers import CAPTURES, NAVEL, SEGMENT, Numbers, draw_numbers
 from breastrig.evaluation.virtual.warped.proportions import with_segments
-from breastrig.evaluation.virtual.warped.soundness import is_sound
+from breastrig.evaluation.virtual.warped.soundness import is_sound, is_sound_hanging
 from breastrig.evaluation.virtual.warped.sources import Source, read_sources
 from breastrig.geometry.normals import face_areas
 
@@ -201,3 +201,41 @@ def test_each_capture_shows_what_it_says(source: Source, capture: str) -> None:
         "below_nipples": {"suprasternal_notch", "acromion_L"},
     }.get(capture, set())
     assert not opposite & seen
+
+
+@pytest.mark.parametrize("above", [-0.04, -0.02, 0.01])
+def test_a_breast_hangs_as_far_as_its_number_and_its_fold_stays(source: Source, above: float) -> None:
+    before = made(source, Numbers()).standing
+    body = made(source, replace(Numbers(), nipples_over_folds=(above, 0.015))).standing
+    for side, wanted in (("L", above), ("R", 0.015)):
+        nipple, fold = (body.landmarks[f"{name}_{side}"] for name in ("nipple", "inframammary_fold"))
+        assert nipple[1] - fold[1] == pytest.approx(wanted, abs=0.002)
+        assert np.linalg.norm(fold - before.landmarks[f"inframammary_fold_{side}"]) < 0.001
+    for name in ("suprasternal_notch", "umbilicus", "acromion_L"):
+        assert np.linalg.norm(body.landmarks[name] - before.landmarks[name]) < 0.002, name
+
+
+def test_only_the_lower_pole_sags(source: Source) -> None:
+    """Glandular ptosis: the nipple stays above the fold, the lowest skin of the breast comes under it."""
+    plain, sagging = (made(source, replace(Numbers(), nipples_over_folds=(0.015, 0.015), sag=s)) for s in (0.0, 0.03))
+    assert sagging.standing.landmarks["nipple_L"][1] == pytest.approx(
+        plain.standing.landmarks["nipple_L"][1], abs=0.002
+    )
+    sunk = plain.standing.vertices[:, 1] - sagging.standing.vertices[:, 1]
+    assert sunk.max() > 0.003
+
+
+def test_what_hangs_is_drawn_beside_the_other_numbers_and_leaves_them(source: Source) -> None:
+    bodies = [draw_body(source, np.random.default_rng(7), np.random.default_rng(seed)).numbers for seed in range(12)]
+    hanging = [numbers for numbers in bodies if numbers.nipples_over_folds is not None]
+    assert 0 < len(hanging) < 12
+    alone = draw_body(source, np.random.default_rng(7)).numbers
+    assert alone in bodies
+    assert {numbers.notch_xiphoid for numbers in bodies} == {alone.notch_xiphoid}
+
+
+def test_a_triangle_folded_against_its_neighbour_is_not_sound_though_a_breast_hangs(source: Source) -> None:
+    skin = source.standing
+    assert is_sound_hanging(skin, skin, source.faces)
+    crumpled = skin + 0.02 * np.random.default_rng(2).standard_normal(skin.shape)
+    assert not is_sound_hanging(skin, crumpled, source.faces)

@@ -6,9 +6,9 @@ from typing import Any
 from breastrig.evaluation.evaluate import Results
 from breastrig.evaluation.page.charts import Chart, Curve, CurveChart, CurvePanel, Panel, RowChart, Series, has_numbers
 from breastrig.evaluation.studies.plan import FACTORS, ORDERS
-from breastrig.evaluation.studies.reliability import LEVELS
 from breastrig.evaluation.studies.result_cache import Record
 from breastrig.evaluation.studies.sensitivity import TERMS
+from breastrig.evaluation.studies.trust.reliability import LEVELS
 from breastrig.evaluation.tables.accuracy import FAMILIES, groups, of, value
 from breastrig.evaluation.tables.certainty import KINDS
 from breastrig.evaluation.tables.studies import PICKS

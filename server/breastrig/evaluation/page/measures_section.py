@@ -5,7 +5,7 @@ from breastrig.evaluation.tables.measures import PICKS
 from breastrig.evaluation.tables.table import Table
 
 
-def measures_section(table: Table) -> Section:
+def measures_section(table: Table, ptosis: Table | None = None) -> Section:
     """Of lengths and volumes; the table has the ratios too."""
     place = {column.name: index for index, column in enumerate(table.columns)}
     parts = []
@@ -25,5 +25,5 @@ def measures_section(table: Table) -> Section:
         "Each measure is compared with the same measure on the whole true surface, between the true landmarks.",
         ("; ".join(parts).capitalize() + ".",) if parts else (),
         (),
-        ("measures",),
+        ("measures",) if ptosis is None else ("measures", "ptosis"),
     )

@@ -8,6 +8,7 @@ from breastrig.evaluation.page import certainty_section, ink_section, sections, 
 from breastrig.evaluation.page.colour_section import colour_section
 from breastrig.evaluation.page.measures_section import measures_section
 from breastrig.evaluation.page.section import Section, capital, mm
+from breastrig.evaluation.page.verdicts_section import verdicts_section
 from breastrig.evaluation.tables.accuracy import FAMILIES
 from breastrig.evaluation.tables.studies import PICKS
 from breastrig.evaluation.tables.table import Row, Table, mean
@@ -175,7 +176,9 @@ def all_sections(results: Results, tables: dict[str, Table]) -> list[Section]:
     if "certainty" in tables:
         found.append(certainty_section.certainty_section(results.records))
     if "measures" in tables:
-        found.append(measures_section(tables["measures"]))
+        found.append(measures_section(tables["measures"], tables.get("ptosis")))
+    if "verdicts" in tables:
+        found.append(verdicts_section(tables["verdicts"]))
     if "blendshapes" in tables:
         found.append(blendshapes(tables["blendshapes"], tables["blendshape_order"], results.plan.cases))
     if "compliances" in tables:

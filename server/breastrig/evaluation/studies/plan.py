@@ -46,7 +46,7 @@ class Plan:
         if self.rotations:
             units += self._each("random_turns", rotations=self.rotations)
         if not self.quick:
-            units += self._each("unseen") + self._each("certainty") + self._each("measures")
+            units += self._each("unseen") + self._each("certainty") + self._each("measures") + self._each("verdicts")
             for method in ("rigid", "nricp_amberg"):
                 units += self._each("peer", method=method)
             for recipe in self.recipes:

@@ -5,7 +5,7 @@ from functools import wraps
 from typing import Any
 
 from breastrig.evaluation.cohort import Case
-from breastrig.evaluation.studies import accuracy, certainty, peers, sensitivity, unseen
+from breastrig.evaluation.studies import accuracy, peers, sensitivity, unseen
 from breastrig.evaluation.studies import landmarks as landmark_study
 from breastrig.evaluation.studies import orientation as orientation_study
 from breastrig.evaluation.studies.case import read_scene
@@ -14,6 +14,8 @@ from breastrig.evaluation.studies.ink import ink_study, ink_transfer_study
 from breastrig.evaluation.studies.measures import measures_study
 from breastrig.evaluation.studies.other_patient import other_patient
 from breastrig.evaluation.studies.transfer import transfer_study
+from breastrig.evaluation.studies.trust import certainty
+from breastrig.evaluation.studies.trust.verdicts import verdicts
 from breastrig.evaluation.studies.two_stances import gain
 from breastrig.fitting.recipe import Recipe
 from breastrig.rig.model import Rig
@@ -48,6 +50,7 @@ ANSWERS: dict[str, Answer] = {
     "unseen": _of_one_case(unseen.unseen),
     "certainty": _of_one_case(certainty.certainty),
     "measures": _of_one_case(measures_study),
+    "verdicts": _of_one_case(verdicts),
     "peer": _of_one_case(peers.peer),
     "two_stances": two_stances,
     "transfer": transfer_study,

@@ -35,7 +35,8 @@ FILES = (
 )
 ANSWERING = (  # the code that an answer depends on, besides the module of the question
     *("core", "geometry", "least_squares", "rig", "scan", "correspondence", "energies", "gltf", "fitting", "report"),
-    *("evaluation/studies/case.py", "evaluation/studies/reliability.py", "evaluation/cohort.py", "__init__.py"),
+    *("evaluation/studies/case.py", "evaluation/studies/reference_fit.py", "evaluation/studies/trust/reliability.py"),
+    *("evaluation/cohort.py", "__init__.py"),
 )
 WITH_DRAWINGS = ("two_stances", "transfer", "other_patient", "ink_transfer")
 OF_COLOUR = ("colour_landmarks", "ink", "ink_transfer")

@@ -29,7 +29,7 @@ from breastrig.drawings.skin_map import FittedScan
 from breastrig.drawings.transfer import points_carried
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.studies.case import Scene, read_scene
-from breastrig.evaluation.studies.reliability import held_at_levels
+from breastrig.evaluation.studies.trust.reliability import held_at_levels
 from breastrig.evaluation.studies.two_stances import on_the_chest, seen
 from breastrig.fitting.picks.checked_fit import without
 from breastrig.fitting.posterior import Posterior

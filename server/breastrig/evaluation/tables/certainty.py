@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from breastrig.evaluation.studies.certainty import GIVEN, NOT_GIVEN, NOT_SEEN, SEEN
-from breastrig.evaluation.studies.reliability import LEVELS
 from breastrig.evaluation.studies.result_cache import Record
 from breastrig.evaluation.studies.transfer import ALL
+from breastrig.evaluation.studies.trust.certainty import GIVEN, NOT_GIVEN, NOT_SEEN, SEEN
+from breastrig.evaluation.studies.trust.reliability import LEVELS
 from breastrig.evaluation.tables.accuracy import FAMILIES, of
 from breastrig.evaluation.tables.table import Cell, Column, Row, Table
 

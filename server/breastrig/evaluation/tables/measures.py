@@ -7,7 +7,9 @@ import numpy as np
 from breastrig.evaluation.studies.result_cache import Record
 from breastrig.evaluation.tables.accuracy import of
 from breastrig.evaluation.tables.table import Cell, Column, Row, Table
+from breastrig.report.table import GRADES
 
+GRADE = "grade"  # unit of what is counted, not measured: ptosis_table
 PICKS = {"exact": "exact picks", "clicked": "5 mm off", "none": "no picks"}
 
 
@@ -23,7 +25,7 @@ def measures_table(records: Sequence[Record]) -> Table:
     table = Table("measures", caption, (*who, Column("n", "n", 0), Column("true", "true", 2), *columns))
     answers = [record.answer for record in of(records, "measures") if not record.failed]
     rows = {kind: [row for answer in answers for row in answer.get(kind, [])] for kind in PICKS}
-    for key in dict.fromkeys(tuple(row[:3]) for row in rows["exact"]):
+    for key in dict.fromkeys(tuple(row[:3]) for row in rows["exact"] if row[2] != GRADE):
         found = {kind: [row[3:] for row in rows[kind] if tuple(row[:3]) == key] for kind in PICKS}
         true = [row[0] for row in found["exact"]]
         cells: list[Cell] = [len(true), float(np.mean(true))]
@@ -33,4 +35,26 @@ def measures_table(records: Sequence[Record]) -> Table:
             cells += [float(errors.mean()), float(np.abs(errors).mean())] if len(errors) else [None, None]
             cells.append(100.0 * float(np.mean(held)) if held else None)
         table.rows.append(Row((*key, *cells)))
+    return table
+
+
+def ptosis_table(records: Sequence[Record]) -> Table:
+    """One row a kind of picks and true grade: percent found at each grade, and right or left open."""
+    who = (Column("kind", "picks", key=True), Column("true", "true grade", key=True), Column("n", "n", 0))
+    shares = (*(Column(f"found_{name}", f"{name} %", 0) for name in GRADES), Column("set", "in stated set %", 0))
+    table = Table("ptosis", "Grades of ptosis found, of those that are true (standing breasts).", (*who, *shares))
+    for kind, words in PICKS.items():
+        graded = [
+            row[3:]
+            for record in of(records, "measures")
+            if not record.failed
+            for row in record.answer.get(kind, [])
+            if row[2] == GRADE
+        ]
+        for grade, name in enumerate(GRADES):
+            own = [row for row in graded if round(row[0]) == grade]
+            if own:
+                found = [100.0 * float(np.mean([round(row[1]) == each for row in own])) for each in range(len(GRADES))]
+                stated = [row[1] == row[0] or (row[2] is not None and row[2] <= row[0] <= row[3]) for row in own]
+                table.rows.append(Row((words, name, len(own), *found, 100.0 * float(np.mean(stated)))))
     return table

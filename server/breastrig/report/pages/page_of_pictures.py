@@ -15,6 +15,7 @@ SMALL = (0.25 * (WIDTH - 3 * GAP), 48.0)  # mm
 PIXELS_PER_MM = 7.0  # 180 to the inch: sharp on paper, and half a megabyte
 WARNINGS = {"check": "CHECK THIS FIT: see doubts and notes", "unusable": "NOT USABLE: see doubts and notes"}
 WARNING = (150, 40, 20)  # dark red
+NOT_MEASURED = ("-", "-", "-")  # the width of a lying breast's base
 GLANCE = (
     ("notch_nipple", "along the skin"),
     ("nipple_fold", "along the skin"),
@@ -103,13 +104,13 @@ def _at_a_glance(sheet: Sheet, stances: Sequence[Reported], y: float) -> None:
             headings.append((MARGIN + 62.0 + (3 * index + k) * column, column - 2.0, name, "R"))
     y = sheet.row(y, headings, size=7.0, shade=QUIET, height=5.0)
     known = [{(row.measure, row.kind): row for row in each.rows} for each in stances]
-    shown = [key for key in GLANCE if all(key in rows for rows in known)]
+    shown = [key for key in GLANCE if any(key in rows for rows in known)]
     for place, key in enumerate(shown):
-        first = known[0][key]
+        first = next(rows[key] for rows in known if key in rows)
         label = first.label if key[0] == "volume" else f"{first.label}, {first.kind}"
         cells: list[Cell] = [(MARGIN + 1.0, 61.0, f"{label} ({first.unit})", "L")]
         for index, rows in enumerate(known):
-            for k, text in enumerate(_three(rows[key])):
+            for k, text in enumerate(_three(rows[key]) if key in rows else NOT_MEASURED):
                 cells.append((MARGIN + 62.0 + (3 * index + k) * column, column - 2.0, text, "R"))
         band = (MARGIN, WIDTH) if place % 2 else None
         y = sheet.row(y, cells, band=band, height=5.4, size=8.5)

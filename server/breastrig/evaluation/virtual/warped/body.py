@@ -8,9 +8,9 @@ from breastrig.core.arrays import Array
 from breastrig.evaluation.virtual.bodies import VirtualBody
 from breastrig.evaluation.virtual.warped.bumps import bump_shift
 from breastrig.evaluation.virtual.warped.mastectomy import breast_region, filled
-from breastrig.evaluation.virtual.warped.numbers import Numbers, draw_numbers
+from breastrig.evaluation.virtual.warped.numbers import HANGING, Numbers, draw_numbers, with_hanging
 from breastrig.evaluation.virtual.warped.proportions import changed
-from breastrig.evaluation.virtual.warped.soundness import is_sound
+from breastrig.evaluation.virtual.warped.soundness import is_sound, is_sound_hanging
 from breastrig.evaluation.virtual.warped.sources import Lying, Source
 from breastrig.evaluation.virtual.warped.stances import carried, carrier
 
@@ -29,11 +29,18 @@ class WarpedBody:
     supine: VirtualBody
 
 
-def draw_body(source: Source, random: np.random.Generator) -> WarpedBody:
-    """A body whose triangles are sound in both stances; numbers are drawn again until it is."""
+def draw_body(source: Source, random: np.random.Generator, hanging: np.random.Generator | None = None) -> WarpedBody:
+    """A body whose triangles are sound in both stances; numbers are drawn again until it is.
+
+    `hanging` decides whether its breasts hang and how, and leaves all other numbers as they are; None: as the source's.
+    """
     lying = source.lying[int(random.integers(len(source.lying)))]
+    hangs = hanging is not None and bool(hanging.random() < HANGING)
     for tries in range(1, TRIES + 1):
-        body = warped_body(source, lying, draw_numbers(random), tries)
+        numbers = draw_numbers(random)
+        if hanging is not None and hangs:
+            numbers = with_hanging(numbers, hanging)
+        body = warped_body(source, lying, numbers, tries)
         if body is not None:
             return body
     raise RuntimeError(f"No sound warp of {source.name} in {TRIES} tries.")
@@ -53,7 +60,8 @@ def warped_body(source: Source, lying: Lying, numbers: Numbers, tries: int = 1) 
     moved = changed(before[0], source.landmarks, numbers)
     moved = moved + bump_shift(moved, numbers.bumps)
     lain = carried(before[0], moved, before[1], lying.table, carrier(before[0], before[1], source.faces))
-    if not (is_sound(before[0], moved, source.faces) and is_sound(before[1], lain, source.faces)):
+    sound = is_sound if numbers.nipples_over_folds is None else is_sound_hanging
+    if not (sound(before[0], moved, source.faces) and sound(before[1], lain, source.faces)):
         return None
 
     def body(stance: str, vertices: Array, table: float | None) -> VirtualBody:

@@ -19,8 +19,9 @@ from breastrig.evaluation.virtual.warped.numbers import draw_capture
 from breastrig.evaluation.virtual.warped.sources import CHOOSE, REPORT, Source, read_sources
 
 SEED = 20_261_122
-FAMILY_VERSION = 1  # of the maps, ranges and captures; another one makes all bodies anew
+FAMILY_VERSION = 2  # of the maps, ranges and captures; another one makes all bodies anew
 BODIES = 100
+HANGS = 2  # beside the stances 0 and 1: the generator of what hangs
 INDEPENDENT_IN_FIVE = (1, 3)  # of each five bodies of a half, these are of independent sources
 
 Half = Literal["choose", "report", "both"]
@@ -69,7 +70,7 @@ def _write_body(
     if _is_there(folder, made_by):
         return
     capture = draw_capture(random)
-    body = draw_body(source, random)
+    body = draw_body(source, random, np.random.default_rng((seed, number, HANGS)))
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "patient.json").unlink(missing_ok=True)
     drawn: dict[str, Any] = {"source": source.name, "half": source.half, "family": source.family, "capture": capture}

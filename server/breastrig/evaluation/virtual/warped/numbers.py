@@ -4,7 +4,7 @@ The ranges are wide but those of people: the issue's own (segments 15 %, navel 4
 no body looks monstrous.
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,10 @@ MASTECTOMY = 0.10  # share of the bodies
 BUMPS = (5, 10)  # how many
 BUMP_LENGTH = (0.080, 0.250)  # m
 BUMP_SIZE = 0.010  # m, all bumps together about so at most
+HANGING = 0.25  # share of the bodies
+HANGING_NIPPLE = (-0.045, 0.020)  # m above the fold: from Regnault's III to none
+HANGING_APART = 0.008  # m between the sides
+SAG = 0.030  # m, of the lower pole of every other one of them
 CAPTURES = {  # share of the bodies
     "ordinary": 0.64,
     "poor_sensor": 0.08,
@@ -53,6 +57,8 @@ class Numbers:
     hips: float = 0.0  # share wider
     mastectomy: str = ""  # L | R | ""
     bumps: tuple[tuple[float, ...], ...] = ()  # skin share, length m, x y z m
+    nipples_over_folds: tuple[float, float] | None = None  # m, where the breasts hang; they do not: as they are
+    sag: float = 0.0  # m, of their lower poles
 
     def written(self) -> dict[str, Any]:
         """As JSON says it."""
@@ -100,6 +106,13 @@ def draw_numbers(random: np.random.Generator) -> Numbers:
         mastectomy,
         bumps,
     )
+
+
+def with_hanging(numbers: Numbers, random: np.random.Generator) -> Numbers:
+    """The numbers of the same body with breasts that hang, from a generator of their own."""
+    both, apart = float(random.uniform(*HANGING_NIPPLE)), float(random.uniform(-HANGING_APART, HANGING_APART))
+    sag = float(random.uniform(0.0, SAG)) * float(random.random() < 0.5)
+    return replace(numbers, nipples_over_folds=(both + apart, both - apart), sag=sag)
 
 
 def draw_capture(random: np.random.Generator) -> str:

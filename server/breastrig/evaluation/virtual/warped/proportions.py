@@ -10,6 +10,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from breastrig.core.arrays import Array
+from breastrig.evaluation.virtual.warped.hanging import hanging_shift
 from breastrig.evaluation.virtual.warped.numbers import Numbers
 
 Places = dict[str, Array]
@@ -38,6 +39,9 @@ def changed(vertices: Array, landmarks: Callable[[Array], Places], numbers: Numb
         moved = moved + _bell(moved - at, (BREAST_REACH,) * 3)[:, None] * aside
         fold = landmarks(moved)[f"inframammary_fold_{side}"]
         moved = moved + _bell(moved - fold, FOLD_REACH)[:, None] * np.array([0.0, numbers.folds_up[index], 0.0])
+        if numbers.nipples_over_folds is not None:
+            above = numbers.nipples_over_folds[index]
+            moved = moved + hanging_shift(moved, landmarks(moved), side, above, numbers.sag)
     navel = landmarks(moved)["umbilicus"]
     return np.asarray(
         moved + _bell(moved - navel, (NAVEL_REACH,) * 3)[:, None] * np.array([0.0, numbers.navel_up, 0.0])

@@ -13,7 +13,7 @@ from breastrig.core.arrays import Array
 from breastrig.evaluation.studies.case import Scene
 from breastrig.evaluation.studies.landmarks import CLICK_ERROR, FIRST_HALF
 from breastrig.evaluation.studies.reference_fit import ReferenceFit, reference_fit
-from breastrig.evaluation.studies.reliability import add_up, held_at_levels
+from breastrig.evaluation.studies.trust.reliability import add_up, held_at_levels
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior

@@ -1,0 +1,1 @@
+"""What a fit says of itself: its radii, its doubts and its verdict."""

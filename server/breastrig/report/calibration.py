@@ -1,0 +1,62 @@
+"""How far measures by the model's outline are off where the truth is known, kept as data beside this file."""
+
+import tomllib
+from functools import lru_cache
+from importlib import resources
+from typing import Annotated
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Spread(_Part):
+    """An error (90 %) that grows with the radii of the places, but is never less than so much."""
+
+    least: NotNegative  # m
+    share: NotNegative  # of the radius
+
+    def of(self, radius: float) -> float:
+        """m, for a radius in m."""
+        return float(np.hypot(self.least, self.share * radius))
+
+
+class Outline(Spread):
+    """Of the outline that a fit to a scan carries, in one stance."""
+
+    outwards: float  # m, by which it lies too far in
+
+
+class Heights(_Part):
+    """Of nipple, fold and lowest skin, along a standing body's axis."""
+
+    picked: NotNegative  # m, 90 %, of a place that was picked
+    lowest: NotNegative  # m, 90 %, of the lowest skin
+    covered_below: float  # m of the nipple over the xiphoid, under which its breast covers the fold
+    fold_over_xiphoid: float  # m, of a fold that nobody sees
+    hidden_fold: NotNegative  # m, 90 %, of that
+
+
+class MeasureCalibration(_Part):
+    """Of the torso's measures."""
+
+    standing: Outline
+    supine: Outline
+    base_width: Spread
+    heights: Heights
+
+    def outline(self, stance: str) -> Outline:
+        """Of a stance; every one but lying counts as standing."""
+        return self.supine if stance == "supine" else self.standing
+
+
+@lru_cache(maxsize=1)
+def measure_calibration() -> MeasureCalibration:
+    """Read once a process."""
+    file = resources.files("breastrig.report") / "calibration.toml"
+    return MeasureCalibration.model_validate(tomllib.loads(file.read_text("utf-8")))
