@@ -12,9 +12,11 @@ from helpers import fake_fit
 
 from breastrig.core.errors import FitFailed, NotFound
 from breastrig.core.glb import split_glb
+from breastrig.core.gltf_arrays import GltfArrays
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.plain_mesh import plain_mesh
 from breastrig.service.service import Service
+from breastrig.storage.rows.cuts import put_cuts
 from breastrig.storage.storage import Storage
 from breastrig.workflow import tasks
 from breastrig.workflow.further_jobs import PlainMeshJob
@@ -68,12 +70,37 @@ def test_it_is_made_once_however_many_ask_and_kept(
     assert list(storage.root.rglob("plain.glb*")) == []
 
 
+def test_what_was_cut_away_by_hand_is_not_in_it(serving, scan_id: str, mesh: Path) -> None:
+    right_half = {
+        "to_picture": np.eye(4).T.ravel().tolist(),
+        "lasso": [[0.0, -9.0], [9.0, -9.0], [9.0, 9.0], [0.0, 9.0]],
+    }
+    left = VERTICES.reshape(30, 3, 3)[:, :, 0].mean(axis=1) < 0.0
+    with serving(fake_fit.quick) as service:
+        whole = service.plain_meshes.get(scan_id)
+        put_cuts(service.storage, scan_id, (right_half,))
+        cut = service.plain_meshes.get(scan_id)
+        with cut.open() as file:
+            content = file.read()
+        put_cuts(service.storage, scan_id, ())
+        assert service.plain_meshes.get(scan_id).etag == whole.etag
+        service.delete_scan(scan_id)
+        assert list(service.storage.root.rglob("plain*")) == []
+    document, binary = split_glb(content)
+    arrays, primitive = GltfArrays(document, binary), document["meshes"][0]["primitives"][0]
+    points = arrays.read(primitive["attributes"]["POSITION"]) + document["nodes"][0].get("translation", np.zeros(3))
+    corners = points[arrays.read(primitive["indices"]).reshape(-1, 3)]
+    assert 0 < np.count_nonzero(left) < 30
+    np.testing.assert_allclose(corners, VERTICES.reshape(30, 3, 3)[left], atol=1e-6)
+    assert len(points) == 3 * np.count_nonzero(left)
+
+
 def test_it_is_not_made_in_the_servers_own_process(
     serving, scan_id: str, mesh: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What it takes in memory ends with the process that took it."""
     with serving(fake_fit.quick) as service:
-        monkeypatch.setattr("breastrig.workflow.write_plain_mesh.plain_mesh", lambda _glb: os._exit(1))
+        monkeypatch.setattr("breastrig.workflow.write_plain_mesh.plain_mesh", lambda *_given: os._exit(1))
         assert service.plain_meshes.get(scan_id).size > 0
 
 
@@ -128,7 +155,7 @@ def test_a_scan_without_a_mesh_or_no_scan_at_all_is_not_found(serving, scan_id: 
 def test_too_little_memory_is_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "mesh.glb").write_bytes(COLOURED)
 
-    def too_large(_glb: bytes) -> bytes:
+    def too_large(*_given: object) -> bytes:
         raise MemoryError
 
     monkeypatch.setattr("breastrig.workflow.write_plain_mesh.plain_mesh", too_large)

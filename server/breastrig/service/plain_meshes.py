@@ -1,7 +1,8 @@
 """The scan's shape without its colours, for share links that show no more: made once, in a process of its own.
 
 It is kept beside the coloured mesh, as a file of the scan, so it goes with the scan.  Made for each visitor anew it
-would take seconds and a hundred megabytes each time.
+would take seconds and a hundred megabytes each time.  What was cut away by hand is not in it; other cuts make another
+file.
 """
 
 import errno
@@ -11,6 +12,7 @@ from breastrig.core.errors import FitFailed, NotFound
 from breastrig.execution.fair_processes import FairProcesses
 from breastrig.service.single_flight import SingleFlight
 from breastrig.storage.files import MESH, PLAIN_MESH, OpenedFile, scan_place
+from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts
 from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.further_jobs import PlainMeshJob
@@ -34,26 +36,28 @@ class PlainMeshes:
 
         Raises a BreastRigError with a sentence, NotFound when the scan was deleted meanwhile, OSError for a full disk.
         """
-        kept = self._kept(scan_id)
+        cuts = get_cuts(self._storage, scan_id)
+        name = f"{PLAIN_MESH.removesuffix('.glb')}_{cuts_digest(cuts)}.glb" if cuts else PLAIN_MESH
+        kept = self._kept(scan_id, name)
         if kept is None:
-            self._flights.result(scan_id, lambda: self._make(scan_id))
-            kept = self._kept(scan_id)
+            self._flights.result(f"{scan_id}/{name}", lambda: self._make(scan_id, name, cuts))
+            kept = self._kept(scan_id, name)
         if kept is None:
             raise NotFound("This scan has no mesh; it may have been deleted.")
         return kept
 
-    def _kept(self, scan_id: str) -> OpenedFile | None:
-        return self._storage.files.find(scan_place(scan_id), PLAIN_MESH)
+    def _kept(self, scan_id: str, name: str) -> OpenedFile | None:
+        return self._storage.files.find(scan_place(scan_id), name)
 
-    def _make(self, scan_id: str) -> None:
+    def _make(self, scan_id: str, name: str, cuts: Cuts) -> None:
         place, files = scan_place(scan_id), self._storage.files
-        if self._kept(scan_id) is not None:  # it was made between looking and coming here
+        if self._kept(scan_id, name) is not None:  # it was made between looking and coming here
             return
         if files.find(place, MESH) is None:
             raise NotFound("This scan has no mesh; it may have been deleted.")
         try:
             with files.reading(place, [MESH]) as source, files.writing(place) as draft:
-                job = PlainMeshJob(source / MESH, draft.folder / PLAIN_MESH)
+                job = PlainMeshJob(source / MESH, draft.folder / name, cuts)
                 self._processes.result(write_plain_mesh, (job,), WALL_S)
                 draft.keep()
         except TimeoutError as error:

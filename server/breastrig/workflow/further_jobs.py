@@ -34,10 +34,11 @@ class InkJob:
 
 @dataclass(frozen=True)
 class PlainMeshJob:
-    """A coloured mesh to be written without its colours."""
+    """A coloured mesh to be written without its colours, and without what was cut out of it by hand."""
 
     mesh: Path
     plain: Path  # where it is written, whole or not at all
+    cuts: tuple[dict[str, Any], ...] = ()  # see scan/hand_cuts.py
 
 
 @dataclass(frozen=True)

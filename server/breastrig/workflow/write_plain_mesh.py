@@ -9,6 +9,6 @@ from breastrig.workflow.further_jobs import PlainMeshJob
 def write_plain_mesh(job: PlainMeshJob) -> None:
     """Raises BadScan with a sentence, OSError when it cannot be read or written."""
     try:
-        write_private(job.plain, plain_mesh(job.mesh.read_bytes()))
+        write_private(job.plain, plain_mesh(job.mesh.read_bytes(), job.cuts))
     except MemoryError as error:
         raise BadScan("This scan is too large to be shown without its colours; simplify it first.") from error

@@ -7,7 +7,7 @@ export const share = {
   shown: "It shows",
   shows: {
     none: "the model, without the scan",
-    plain: "the scan's shape, no colours",
+    plain: "the scan's shape, no colours, and nothing that you cut away",
     full: "the scan with its colours",
   } satisfies Record<"none" | "plain" | "full", string>,
   expiry: "It ends after",
