@@ -8,6 +8,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.geometry.normals import face_areas
 from breastrig.scan.clean import Surface, clean
+from breastrig.scan.other_pieces import without_other_pieces
 from breastrig.scan.read import read_scan
 
 HEIGHT, RADIUS = 0.25, 0.16  # m
@@ -120,3 +121,13 @@ def test_a_hand_over_a_lying_patient_goes_and_her_table_is_still_one() -> None:
     assert ready.table_triangles == alone.table_triangles
     assert len(ready.beside) == 1
     assert len(ready.surface.faces) == len(scan.faces)
+
+
+def test_a_flat_piece_is_no_body_however_large() -> None:
+    vertices, faces = front()
+    corner = np.array([[-1.0, -0.6, -1.0], [1.0, -0.6, -1.0], [1.0, -0.6, 1.0], [-1.0, -0.6, 1.0]])  # a floor's patch
+    places = np.concatenate([vertices, corner])
+    joined = np.concatenate([faces, np.array([[0, 2, 1], [0, 3, 2]]) + len(vertices)])
+    hers, (piece,) = without_other_pieces(places, joined, in_room=False)
+    np.testing.assert_array_equal(hers, np.arange(len(joined)) < len(faces))
+    assert piece.area == pytest.approx(4.0)

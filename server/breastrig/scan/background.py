@@ -83,10 +83,15 @@ def _body(vertices: Array, faces: Integers) -> Integers | None:
         if sizes[which] < FRAGMENT_SHARE * sizes.max():
             return None
         mine = np.unique(faces[piece == which])
-        across: Array = np.linalg.eigvalsh(np.cov(vertices[mine].T))
-        if np.sqrt(max(float(across[0]), 0.0)) > FLAT:
+        if not is_flat(vertices[mine]):
             return mine
     return None
+
+
+def is_flat(points: Array, spread: float = FLAT) -> bool:
+    """Whether (N, 3) m points of a piece lie in a plane, to a standard deviation of `spread` (m)."""
+    across = np.linalg.eigvalsh(np.cov(points.T))
+    return bool(np.sqrt(max(float(across[0]), 0.0)) <= spread)
 
 
 def _is_background(heights: Array) -> bool:

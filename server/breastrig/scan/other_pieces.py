@@ -18,13 +18,14 @@ from breastrig.core.scipy_parts import cKDTree
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.components import triangle_components
 from breastrig.geometry.normals import face_areas, face_crosses, vertex_normals
-from breastrig.scan.background import only_body
+from breastrig.scan.background import is_flat, only_body
 
 LARGE = 0.3  # of the body's area, as seen from one side; a side of her shows it, an arm with skin all around does not
 REACH = 0.06  # m from border to border; tears are narrower
 RISE = 0.5  # sine: how far each may lie above or below the other's tangent plane; 6 cm on a breast bend by 0.45
 ALIKE = 0.3  # cosine between the normals on both sides of a tear
 SHARE = 0.15  # of a piece's border that has to continue the body
+FLAT = 0.006  # m, standard deviation; a table of 1 cm has 5 mm, a quarter of a trunk 14 mm
 NO_LENGTH = 1e-9  # m
 ROUNDS = 6  # pieces that continue pieces; each round adds all that continue what is body by then
 
@@ -59,12 +60,21 @@ def _piece(vertices: Array, faces: Integers, own: Integers, areas: Array) -> Pie
 
 
 def _body_pieces(vertices: Array, faces: Integers, labels: Integers, count: int) -> Booleans:
-    """(P,) which of the pieces are the body: the largest, other sides of it, and what continues them."""
+    """(P,) which pieces are the body: the largest that is not flat, other sides of it, and what continues them."""
     piece, crosses = labels[faces[:, 0]], 0.5 * face_crosses(vertices, faces)
     areas = np.bincount(piece, np.linalg.norm(crosses, axis=1), count)
     facing = np.linalg.norm([np.bincount(piece, along, count) for along in crosses.T], axis=0)
-    is_body = facing >= LARGE * areas.max()
-    is_body[np.argmax(areas)] = True
+    is_body = np.zeros(count, dtype=np.bool_)
+    body = None
+    for which in np.argsort(-areas, kind="stable"):
+        if areas[which] == 0.0 or (body is not None and areas[which] < LARGE * areas[body]):
+            break
+        if is_flat(vertices[np.unique(faces[piece == which])], FLAT):
+            continue  # a table or a wall that was not found as one, larger than she is
+        body = which if body is None else body
+        is_body[which] = which == body or facing[which] >= LARGE * areas[body]
+    if body is None:
+        is_body[np.argmax(areas)] = True
     on_border = np.flatnonzero(boundary_vertices(faces, len(vertices)))
     border = _Border(vertices[on_border], vertex_normals(vertices, faces)[on_border], labels[on_border])
     for _ in range(ROUNDS):
