@@ -206,7 +206,8 @@ def test_the_token_may_come_from_a_file_and_the_log_is_json_without_names(
         fit = client.post("/api/fits", json={"scan": scan["id"], "drawing": None}).json()["links"]
         until(lambda: client.get(fit["self"]).json()["state"] == "failed", "the broken fit")
         until(lambda: "ZeroDivisionError" in log.read_text(), "its line in the log")
-    lines = [json.loads(line) for line in log.read_text().splitlines()]
+        written = log.read_text()  # once it is killed, Python's own tracker of semaphores may add a line about it
+    lines = [json.loads(line) for line in written.rpartition("\n")[0].splitlines()]
     assert any("ZeroDivisionError" in line.get("traceback", "") for line in lines)
     requests = {(line["method"], line["route"], line["status"]) for line in lines if "route" in line}
     assert {("GET", "/api/meta", 401), ("PUT", "/api/scans/<scan_id>/landmarks", 200)} <= requests
