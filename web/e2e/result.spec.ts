@@ -3,7 +3,7 @@
 import { readFileSync } from "node:fs";
 import { expect, type Page } from "@playwright/test";
 import type { Fit, Result } from "../src/api/types";
-import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/fit/distances";
+import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/fit/distances/distances";
 import { formatMm, formatPercent, formatSignedMm } from "../src/ui/units";
 import { distance, hook, test, until, untilFitted, untilStill } from "./page";
 

@@ -220,7 +220,7 @@ def _mixed(values: Reals, corners: Integers, barycentric: Reals) -> Reals:
 
 
 def diverging_colours(values_mm: Array, limit_mm: float = 5.0) -> Array:
-    """(M, 3) colours of signed distances, the same as on the page (web/src/fit/distances.ts).
+    """(M, 3) colours of signed distances, the same as on the page (web/src/fit/distances/distances.ts).
 
     One pale colour within NOISE_MM, where the scanner's own error explains a distance; a step there, as it is a limit;
     then even steps of lightness and hue (in OKLab, Ottosson 2020) to blue at -limit and beyond, to orange at +limit.

@@ -1,14 +1,14 @@
 // Puts the panels in their places.
-import { createCanvasBar } from "../drawing/CanvasBar";
+import { createCanvasBar } from "../drawing/pen/CanvasBar";
 import { createDrawingPanel } from "../drawing/DrawingPanel";
-import { createColourBar } from "../fit/ColourBar";
-import { createMirrorLegend, hasMirror } from "../drawing/MirrorLegend";
+import { createColourBar } from "../fit/distances/ColourBar";
+import { createMirrorLegend, hasMirror } from "../drawing/mirror/MirrorLegend";
 import { createFitPanel } from "../fit/FitPanel";
-import { createNumbersPanel } from "../fit/NumbersPanel";
+import { createNumbersPanel } from "../fit/distances/NumbersPanel";
 import { outdated } from "../fit/outdated";
 import { createResultPanel } from "../fit/ResultPanel";
 import { hasBoth, viewBarShown } from "../fit/state";
-import { createTimeline } from "../fit/TimelinePanel";
+import { createTimeline } from "../fit/playback/TimelinePanel";
 import { createGuideCard } from "../landmarks/GuideCard";
 import { createLandmarkPanel } from "../landmarks/LandmarkPanel";
 import { needsConfirming } from "../landmarks/state";

@@ -3,7 +3,7 @@ import { drawing as drawingText } from "../drawing/text";
 import { fit as fitText, numbers as resultNumbers, result as resultText } from "../fit/text";
 import { outdated } from "../fit/outdated";
 import { levelOf } from "../fit/verdict";
-import { askedNames, openQuestions } from "../landmarks/questions";
+import { askedNames, openQuestions } from "../landmarks/questions/questions";
 import { pickCount } from "../landmarks/state";
 import { landmarks as landmarkText, questions } from "../landmarks/text";
 import { scan as scanText } from "../scan/text";

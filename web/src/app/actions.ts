@@ -2,13 +2,13 @@
 import type { Client } from "../api/client";
 import type { Frame } from "../api/types";
 import { drawingActions } from "../drawing/actions";
-import { handleActions } from "../drawing/handles";
+import { handleActions } from "../drawing/patterns/handles";
 import { fitActions } from "../fit/actions";
-import { createFollower } from "../fit/follower";
-import { handPoseActions } from "../fit/handPoseActions";
-import { createPlayer } from "../fit/playback";
+import { createFollower } from "../fit/playback/follower";
+import { handPoseActions } from "../fit/hand_pose/handPoseActions";
+import { createPlayer } from "../fit/playback/playback";
 import { landmarkActions } from "../landmarks/actions";
-import { createProposalSearch } from "../landmarks/proposalSearch";
+import { createProposalSearch } from "../landmarks/proposals/proposalSearch";
 import { patientActions } from "../patients/actions";
 import { planActions } from "../plan/actions";
 import { scanActions } from "../scan/actions";

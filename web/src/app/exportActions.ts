@@ -1,5 +1,5 @@
 // Files that the page makes itself: the picture of the view, and the distances as a table.
-import { distancesCsv } from "../fit/distances";
+import { distancesCsv } from "../fit/distances/distances";
 import type { FitSlice } from "../fit/state";
 import type { PageSlice } from "../store/page";
 import { withProblem } from "../store/problems";

@@ -1,7 +1,7 @@
 // The picture as it stands, for a slide or a paper: twice the size, with the letters, a 10 cm scale, the colours' scale
 // where distances are shown, and what it must not be used for.  No date and no name: nothing in it identifies the patient.
-import { paintColourScale, signedMm } from "../fit/ColourBar";
-import { SCALE_MM, SCANNER_MM } from "../fit/distances";
+import { paintColourScale, signedMm } from "../fit/distances/ColourBar";
+import { SCALE_MM, SCANNER_MM } from "../fit/distances/distances";
 import { showsFittedSurface } from "../fit/state";
 import { distances as distancesText } from "../fit/text";
 import { name, notice } from "../ui/text";

@@ -1,6 +1,6 @@
 // A session that has ended leads to the sign-in page.  What the page showed, and landmarks and lines that could not be
 // saved any more, wait in this tab's memory and are taken up again afterwards.
-import type { OwnLine } from "../drawing/lines";
+import type { OwnLine } from "../drawing/lines/lines";
 import { certainNames } from "../landmarks/certain";
 import type { Picks } from "../landmarks/picks";
 import type { Session } from "./session";

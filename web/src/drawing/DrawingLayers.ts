@@ -7,8 +7,8 @@ import { button, iconButton } from "../ui/controls";
 import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { DrawingActions } from "./actions";
-import { lengthOf, ownColour, type OwnLine } from "./lines";
-import { mirrorPlane } from "./mirror";
+import { lengthOf, ownColour, type OwnLine } from "./lines/lines";
+import { mirrorPlane } from "./mirror/mirror";
 import { ALL_BANDS, BANDS, type DrawingSlice, type Layer, layerKey, shownPatterns } from "./state";
 import * as text from "./text";
 

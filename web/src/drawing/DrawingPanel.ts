@@ -7,8 +7,8 @@ import { el, saveFile, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { DrawingActions } from "./actions";
 import { createDrawingLayers } from "./DrawingLayers";
-import { createDrawingPattern, type PlanWords } from "./DrawingPattern";
-import { toText } from "./files";
+import { createDrawingPattern, type PlanWords } from "./patterns/DrawingPattern";
+import { toText } from "./lines/files";
 import { type DrawingSlice, lineNamed, type Tool, TOOLS } from "./state";
 import * as text from "./text";
 

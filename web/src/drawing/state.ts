@@ -1,9 +1,9 @@
 // What is drawn on the page's scan, and what the hand does there.
 import type { DrawingFile, PatternHandle, PlannedShape, PlanOnScan, Unit, Vector } from "../api/types";
 import { type History, startHistory } from "../store/history";
-import { INK, type OwnLine } from "./lines";
-import type { Asymmetry } from "./mirroredBreast";
-import type { Tape } from "./tape";
+import { INK, type OwnLine } from "./lines/lines";
+import type { Asymmetry } from "./mirror/mirroredBreast";
+import type { Tape } from "./tape/tape";
 
 export type Tool = "none" | "pen" | "points" | "tumour" | "tape" | "erase";
 /** Beside the body; the full canvas has others. */

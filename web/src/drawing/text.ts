@@ -3,7 +3,7 @@ import { sideOf } from "../landmarks/picks";
 import { plural } from "../ui/plural";
 import { formatMmWhole } from "../ui/units";
 import type { LiveHandle } from "./state";
-import { type Tape, tapeHasHole, tapeLength } from "./tape";
+import { type Tape, tapeHasHole, tapeLength } from "./tape/tape";
 
 type Unit = LiveHandle["numbers"][number]["unit"];
 

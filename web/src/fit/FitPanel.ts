@@ -1,7 +1,7 @@
 // Step 3: the few choices before a fit, and what goes on during one.
 import type { StanceChoice } from "../api/types";
 import { ENOUGH } from "../landmarks/picks";
-import { type Asked, openQuestions, sentenceOf } from "../landmarks/questions";
+import { type Asked, openQuestions, sentenceOf } from "../landmarks/questions/questions";
 import { type LandmarksSlice, pickCount } from "../landmarks/state";
 import * as scanText from "../scan/text";
 import type { PageSlice } from "../store/page";

@@ -1,12 +1,12 @@
 // The last step: which landmarks to check, the model's shape, and the files to take away.
-import { type Asked, openQuestions, sentenceOf } from "../landmarks/questions";
+import { type Asked, openQuestions, sentenceOf } from "../landmarks/questions/questions";
 import type { LandmarksSlice } from "../landmarks/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { el, fill, icon, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
-import type { HandPoseActions } from "./handPoseActions";
-import { createShapeSliders } from "./ShapeSliders";
+import type { HandPoseActions } from "./hand_pose/handPoseActions";
+import { createShapeSliders } from "./hand_pose/ShapeSliders";
 import type { FitSlice } from "./state";
 import * as text from "./text";
 

@@ -7,7 +7,7 @@ import type { ScanSlice } from "../scan/state";
 import { disposeTree, readGltf } from "../viewer/gltf";
 import { bringNearer, depthMaterial, MODEL_SHARE, ORDER } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
-import type { VertexAt } from "../viewer/surfacePoints";
+import type { VertexAt } from "../viewer/lines/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { type Shown, shownPoses, showsFittedSurface } from "./state";
 

@@ -6,7 +6,7 @@ import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import type { ViewSlice } from "../viewer/state";
 import type { ViewBarShown } from "../viewer/ViewBar";
-import type { HandPose } from "./handPose";
+import type { HandPose } from "./hand_pose/handPose";
 
 /** What a fit was asked for besides its landmarks; the drawing is the plan's, and follows without a fit. */
 export interface AskedSettings {

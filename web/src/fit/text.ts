@@ -1,7 +1,7 @@
 // The running fit and its iterations.
 import { plural } from "../ui/plural";
 
-export * from "./handPoseText";
+export * from "./hand_pose/handPoseText";
 export * from "./resultText";
 
 export const fit = {

@@ -1,10 +1,10 @@
 // The found lines on the body: pale and dashed, as long as nobody has accepted them; the one that is pointed at is whole.
 // They are seen where their list is: landmarks are placed on the ink itself, and not on what lies over it.
-import { polyline } from "../drawing/lines";
+import { polyline } from "../drawing/lines/lines";
 import type { DrawingSlice } from "../drawing/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
-import { FatLines } from "../viewer/FatLines";
+import { FatLines } from "../viewer/lines/FatLines";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { type InkSlice, openLines } from "./state";
 

@@ -1,9 +1,9 @@
 // Found lines as plain values: read from the service's answer, joined at their ends, made into lines of the plan.
 import type { Ink, Vector } from "../api/types";
-import { lineAlong } from "../drawing/edits";
-import { gap, type OwnLine } from "../drawing/lines";
+import { lineAlong } from "../drawing/lines/edits";
+import { gap, type OwnLine } from "../drawing/lines/lines";
 import type { InkDecided } from "../drawing/state";
-import { BRIDGE_MM, evenly } from "../drawing/strokes";
+import { BRIDGE_MM, evenly } from "../drawing/lines/strokes";
 import type { FoundLine } from "./state";
 import * as text from "./text";
 

@@ -6,7 +6,7 @@ import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { LandmarkActions } from "./actions";
 import { plainLabel, sideOf } from "./picks";
-import { errorOf, openProposals } from "./proposals";
+import { errorOf, openProposals } from "./proposals/proposals";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 

@@ -7,13 +7,13 @@ import { button, fileButton, iconButton, problem } from "../ui/controls";
 import { el, fill, icon, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { LandmarkActions } from "./actions";
-import { landmarkExport } from "./LandmarkExport";
+import { landmarkExport } from "./files/LandmarkExport";
 import { isCertain } from "./certain";
 import { partnerOf, plainLabel, sideOf } from "./picks";
-import { errorOf, isLikely, isSeen, type OpenProposal, openProposals } from "./proposals";
-import type { ProposalSearch } from "./proposalSearch";
-import { createQuestionBox } from "./QuestionBox";
-import { type Asked, askedNames, openQuestions, type Question } from "./questions";
+import { errorOf, isLikely, isSeen, type OpenProposal, openProposals } from "./proposals/proposals";
+import type { ProposalSearch } from "./proposals/proposalSearch";
+import { createQuestionBox } from "./questions/QuestionBox";
+import { type Asked, askedNames, openQuestions, type Question } from "./questions/questions";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 

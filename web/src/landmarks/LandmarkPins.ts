@@ -10,7 +10,7 @@ import { isHidden, type Surface } from "../viewer/picking";
 import type { ViewSlice } from "../viewer/state";
 import type { Viewer } from "../viewer/Viewer";
 import { type Picks, sideOf } from "./picks";
-import { type Asked, askedNames, openQuestions } from "./questions";
+import { type Asked, askedNames, openQuestions } from "./questions/questions";
 import type { LandmarksSlice } from "./state";
 
 type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice, "meta" | "overlay" | "scan" | "picks" | "certain" | "active"> & Pick<Asked, "fit">;

@@ -3,7 +3,7 @@ import { Box3, Mesh, MeshStandardMaterial, OrthographicCamera, Scene, Vector3 } 
 import type { PageSlice } from "../store/page";
 import { addLights } from "../viewer/lights";
 import { Snapshot } from "../viewer/Snapshot";
-import { surfacePosition } from "../viewer/surfacePoints";
+import { surfacePosition } from "../viewer/lines/surfacePoints";
 import type { Part, Viewer } from "../viewer/Viewer";
 import type { LandmarksSlice } from "./state";
 

@@ -9,7 +9,7 @@ import { ARROWS, onCanvasKey } from "../viewer/keys";
 import { pickAt, type Surface } from "../viewer/picking";
 import type { Viewer } from "../viewer/Viewer";
 import type { LandmarkActions } from "./actions";
-import { openProposals } from "./proposals";
+import { openProposals } from "./proposals/proposals";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 

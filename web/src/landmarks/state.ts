@@ -3,7 +3,7 @@ import type { ScanSlice } from "../scan/state";
 import { type History, startHistory } from "../store/history";
 import { type Certain, certainAt } from "./certain";
 import type { Picks } from "./picks";
-import type { Proposals } from "./proposals";
+import type { Proposals } from "./proposals/proposals";
 
 export interface LandmarksSlice {
   readonly picks: History<Picks>;

@@ -1,7 +1,7 @@
 // The plan of the patient on the page: read with each scan, written when a line, a pattern or a tumour changes.
 import type { Client } from "../api/client";
 import type { PlanItem, Scan } from "../api/types";
-import type { OwnLine } from "../drawing/lines";
+import type { OwnLine } from "../drawing/lines/lines";
 import { type DrawingSlice, type PlanStep, withStep } from "../drawing/state";
 import { type FitSlice, initialFit } from "../fit/state";
 import type { ScanSlice } from "../scan/state";

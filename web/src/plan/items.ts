@@ -1,9 +1,9 @@
 // The plan as plain values: which of its items are lines, patterns and the tumour of one scan, put back after a change,
 // and brought together with what somebody else has changed meanwhile.
 import type { PlanItem, PlanLine, PlanNote, PlanPattern, PlanTumour, Vector } from "../api/types";
-import { lineAlong } from "../drawing/edits";
-import { roundMm } from "../drawing/files";
-import { INK, newId, type OwnLine } from "../drawing/lines";
+import { lineAlong } from "../drawing/lines/edits";
+import { roundMm } from "../drawing/lines/files";
+import { INK, newId, type OwnLine } from "../drawing/lines/lines";
 import type { PlanStep } from "../drawing/state";
 import { type DrawingRequest, parametersOf, readRequest, requestText, type Values } from "../fit/requestedDrawing";
 

@@ -3,7 +3,7 @@ import { type BufferGeometry, DoubleSide, Ray, Vector3 } from "three";
 import type { MeshBVH } from "three-mesh-bvh";
 import type { Vector } from "../api/types";
 import { metresFromMm, mmFromMetres } from "../ui/units";
-import { nearestNormal } from "../viewer/surfacePoints";
+import { nearestNormal } from "../viewer/lines/surfacePoints";
 import { type Camera, towardsEye } from "./camera";
 
 const AVERTED = -0.1; // cosine; a rim seen from the side still counts as seen

@@ -6,7 +6,7 @@ import { firstMesh, readGltf } from "../viewer/gltf";
 import type { Surface } from "../viewer/picking";
 import { depthMaterial, ORDER, wipesDepth } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
-import { nearestNormal } from "../viewer/surfacePoints";
+import { nearestNormal } from "../viewer/lines/surfacePoints";
 import { type Viewer, viewFromScan } from "../viewer/Viewer";
 import { type Body, cutByService, indexOf, NOTHING_CUT, type Outline, partOf, type ScanParts, setTree } from "./body";
 import { knownBody, knownOutline, searchScan } from "./bodySearch";

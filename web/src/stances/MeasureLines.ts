@@ -1,10 +1,10 @@
 // On the body: where the measure runs that is pointed at in the table.  Along the skin a tape lies on it; callipers' lines lead
 // through the body and are drawn over it.
 import { Vector3 } from "three";
-import { polyline } from "../drawing/lines";
+import { polyline } from "../drawing/lines/lines";
 import { el } from "../ui/dom";
 import { metresFromMm } from "../ui/units";
-import { FatLines } from "../viewer/FatLines";
+import { FatLines } from "../viewer/lines/FatLines";
 import type { Part, Viewer } from "../viewer/Viewer";
 import { measuredLines, type MeasuredLine } from "./measuredLines";
 import type { StancesSlice } from "./state";

@@ -1,10 +1,10 @@
 // The pane of the stance that waits: a view of its own, made when it is first wanted, whose camera goes with the other's.
 import type { Matrix4 } from "three";
-import { ErrorBands } from "../drawing/ErrorBands";
-import { OwnLines } from "../drawing/OwnLines";
-import { ReferenceLines } from "../drawing/ReferenceLines";
+import { ErrorBands } from "../drawing/lines/ErrorBands";
+import { OwnLines } from "../drawing/lines/OwnLines";
+import { ReferenceLines } from "../drawing/lines/ReferenceLines";
 import type { DrawingSlice } from "../drawing/state";
-import { FittedSurface } from "../fit/FittedSurface";
+import { FittedSurface } from "../fit/distances/FittedSurface";
 import { type FitSlice, hasModelShown } from "../fit/state";
 import { TorsoModel } from "../fit/TorsoModel";
 import { LandmarkPins } from "../landmarks/LandmarkPins";

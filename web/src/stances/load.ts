@@ -2,7 +2,7 @@
 import type { Client } from "../api/client";
 import type { ExampleScan, Frame, Iterated, Started } from "../api/types";
 import { startDrawn } from "../drawing/state";
-import { readDistances } from "../fit/distances";
+import { readDistances } from "../fit/distances/distances";
 import type { FitState } from "../fit/state";
 import { certainAt } from "../landmarks/certain";
 import type { PlanActions } from "../plan/actions";

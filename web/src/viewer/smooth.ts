@@ -2,7 +2,7 @@
 // Between neighbours runs a Catmull-Rom curve; where a line turns sharply that is meant, as in a keyhole pattern, and the
 // corner stays.
 import { Vector3 } from "three";
-import type { Polyline } from "./FatLines";
+import type { Polyline } from "./lines/FatLines";
 
 const PIECES = 4; // of each segment
 const CORNER = Math.cos((35 * Math.PI) / 180); // sharper turns are corners

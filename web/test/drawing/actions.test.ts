@@ -5,10 +5,10 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { fakePlans, page } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { PlanLine, StoredPlan, Vector } from "../../src/api/types";
-import { fromDrawing, readDrawing, toDrawing, toText, UnreadableDrawing } from "../../src/drawing/files";
+import { fromDrawing, readDrawing, toDrawing, toText, UnreadableDrawing } from "../../src/drawing/lines/files";
 import { drawingKey } from "../../src/drawing/keys";
-import { lengthOf } from "../../src/drawing/lines";
-import { skinOf } from "../../src/drawing/skin";
+import { lengthOf } from "../../src/drawing/lines/lines";
+import { skinOf } from "../../src/drawing/lines/skin";
 import { layerKey } from "../../src/drawing/state";
 
 const skin = (() => {

@@ -2,9 +2,9 @@
 import { Color } from "three";
 import { afterEach, expect, test, vi } from "vitest";
 import { drawingKey } from "../../src/drawing/keys";
-import { INK, ownColour, polyline } from "../../src/drawing/lines";
-import { skinOf } from "../../src/drawing/skin";
-import { inkOf, segmentColours } from "../../src/viewer/FatLines";
+import { INK, ownColour, polyline } from "../../src/drawing/lines/lines";
+import { skinOf } from "../../src/drawing/lines/skin";
+import { inkOf, segmentColours } from "../../src/viewer/lines/FatLines";
 import { half, made } from "../shapes";
 import { withScan } from "../fakes";
 

@@ -2,9 +2,9 @@
 import { PlaneGeometry, SphereGeometry } from "three";
 import { expect, test } from "vitest";
 import type { Vector } from "../../src/api/types";
-import { gap } from "../../src/drawing/lines";
-import { type Skin, skinOf } from "../../src/drawing/skin";
-import { BRIDGE_MM, freehand, handStrokes, isJoined, leadsOver } from "../../src/drawing/strokes";
+import { gap } from "../../src/drawing/lines/lines";
+import { type Skin, skinOf } from "../../src/drawing/lines/skin";
+import { BRIDGE_MM, freehand, handStrokes, isJoined, leadsOver } from "../../src/drawing/lines/strokes";
 import { NOTHING_CUT } from "../../src/scan/body";
 import { drawableOf } from "../../src/scan/drawable";
 import { cut, half, made, onTable, place } from "../shapes";

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { ErrorIndex, errorBand, type ErrorPoints, type Skin } from "../../src/drawing/errorBand";
+import { ErrorIndex, errorBand, type ErrorPoints, type Skin } from "../../src/drawing/lines/errorBand";
 
 const CELL = 0.005;
 

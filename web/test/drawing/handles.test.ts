@@ -3,7 +3,7 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { fitLinks, page, scanInfo } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { Meta, PatternOnScan, PatternQuestion, Vector } from "../../src/api/types";
-import { hasHandles } from "../../src/drawing/handles";
+import { hasHandles } from "../../src/drawing/patterns/handles";
 import { shownPatterns } from "../../src/drawing/state";
 import type { FitState } from "../../src/fit/state";
 

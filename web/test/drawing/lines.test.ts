@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Vector } from "../../src/api/types";
-import { polyline } from "../../src/drawing/lines";
+import { polyline } from "../../src/drawing/lines/lines";
 
 const POINTS: Vector[] = [[0, 0, 0], [10, 20, 30]];
 

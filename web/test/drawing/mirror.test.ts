@@ -2,11 +2,11 @@
 import { PlaneGeometry, SphereGeometry } from "three";
 import { expect, test } from "vitest";
 import type { Result, Vector } from "../../src/api/types";
-import { circle } from "../../src/drawing/strokes";
-import { lineAlong } from "../../src/drawing/edits";
-import { gap, INK, lengthOf, type OwnLine } from "../../src/drawing/lines";
-import { mirroredLine, mirroredPoint, mirrorPlane } from "../../src/drawing/mirror";
-import { type Skin, skinOf } from "../../src/drawing/skin";
+import { circle } from "../../src/drawing/lines/strokes";
+import { lineAlong } from "../../src/drawing/lines/edits";
+import { gap, INK, lengthOf, type OwnLine } from "../../src/drawing/lines/lines";
+import { mirroredLine, mirroredPoint, mirrorPlane } from "../../src/drawing/mirror/mirror";
+import { type Skin, skinOf } from "../../src/drawing/lines/skin";
 import type { FitState } from "../../src/fit/state";
 import { withScan } from "../fakes";
 import { cut, made, place } from "../shapes";

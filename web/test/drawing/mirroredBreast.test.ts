@@ -4,7 +4,7 @@ import { PlaneGeometry } from "three";
 import { MeshBVH } from "three-mesh-bvh";
 import { afterEach, expect, test, vi } from "vitest";
 import type { Result } from "../../src/api/types";
-import { asymmetryOf, mirroredBreast } from "../../src/drawing/mirroredBreast";
+import { asymmetryOf, mirroredBreast } from "../../src/drawing/mirror/mirroredBreast";
 import { withScan } from "../fakes";
 
 afterEach(() => void vi.unstubAllGlobals());

@@ -1,6 +1,6 @@
 // Which of several pointers on a tablet is meant: the pen draws, fingers turn, the hand that holds the pen does nothing.
 import { expect, test } from "vitest";
-import { Palms } from "../../src/drawing/palms";
+import { Palms } from "../../src/drawing/pen/palms";
 
 test("fingers draw as long as no pen was seen, and none after", () => {
   const palms = new Palms();

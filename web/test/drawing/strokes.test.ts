@@ -3,10 +3,10 @@ import { BufferGeometry, Float32BufferAttribute, PlaneGeometry, SphereGeometry, 
 import { MeshBVH } from "three-mesh-bvh";
 import { expect, test } from "vitest";
 import type { Vector } from "../../src/api/types";
-import { bridgedAt, closedUp, cornerAdded, cornerAt, cornerMoved, cornerRemoved, extended, lineAlong, lineThrough, openedUp, partsOf } from "../../src/drawing/edits";
-import { gap, INK, lengthOf, type OwnLine } from "../../src/drawing/lines";
-import { type Skin, skinOf } from "../../src/drawing/skin";
-import { BRIDGE_MM, circle, cornersOf, evenly, freehand, STEP_MM, way } from "../../src/drawing/strokes";
+import { bridgedAt, closedUp, cornerAdded, cornerAt, cornerMoved, cornerRemoved, extended, lineAlong, lineThrough, openedUp, partsOf } from "../../src/drawing/lines/edits";
+import { gap, INK, lengthOf, type OwnLine } from "../../src/drawing/lines/lines";
+import { type Skin, skinOf } from "../../src/drawing/lines/skin";
+import { BRIDGE_MM, circle, cornersOf, evenly, freehand, STEP_MM, way } from "../../src/drawing/lines/strokes";
 
 const RADIUS = 100; // mm
 const CHORD = 0.05; // mm that a facet of the sphere lies under it: 100 (1 - cos(pi / 128)) would be 0.03

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import shared from "./distance_colours.json" with { type: "json" };
-import { colourOf, distanceWithin, readDistances, SCALE_MM, SCANNER_MM, screenColourOf, summarise } from "../../src/fit/distances";
+import { colourOf, distanceWithin, readDistances, SCALE_MM, SCANNER_MM, screenColourOf, summarise } from "../../src/fit/distances/distances";
 
 function bytesOf(values: number[]): ArrayBuffer {
   const view = new DataView(new ArrayBuffer(4 * values.length));

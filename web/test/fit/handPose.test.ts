@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { NodePose } from "../../src/api/types";
-import { scaleOf, weightOf, withScale, withWeight } from "../../src/fit/handPose";
+import { scaleOf, weightOf, withScale, withWeight } from "../../src/fit/hand_pose/handPose";
 
 const nodes: NodePose[] = [
   { name: "lumbar", translation: [0, 0, 0], rotation: [0, 0, 0, 1] },

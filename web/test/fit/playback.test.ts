@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { Iterated } from "../../src/api/types";
 import { initialSession, type Session } from "../../src/app/session";
-import { createPlayer } from "../../src/fit/playback";
+import { createPlayer } from "../../src/fit/playback/playback";
 import type { FitState } from "../../src/fit/state";
 import { createStore } from "../../src/store/store";
 

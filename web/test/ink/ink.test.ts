@@ -4,7 +4,7 @@ import { ApiError } from "../../src/api/client";
 import type { Ink, Scan, Vector } from "../../src/api/types";
 import { drawingActions } from "../../src/drawing/actions";
 import { startDrawn } from "../../src/drawing/state";
-import type { OwnLine } from "../../src/drawing/lines";
+import type { OwnLine } from "../../src/drawing/lines/lines";
 import { inkActions } from "../../src/ink/actions";
 import { asOwn, decidedBefore, nearestJoint, readInk } from "../../src/ink/lines";
 import { initialInk, mayShowInk, openLines } from "../../src/ink/state";

@@ -3,7 +3,7 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { FakeEventSource, fitLinks, withScan } from "../fakes";
 import type { Vector } from "../../src/api/types";
 import { certainNames } from "../../src/landmarks/certain";
-import { openQuestions } from "../../src/landmarks/questions";
+import { openQuestions } from "../../src/landmarks/questions/questions";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { expectedAt } from "../../src/landmarks/closeUp";
+import { expectedAt } from "../../src/landmarks/questions/closeUp";
 import type { ProposedLandmark } from "../../src/api/types";
 import { startHistory } from "../../src/store/history";
 

@@ -3,7 +3,7 @@ import { page } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { ProposedLandmark, Vector } from "../../src/api/types";
 import { nextStep } from "../../src/app/nextStep";
-import { errorOf, isLikely, isSeen, openProposals } from "../../src/landmarks/proposals";
+import { errorOf, isLikely, isSeen, openProposals } from "../../src/landmarks/proposals/proposals";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {

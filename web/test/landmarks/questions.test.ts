@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { Vector } from "../../src/api/types";
 import { certainAt, certainNames } from "../../src/landmarks/certain";
 import { exchanged, type Picks } from "../../src/landmarks/picks";
-import { type Asked, type Judgement, openQuestions, sentenceOf } from "../../src/landmarks/questions";
+import { type Asked, type Judgement, openQuestions, sentenceOf } from "../../src/landmarks/questions/questions";
 
 const picks: Picks = { notch: [0, 200, 10], nipple_L: [90, 0, 60], nipple_R: [-90, 0, 60], umbilicus: [0, -200.123, 40] };
 const exchangedSides = { names: ["nipple_L", "nipple_R"], reason: "nipple_L and nipple_R look exchanged; they were not followed." };

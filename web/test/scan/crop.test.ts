@@ -3,7 +3,7 @@
 import { type BufferGeometry, Matrix4, PerspectiveCamera, Ray, Vector3 } from "three";
 import type { MeshBVH } from "three-mesh-bvh";
 import { afterEach, expect, test, vi } from "vitest";
-import { skinFrom, skinOn } from "../../src/drawing/skin";
+import { skinFrom, skinOn } from "../../src/drawing/lines/skin";
 import { viewBarShown } from "../../src/fit/state";
 import { bodyOf, type BodyQuestion, NOTHING_CUT, partOf } from "../../src/scan/body";
 import { type Crop, croppedFaces, cropsFrom, cropsOf, cutsOf, MOST, NO_CROPS, shareWithin } from "../../src/scan/crop";

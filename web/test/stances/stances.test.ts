@@ -4,7 +4,7 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { fitLinks, page, scanInfo } from "../fakes";
 import type { Client } from "../../src/api/client";
 import type { Fit, Measure, PlannedShape, PlanOnScan, Vector } from "../../src/api/types";
-import { INK } from "../../src/drawing/lines";
+import { INK } from "../../src/drawing/lines/lines";
 import { laidOnScan } from "../../src/drawing/state";
 import type { FitState } from "../../src/fit/state";
 import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../../src/stances/cameras";

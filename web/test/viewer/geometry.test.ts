@@ -3,8 +3,8 @@ import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
 import { expect, test } from "vitest";
 import { borderEdges } from "../../src/scan/borders";
 import { extent } from "../../src/viewer/extent";
-import { segments } from "../../src/viewer/FatLines";
-import { surfacePosition } from "../../src/viewer/surfacePoints";
+import { segments } from "../../src/viewer/lines/FatLines";
+import { surfacePosition } from "../../src/viewer/lines/surfacePoints";
 import { viewFromScan } from "../../src/viewer/Viewer";
 import { seeded } from "../seeded";
 

@@ -4,7 +4,7 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { expect, test } from "vitest";
-import { LineTriangles } from "../../src/viewer/lineTriangles";
+import { LineTriangles } from "../../src/viewer/lines/lineTriangles";
 import { seeded } from "../seeded";
 
 const NAMES = ["position", "uv", "instanceStart", "instanceEnd", "instanceColorStart", "instanceColorEnd", "instanceDistanceStart", "instanceDistanceEnd"];

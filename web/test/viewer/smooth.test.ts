@@ -1,6 +1,6 @@
 // Lines of files drawn as curves: through all of their points, nearer to the true curve, with meant corners kept.
 import { expect, test } from "vitest";
-import type { Polyline } from "../../src/viewer/FatLines";
+import type { Polyline } from "../../src/viewer/lines/FatLines";
 import { smoothed } from "../../src/viewer/smooth";
 
 const line = (points: readonly (readonly number[])[], isClosed: boolean, bridged: boolean[] | null = null): Polyline => ({ points: new Float32Array(points.flat()), isClosed, bridged, colour: "#2b6cb0" });

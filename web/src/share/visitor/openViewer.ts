@@ -1,8 +1,8 @@
 // The shared body: the same parts as the page's own view, without any that change something.
-import { ErrorBands } from "../../drawing/ErrorBands";
-import { ReferenceLines } from "../../drawing/ReferenceLines";
-import { FittedSurface } from "../../fit/FittedSurface";
-import { HoverValue } from "../../fit/HoverValue";
+import { ErrorBands } from "../../drawing/lines/ErrorBands";
+import { ReferenceLines } from "../../drawing/lines/ReferenceLines";
+import { FittedSurface } from "../../fit/distances/FittedSurface";
+import { HoverValue } from "../../fit/distances/HoverValue";
 import { hasModelShown } from "../../fit/state";
 import { TorsoModel } from "../../fit/TorsoModel";
 import { ScanMesh } from "../../scan/ScanMesh";

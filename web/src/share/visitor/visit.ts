@@ -3,7 +3,7 @@
 import * as text from "../text";
 import { ApiError, ask, askJson } from "../../api/client";
 import type { DrawingFile, PlanOnScan, Result, Scan, SharedResult } from "../../api/types";
-import { readDistances } from "../../fit/distances";
+import { readDistances } from "../../fit/distances/distances";
 import { frameOfRig } from "../../fit/upright";
 import { frameFromPicks, picksOf } from "../../landmarks/picks";
 import { cropsFrom } from "../../scan/crop";

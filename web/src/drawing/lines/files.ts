@@ -1,0 +1,57 @@
+// The own drawing as breastrig/drawing@1: what the service keeps, and what is read and written as a file here.
+import type { OwnDrawing, Unit, Vector } from "../../api/types";
+import { isUnit, mmFrom, unknownUnit } from "../../ui/units";
+import { lineAlong } from "./edits";
+import { freeName, INK, type OwnLine } from "./lines";
+
+export class UnreadableDrawing extends Error {}
+
+const LONGEST_NAME = 100;
+export const roundMm = (mm: number): number => Number(mm.toFixed(3)); // a micrometre: two hundred lines fit into what the service takes
+
+export function toDrawing(lines: readonly OwnLine[]): OwnDrawing {
+  return {
+    schema: "breastrig/drawing@1",
+    unit: "mm",
+    shapes: lines.map(({ name, closed, color, points, bridged }) => ({ name, label: "", closed, color, points: points.map((point) => point.map(roundMm) as Vector), ...(bridged ? { bridged: [...bridged] } : {}) })),
+  };
+}
+
+export const toText = (lines: readonly OwnLine[]): string => JSON.stringify(toDrawing(lines), null, 1) + "\n";
+
+export function fromDrawing(drawing: OwnDrawing): OwnLine[] {
+  return drawing.shapes.map(({ name, closed, color, points, bridged }) => lineAlong(name, color ?? INK, points, closed ?? false, bridged));
+}
+
+function checkedPoint(point: unknown, name: string, unit: Unit): Vector {
+  const numbers = Array.isArray(point) ? point : [];
+  if (numbers.length !== 3 || !numbers.every((value) => typeof value === "number" && Number.isFinite(value))) {
+    throw new UnreadableDrawing(`A point of the line “${name}” is not three numbers, x, y and z.`);
+  }
+  return numbers.map((value: number) => mmFrom(value, unit)) as Vector;
+}
+
+/** Lines of a drawing file, in millimetres; throws UnreadableDrawing with one plain sentence. */
+export function readDrawing(text: string, scanUnit: Unit): OwnLine[] {
+  let file: { unit?: unknown; shapes?: unknown } | null;
+  try {
+    file = JSON.parse(text) as typeof file;
+  } catch {
+    throw new UnreadableDrawing("The file is not valid JSON: export the drawing again.");
+  }
+  const unit = file?.unit ?? scanUnit;
+  if (!isUnit(unit)) throw new UnreadableDrawing(unknownUnit(unit));
+  if (!Array.isArray(file?.shapes)) throw new UnreadableDrawing("The file holds no “shapes”: choose a drawing of BreastRig, such as drawing.json.");
+  const lines: OwnLine[] = [];
+  for (const shape of file.shapes as Record<string, unknown>[]) {
+    const name = typeof shape.name === "string" && shape.name.trim() !== "" ? shape.name.trim().slice(0, LONGEST_NAME) : "Line";
+    if (!Array.isArray(shape.points)) {
+      throw new UnreadableDrawing(`The line “${name}” has no points on a scan: a drawing of the model is shown by choosing it in a fit.`);
+    }
+    const points = shape.points.map((point) => checkedPoint(point, name, unit));
+    const color = typeof shape.color === "string" && /^#[0-9a-fA-F]{6}$/.test(shape.color) ? shape.color : INK;
+    if (points.length > 1) lines.push(lineAlong(freeName(lines, name), color, points, shape.closed === true, Array.isArray(shape.bridged) ? shape.bridged.map((each) => each === true) : null));
+  }
+  if (lines.length === 0) throw new UnreadableDrawing("The file holds no lines.");
+  return lines;
+}
