@@ -10,8 +10,8 @@ from helpers.toy_rig import toy_rig
 
 from breastrig.core.glb import split_glb
 from breastrig.gltf.lines.lines_glb import lines_glb
+from breastrig.gltf.link_mesh import plain_mesh
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.gltf.plain_mesh import plain_mesh
 from breastrig.gltf.replay import fitted_glb
 from breastrig.rig.skinning import pose
 

@@ -80,14 +80,23 @@ def mesh_glb(
     return to_glb(document, buffer)
 
 
-def _linear(colours: NDArray[np.uint8]) -> NDArray[np.uint16]:
-    """(V, 4) linear light of (V, 3 or 4) sRGB, opaque."""
+def _levels() -> NDArray[np.uint16]:
+    """(256,) linear light of each level of sRGB."""
     srgb = np.arange(256) / 255.0
     table = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-    levels = np.round(table * np.iinfo(np.uint16).max).astype(np.uint16)
+    return np.round(table * np.iinfo(np.uint16).max).astype(np.uint16)
+
+
+def _linear(colours: NDArray[np.uint8]) -> NDArray[np.uint16]:
+    """(V, 4) linear light of (V, 3 or 4) sRGB, opaque."""
     result = np.full((len(colours), 4), np.iinfo(np.uint16).max, np.uint16)
-    result[:, :3] = levels[colours[:, :3]]
+    result[:, :3] = _levels()[colours[:, :3]]
     return result
+
+
+def srgb(linear: NDArray[np.uint16]) -> NDArray[np.uint8]:
+    """(V, 3) sRGB of what `mesh_glb` has written of vertex colours: exactly what it was given."""
+    return np.searchsorted(_levels(), linear[:, :3]).astype(np.uint8)
 
 
 def _texture(document: Document, buffer: BufferWriter, image: bytes) -> TextureInfo:

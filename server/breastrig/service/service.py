@@ -29,9 +29,9 @@ from breastrig.service.events.follow import Notifier, StreamItem, follow
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
 from breastrig.service.ink import InkSearch
+from breastrig.service.link_meshes import LinkMeshes
 from breastrig.service.moving.live_patterns import LivePatterns
 from breastrig.service.moving.moved_landmarks import MovedLandmarks
-from breastrig.service.plain_meshes import PlainMeshes
 from breastrig.service.plans import Plans
 from breastrig.service.proposals import Proposals, Proposer
 from breastrig.service.queue import FitQueue
@@ -105,7 +105,7 @@ class Service:
         self.live_patterns = LivePatterns(storage, self.kept_processes, model)
         self.moved_landmarks = MovedLandmarks(storage, self.kept_processes, model)
         self.reports = Reports(storage, self._readers, self.plans, model)
-        self.plain_meshes = PlainMeshes(storage, self._readers)
+        self.link_meshes = LinkMeshes(storage, self._readers)
         self._notifier = Notifier(storage)
         self._sweep = Sweep(storage, self.delete_scan, keep_days)
         self._examples = examples

@@ -30,7 +30,8 @@ MESH = "mesh.glb"  # the scan for display
 THUMBNAIL = "thumbnail.png"  # a small picture of it
 ROOT = ""  # the place of the mark, which says whose all these files are
 MARK = "installation"  # its name; what it holds is the installation's id
-PLAIN_MESH = "plain.glb"  # the same without its colours, made when a share link first needs it
+PLAIN_MESH = "plain"  # the same without its colours, made when a share link first needs it; .glb, and of which cuts
+CUT_MESH = "coloured"  # the same with its colours, without what was cut away, likewise
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
     data/installation           says that the folder is BreastRig's (see `data_folder`)
     data/breastrig.sqlite3      rows, unless they are elsewhere (see `location`)
     data/scans/ID/              scan.ply, .obj, ... (the bytes as uploaded), mesh.glb (for display),
-                                thumbnail.png, plain*.glb (without colours and what was cut away, for share links)
+                                thumbnail.png, plain*.glb, coloured*.glb (without what was cut away, for share links)
     data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json,
                                 distances.bin, uncertainty.bin, fit.log.jsonl
     data/rubbish/KIND.ID        on its way out: a folder is first moved here, so that no path into it works any more

@@ -33,12 +33,13 @@ class InkJob:
 
 
 @dataclass(frozen=True)
-class PlainMeshJob:
-    """A coloured mesh to be written without its colours, and without what was cut out of it by hand."""
+class LinkMeshJob:
+    """A scan's mesh to be written without what was cut out of it by hand, and perhaps without its colours."""
 
     mesh: Path
-    plain: Path  # where it is written, whole or not at all
+    shown: Path  # where it is written, whole or not at all
     cuts: tuple[dict[str, Any], ...] = ()  # see scan/hand_cuts.py
+    has_colours: bool = False
 
 
 @dataclass(frozen=True)

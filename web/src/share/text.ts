@@ -8,7 +8,7 @@ export const share = {
   shows: {
     none: "the model, without the scan",
     plain: "the scan's shape, no colours, and nothing that you cut away",
-    full: "the scan with its colours",
+    full: "the scan with its colours, and nothing that you cut away",
   } satisfies Record<"none" | "plain" | "full", string>,
   expiry: "It ends after",
   days: (days: number) => plural(days, "day", "days"),

@@ -14,7 +14,7 @@ from breastrig.api.access.security import refuse
 from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.big_answers import big_answer
-from breastrig.api.routes.scans import cut_facts, mesh_file
+from breastrig.api.routes.scans import cut_facts
 from breastrig.api.routes.shares.passcode import check_passcode
 from breastrig.api.routes.shares.share_credential import (
     begin_visit,
@@ -198,13 +198,13 @@ def show_report(share_id: str) -> Response:
     },
 )
 def show_mesh(share_id: str) -> Response:
-    """The scan, when the link shows it; without colours unless the owner chose `full`"""
+    """The scan, when the link shows it; without what was cut away, and without colours unless the owner chose `full`"""
     share = visited_share(share_id)
     if share.scan == "none":
         raise refuse(403, "This link does not show the scan.")
     service = app_context().service
     scan_id = get_fit(service.storage, share.fit).scan
-    mesh = mesh_file(service.storage, scan_id) if share.scan == "full" else service.plain_meshes.get(scan_id)
+    mesh = service.link_meshes.get(scan_id, share.scan == "full")
     return _answer(share, mesh, GLB, "scan.glb")
 
 

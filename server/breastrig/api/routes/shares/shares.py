@@ -45,8 +45,8 @@ def make_share(fit_id: str, json_data: wire_shares.ShareRequest) -> tuple[wire_s
     fit = get_fit(storage, fit_id)
     if fit.state != "done":
         raise Conflict(f"This fit has no result to share: it is {fit.state}.")
-    if json_data.scan == "plain":
-        app_context().service.plain_meshes.get(fit.scan)
+    if json_data.scan != "none":
+        app_context().service.link_meshes.get(fit.scan, json_data.scan == "full")
     now, token = datetime.now(UTC), new_token()
     share = ShareRow(
         id=new_id(),
