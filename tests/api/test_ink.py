@@ -2,6 +2,7 @@
 
 import io
 
+import numpy as np
 import pytest
 from flask.testing import FlaskClient
 from helpers.inked_scan import inked_zip
@@ -88,3 +89,25 @@ def test_a_scan_without_colour_is_one_sentence(client: FlaskClient, scan_id: str
     assert answer.status_code == 422
     assert answer.json["detail"].startswith("This scan has no colour")
     assert client.get("/api/scans/nothing/ink").status_code == 404
+
+
+def test_lines_in_what_was_cut_away_say_so_until_the_cut_is_taken_back(client: FlaskClient, inked: str) -> None:
+    place = f"/api/scans/{inked}/ink"
+    until(lambda: client.get(place).status_code == 200, "the ink")
+    found = client.get(place).json["shapes"]
+    assert not any(shape["cut"] for shape in found)
+    shares = [np.mean(np.array(shape["points"])[:, 0] > 0.0) for shape in found]
+    right = [share > 0.5 for share in shares]
+    assert any(right)
+    assert not all(right)
+    lasso = [[0.0, -9.0], [9.0, -9.0], [9.0, 9.0], [0.0, 9.0]]  # all that lies to the right of x = 0
+    cut = {"to_picture": np.eye(4).ravel().tolist(), "lasso": lasso}
+    assert client.put(f"/api/scans/{inked}/cuts", json={"cuts": [cut]}).status_code == 200
+    now = client.get(place).json["shapes"]
+    assert [shape["cut"] for shape in now] == right
+    assert [shape | {"cut": False} for shape in now] == found
+    name = found[right.index(True)]["name"]
+    answer = client.patch(place, json={"dropped": {name: True}}).json["shapes"]
+    assert next((shape["name"], shape["dropped"]) for shape in answer if shape["cut"]) == (name, True)
+    assert client.put(f"/api/scans/{inked}/cuts", json={"cuts": []}).status_code == 200
+    assert not any(shape["cut"] for shape in client.get(place).json["shapes"])

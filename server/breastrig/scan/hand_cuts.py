@@ -43,6 +43,14 @@ def cut_triangles(vertices: Array, faces: Integers, cuts: Sequence[HandCut]) -> 
     return result
 
 
+def are_cut(places: Array, documents: Sequence[Mapping[str, Any]]) -> Booleans:
+    """(N,) which of the (N, 3) m places lie within one of these cuts (see HandCut.of)."""
+    result = np.zeros(len(places), dtype=np.bool_)
+    for document in documents:
+        result[_within(HandCut.of(document), places)] = True
+    return result
+
+
 def without_hand_cuts(scan: Scan, documents: Sequence[Mapping[str, Any]]) -> Scan:
     """The scan as it is left by these cuts (see HandCut.of).  BadScan where that is next to nothing."""
     cut = cut_triangles(scan.vertices, scan.faces, [HandCut.of(document) for document in documents])

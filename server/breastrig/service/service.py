@@ -10,7 +10,7 @@ import hashlib
 import json
 import logging
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -208,6 +208,10 @@ class Service:
     def ink(self, scan: ScanRow, wait_s: float) -> dict[str, Any] | None:
         """The lines of ink on the scan's skin, a drawing in mm; None when they are still being looked for."""
         return self._ink.found(scan, wait_s)
+
+    def drop_ink(self, scan_id: str, dropped: Mapping[str, bool]) -> dict[str, Any]:
+        """`ink` after a person has said of these lines whether they are dropped."""
+        return self._ink.mark_dropped(scan_id, dropped)
 
     def examples(self) -> tuple[Example, ...]:
         """The packaged example scans, in the order standing, supine, others."""

@@ -357,6 +357,8 @@ export type InkShape = {
   length_mm: number;
   /** a person has said that it is none of the plan */
   dropped?: boolean;
+  /** it lies for the most part in what a person has cut out of the scan */
+  cut?: boolean;
 };
 
 export type Iterated = {

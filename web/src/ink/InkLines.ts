@@ -2,6 +2,7 @@
 // They are seen where their list is: landmarks are placed on the ink itself, and not on what lies over it.
 import { polyline } from "../drawing/lines/lines";
 import type { DrawingSlice } from "../drawing/state";
+import { cropsOf } from "../scan/crop";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { FatLines } from "../viewer/lines/FatLines";
@@ -23,10 +24,11 @@ export class InkLines implements Part<Shown> {
     const { palette } = this.viewer;
     this.lines.paint(palette.ink, palette["ink-outline"]);
     const search = step === "scan" || step === "drawing" ? ink[scan?.info.id ?? ""] : undefined;
-    const now = [search, drawn.decided, inkPointed];
+    const crops = cropsOf(scan);
+    const now = [search, drawn.decided, crops, inkPointed];
     if (now.every((each, i) => each === this.drawn[i])) return;
     this.drawn = now;
-    this.lines.set(openLines(search, drawn.decided).map(({ name, points, closed, color, bridged }) => polyline({ points, closed, color, bridged: points.map((_, i) => name !== inkPointed || bridged[i]!) })));
+    this.lines.set(openLines(search, drawn.decided, crops).map(({ name, points, closed, color, bridged }) => polyline({ points, closed, color, bridged: points.map((_, i) => name !== inkPointed || bridged[i]!) })));
     this.viewer.invalidate();
   }
 }

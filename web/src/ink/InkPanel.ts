@@ -2,6 +2,7 @@
 // what is left to do until they lie on the other stance.
 import type { DrawingSlice } from "../drawing/state";
 import type { FitSlice } from "../fit/state";
+import { cropsOf } from "../scan/crop";
 import type { ScanSlice } from "../scan/state";
 import type { StancesActions } from "../stances/actions";
 import type { StancesSlice } from "../stances/state";
@@ -78,7 +79,7 @@ export function createInkPanel(ink: InkActions, stances: Pick<StancesActions, "d
       const mayFit = other !== null && hasLines && isFromInk && left > 0 && !state.isStarting && state.fit?.state !== "running" && other.fit?.state !== "running";
       const mayAdd = other === null && hasLines && isFromInk;
       show(element, search !== undefined || mayFit || mayAdd);
-      const lines = openLines(search, state.drawn.decided);
+      const lines = openLines(search, state.drawn.decided, cropsOf(state.scan));
       const dropped = search?.state === "found" ? droppedIds(state.drawn.decided).length : 0;
       const own = lines.filter((line) => !isMark(line));
       const others = lines.filter(isMark);

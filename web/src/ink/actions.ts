@@ -3,6 +3,7 @@ import type { Client } from "../api/client";
 import type { Scan } from "../api/types";
 import type { DrawingActions } from "../drawing/actions";
 import type { DrawingSlice, InkDecided } from "../drawing/state";
+import { cropsOf } from "../scan/crop";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { messageOf, withoutMessage, withProblem } from "../store/problems";
@@ -22,7 +23,7 @@ export function inkActions(store: Store<State>, client: Pick<Client, "ink" | "dr
 
   const search = (): Search | undefined => store.get().ink[store.get().scan?.info.id ?? ""];
   const decided = (): InkDecided => store.get().drawn.decided ?? {};
-  const lines = (): readonly FoundLine[] => openLines(search(), store.get().drawn.decided);
+  const lines = (): readonly FoundLine[] => openLines(search(), store.get().drawn.decided, cropsOf(store.get().scan));
 
   const put = (scan: string, now: Search, more: Partial<State> = {}): void => store.set((state) => ({ ...more, ink: { ...state.ink, [scan]: now } }));
 

@@ -1,6 +1,7 @@
 // Lines of ink that were found on a scan's skin, until a person has decided about each.
 import type { InkShape, Scan, Vector } from "../api/types";
 import type { InkDecided } from "../drawing/state";
+import { type Crops, isCut } from "../scan/crop";
 
 /** One stroke of a pen, as it may become a line of the plan. */
 export interface FoundLine {
@@ -40,8 +41,8 @@ export function mayShowInk({ colours, triangles, bounds_m: { min, max } }: Pick<
 /** Beside the plan: crosses, arrows and writing. */
 export const isMark = ({ kind }: Pick<FoundLine, "kind">): boolean => kind === "cross" || kind === "arrow" || kind === "writing";
 
-/** Those about which nobody has decided yet; none before it is known. */
-export const openLines = (search: Search | undefined, decided: InkDecided | null): readonly FoundLine[] =>
-  search?.state === "found" && decided !== null ? search.lines.filter(({ ids }) => ids.some((id) => decided[id] === undefined)) : [];
+/** Those about which nobody has decided yet, on what is left of the scan; none before it is known. */
+export const openLines = (search: Search | undefined, decided: InkDecided | null, crops: Crops): readonly FoundLine[] =>
+  search?.state === "found" && decided !== null ? search.lines.filter(({ ids, points }) => ids.some((id) => decided[id] === undefined) && !isCut(points, crops)) : [];
 
 export const droppedIds = (decided: InkDecided | null): string[] => Object.keys(decided ?? {}).filter((id) => decided![id] === "dropped");

@@ -1,7 +1,7 @@
 // What a person has drawn around and cut away: the surroundings, an arm that is in the way, a bad part of the scan.  A lasso
 // cuts like scissors: everything within it as it was seen, however deep.  The service keeps the cuts with the scan, which stays
 // whole, and finds the same triangles (scan/hand_cuts.py).
-import type { Cut } from "../api/types";
+import type { Cut, Vector } from "../api/types";
 import type { History } from "../store/history";
 
 export interface Crop {
@@ -52,6 +52,14 @@ export function croppedFaces(positions: ArrayLike<number>, index: ArrayLike<numb
     }
   }
   return hidden;
+}
+
+/** More than half of these places, millimetres, lie in one of the lassos: as the service says of a line (service/ink.py). */
+export function isCut(points: readonly Vector[], crops: Crops): boolean {
+  if (crops.length === 0) return false;
+  const lassos = crops.map(within);
+  const gone = points.filter(([x, y, z]) => lassos.some((isWithin) => isWithin(x / 1000, y / 1000, z / 1000)));
+  return 2 * gone.length > points.length;
 }
 
 const SAMPLES = 5000;

@@ -9,7 +9,9 @@ import { inkActions } from "../../src/ink/actions";
 import { asOwn, decidedBefore, nearestJoint, readInk } from "../../src/ink/lines";
 import { initialInk, mayShowInk, openLines } from "../../src/ink/state";
 import { initialSession, type Session } from "../../src/app/session";
+import { cropsOf } from "../../src/scan/crop";
 import { linesOn, withLines } from "../../src/plan/items";
+import { startHistory } from "../../src/store/history";
 import { createStore } from "../../src/store/store";
 
 const along = (x: number, from: number, to: number): Vector[] => Array.from({ length: Math.abs(to - from) + 1 }, (_, i): Vector => [x, from + Math.sign(to - from) * i, 0]);
@@ -37,7 +39,7 @@ function page(answers: (Ink | { retryAfterS: number })[], info: Scan = SCAN) {
   const plan = { saveLines: (_scan: Scan, lines: readonly OwnLine[]) => Promise.resolve({ lines, isMerged: false }), earlier: () => Promise.resolve(null) };
   const drawing = drawingActions(store, plan);
   const actions = inkActions(store, client, drawing);
-  const lines = () => openLines(store.get().ink[info.id], store.get().drawn.decided);
+  const lines = () => openLines(store.get().ink[info.id], store.get().drawn.decided, cropsOf(store.get().scan));
   const names = (): string[] => lines().map(({ name }) => name);
   const planned = (): string[] => store.get().drawn.lines.present.map(({ name }) => name);
   return { store, actions, drawing, sent, lines, names, planned, asked: () => asked, breakDown: (is: boolean) => void (isBroken = is) };
@@ -114,6 +116,18 @@ describe("deciding", () => {
     await actions.look();
     expect(asked()).toBe(0);
     expect(store.get().ink).toEqual(initialInk.ink);
+  });
+
+  it("shows and accepts no line that lies for the most part in what is cut away, until the cut is taken back", async () => {
+    const { store, actions, names, planned } = page([FOUND]);
+    await actions.look();
+    const above = (y: number): void => store.set(({ scan }) => ({ scan: { ...scan!, crops: startHistory([{ toPicture: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], lasso: [[-1, y], [1, y], [1, 1], [-1, 1]] }]) } }));
+    above(0.08); // metres: a fifth of the first line lies there, and all of the second
+    expect(names()).toEqual(["Blue line 1", "Red cross 1", "Blue closed line 1"]);
+    actions.acceptAll();
+    expect(planned()).toEqual(["Blue line 1", "Blue closed line 1"]);
+    above(0.2);
+    expect(names()).toEqual(["Blue line 2", "Red cross 1"]);
   });
 
   it("accepts all lines at once, and marks one by one", async () => {

@@ -14,7 +14,6 @@ from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.storage.files import MESH, THUMBNAIL, OpenedFile, scan_place
 from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts, put_cuts
-from breastrig.storage.rows.ink import drop_ink as keep_dropped
 from breastrig.storage.rows.patients import patient_of_scan
 from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan, put_landmarks
 from breastrig.storage.storage import Storage
@@ -208,7 +207,7 @@ def drop_ink(scan_id: str, json_data: wire.InkChange) -> wire.Ink:
 
     They stay among the found lines, marked as dropped, until this is taken back.
     """
-    return wire.Ink.model_validate(keep_dropped(app_context().service.storage, scan_id, json_data.dropped))
+    return wire.Ink.model_validate(app_context().service.drop_ink(scan_id, json_data.dropped))
 
 
 def cuts_answer(cuts: Cuts) -> wire.Cuts:

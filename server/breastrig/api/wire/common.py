@@ -167,6 +167,7 @@ class InkShape(DrawnShape):
     marker: Literal["violet", "black", "blue", "green", "red"]
     length_mm: float = Field(description="of ink, without gaps")
     dropped: bool = Field(False, description="a person has said that it is none of the plan")
+    cut: bool = Field(False, description="it lies for the most part in what a person has cut out of the scan")
 
 
 class InkChange(Wire):
