@@ -39,6 +39,19 @@ def test_cuts_are_kept_replaced_and_deleted_with_the_scan(client: FlaskClient, s
         assert connection.execute(select(func.count()).select_from(schema.cuts)).scalar_one() == 0
 
 
+def test_who_says_which_cuts_were_seen_replaces_no_others(client: FlaskClient, scan_id: str) -> None:
+    place = f"/api/scans/{scan_id}/cuts"
+    first = client.put(place, json={"cuts": [CUT]}, headers={"If-Match": '""'})
+    assert first.status_code == 200, first.json
+    late = client.put(place, json={"cuts": [OTHER]}, headers={"If-Match": '""'})
+    assert late.status_code == 412
+    assert late.json["detail"].startswith("Somebody has changed these cuts since you read them; read them again")
+    assert client.get(place).json == first.json
+    seen = client.put(place, json={"cuts": [CUT, OTHER]}, headers={"If-Match": f'"{first.json["digest"]}"'})
+    assert seen.status_code == 200
+    assert client.get(place).json["cuts"] == [CUT, OTHER]
+
+
 @pytest.mark.parametrize(
     "cuts",
     [

@@ -111,7 +111,12 @@ export const client = {
   landmarks: (scan: Scan) => askJson<LandmarkFile>(scan.links.landmarks),
   saveLandmarks: (scan: Scan, file: LandmarkFile) => askJson<LandmarkFile>(scan.links.landmarks, "PUT", file, true),
   cuts: (scan: Scan) => askJson<Cuts>(scan.links.cuts),
-  saveCuts: (scan: Scan, cuts: readonly Cut[]) => askJson<Cuts>(scan.links.cuts, "PUT", { cuts }, JSON.stringify(cuts).length < KEPT_ALIVE_BYTES),
+  /** 412 when those that are kept are not the ones of this digest any more. */
+  saveCuts: async (scan: Scan, cuts: readonly Cut[], seen: string): Promise<Cuts> => {
+    const body = JSON.stringify({ cuts });
+    const headers = { "Content-Type": "application/json", "If-Match": `"${seen}"` };
+    return (await (await ask(scan.links.cuts, { method: "PUT", body, headers, keepalive: body.length < KEPT_ALIVE_BYTES })).json()) as Cuts;
+  },
   /** 202 means: still looking, ask again in so many seconds. */
   async proposed(scan: Scan): Promise<ProposedLandmarks | { retryAfterS: number }> {
     const answer = await ask(scan.links.proposed);

@@ -1,6 +1,6 @@
 // Bringing a scan in: from a file, from the example, from the address; and turning it upright.
 import { ApiError, type Client } from "../api/client";
-import type { ExampleScan, Frame, UnitChoice } from "../api/types";
+import type { Cuts, ExampleScan, Frame, UnitChoice } from "../api/types";
 import { type History, record, redo, startHistory, undo } from "../store/history";
 import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
@@ -8,7 +8,7 @@ import type { Store } from "../store/store";
 import { tidyFrame, type Turn, turned } from "../viewer/frame";
 import { fromFront, type ViewSlice } from "../viewer/state";
 import { containerKind } from "./containers/kind";
-import { type Crop, type Crops, cropsFrom, cropsOf, cutsOf, MOST, NO_CROPS } from "./crop";
+import { type Crop, type Crops, cropsFrom, cropsOf, cutsOf, mergedCrops, MOST, NO_CROPS } from "./crop";
 import type { ScanSlice, ScanState } from "./state";
 import * as text from "./text";
 
@@ -40,6 +40,7 @@ async function plain(file: File, onUnpacking: () => void): Promise<File> {
 
 export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void) {
   let saving = Promise.resolve(); // one after the other: the last one stays
+  let known: Cuts = { cuts: [], digest: "" }; // what the service was last seen to keep of the scan's cuts
   let generation = 0; // the scan asked for last wins over slower, earlier ones
 
   /** Shows `info` as the page's scan; everything that belonged to the one before is dropped. */
@@ -47,6 +48,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     const [mesh, kept, { cuts, digest }] = await Promise.all([client.mesh(info), contents.read(info, isNew), client.cuts(info)]);
     if (mine !== generation) return;
     contents.stop();
+    known = { cuts, digest };
     store.set((state) => ({
       ...kept.state,
       loading: null,
@@ -99,11 +101,27 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     const { scan } = store.get();
     const isNow = (): boolean => store.get().scan?.info.id === of.info.id && cropsOf(store.get().scan) === crops;
     if (scan?.info.id === of.info.id && !isNow()) return;
+    const before = known;
     try {
-      const { digest } = await client.saveCuts(of.info, cutsOf(crops));
-      if (isNow()) store.set((state) => ({ scan: { ...state.scan!, cuts: digest }, ...contents.cut() }));
+      const kept = await client.saveCuts(of.info, cutsOf(crops), before.digest);
+      if (store.get().scan?.info.id === of.info.id) known = kept;
+      if (isNow()) store.set((state) => ({ scan: { ...state.scan!, cuts: kept.digest }, ...contents.cut() }));
     } catch (error) {
-      if (isNow()) store.set((state) => withProblem(state, "scan", text.crop.unsaved(messageOf(error))));
+      if (error instanceof ApiError && error.status === 412 && isNow()) await bringTogether(of, before);
+      else if (isNow()) store.set((state) => withProblem(state, "scan", text.crop.unsaved(messageOf(error))));
+    }
+  }
+
+  /** Another tab has cut the same scan: its cuts are seen here too, and kept together with those made here. */
+  async function bringTogether(of: ScanState, before: Cuts): Promise<void> {
+    try {
+      const theirs = await client.cuts(of.info);
+      if (store.get().scan?.info.id !== of.info.id) return;
+      known = theirs;
+      const both = mergedCrops(cropsFrom(before.cuts), cropsOf(store.get().scan), cropsFrom(theirs.cuts));
+      changeCrops((crops) => record(crops, both), text.crop.together);
+    } catch (error) {
+      store.set((state) => withProblem(state, "scan", text.crop.unsaved(messageOf(error))));
     }
   }
 

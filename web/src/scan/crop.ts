@@ -21,6 +21,15 @@ export const MOST = { cuts: 32, corners: 300 };
 export const cropsFrom = (cuts: readonly Cut[]): Crops => cuts.map(({ to_picture, lasso }) => ({ toPicture: to_picture, lasso }));
 export const cutsOf = (crops: Crops): Cut[] => crops.map(({ toPicture, lasso }) => ({ to_picture: [...toPicture], lasso: lasso.map(([x, y]) => [x, y]) }));
 
+/** Cuts that were changed here, from `before` to `mine`, and meanwhile elsewhere, to `theirs`: both changes. */
+export function mergedCrops(before: Crops, mine: Crops, theirs: Crops): Crops {
+  const key = (crop: Crop): string => JSON.stringify(cutsOf([crop]));
+  const [known, kept, there] = [before, mine, theirs].map((crops) => new Set(crops.map(key))) as [Set<string>, Set<string>, Set<string>];
+  const stay = theirs.filter((crop) => kept.has(key(crop)) || !known.has(key(crop)));
+  const mineOnly = mine.filter((crop) => !there.has(key(crop)) && !known.has(key(crop)));
+  return [...stay, ...mineOnly].slice(0, MOST.cuts);
+}
+
 /** Says of a place, metres, whether it lies within the lasso. */
 function within({ toPicture: m, lasso }: Crop): (x: number, y: number, z: number) => boolean {
   const [xs, ys] = [lasso.map(([x]) => x), lasso.map(([, y]) => y)];

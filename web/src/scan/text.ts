@@ -26,6 +26,7 @@ export const crop = {
   corner: (count: number) => `Corner ${count} of the lasso. Enter again at the same place cuts away what lies within.`,
   note: (count: number) => (count === 0 ? "What you cut away is no part of fits and proposals; the scan itself stays whole." : "No part of fits and proposals, and kept with the scan until you bring it back. The button for table and loose pieces shows it."),
   hidden: "Cut away.",
+  together: "Another tab has cut this scan too: both are cut away now.",
   shown: "Brought back.",
   tooMany: (most: number) => `More than ${most} cuts are not kept: bring some back and draw around larger parts.`,
   unsaved: (why: string) => `What is cut away could not be kept, and fits do not know of it: ${why} Cut or undo once more to try again.`,

@@ -134,6 +134,24 @@ test("a scan comes back as it was cut, and its proposals are looked for anew aft
   await vi.waitFor(() => expect(store.get().proposals).toBeNull());
 });
 
+test("what two tabs cut is cut in both: nothing of the other's is undone, and what was brought back here stays so", async () => {
+  const [old, here, there] = [rightOf(0.05), rightOf(0.03), rightOf(0.01)];
+  let kept = { cuts: cutsOf([old]), digest: "first" };
+  const saveCuts = vi.fn(async (_scan: unknown, cuts: readonly Cut[], seen: string) => {
+    if (seen !== kept.digest) throw new ApiError("Somebody has changed these cuts.", 412);
+    return (kept = { cuts: [...cuts], digest: `${cuts.length} cuts` });
+  });
+  const { store, actions } = await withScan({ cuts: async () => kept, saveCuts });
+  kept = { cuts: cutsOf([old, there]), digest: "of the other tab" };
+  actions.scan.bringBack(0);
+  actions.scan.crop(here);
+  await vi.waitFor(() => expect(store.get().scan!.cuts).toBe("2 cuts"));
+  expect(cropsFrom(kept.cuts)).toEqual([there, here]);
+  expect(cropsOf(store.get().scan)).toEqual([there, here]);
+  expect(store.get().announcement).toContain("Another tab");
+  expect(store.get().problems.scan ?? null).toBeNull();
+});
+
 test("what the service could not keep is said, and stays in view; more than it takes are not cut", async () => {
   const saveCuts = vi.fn(() => Promise.reject(new ApiError("No room.", 507)));
   const { store, actions } = await withScan({ saveCuts });

@@ -22,6 +22,7 @@ TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, del
 
 scans = APIBlueprint("scans", __name__, url_prefix="/api/scans", tag=TAG)
 
+CHANGED_CUTS = "Somebody has changed these cuts since you read them; read them again, and send them with yours."
 FILE_TYPES = ("ply", "obj", "stl", "glb", "zip", "pcd", "xyz", "asc", "pts", "usdz", "usd", "usda", "usdc")
 
 
@@ -139,15 +140,19 @@ def show_cuts(scan_id: str) -> wire.Cuts:
 
 @scans.put("/<scan_id>/cuts")
 @scans.input(wire.CutsFile)
+@scans.input(wire.CutsHeaders, location="headers")
 @scans.output(wire.Cuts)
-@scans.doc(operation_id="putCuts")
-def replace_cuts(scan_id: str, json_data: wire.CutsFile) -> wire.Cuts:
+@scans.doc(operation_id="putCuts", responses={412: "Changed by somebody else meanwhile"})
+def replace_cuts(scan_id: str, json_data: wire.CutsFile, headers_data: wire.CutsHeaders) -> wire.Cuts:
     """Replace what is cut out of the scan
 
     The scan itself stays whole; fits and proposals that are asked for from now on do not see what is cut.
     """
     cuts = tuple(cut.model_dump() for cut in json_data.cuts)
-    put_cuts(app_context().service.storage, scan_id, cuts)
+    seen = headers_data.if_match
+    digest = None if seen is None else seen.strip().removeprefix("W/").strip('"')
+    if not put_cuts(app_context().service.storage, scan_id, cuts, digest):
+        raise refuse(412, CHANGED_CUTS)
     return cuts_answer(cuts)
 
 

@@ -141,6 +141,13 @@ class Cuts(CutsFile):
     digest: str = Field(description="the same for the same cuts, empty without any; a fit says with which it was made")
 
 
+class CutsHeaders(BaseModel):
+    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+    if_match: str | None = Field(
+        None, alias="If-Match", description="the digest, in quotes, of the cuts that were changed; without it any are"
+    )
+
+
 class ProposedLandmark(Wire):
     point: Three = Field(description="millimetres, the scan's own frame")
     confidence: float = Field(ge=0, le=1, description="1 is sure; one half is about 10 mm off")

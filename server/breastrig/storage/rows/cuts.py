@@ -22,14 +22,22 @@ def get_cuts(storage: Storage, scan_id: str) -> Cuts:
     return () if text is None else tuple(json.loads(text))
 
 
-def put_cuts(storage: Storage, scan_id: str, cuts: Cuts) -> None:
-    """Replaces the scan's cuts.  Raises NotFound when the scan is gone."""
+def put_cuts(storage: Storage, scan_id: str, cuts: Cuts, seen: str | None = None) -> bool:
+    """Replaces the scan's cuts; where `seen`, a digest, is given, only those, else it answers False.
+
+    Raises NotFound when the scan is gone.
+    """
     with storage.database.writing() as connection:
         if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is None:
             raise NotFound("There is no such scan; it may have been deleted.")
+        if seen is not None:
+            text = connection.execute(select(schema.cuts.c.json).where(schema.cuts.c.scan == scan_id)).scalar()
+            if seen != cuts_digest(() if text is None else json.loads(text)):
+                return False
         connection.execute(delete(schema.cuts).where(schema.cuts.c.scan == scan_id))
         if cuts:
             connection.execute(insert(schema.cuts).values(scan=scan_id, json=cuts_text(cuts)))
+    return True
 
 
 def cuts_text(cuts: Sequence[dict[str, Any]]) -> str:
