@@ -42,6 +42,7 @@ def pipe(tmp_path: Path) -> str:
     [
         ["fit", "NAME"],
         ["fit", SCAN, "--landmarks", "NAME"],
+        ["fit", SCAN, "--cuts", "NAME"],
         ["fit", SCAN, "--with", "NAME"],
         ["fit", SCAN, "--model", "NAME.glb"],
         ["fit", SCAN, "--preset", "NAME.toml"],

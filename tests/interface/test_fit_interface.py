@@ -315,6 +315,40 @@ def test_units_belong_to_the_one_who_reads_the_scan(tmp_path: Path) -> None:
     np.testing.assert_array_equal(by_bytes.to_trimesh().vertices, by_bytes.vertices)
 
 
+@pytest.fixture
+def cuts(tmp_path: Path) -> Path:
+    """All that lies beyond the middle of an arm, as the service would answer."""
+    x = breastrig.read_scan(STANDING).in_metres.vertices[:, 0]
+    at = float(np.quantile(x, 0.97))
+    document = {"to_picture": np.eye(4).ravel().tolist(), "lasso": [[at, -9.0], [9.0, -9.0], [9.0, 9.0], [at, 9.0]]}
+    (tmp_path / "cuts.json").write_text(json.dumps({"cuts": [document], "digest": "0123456789abcdef"}), "utf-8")
+    return tmp_path / "cuts.json"
+
+
+def test_what_was_cut_away_in_the_page_is_cut_by_program_and_command(cuts: Path, tmp_path: Path) -> None:
+    scan = breastrig.read_scan(STANDING)
+    left = scan.without(cuts)
+    gone = len(scan.faces) - len(left.faces)
+    assert 0 < gone < 0.2 * len(scan.faces)
+    assert (scan.unit, scan.sha256) == (left.unit, left.sha256)
+    assert main(["fit", str(STANDING), "--landmarks", str(PICKS), "--cuts", str(cuts), "-o", str(tmp_path / "a")]) == 0
+    breastrig.fit(left, PICKS).save(tmp_path / "b")
+    assert_same_files(tmp_path / "b", tmp_path / "a")
+    said = json.loads((tmp_path / "a" / "result.json").read_text("utf-8"))
+    assert said["scan"]["cut_by_hand_triangles"] == gone
+    assert said["scan"]["triangles"] == len(scan.faces)
+
+
+def test_a_file_that_holds_no_cuts_and_cuts_of_no_scan_are_refused(
+    cuts: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["fit", str(STANDING), "--cuts", str(PICKS), "-o", str(tmp_path / "out")]) == 2
+    assert "a file of cuts is what GET /api/scans/ID/cuts answers" in capsys.readouterr().err
+    assert main(["fit", str(STANDING), "--with-cuts", str(cuts), "-o", str(tmp_path / "out")]) == 2
+    assert "need --with SCAN_B" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("name", ["result.json", "scan.ply", "fitted.ply"])
 def test_a_folder_without_what_a_fit_needs_is_refused_in_one_sentence(
     name: str, by_command: Path, tmp_path: Path

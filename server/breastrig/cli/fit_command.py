@@ -14,6 +14,7 @@ from breastrig.core.staged_output import all_or_nothing
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.pair import PAIR_SETS, FitPair, pair_iterates
 from breastrig.interface.run import FitRun, Iterate, iterates
+from breastrig.interface.scan import Scan, read_coloured
 from breastrig.workflow.fit_file_names import fit_set
 
 LEVELS = {"check": "check this fit", "unusable": "this fit is not usable"}
@@ -22,19 +23,27 @@ LEVELS = {"check": "check this fit", "unusable": "this fit is not usable"}
 def _output(options: argparse.Namespace) -> Output:
     """What will be written, and what is read."""
     preset = Path(options.preset) if options.preset.endswith(".toml") else None
-    inputs = [options.scan, options.landmarks, options.other, options.with_landmarks, preset]
+    first = options.scan, options.landmarks, options.cuts
+    second = options.other, options.with_landmarks, options.with_cuts
+    inputs = [*first, *second, preset]
     sets = [fit_set(Path())] if options.other is None else PAIR_SETS
     return output_folder(options, sets, [*inputs, *files_of_model(options.model)])
+
+
+def _scan(file: Path, units: str, cuts: Path | None) -> tuple[Scan | Path, str]:
+    """The scan as a fit is given it, and the unit that is still to be said with it."""
+    return (file, units) if cuts is None else (read_coloured(file, units).without(cuts), "auto")
 
 
 def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Iterate, Iterate], FitPair]:
     """The fit, or the two together, ready for the first iteration."""
     drawing = None if options.drawing == "none" else options.drawing
+    scan, units = _scan(options.scan, options.units, options.cuts)
     if options.other is None:
         return iterates(
-            options.scan,
+            scan,
             options.landmarks,
-            units=options.units,
+            units=units,
             stance=options.stance,
             preset=options.preset,
             drawing=drawing,
@@ -42,13 +51,14 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Ite
             refine=options.refine,
             model=options.model,
         )
+    other, other_units = _scan(options.other, options.with_units, options.with_cuts)
     return pair_iterates(
-        options.scan,
-        options.other,
+        scan,
+        other,
         options.landmarks,
         options.with_landmarks,
-        units=options.units,
-        second_units=options.with_units,
+        units=units,
+        second_units=other_units,
         stance=options.stance,
         second_stance=options.with_stance,
         preset=options.preset,
@@ -77,9 +87,11 @@ def _to_check(reason: str) -> str:
 
 def run(options: argparse.Namespace) -> int:
     """Fits and writes; returns 0."""
-    given = options.with_landmarks or options.alike or (options.with_units, options.with_stance) != ("auto", "auto")
+    files = options.with_landmarks or options.with_cuts
+    given = files or options.alike or (options.with_units, options.with_stance) != ("auto", "auto")
     if options.other is None and given:
-        raise BadSettings("--with-landmarks, --with-units, --with-stance and --alike need --with SCAN_B.")
+        names = "--with-landmarks, --with-cuts, --with-units, --with-stance and --alike"
+        raise BadSettings(f"{names} need --with SCAN_B.")
     quiet = options.no_progress or not sys.stderr.isatty()
     with all_or_nothing(_output(options)) as out, progress_bar(shown=not quiet) as bar:
         fitting = _run(options)

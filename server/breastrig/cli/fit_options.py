@@ -24,9 +24,13 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     )
     parser.add_argument("--landmarks", type=Path, metavar="FILE", help="picked points: JSON, CSV, .pp or .mrk.json")
     parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
+    parser.add_argument(
+        "--cuts", type=Path, metavar="FILE", help="what was cut away in the page: the answer of GET /api/scans/ID/cuts"
+    )
     parser.add_argument("--stance", default="auto", choices=STANCES)
     parser.add_argument("--with", dest="other", type=Path, metavar="SCAN_B", help="the same patient in another stance")
     parser.add_argument("--with-landmarks", type=Path, metavar="FILE", help="picked points on SCAN_B")
+    parser.add_argument("--with-cuts", type=Path, metavar="FILE", help="what was cut away from SCAN_B")
     parser.add_argument("--with-units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of SCAN_B")
     parser.add_argument("--with-stance", default="auto", choices=STANCES, help="stance of SCAN_B")
     parser.add_argument(

@@ -1,9 +1,10 @@
 """A scan as programs see it: the file's own triangles, unit and frame."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,8 @@ from breastrig.core.arrays import Array, Integers, frozen
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.private_files import is_ordinary, shown
 from breastrig.scan.coloured_scan import coloured_scan
+from breastrig.scan.cut_file import read_cuts
+from breastrig.scan.hand_cuts import without_hand_cuts
 from breastrig.scan.scan import Scan as ScanInMetres
 
 if TYPE_CHECKING:
@@ -33,6 +36,17 @@ class Scan:
     notes: tuple[str, ...]  # what reading found, one sentence each
     in_metres: ScanInMetres = field(repr=False)  # what a fit works on
     file: Path | None = field(repr=False)  # where it was read; no result replaces it
+
+    def without(self, cuts: str | Path | Mapping[str, Any]) -> "Scan":
+        """The scan without what a person has cut away in the page: fits, proposals and ink do not see it.
+
+        `cuts` is the path of a file with what `GET /api/scans/ID/cuts` answers, or that itself; they are lassos in
+        metres of this scan's frame.  Triangles go, `vertices` stay as they are.
+
+        Raises BadScan, with one sentence, for what holds no cuts, and where they leave next to nothing.
+        """
+        document = cuts if isinstance(cuts, Mapping) else Path(cuts)
+        return _scan(without_hand_cuts(self.in_metres, read_cuts(document)), self.file)
 
     def to_trimesh(self) -> "trimesh.Trimesh":
         """A copy as a trimesh.Trimesh, in the scan's unit and frame."""
