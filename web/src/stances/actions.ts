@@ -117,7 +117,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     async restore(scan: string, fit: string | null, own: Frame | null, { isSecond, isComparing }: { isSecond: boolean; isComparing: boolean }): Promise<void> {
       try {
         const other = await loadWorkspace(client, others.plan, scan, fit, own);
-        put({ other, isSecond, isComparing });
+        put({ other, isSecond, isComparing }, isComparing ? { overlay: "scan" } : {}); // as `compare` begins it
         lookAfter();
       } catch (error) {
         fail(error);

@@ -171,6 +171,14 @@ test("from the address the stance that waits comes back with its lines, its note
   expect(drawn.lines.present.map(({ id }) => id)).toEqual(["a"]);
   expect(drawn).toMatchObject({ note: "smaller", depthMm: 25 });
   expect(drawing).toBe("tumour:side=L,clock=3,distance_mm=30,radius_mm=10");
+  expect(store.get().overlay).toBe("both");
+});
+
+test("side by side from the address shows the skin of both, as when it is chosen", async () => {
+  const { store, actions } = page();
+  await actions.scan.open("standing", null);
+  await actions.stances.restore("supine", null, null, { isSecond: true, isComparing: true });
+  expect(store.get()).toMatchObject({ overlay: "scan", stances: { isComparing: true, isSecond: true } });
 });
 
 test("a scan that cannot be had leaves the page as it was and says why", async () => {
