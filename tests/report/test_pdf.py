@@ -7,6 +7,8 @@ import numpy as np
 import pypdf
 import pytest
 
+from breastrig.geometry.polyline import Polyline
+from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.document import Reported, report_document, stance_names
 from breastrig.report.measures import measures
 from breastrig.report.pages.page import latin
@@ -74,6 +76,26 @@ def test_a_short_report_has_its_words_below_the_numbers(toy_stance: Stance) -> N
     texts = pages(report_pdf([Reported("standing", toy_stance, result(), measures(toy_stance))]))
     assert len(texts) == 2
     assert METHODS in " ".join(texts[1].split())
+
+
+def test_words_that_the_numbers_leave_no_room_for_stand_below_the_tape_sheet_and_take_no_page_of_their_own() -> None:
+    rig = read_rig(default_rig_path())
+    marks = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
+    line = Polyline("cut", False, "#000000", marks["mid_sternum"][None], np.zeros(1, np.bool_))
+    notes = [f"Remark {k} of a scan that has much to be said of." for k in range(55)]
+    plain = Stance(rig, rig.template, rig.template, rig.faces, "standing")
+    without = Reported("standing", plain, result(notes=notes), measures(plain))
+    assert METHODS in " ".join(pages(report_pdf([without]))[2].split()), "here it needs a page of its own"
+    tape = Reported("standing", dataclasses.replace(plain, lines=(line,)), result(notes=notes), measures(plain))
+    texts = pages(report_pdf([tape]))
+    assert len(texts) == 3
+    assert "Tape sheet" in texts[2]
+    assert METHODS in " ".join(texts[2].split())
+    assert [f"page {k + 1} of 3" in text for k, text in enumerate(texts)] == [True] * 3
+    more = Reported("standing", tape.stance, result(notes=3 * notes), tape.rows)
+    texts = pages(report_pdf([more]))
+    assert "Tape sheet" in texts[-1]
+    assert "Remark 54" not in texts[-1], "doubts stand before it"
 
 
 def test_what_the_plan_says_stands_there_also_where_nothing_is_measured_by_the_tape(toy_stance: Stance) -> None:

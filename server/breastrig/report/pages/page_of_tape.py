@@ -24,12 +24,14 @@ def _room() -> int:
     return int((FOOT - TOP - 34.0) / ROW)
 
 
-def draw_tape(sheet: Sheet, each: Reported, points: Sequence[TapePoint]) -> None:
-    """Draws one stance's pages; the caller has counted them."""
+def draw_tape(sheet: Sheet, each: Reported, points: Sequence[TapePoint]) -> float:
+    """Draws one stance's pages, which the caller has counted; the y below the last one's words, FOOT without a page."""
+    y = FOOT
     for first in range(0, len(points), _room()):
         sheet.titled("Tape sheet", each.name, "Key points of the drawing, along the skin from three landmarks (mm)")
         y = _table(sheet, points[first : first + _room()], TOP)
-        sheet.lines(MARGIN, y + 3.0, WIDTH, HOW, 7.5)
+        y = sheet.lines(MARGIN, y + 3.0, WIDTH, HOW, 7.5)
+    return y
 
 
 def _table(sheet: Sheet, points: Sequence[TapePoint], y: float) -> float:
