@@ -3,6 +3,7 @@ import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSeg
 import { acceleratedRaycast, type MeshBVH } from "three-mesh-bvh";
 import { extent } from "../viewer/extent";
 import { firstMesh, readGltf } from "../viewer/gltf";
+import { nextTask } from "../viewer/nextTask";
 import type { Surface } from "../viewer/picking";
 import { depthMaterial, ORDER, wipesDepth } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
@@ -110,6 +111,7 @@ export class ScanMesh implements Surface {
   private async load(bytes: ArrayBuffer, state: Shown, hasModel: boolean): Promise<void> {
     try {
       const { scene } = await readGltf(bytes);
+      await nextTask(); // of a million triangles each of these steps takes as long as a task may
       if (bytes !== this.wanted) return; // another scan was asked for meanwhile
       const read = firstMesh(scene);
       if (!read) throw new Error("no mesh");
@@ -135,7 +137,10 @@ export class ScanMesh implements Surface {
       this.viewer.keepsPose = false;
       if (outline) this.onReady(null);
       if (outline && known) this.isSettled = true;
-      else await this.findPatient(bytes, state, whole);
+      else {
+        await nextTask();
+        if (bytes === this.wanted) await this.findPatient(bytes, state, whole);
+      }
     } catch (error) {
       this.onReady(error);
     }
