@@ -10,6 +10,7 @@ refuses the events of all but the latest.
 
 import json
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from sqlalchemy import case, func, insert, select, update
@@ -25,6 +26,11 @@ class StoredEvent:
     number: int
     kind: str
     json: str  # one line
+
+    @cached_property
+    def utf8(self) -> bytes:
+        """The line as it is sent, encoded once for all who follow the fit."""
+        return self.json.encode()
 
 
 @dataclass(frozen=True)
