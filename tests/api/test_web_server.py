@@ -21,7 +21,7 @@ import pytest
 from flask import Response
 from helpers import in_worker
 from helpers.raw_http import answer, connected, is_closed, is_open, request
-from helpers.waiting import until
+from helpers.waiting import ask_for_fit, until
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
@@ -406,6 +406,24 @@ def test_one_client_cannot_take_all_readers(
         slow.cancel()
         other.sendall(request(kept.headers["location"], "DELETE"))
         assert answer(other).status == 204
+
+
+def test_streams_hold_no_thread_and_are_woken(serve: Serve, service: Service, scan_id: str) -> None:
+    fit_id = ask_for_fit(service, scan_id, preset="paper")
+    with serve(threads={"work": 1}, heartbeat_s=3600.0) as served, ExitStack() as stack:
+        threads = threading.active_count()
+        viewers = [stack.enter_context(connected(served.port)) for _ in range(20)]
+        for viewer in viewers:
+            viewer.sendall(request(f"/api/fits/{fit_id}/events"))
+            assert viewer.recv(1000).startswith(b"HTTP/1.1 200")
+        assert threading.active_count() <= threads + 1
+        assert served.ask() == 200
+        service.cancel_fit(fit_id)
+        for viewer in viewers:
+            heard = b""
+            while not heard.endswith(b"0\r\n\r\n"):
+                heard += viewer.recv(65_536)
+            assert b"event: cancelled" in heard
 
 
 def test_one_client_cannot_take_all_threads(serve: Serve) -> None:

@@ -41,6 +41,15 @@ def test_a_whole_fit_of_a_scan_without_colours_needs_none_of_it_either(tmp_path:
     assert not slow & loaded_by(program)
 
 
+def test_colours_are_looked_at_without_the_rest_of_scipys_trees() -> None:
+    assert "scipy.spatial" not in loaded_by("import breastrig.colour.features.observe")
+
+
+def test_pillows_formats_are_loaded_with_what_draws_an_uploads_picture() -> None:
+    """By the fork server: an upload's process ends with its scan, and would load them anew for each."""
+    assert "PIL.PngImagePlugin" in loaded_by("import breastrig.workflow.read_upload")
+
+
 def test_a_fit_needs_neither_numpys_fortran_translator_nor_its_tools_for_tests() -> None:
     slow = {"numpy.f2py", "numpy.testing", "numpy.ma", "numpy.polynomial", "unittest"}
     assert not slow & loaded_by("import breastrig.cli.fit_command")

@@ -1,5 +1,6 @@
 """The preset `paper` is the paper's energy: equations 4 to 9 written out again, term by term, in centimetres."""
 
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from helpers.rig_patient import patient
 from breastrig.core.errors import BadSettings
 from breastrig.correspondence.match import Correspondences
 from breastrig.energies.point_to_point import PointToPoint
+from breastrig.fitting import recipe
 from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.problem import ScanProblem, projected
 from breastrig.fitting.recipe import load_recipe
@@ -109,3 +111,20 @@ def test_a_preset_with_two_data_terms_in_one_stage_is_refused(tmp_path: Path, re
     (tmp_path / "both.toml").write_text(text + "along_sigma = [0.01, 0.01]\n", "utf-8")
     with pytest.raises(BadSettings, match=r"stages\.0: .*along_sigma stands beside point_to_plane only"):
         load_recipe(tmp_path / "both.toml")
+
+
+def test_a_packaged_preset_is_read_once_and_a_file_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text((files("breastrig.fitting") / "presets" / "paper.toml").read_text("utf-8"), encoding="utf-8")
+    known, preset_text = load_recipe("paper"), recipe._preset_text
+    read: list[str] = []
+
+    def noted(name: str) -> str:
+        read.append(name)
+        return preset_text(name)
+
+    monkeypatch.setattr(recipe, "_preset_text", noted)
+    assert load_recipe("paper") is known
+    assert read == []
+    assert load_recipe(mine) == known
+    assert read == [recipe.COMMON]

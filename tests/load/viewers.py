@@ -1,4 +1,8 @@
-"""Viewers: each follows one fit after the other to its end, over a plain socket, so that fifty cost little here."""
+"""Viewers: each follows one fit after the other to its end, over a plain socket, so that fifty cost little here.
+
+Nobody watches the same fit twice: a fit that has ended is replayed as fast as one asks, and fifty who ask again and
+again measure how many replays fit into what time is left, not how the service bears viewers.
+"""
 
 import asyncio
 import random
@@ -29,22 +33,24 @@ class Stage:
     received: list[tuple[str, int, float, float]] = field(default_factory=list)  # fit, number, when, when it was opened
     streams: int = 0
 
-    def choose(self, chance: random.Random) -> OpenFit | None:
-        running = [fit for fit in self.fits if not fit.ended]
+    def choose(self, chance: random.Random, seen: set[str]) -> OpenFit | None:
+        """One that is under way and none of the seen."""
+        running = [fit for fit in self.fits if not fit.ended and fit.id not in seen]
         return chance.choice(running) if running else None
 
 
 async def view(stage: Stage, seed: int) -> None:
     """Follows fits until the run is over."""
-    chance = random.Random(seed)
+    chance, seen = random.Random(seed), set[str]()
     while not stage.over.is_set():
-        fit = stage.choose(chance)
+        fit = stage.choose(chance, seen)
         if fit is None:
             await asyncio.sleep(0.02)
             continue
         fit.viewers += 1
         try:
             await _follow(stage, fit)
+            seen.add(fit.id)
         except (OSError, AssertionError, asyncio.IncompleteReadError) as error:
             stage.measured.errors.append(f"viewer: {error!r}"[:300])
             await asyncio.sleep(0.1)

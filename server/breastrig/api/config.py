@@ -11,7 +11,7 @@ from breastrig.execution.limits import UploadLimits
 from breastrig.service.sweep import KEEP_DAYS
 
 TOKEN_VARIABLE = "BREASTRIG_TOKEN"
-STREAMS = 64  # fifty viewers and some scripts; a waiting thread costs 0.1 MB and no time
+STREAMS = 64  # fifty viewers and some scripts
 TOKEN_LENGTH = 16  # characters, at least; shorter ones can be guessed
 
 
@@ -28,7 +28,7 @@ class Config:
     heartbeat_s: float = 15.0  # proxies close a silent stream after 30 to 60 s
     proposal_wait_s: float = 8.0  # proposals take about 0.7 s; browsers and proxies wait for 30 s and more
     log_requests: bool = False
-    streams: int = STREAMS  # open event streams; each holds one thread of the server
+    streams: int = STREAMS  # open event streams
     trusted_proxy: TrustedProxy | None = None  # whose X-Forwarded-* are believed
     public_hosts: tuple[str, ...] = ()  # names that outsiders call this server by; none: any, when there is a token
     spool_bytes: int = BodyLimits().total_bytes  # of requests that are being received, all together

@@ -1,5 +1,6 @@
 """What the installed program `breastrig` starts: watches for Ctrl-C before anything else is imported."""
 
+import os
 import sys
 
 from breastrig.cli.interruption import watch
@@ -8,6 +9,7 @@ from breastrig.cli.interruption import watch
 def entry() -> None:
     """Runs the command of the process's arguments and leaves with its exit code."""
     watch()
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # we use none, and all that is installed is searched
     from breastrig.cli.main import main
 
     sys.exit(main())

@@ -5,6 +5,7 @@ A pair [start, end] is run through geometrically while the stage tightens.
 """
 
 import tomllib
+from functools import lru_cache
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal
@@ -183,14 +184,23 @@ def _preset_text(name: str) -> str:
 def load_recipe(name_or_file: str | Path) -> Recipe:
     """A preset by name, or a TOML file of the same form; BadSettings says what is wrong with it."""
     if str(name_or_file) in preset_names():
-        text = _preset_text(str(name_or_file))
-    elif Path(name_or_file).suffix == ".toml" and is_ordinary(Path(name_or_file)):
+        return _packaged(str(name_or_file))
+    if Path(name_or_file).suffix == ".toml" and is_ordinary(Path(name_or_file)):
         try:
             text = Path(name_or_file).read_text("utf-8")
         except (OSError, UnicodeDecodeError) as error:
             raise BadSettings(f"The preset {shown(name_or_file)} cannot be read; check the file.") from error
-    else:
-        raise BadSettings(unknown_name("preset", shown(name_or_file), preset_names()))
+        return _recipe(text, name_or_file)
+    raise BadSettings(unknown_name("preset", shown(name_or_file), preset_names()))
+
+
+@lru_cache
+def _packaged(name: str) -> Recipe:
+    """Read once a process: TOML takes 8 ms, and each fit and proposal asks for it."""
+    return _recipe(_preset_text(name), name)
+
+
+def _recipe(text: str, name_or_file: str | Path) -> Recipe:
     try:
         given = tomllib.loads(text)
         common = {name: part for name, part in tomllib.loads(_preset_text(COMMON)).items() if name in COMMON_PARTS}

@@ -10,6 +10,7 @@ from breastrig.geometry.rays import RayCaster
 from breastrig.rendering.picture import Layer, Scene, camera
 from breastrig.scan.clean import Surface
 
+Image.preinit()  # Pillow's formats: here once in the fork server, else at the first picture in each upload's process
 SIZE = (144, 180)  # pixels: sharp at 72 x 90 on a fine screen
 
 

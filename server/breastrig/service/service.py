@@ -25,7 +25,8 @@ from breastrig.execution.limits import FitLimits, UploadLimits
 from breastrig.execution.scratch_sweeper import scratch_swept
 from breastrig.execution.warm_first import ForKey
 from breastrig.scan.stored_scan import STORED
-from breastrig.service.events.follow import Notifier, StreamItem, follow
+from breastrig.service.events.feeds import Notifier
+from breastrig.service.events.follow import StreamItem, follow
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
 from breastrig.service.ink import InkSearch
@@ -87,7 +88,7 @@ class Service:
         keep_days: float | None = KEEP_DAYS,
     ) -> None:
         self.storage = storage
-        self.streams = threading.BoundedSemaphore(streams)  # each open stream holds a thread of the server
+        self.streams = threading.BoundedSemaphore(streams)
         self._uploads = uploads or UploadLimits()
         fit_limits = fits or FitLimits()
         preload(TASK_MODULES)
@@ -196,7 +197,7 @@ class Service:
         self.plans.forget()
         self.reports.forget()
         left = remove_files(self.storage, scan_id)
-        self._notifier.notify_all()
+        self._notifier.look_again()
         if left:
             _log_unremoved(left)
             raise NotRemoved(len(left))
@@ -290,13 +291,18 @@ class Service:
         return self._queue.cancel(fit_id)
 
     def follow(
-        self, fit_id: str, after: int, heartbeat_s: float, gone: Callable[[], bool] | None = None
+        self,
+        fit_id: str,
+        after: int,
+        heartbeat_s: float,
+        gone: Callable[[], bool] | None = None,
+        wake: Callable[[], None] | None = None,
     ) -> Iterator[Sequence[StreamItem]]:
         """The fit's events above `after`, as they come, those together that are known at once.
 
-        Before the first, its place in the queue.
+        Before the first, its place in the queue.  `gone` and `wake` as `events.follow` says.
         """
-        return follow(self.storage, self._notifier, fit_id, after, heartbeat_s, gone)
+        return follow(self._notifier, fit_id, after, heartbeat_s, gone, wake)
 
     def transfer(
         self, from_fit: str, to_fit: str, drawing: dict[str, Any] | None, other_patient: bool

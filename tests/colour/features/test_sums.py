@@ -1,9 +1,11 @@
-"""Means of a picture under kernels, against SciPy's own convolution."""
+"""Means of a picture under kernels and medians, against SciPy's own."""
 
 import numpy as np
+import pytest
+from scipy.ndimage import median_filter
 from scipy.signal import fftconvolve
 
-from breastrig.colour.features.areola import _Sums
+from breastrig.colour.features.areola import _median, _Sums
 
 
 def test_means_under_kernels_are_those_of_convolution(rng: np.random.Generator) -> None:
@@ -16,3 +18,9 @@ def test_means_under_kernels_are_those_of_convolution(rng: np.random.Generator) 
         mean, share = sums.mean(kernel)
         np.testing.assert_allclose(mean, total / np.maximum(weight, 0.5), atol=1e-12)
         np.testing.assert_allclose(share, weight / kernel.sum(), atol=1e-12)
+
+
+@pytest.mark.parametrize("size", [3, 5])
+def test_medians_are_those_of_scipy(rng: np.random.Generator, size: int) -> None:
+    pictures = rng.normal(size=(31, 27, 3))
+    np.testing.assert_array_equal(_median(pictures, size), median_filter(pictures, size=(size, size, 1)))

@@ -5,10 +5,15 @@ import pytest
 from helpers import fake_fit
 from helpers.rows import add_waiting_fit
 from helpers.waiting import ask_for_fit, stored_events, until
+from sqlalchemy import event
+from sqlalchemy.exc import OperationalError
 
-from breastrig.service.events.follow import LOOK_EVERY_S, Heartbeat, Listener, Notifier, Queued, follow
+from breastrig.service.events import feeds
+from breastrig.service.events.feeds import LOOK_EVERY_S, Listener, Notifier
+from breastrig.service.events.follow import Heartbeat, Queued, follow
 from breastrig.storage.deletion import delete_scan
-from breastrig.storage.rows.events import StoredEvent, append
+from breastrig.storage.rows.events import StoredEvent, append, events_after
+from breastrig.storage.rows.fits import claim_fit
 from breastrig.storage.storage import Storage
 
 
@@ -36,7 +41,7 @@ def test_a_stored_event_is_heard_without_waiting_for_a_heartbeat(storage: Storag
         heard: list[StoredEvent] = []
 
         def listen() -> None:
-            news = chain.from_iterable(follow(storage, notifier, "fit", 0, 3600.0))
+            news = chain.from_iterable(follow(notifier, "fit", 0, 3600.0))
             heard.extend(event for event in news if isinstance(event, StoredEvent))
 
         thread = threading.Thread(target=listen)
@@ -58,10 +63,10 @@ def test_news_of_one_fit_wake_only_those_whom_they_concern(
     monkeypatch.setattr(Listener, "notify", lambda listener: notified.append(names[listener]))
     for fit_id in ("mine", "other", "waiting"):
         add_waiting_fit(storage, scan_id, fit_id)
+    claim_fit(storage, "other")
     notifier = Notifier(storage)
     with notifier.listen("mine") as mine, notifier.listen("other") as other, notifier.listen("waiting") as waiting:
         names = {mine: "mine", other: "other", waiting: "waiting"}
-        mine.queues = other.queues = False
         notifier.start()
         try:
             append(storage, "mine", {"kind": "iterated", "nodes": []})
@@ -80,7 +85,7 @@ def test_a_waiting_fit_hears_that_it_moves_up(storage: Storage, scan_id: str) ->
     notifier = Notifier(storage)
     notifier.start()
     try:
-        stream = follow(storage, notifier, "second", 0, 60.0)
+        stream = follow(notifier, "second", 0, 60.0)
         assert next(stream) == [Queued(2)]
         timer = threading.Timer(0.05, append, (storage, "first", {"kind": "cancelled", "reason": "so it is"}))
         timer.start()
@@ -91,12 +96,63 @@ def test_a_waiting_fit_hears_that_it_moves_up(storage: Storage, scan_id: str) ->
         notifier.stop()
 
 
+def test_many_who_follow_one_fit_ask_the_database_no_more_than_one(storage: Storage, scan_id: str) -> None:
+    """Nobody asks again who is woken: what the notifier has read once is the same list for all."""
+    add_waiting_fit(storage, scan_id, "fit")
+    asked: list[str] = []
+    notifier = Notifier(storage)
+    woken = threading.Event()
+    streams = [follow(notifier, "fit", 0, 3600.0, wake=woken.set) for _ in range(20)]
+    event.listen(storage.database.engine, "before_cursor_execute", lambda *words: asked.append(words[2]))
+    assert {next(stream)[0] for stream in streams} == {Queued(1)}
+    assert sum(statement.startswith("SELECT") for statement in asked) <= 5
+    assert [next(stream) for stream in streams] == [()] * 20
+    notifier.start()
+    try:
+        append(storage, "fit", {"kind": "failed", "reason": "so it is"})
+        until(woken.is_set, "the news")
+        asked.clear()
+        heard = [next(stream) for stream in streams]
+        assert asked == []
+        assert [[one.kind for one in together] for together in heard] == [["failed"]] * 20
+        assert len({id(together[0]) for together in heard}) == 1
+        assert [list(stream) for stream in streams] == [[]] * 20
+    finally:
+        notifier.stop()
+    assert notifier.listening == 0
+
+
+def test_a_feed_that_could_not_be_read_is_read_again(
+    storage: Storage, scan_id: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    add_waiting_fit(storage, scan_id, "fit")
+    notifier = Notifier(storage)
+    fails = [True]
+
+    def read(*args: object) -> list[StoredEvent]:
+        if fails and args[2] == 0 and notifier.listening and notifier._thread is threading.current_thread():
+            fails.clear()
+            raise OperationalError("SELECT", {}, Exception())
+        return events_after(*args)
+
+    stream = follow(notifier, "fit", 0, 3600.0)
+    assert next(stream) == [Queued(1)]
+    monkeypatch.setattr(feeds, "events_after", read)
+    append(storage, "fit", {"kind": "failed", "reason": "so it is"})
+    notifier.start()
+    try:
+        assert [one.kind for one in next(stream)] == ["failed"]
+        assert not fails
+    finally:
+        notifier.stop()
+
+
 def test_a_silent_stream_beats(storage: Storage, scan_id: str) -> None:
     add_waiting_fit(storage, scan_id, "fit")
     notifier = Notifier(storage)
     notifier.start()
     try:
-        stream = follow(storage, notifier, "fit", 0, 0.01)
+        stream = follow(notifier, "fit", 0, 0.01)
         assert next(stream) == [Queued(1)]
         assert next(stream) == [Heartbeat()]
         assert next(stream) == [Heartbeat()]
@@ -111,10 +167,8 @@ def test_who_comes_late_hears_all_that_is_stored_together(storage: Storage, scan
     append(storage, "fit", {"kind": "iterated", "nodes": []})
     append(storage, "fit", {"kind": "iterated", "nodes": []})
     append(storage, "fit", {"kind": "failed", "reason": "so it is"})
-    assert [[event.number for event in together] for together in follow(storage, notifier, "fit", 0, 60.0)] == [
-        [1, 2, 3]
-    ]
-    assert [[event.number for event in together] for together in follow(storage, notifier, "fit", 2, 60.0)] == [[3]]
+    assert [[event.number for event in together] for together in follow(notifier, "fit", 0, 60.0)] == [[1, 2, 3]]
+    assert [[event.number for event in together] for together in follow(notifier, "fit", 2, 60.0)] == [[3]]
 
 
 def test_a_stream_ends_when_the_fit_is_deleted(storage: Storage, scan_id: str) -> None:
@@ -122,11 +176,11 @@ def test_a_stream_ends_when_the_fit_is_deleted(storage: Storage, scan_id: str) -
     notifier = Notifier(storage)
     notifier.start()
     try:
-        thread = threading.Thread(target=lambda: list(follow(storage, notifier, "fit", 0, 60.0)))
+        thread = threading.Thread(target=lambda: list(follow(notifier, "fit", 0, 60.0)))
         thread.start()
         until(lambda: notifier.listening == 1, "the listener")
         delete_scan(storage, scan_id)
-        notifier.notify_all()
+        notifier.look_again()
         thread.join(timeout=5)
         assert not thread.is_alive()
     finally:
@@ -137,6 +191,6 @@ def test_a_stream_ends_when_the_notifier_stops_or_the_viewer_leaves(storage: Sto
     add_waiting_fit(storage, scan_id, "fit")
     notifier = Notifier(storage)
     notifier.start()
-    assert list(follow(storage, notifier, "fit", 0, 60.0, gone=lambda: True)) == [[Queued(1)]]
+    assert list(follow(notifier, "fit", 0, 60.0, gone=lambda: True)) == [[Queued(1)]]
     notifier.stop()
-    assert list(follow(storage, notifier, "fit", 0, 60.0)) == []
+    assert list(follow(notifier, "fit", 0, 60.0)) == []

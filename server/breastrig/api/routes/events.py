@@ -13,7 +13,7 @@ from flask import Response, request
 
 from breastrig.api.access.security import refuse
 from breastrig.api.app_context import app_context
-from breastrig.api.environ_keys import READER_GONE
+from breastrig.api.environ_keys import READER_GONE, WAKE
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import common as wire
 from breastrig.service.events.follow import Heartbeat, Queued, StreamItem
@@ -24,7 +24,7 @@ events = APIBlueprint("events", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 RECONNECT_MS = 1000
-TOGETHER = 65_536  # characters that are sent at once; each time costs two changes of thread
+TOGETHER = 65_536  # characters that are sent at once
 STREAM: Any = {
     "content": {"text/event-stream": {"schema": {"type": "string"}}},
     "description": "Server-sent events; `data` is the event's JSON",
@@ -57,9 +57,9 @@ def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
         raise refuse(
             503, "Too many event streams are open; ask events.json instead, or try again later.", {"Retry-After": "5"}
         )
-    gone = request.environ.get(READER_GONE)
+    gone, wake = request.environ.get(READER_GONE), request.environ.get(WAKE)
     response = Response(
-        _lines(context.service.follow(fit_id, after, context.config.heartbeat_s, gone)),
+        _lines(context.service.follow(fit_id, after, context.config.heartbeat_s, gone, wake)),
         mimetype="text/event-stream",
         headers=STREAM_HEADERS,
     )
@@ -89,27 +89,30 @@ def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
     )
 
 
-def _lines(news: Iterator[Sequence[StreamItem]]) -> Iterator[str]:
+def _lines(news: Iterator[Sequence[StreamItem]]) -> Iterator[bytes]:
     """What is known at once is sent at once: whoever opens a stream late has most of it in one piece."""
-    yield f"retry: {RECONNECT_MS}\n\n"
+    parts = [b"retry: %d\n\n" % RECONNECT_MS]
+    size = len(parts[0])
     for together in news:
-        parts, size = [], 0
         for item in together:
             parts.append(_text(item))
             size += len(parts[-1])
             if size >= TOGETHER:
-                yield "".join(parts)
+                yield b"".join(parts)
                 parts, size = [], 0
-        if parts:
-            yield "".join(parts)
+        if parts or not together:  # nothing, where there are no news
+            yield b"".join(parts)
+        parts, size = [], 0
+    if parts:
+        yield b"".join(parts)
 
 
-def _text(item: StreamItem) -> str:
+def _text(item: StreamItem) -> bytes:
     if isinstance(item, Heartbeat):
-        return ": still here\n\n"
+        return b": still here\n\n"
     if isinstance(item, Queued):  # without a number: a viewer who comes again need not hear it
-        return f'event: queued\ndata: {{"kind":"queued","position":{item.position}}}\n\n'
-    return f"id: {item.number}\nevent: {item.kind}\ndata: {item.json}\n\n"
+        return b'event: queued\ndata: {"kind":"queued","position":%d}\n\n' % item.position
+    return b"id: %d\nevent: %b\ndata: %b\n\n" % (item.number, item.kind.encode(), item.utf8)
 
 
 def _last_event_id() -> int:

@@ -3,9 +3,9 @@
     headers -> admitted? (thread) -> body into the spool (no thread) -> application (thread) -> answer (no thread)
 
 Whoever sends or reads slowly holds no thread: bodies are complete before the application sees them, and of an answer
-a thread fetches the next piece only when the last one has gone out.  Streams of events are the exception, each waits
-in a thread of its own for what happens next.  Requests of one client are not all worked on at once, and waiting ones
-are taken in turns, one of each client.
+a thread fetches the next piece only when the last one has gone out.  A stream of events waits in no thread either: it
+says at once when it has nothing (an empty piece, as WSGI allows), and wakes us when it has.  Requests of one client
+are not all worked on at once, and waiting ones are taken in turns, one of each client.
 """
 
 import asyncio
@@ -19,11 +19,12 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterat
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 from urllib.parse import unquote_to_bytes, urlsplit
 
 from breastrig.api.access.security import HEADERS
-from breastrig.api.environ_keys import READER_GONE
+from breastrig.api.environ_keys import READER_GONE, WAKE
 from breastrig.api.errors import SENTENCES, problem
 from breastrig.api.request_body import BodyRefused, Receive, SenderGone, Spool, SpoolPlace
 from breastrig.api.trusted_proxy import BehindProxy, client_of
@@ -32,6 +33,7 @@ from breastrig.core.round_robin import RoundRobin
 
 PIECE = 65_536  # bytes of an answer that are fetched at once at first, and that are handed over at once
 LARGEST_PIECE = 4 * PIECE  # of a reader who keeps pace; so much of each answer may lie in memory
+SILENT_S = 0.5  # after which a stream that has nothing is asked whether it has to beat
 KEEPS_PACE_S = 0.02  # in which a piece has gone out: each fetch waits for its client's turn and changes threads twice
 
 Send = Callable[[dict[str, Any]], Awaitable[None]]
@@ -46,7 +48,6 @@ log = logging.getLogger(__name__)
 class ThreadLimits:
     work: int = 64  # most of them wait for a process or for the database
     each_client: int = 12  # a browser asks for six things at once
-    streams: int = 64  # each open stream of events
 
 
 @dataclass
@@ -61,7 +62,7 @@ class _Answer:
     complete: bool = False
     at_once: int = PIECE  # bytes to be fetched next
 
-    @property
+    @cached_property
     def streams(self) -> bool:
         return any(name == b"content-type" and value.startswith(b"text/event-stream") for name, value in self.headers)
 
@@ -78,12 +79,10 @@ class WsgiBridge:
         self._spools = spools
         self._turns = _Turns(threads.work, threads.each_client)
         self._work = ThreadPoolExecutor(threads.work, "breastrig-work")
-        self._streams = ThreadPoolExecutor(threads.streams, "breastrig-stream")
 
     def close(self) -> None:
         """Leaves threads that still work to end by themselves."""
-        for pool in (self._work, self._streams):
-            pool.shutdown(wait=False, cancel_futures=True)
+        self._work.shutdown(wait=False, cancel_futures=True)
 
     async def __call__(self, scope: dict[str, Any], receive: Receive, send: Send) -> None:
         answers = _Answers(send)
@@ -101,8 +100,9 @@ class WsgiBridge:
     async def _answer(self, environ: dict[str, Any], receive: Receive, answers: "_Answers") -> None:
         self._proxy.take_over(environ)
         client = client_of(environ["REMOTE_ADDR"])
-        gone = threading.Event()
-        environ[READER_GONE] = gone.is_set
+        news = _News(asyncio.get_running_loop())
+        environ[READER_GONE] = news.gone.is_set
+        environ[WAKE] = news.wake
         spool: Spool | None = None
         watch: asyncio.Task[None] | None = None
         try:
@@ -115,11 +115,11 @@ class WsgiBridge:
                         await self._spools.drop(receive)
                     await answers.piece(b"", last=True)
                     return
-            watch = asyncio.create_task(_watch(receive, gone))
+            watch = asyncio.create_task(_watch(receive, news))
             if spool is not None:
                 environ |= {"wsgi.input": spool.file, "CONTENT_LENGTH": str(spool.size)}
                 environ.pop("HTTP_TRANSFER_ENCODING", None)
-            await self._send(await self._in_turn(client, _begin, self._app, environ), client, gone, answers)
+            await self._send(await self._in_turn(client, _begin, self._app, environ), client, news, answers)
         finally:
             if watch is not None:
                 watch.cancel()
@@ -141,28 +141,26 @@ class WsgiBridge:
                 )
         return None, await self._in_turn(client, _begin, verdict, environ)
 
-    async def _send(self, answer: _Answer, client: str, gone: threading.Event, answers: "_Answers") -> None:
+    async def _send(self, answer: _Answer, client: str, news: "_News", answers: "_Answers") -> None:
         """Sends it piece by piece, as fast as the reader takes it."""
         try:
             await answers.begin(answer.status, answer.headers)
             piece = answer.first
-            while not answer.complete and not gone.is_set():
+            while not answer.complete and not news.gone.is_set():
                 began = time.monotonic()
                 await answers.piece(piece)
                 if time.monotonic() - began < KEEPS_PACE_S:
                     answer.at_once = min(2 * answer.at_once, LARGEST_PIECE)
-                piece = await self._next(answer, client)
+                piece = await (self._next(answer, client) if not answer.streams else _next_of_stream(answer, news))
             await answers.piece(piece, last=True)
         finally:
             if not answer.complete:
-                with suppress(RuntimeError):  # the pools are closed, the server is stopping
+                with suppress(RuntimeError):  # the pool is closed, the server is stopping
                     self._work.submit(_give_up, answer)
 
     async def _next(self, answer: _Answer, client: str) -> bytes:
-        if not answer.streams:
-            piece: bytes = await self._in_turn(client, _fetch, answer)
-            return piece
-        return await asyncio.get_running_loop().run_in_executor(self._streams, _fetch_one, answer)
+        piece: bytes = await self._in_turn(client, _fetch, answer)
+        return piece
 
     async def _in_turn(self, client: str, function: Callable[..., Any], *args: Any) -> Any:
         """Runs it in a thread when it is that client's turn."""
@@ -231,11 +229,51 @@ class _Turns:
                 taken[1].set_result(None)
 
 
-async def _watch(receive: Receive, gone: threading.Event) -> None:
+class _News:
+    """That a stream has something to say, or that nobody reads it any more."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self.gone = threading.Event()
+        self._loop = loop
+        self._heard = asyncio.Event()
+
+    def wake(self) -> None:
+        """In any thread."""
+        with suppress(RuntimeError):  # the server has stopped
+            self._loop.call_soon_threadsafe(self._heard.set)
+
+    def leave(self) -> None:
+        """In the event loop: the reader has gone."""
+        self.gone.set()
+        self._heard.set()
+
+    def reset(self) -> None:
+        """News from here on end the next `wait`."""
+        self._heard.clear()
+
+    async def wait(self, timeout_s: float) -> None:
+        """Returns when there were news since `reset`, at the latest after `timeout_s`."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(timeout_s):
+                await self._heard.wait()
+
+
+async def _watch(receive: Receive, news: _News) -> None:
     """Notes when the connection has ended."""
     while (await receive())["type"] != "http.disconnect":
         pass
-    gone.set()
+    news.leave()
+
+
+async def _next_of_stream(answer: _Answer, news: _News) -> bytes:
+    """Waits for the next piece that is not empty; b"" when there is none."""
+    while True:
+        news.reset()
+        if (piece := _fetch_one(answer)) or answer.complete:
+            return piece
+        await news.wait(SILENT_S)
+        if news.gone.is_set():
+            return b""
 
 
 def _begin(app: Wsgi, environ: dict[str, Any]) -> _Answer:
@@ -250,8 +288,11 @@ def _begin(app: Wsgi, environ: dict[str, Any]) -> _Answer:
     encoded = [(name.lower().encode("latin-1"), value.encode("latin-1")) for name, value in headers]
     close = getattr(result, "close", lambda: None)
     answer = _Answer(int(status.split(" ", 1)[0]), encoded, iter(result), close)
-    if not answer.streams:
-        answer.first = _fetch(answer)
+    try:
+        answer.first = _fetch_one(answer) if answer.streams else _fetch(answer)
+    except BaseException:
+        answer.close()
+        raise
     return answer
 
 
@@ -269,6 +310,7 @@ def _fetch(answer: _Answer) -> bytes:
 
 
 def _fetch_one(answer: _Answer) -> bytes:
+    """The next piece as the application gives it, at once."""
     part = next(answer.rest, None)
     if part is None:
         _end(answer)

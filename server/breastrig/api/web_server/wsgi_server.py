@@ -144,9 +144,7 @@ def listen(
     Raises BadSettings when the address cannot be had.
     """
     _share_arenas()
-    asked = limits or ServerLimits(
-        bodies=BodyLimits(total_bytes=config.spool_bytes), threads=ThreadLimits(streams=config.streams)
-    )
+    asked = limits or ServerLimits(bodies=BodyLimits(total_bytes=config.spool_bytes))
     files = _as_many_files_as_allowed(asked.connections.total + OTHER_FILES)
     total = min(asked.connections.total, max(64, files - OTHER_FILES))
     used = replace(asked, connections=replace(asked.connections, total=total))

@@ -14,8 +14,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.fft import irfft2, next_fast_len, rfft2
-from scipy.ndimage import distance_transform_edt, gaussian_filter, map_coordinates, median_filter
+from scipy.ndimage import distance_transform_edt, gaussian_filter, map_coordinates
 
 from breastrig.colour.features.limits import AreolaLimits
 from breastrig.colour.features.patch import ColouredSkin, Patch
@@ -72,10 +73,22 @@ def level_colour(patch: Patch) -> tuple[Array, Booleans]:
     lightness = np.maximum(gaussian_filter(filled[..., 0], 2.0), 1.0) + 16.0
     level = filled * np.stack([np.ones_like(lightness), reference / lightness, reference / lightness], axis=-1)
     size = max(2 * round(0.5 * THIN / patch.pixel) + 1, 3)
-    return np.stack([median_filter(level[..., k], size=size) for k in range(3)], axis=-1), known
+    return _median(level, size), known
 
 
 THIN = 0.005  # m; a median of this side removes lines up to half of it
+
+
+def _median(pictures: Array, size: int) -> Array:
+    """Each pixel of an (N, M, K) picture as the median of `size` x `size` around it, `size` odd; mirrored at its edges.
+
+    SciPy's `median_filter` sets up a window for each pixel and takes twice as long for the same.
+    """
+    edge = (size // 2, size // 2)
+    mirrored = np.pad(pictures, (edge, edge, (0, 0)), mode="symmetric")
+    around = sliding_window_view(mirrored, (size, size), axis=(0, 1)).reshape(*pictures.shape, size * size)
+    half = size * size // 2
+    return np.partition(around, half, axis=-1)[..., half]
 
 
 def candidates(patch: Patch, limits: AreolaLimits, spread: float) -> list[Candidate]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, case, func, insert, or_, select, update
+from sqlalchemy import ColumnElement, Connection, Row, bindparam, case, func, insert, or_, select, update
 
 from breastrig.core.errors import BadInput, NotFound
 from breastrig.storage import schema
@@ -19,6 +19,7 @@ from breastrig.storage.storage import Storage
 
 STATES = ("queued", "running", "done", "failed", "cancelled")
 ENDED = frozenset(STATES[2:])
+ONE = select(schema.fits).where(schema.fits.c.id == bindparam("fit_id"))  # asked for with nearly each call
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,7 +132,7 @@ def _made_before(connection: Connection, once: Once) -> str | None:
 def get_fit(storage: Storage, fit_id: str) -> FitRow:
     """Raises NotFound."""
     with storage.database.reading() as connection:
-        row = connection.execute(select(schema.fits).where(schema.fits.c.id == fit_id)).one_or_none()
+        row = connection.execute(ONE, {"fit_id": fit_id}).one_or_none()
     if row is None:
         raise NotFound("There is no such fit; it may have been deleted.")
     return _fit_row(row)

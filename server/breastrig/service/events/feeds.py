@@ -1,0 +1,188 @@
+"""What is known of the fits that somebody follows, read once for all who follow the same.
+
+Workers are other processes: they only write rows.  One thread (the notifier) looks for new rows while anybody listens,
+reads those of a fit once into its feed, and wakes the fit's listeners, who find them in memory.  So fifty viewers cost
+the database no more than one, and an event of one fit does not wake the viewers of the others.  A feed is forgotten
+when nobody listens to it any more, or its fit is deleted.
+"""
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from breastrig.core.errors import NotFound
+from breastrig.storage.rows.events import StoredEvent, events_after, news_after
+from breastrig.storage.rows.fits import get_fit, queue_position
+from breastrig.storage.storage import Storage
+
+LOOK_EVERY_S = 0.02  # an iteration takes about 20 ms: later would show two at once
+DELETED_EVERY_S = 0.5  # how soon it is noticed that another server has deleted a fit
+
+log = logging.getLogger(__name__)
+
+
+class Listener:
+    """One who waits for news of one fit; made by `Notifier.listen`."""
+
+    def __init__(self, feed: "Feed", wake: Callable[[], None] | None = None) -> None:
+        self.feed = feed
+        self._wake = wake
+        self._notified = threading.Event()
+
+    def reset(self) -> None:
+        """A notification from here on ends the next `wait`; to be called before looking at what is there."""
+        self._notified.clear()
+
+    def wait(self, timeout_s: float) -> None:
+        """Returns when it was notified since `reset`, at the latest after `timeout_s`."""
+        self._notified.wait(timeout_s)
+
+    def notify(self) -> None:
+        """In any thread."""
+        if self._wake is not None:
+            self._wake()
+        else:
+            self._notified.set()
+
+
+class Feed:
+    """One fit as it was last read.  Whoever looks needs no lock: events are only added, the rest is replaced."""
+
+    def __init__(self, storage: Storage, fit_id: str) -> None:
+        self.events: list[StoredEvent] = []  # from the first, without gaps
+        self.queue_position: int | None = None  # 1: the next to run; None when it does not wait
+        self.is_deleted = False
+        self.listeners: set[Listener] = set()  # the notifier's, under its lock
+        self.is_read = False
+        self.asked_again = False  # whether it is to be read although there is no event
+        self.read_at = 0.0  # time.monotonic()
+        self._storage = storage
+        self._fit_id = fit_id
+        self._lock = threading.Lock()
+
+    def read(self) -> bool:
+        """Takes in what is new; whether anything is.  Raises SQLAlchemyError, then it has to be read again."""
+        with self._lock:
+            return self._read()
+
+    def read_once(self) -> None:
+        """For the first who listens; the others wait for it."""
+        with self._lock:
+            if not self.is_read:
+                self._read()
+
+    def _read(self) -> bool:
+        before = (len(self.events), self.queue_position, self.is_deleted)
+        self.asked_again, self.read_at = False, time.monotonic()
+        try:
+            self.events += events_after(self._storage, self._fit_id, len(self.events))
+            waits = get_fit(self._storage, self._fit_id).state == "queued"
+            self.queue_position = queue_position(self._storage, self._fit_id) if waits else None
+        except NotFound:
+            self.is_deleted = True
+        except SQLAlchemyError:
+            self.asked_again = True
+            raise
+        self.is_read = True
+        return before != (len(self.events), self.queue_position, self.is_deleted)
+
+
+class Notifier:
+    """Keeps the feeds of all fits that are listened to, and wakes the listeners of those that have news."""
+
+    def __init__(self, storage: Storage) -> None:
+        self._storage = storage
+        self._condition = threading.Condition()
+        self._feeds: dict[str, Feed] = {}  # by fit
+        self._position = 0
+        self._stopped = False
+        self._thread = threading.Thread(target=self._watch, name="breastrig-notifier", daemon=True)
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Ends the thread and every wait."""
+        with self._condition:
+            self._stopped = True
+            self._condition.notify_all()
+            listeners = [listener for feed in self._feeds.values() for listener in feed.listeners]
+        for listener in listeners:
+            listener.notify()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    @property
+    def stopped(self) -> bool:
+        return self._stopped
+
+    @property
+    def listening(self) -> int:
+        """How many listen."""
+        with self._condition:
+            return sum(len(feed.listeners) for feed in self._feeds.values())
+
+    @contextmanager
+    def listen(self, fit_id: str, wake: Callable[[], None] | None = None) -> Iterator[Listener]:
+        """A listener for the fit's news, whose feed has been read.
+
+        `wake`, where given, is called from any thread instead of ending a `wait`.
+        """
+        with self._condition:
+            feed = self._feeds.setdefault(fit_id, Feed(self._storage, fit_id))
+            listener = Listener(feed, wake)
+            feed.listeners.add(listener)
+            self._condition.notify_all()
+        try:
+            feed.read_once()  # after it is known to the notifier: what is stored from here on is news
+            yield listener
+        finally:
+            with self._condition:
+                feed.listeners.discard(listener)
+                if not feed.listeners and self._feeds.get(fit_id) is feed:
+                    del self._feeds[fit_id]
+
+    def look_again(self) -> None:
+        """For what has no event: a fit was deleted."""
+        with self._condition:
+            for feed in self._feeds.values():
+                feed.asked_again = True
+
+    def _watch(self) -> None:
+        while True:
+            with self._condition:
+                self._condition.wait_for(lambda: self._stopped or bool(self._feeds))
+                if self._stopped:
+                    return
+            try:
+                self._look()
+            except SQLAlchemyError:
+                log.exception("the events cannot be read")
+            time.sleep(LOOK_EVERY_S)
+
+    def _look(self) -> None:
+        news = news_after(self._storage, self._position)
+        fits, queue_moved = {one.fit for one in news}, any(one.moves_queue for one in news)
+        long_ago = time.monotonic() - DELETED_EVERY_S
+        with self._condition:
+            concerned = [
+                feed
+                for fit_id, feed in self._feeds.items()
+                if fit_id in fits
+                or feed.asked_again
+                or feed.read_at <= long_ago
+                or (queue_moved and feed.queue_position is not None)
+            ]
+        for feed in concerned:
+            feed.asked_again = True  # until it is read: an error leaves it so
+        self._position = max((one.position for one in news), default=self._position)
+        for feed in concerned:
+            if feed.read():
+                with self._condition:
+                    listeners = list(feed.listeners)
+                for listener in listeners:
+                    listener.notify()
