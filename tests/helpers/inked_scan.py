@@ -156,9 +156,9 @@ def inked_zip(marker: str | None = None, bare: bool = False, worn: bool = False,
     first, *rest = strokes(marker)
     drawn = () if bare else (replace(first, marker="worn") if worn else first, *rest)
     picture = io.BytesIO()
-    Image.fromarray(_picture(drawn, DARK_SKIN if dark else SKIN)).save(picture, "PNG", compress_level=1)
+    Image.fromarray(_picture(drawn, DARK_SKIN if dark else SKIN)).save(picture, "PNG")
     packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("scan.obj", _obj())
         archive.writestr("scan.mtl", MATERIAL)
         archive.writestr("texture.png", picture.getvalue(), zipfile.ZIP_STORED)
