@@ -79,14 +79,32 @@ def _uv(st: np.ndarray, right: np.ndarray) -> np.ndarray:
     return np.where(right[:, None], other, left)
 
 
-def _picture(drawn: tuple[Stroke, ...], skin: tuple[float, float, float] = SKIN) -> np.ndarray:
-    """(SIDE, SIDE, 3) sRGB."""
-    rng = np.random.default_rng(4)
+@lru_cache(maxsize=1)
+def _sheet() -> np.ndarray:
+    """(SIDE * SIDE, 2) mm: where each of the picture's pixels lies."""
     column, row = np.meshgrid((np.arange(SIDE) + 0.5) / SIDE, 1 - (np.arange(SIDE) + 0.5) / SIDE)
     upper = row > 0.5
     s = np.where(upper, (row - 0.515) / 0.96 + 0.5, (row - 0.01) / 0.96) * SIZE
     t = np.where(upper, (0.99 - column) / 0.98, (column - 0.01) / 0.98) * SIZE
-    st = np.stack([s, t], axis=2).reshape(-1, 2)
+    return np.stack([s, t], axis=2).reshape(-1, 2)
+
+
+@lru_cache(maxsize=1)
+def _covered() -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Of each stroke by name, whatever its marker: the pixels on which there is ink, and its share of them."""
+    found = {}
+    for stroke in strokes():
+        distance = cKDTree(stroke.places[stroke.drawn]).query(_sheet(), distance_upper_bound=4.0)[0]
+        share = np.clip(1.6 - distance, 0.0, 1.0)[:, None] * 0.9  # some 2 mm wide
+        pixels = np.flatnonzero(share)
+        found[stroke.name] = pixels, share[pixels]
+    return found
+
+
+def _picture(drawn: tuple[Stroke, ...], skin: tuple[float, float, float] = SKIN) -> np.ndarray:
+    """(SIDE, SIDE, 3) sRGB."""
+    rng = np.random.default_rng(4)
+    st = _sheet()
     light = np.ones((len(st), 3)) * skin
     mottled = 1.0 + 0.06 * np.sin(st[:, :1] / 9.0) * np.cos(st[:, 1:] / 13.0)
     light *= mottled
@@ -97,9 +115,8 @@ def _picture(drawn: tuple[Stroke, ...], skin: tuple[float, float, float] = SKIN)
     hair = np.abs(st[:, 0] - 130.0 - 4.0 * np.sin(st[:, 1] / 30.0)) < 0.2
     light[hair] *= 0.55
     for stroke in drawn:
-        distance = cKDTree(stroke.places[stroke.drawn]).query(st, distance_upper_bound=4.0)[0]
-        share = np.clip(1.6 - distance, 0.0, 1.0)[:, None] * 0.9  # some 2 mm wide
-        light = (1.0 - share) * light + share * np.asarray(INKS[stroke.marker])
+        pixels, share = _covered()[stroke.name]
+        light[pixels] = (1.0 - share) * light[pixels] + share * np.asarray(INKS[stroke.marker])
     lamp = 0.35 + 0.4 * np.exp(-((st - [90.0, 170.0]) ** 2).sum(axis=1) / 140.0**2)
     light *= lamp[:, None] * (1.0 + 0.03 * rng.normal(size=(len(st), 1)))
     value = np.where(light <= 0.0031308, 12.92 * light, 1.055 * np.maximum(light, 0.0) ** (1 / 2.4) - 0.055)
@@ -118,9 +135,9 @@ def _mesh(steps: int = STEPS) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.stack([s, t], axis=1), faces, s[faces].mean(axis=1) > SIZE / 2
 
 
-@lru_cache(maxsize=4)
-def inked_zip(marker: str | None = None, bare: bool = False, worn: bool = False, dark: bool = False) -> bytes:
-    """The scan as a zip of OBJ, MTL and PNG, in metres; `bare` without ink, `worn`: little is left of one line."""
+@lru_cache(maxsize=1)
+def _obj() -> str:
+    """All of the scan but its picture."""
     st, faces, right = _mesh()
     lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in place(st)]
     for half in (False, True):
@@ -130,15 +147,21 @@ def inked_zip(marker: str | None = None, bare: bool = False, worn: bool = False,
         "f " + " ".join(f"{c + 1}/{c + 1 + len(st) * half}" for c in face)
         for face, half in zip(faces.tolist(), right.astype(int).tolist(), strict=True)
     ]
+    return "\n".join(lines) + "\n"
+
+
+@lru_cache(maxsize=4)
+def inked_zip(marker: str | None = None, bare: bool = False, worn: bool = False, dark: bool = False) -> bytes:
+    """The scan as a zip of OBJ, MTL and PNG, in metres; `bare` without ink, `worn`: little is left of one line."""
     first, *rest = strokes(marker)
     drawn = () if bare else (replace(first, marker="worn") if worn else first, *rest)
     picture = io.BytesIO()
     Image.fromarray(_picture(drawn, DARK_SKIN if dark else SKIN)).save(picture, "PNG")
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("scan.obj", "\n".join(lines) + "\n")
+        archive.writestr("scan.obj", _obj())
         archive.writestr("scan.mtl", MATERIAL)
-        archive.writestr("texture.png", picture.getvalue())
+        archive.writestr("texture.png", picture.getvalue(), zipfile.ZIP_STORED)
     return packed.getvalue()
 
 

@@ -1,12 +1,9 @@
 """A fit from a program: in the scan's unit and frame, and in every digit what `breastrig fit` writes."""
 
 import json
-import os
 import pickle
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -54,14 +51,6 @@ def test_what_a_program_saves_is_what_the_command_writes(fit: breastrig.Fit, by_
     assert_same_files(tmp_path / "out", by_command)
     assert sorted(file.name for file in by_command.iterdir()) == sorted(FIT_FILES)
     assert {file.stat().st_mode & 0o777 for file in (tmp_path / "out").iterdir()} == {0o600}
-
-
-def test_a_fit_writes_nothing_by_itself(tmp_path: Path) -> None:
-    """In a process of its own: a service of another test here may sweep the folder for temporary files."""
-    program = f"import breastrig; breastrig.measure(breastrig.fit({str(STANDING)!r}, {str(PICKS)!r}, drawing=None))"
-    surroundings = os.environ | {"TMPDIR": str(tmp_path)}
-    subprocess.run([sys.executable, "-B", "-c", program], cwd=tmp_path, env=surroundings, check=True)
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_landmarks_by_name_in_the_scans_unit_and_a_scan_that_was_read_give_the_same_fit(fit: breastrig.Fit) -> None:
@@ -265,9 +254,19 @@ def test_leaving_the_loop_cancels_the_fit() -> None:
         run.result()
 
 
-def test_proposals_are_landmarks_with_a_confidence(tmp_path: Path) -> None:
-    scan = breastrig.read_scan(STANDING)
-    proposed = breastrig.propose_landmarks(scan)
+@pytest.fixture(scope="module")
+def scan() -> breastrig.Scan:
+    return breastrig.read_scan(STANDING)
+
+
+@pytest.fixture(scope="module")
+def proposed(scan: breastrig.Scan) -> dict[str, breastrig.Proposal]:
+    return breastrig.propose_landmarks(scan)
+
+
+def test_proposals_are_landmarks_with_a_confidence(
+    scan: breastrig.Scan, proposed: dict[str, breastrig.Proposal], tmp_path: Path
+) -> None:
     assert list(proposed) == list(breastrig.load_model().landmark_names)
     picks, _ = read_landmarks(PICKS)
     for name, each in proposed.items():
@@ -279,10 +278,8 @@ def test_proposals_are_landmarks_with_a_confidence(tmp_path: Path) -> None:
     assert by_name.result["landmarks"] == by_file.result["landmarks"]
 
 
-def test_what_is_only_proposed_is_no_evidence() -> None:
+def test_what_is_only_proposed_is_no_evidence(scan: breastrig.Scan, proposed: dict[str, breastrig.Proposal]) -> None:
     """It comes from the same scan: counted again, it would make a fit no better and its errors look small."""
-    scan = breastrig.read_scan(STANDING)
-    proposed = breastrig.propose_landmarks(scan)
     alone, given = breastrig.fit(scan, drawing=None), breastrig.fit(scan, proposed, drawing=None)
     np.testing.assert_array_equal(given.vertices, alone.vertices)
     assert given.result["landmark_uncertainty_mm"] == alone.result["landmark_uncertainty_mm"]
@@ -290,8 +287,7 @@ def test_what_is_only_proposed_is_no_evidence() -> None:
     assert given.notes == (*alone.notes, "12 landmarks are as proposed from this scan, and did not pull at the fit.")
 
 
-def test_beside_picks_only_those_proposals_count_that_colour_shows() -> None:
-    scan = breastrig.read_scan(STANDING)
+def test_beside_picks_only_those_proposals_count_that_colour_shows(scan: breastrig.Scan) -> None:
     places, _ = read_landmarks(PICKS)
     picks = {
         name: 1e-3 / scan.metres_per_unit * places[name] for name in ("suprasternal_notch", "xiphoid", "umbilicus")

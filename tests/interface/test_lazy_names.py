@@ -1,8 +1,10 @@
 """`import breastrig` waits for nothing, and every name that it offers is there and says its shapes and units."""
 
 import inspect
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,21 +17,23 @@ SCAN = str(asset_folder("example") / "standing" / "scan.ply")
 PLACES = {"find_ink", "fit", "fit_pair", "iterates", "pair_iterates", "propose_landmarks", "read_scan", "transfer"}
 
 
-def modules_after(code: str) -> set[str]:
-    """The modules of a fresh process that has run the code."""
-    code += "\nimport sys\nprint(*sys.modules)"
-    run = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True)
+def modules_after(code: str, folder: Path) -> set[str]:
+    """The modules of a fresh process that has run the code; its own and its temporary files would lie in `folder`."""
+    command = [sys.executable, "-B", "-W", "error", "-c", f"{code}\nimport sys\nprint(*sys.modules)"]
+    surroundings = os.environ | {"TMPDIR": str(folder)}
+    run = subprocess.run(command, cwd=folder, env=surroundings, capture_output=True, text=True, check=True)
     return set(run.stdout.split())
 
 
-def test_importing_the_package_loads_nothing_of_weight() -> None:
-    loaded = modules_after("import breastrig\nbreastrig.__version__")
+def test_importing_the_package_loads_nothing_of_weight(tmp_path: Path) -> None:
+    loaded = modules_after("import breastrig\nbreastrig.__version__", tmp_path)
     assert not loaded & {"numpy", "scipy", "flask", "sqlalchemy", "pydantic", "trimesh", "threading"}
     assert not any(name.startswith("breastrig.") for name in loaded)
 
 
-def test_a_whole_fit_needs_neither_server_nor_database() -> None:
-    loaded = modules_after(f"import breastrig\nfit = breastrig.fit({SCAN!r})\nbreastrig.measure(fit)")
+def test_a_whole_fit_needs_neither_server_nor_database_and_writes_nothing_by_itself(tmp_path: Path) -> None:
+    loaded = modules_after(f"import breastrig\nfit = breastrig.fit({SCAN!r})\nbreastrig.measure(fit)", tmp_path)
+    assert list(tmp_path.iterdir()) == []
     assert "numpy" in loaded
     assert not loaded & {"flask", "apiflask", "sqlalchemy", "alembic", "pebble", "uvicorn", "matplotlib"}
     assert not {name for name in loaded if name.startswith(("breastrig.service", "breastrig.storage", "breastrig.api"))}

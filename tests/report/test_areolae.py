@@ -76,7 +76,8 @@ def test_a_textured_scan_has_the_diameter_of_the_areola_that_is_seen(half_covere
     )
     for name in fit.model.landmark_names:
         assert np.allclose(fit.landmarks[name], model[name], atol=2e-6) is (name not in fit.seen)
-    between = {name for each in breastrig.measure(fit) if each.name == "notch_nipple" for name in each.landmarks}
+    measured = breastrig.measure(fit)
+    between = {name for each in measured if each.name == "notch_nipple" for name in each.landmarks}
     assert between == {"nipple_L (seen)", "nipple_R (model)", "suprasternal_notch (model)"}
     fit.save(tmp_path / "saved")
     loaded = breastrig.Fit.load(tmp_path / "saved")
@@ -84,7 +85,7 @@ def test_a_textured_scan_has_the_diameter_of_the_areola_that_is_seen(half_covere
     np.testing.assert_array_equal(loaded.in_metres.seen["umbilicus"], fit.landmarks["umbilicus"])
     again = breastrig.fit(place, {"umbilicus": model["umbilicus"]}, units="m", drawing=None, refine=False)
     assert again.seen == {}  # who has picked has seen what was proposed
-    (row,) = (each for each in breastrig.measure(fit) if each.name == "areola_diameter")
+    (row,) = (each for each in measured if each.name == "areola_diameter")
     assert row.right is None
     assert "the right one is not seen" in row.method
     rim = woman.rims["L"] - woman.rims["L"].mean(axis=0)

@@ -30,6 +30,11 @@ def of_the_asymmetric(asymmetric: Stance) -> dict[tuple[str, str], Row]:
     return by_name(measures(asymmetric))
 
 
+@pytest.fixture(scope="module")
+def of_at_rest(at_rest: Stance) -> dict[tuple[str, str], Row]:
+    return by_name(measures(at_rest))
+
+
 def test_every_length_is_given_straight_and_along_the_skin_and_says_how(
     of_the_asymmetric: dict[tuple[str, str], Row],
 ) -> None:
@@ -45,8 +50,8 @@ def test_every_length_is_given_straight_and_along_the_skin_and_says_how(
                 assert 20.0 < a.value <= b.value + 1e-6 < 400.0
 
 
-def test_a_symmetric_model_has_ratios_of_1_and_differences_of_0(at_rest: Stance) -> None:
-    rows = measures(at_rest)
+def test_a_symmetric_model_has_ratios_of_1_and_differences_of_0(of_at_rest: dict[tuple[str, str], Row]) -> None:
+    rows = of_at_rest.values()
     assert {row.measure for row in rows} == {*LENGTHS, "volume", "M1", "M2", "M3", "M4", "M5", "M6"}
     for row in rows:
         if row.kind == "ratio":
@@ -86,7 +91,9 @@ def test_the_larger_breast_has_more_volume_and_a_longer_way_to_the_notch(
     assert min(ratios) < 0.95
 
 
-def test_a_turned_and_moved_patient_measures_the_same(rig: Rig, asymmetric: Stance) -> None:
+def test_a_turned_and_moved_patient_measures_the_same(
+    of_the_asymmetric: dict[tuple[str, str], Row], asymmetric: Stance
+) -> None:
     angle = 1.1
     turn = np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
     turn = turn @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
@@ -95,8 +102,8 @@ def test_a_turned_and_moved_patient_measures_the_same(rig: Rig, asymmetric: Stan
         vertices=asymmetric.vertices @ turn.T + [3.0, -2.0, 1.0],
         scan_vertices=asymmetric.scan_vertices @ turn.T + [3.0, -2.0, 1.0],
     )
-    here, there = by_name(measures(asymmetric)), by_name(measures(moved))
-    for key, row in here.items():
+    there = by_name(measures(moved))
+    for key, row in of_the_asymmetric.items():
         for a, b in ((row.left, there[key].left), (row.right, there[key].right), (row.value, there[key].value)):
             if a is not None and b is not None:
                 assert a.value == pytest.approx(b.value, abs=0.2 * TOLERANCE[row.unit]), key
@@ -124,8 +131,10 @@ def test_a_rig_without_outlines_has_the_lengths_that_its_landmarks_allow(toy_rig
     }
 
 
-def test_the_base_is_as_wide_as_callipers_held_in_front_of_the_chest_find_it(at_rest: Stance) -> None:
-    width = by_name(measures(at_rest))["base_width", "straight"].left
+def test_the_base_is_as_wide_as_callipers_held_in_front_of_the_chest_find_it(
+    of_at_rest: dict[tuple[str, str], Row], at_rest: Stance
+) -> None:
+    width = of_at_rest["base_width", "straight"].left
     outline = at_rest.shape("breast_base_L")
     assert width is not None
     assert outline is not None
@@ -137,10 +146,12 @@ def test_a_lying_patient_has_no_base_width(at_rest: Stance) -> None:
     assert "base_width" not in {row.measure for row in measures(replace(at_rest, name="supine"))}
 
 
-def test_what_a_fits_outline_is_off_is_taken_off_and_its_error_grows_with_the_radii(at_rest: Stance) -> None:
+def test_what_a_fits_outline_is_off_is_taken_off_and_its_error_grows_with_the_radii(
+    of_at_rest: dict[tuple[str, str], Row], at_rest: Stance
+) -> None:
     """As much at the width's two ends as all around the volume; where no radii are known raters' 5 mm stay."""
     known = measure_calibration()
-    plain = by_name(measures(at_rest))
+    plain = of_at_rest
     sure, unsure = (
         by_name(measures(replace(at_rest, radii=np.full(len(at_rest.vertices), radius)))) for radius in (0.004, 0.012)
     )
@@ -159,7 +170,9 @@ def test_what_a_fits_outline_is_off_is_taken_off_and_its_error_grows_with_the_ra
     assert spans[2] / spans[1] == pytest.approx(known.standing.of(0.012) / known.standing.of(0.004), rel=0.1)
 
 
-def test_bands_are_as_wide_as_the_radii_of_the_ends_say(at_rest: Stance) -> None:
+def test_bands_are_as_wide_as_the_radii_of_the_ends_say(
+    of_at_rest: dict[tuple[str, str], Row], at_rest: Stance
+) -> None:
     radii = dict.fromkeys(at_rest.rig.landmark_names, 0.003) | {"nipple_L": 0.004}
     known = replace(at_rest, landmark_radii=radii, radii=np.full(len(at_rest.vertices), 0.006))
     rows = by_name(measures(known))
@@ -173,12 +186,14 @@ def test_bands_are_as_wide_as_the_radii_of_the_ends_say(at_rest: Stance) -> None
         for value in (row.left, row.right, row.value):
             assert value is None or (value.low is not None and value.low <= value.value <= (value.high or 0.0))
     assert rows["M1", "ratio"].value.high == 1.0  # a ratio cannot be more
-    for row in measures(at_rest):
+    for row in of_at_rest.values():
         assert row.kind == "volume" or all(value is None or value.low is None for value in (row.left, row.value))
 
 
-def test_every_row_has_the_lines_that_were_measured_and_they_are_as_long_as_it_says(asymmetric: Stance) -> None:
-    rows = measures(asymmetric)
+def test_every_row_has_the_lines_that_were_measured_and_they_are_as_long_as_it_says(
+    of_the_asymmetric: dict[tuple[str, str], Row],
+) -> None:
+    rows = tuple(of_the_asymmetric.values())
     for row in rows:
         sides = {"left": row.left, "right": row.right, "value": row.value}
         if row.unit == "mm":
@@ -194,8 +209,10 @@ def test_every_row_has_the_lines_that_were_measured_and_they_are_as_long_as_it_s
             assert set(row.paths) == {"left", "right"}
 
 
-def test_a_straight_line_has_two_ends_and_a_tape_lies_on_the_fitted_skin(asymmetric: Stance) -> None:
-    for row in measures(asymmetric):
+def test_a_straight_line_has_two_ends_and_a_tape_lies_on_the_fitted_skin(
+    of_the_asymmetric: dict[tuple[str, str], Row], asymmetric: Stance
+) -> None:
+    for row in of_the_asymmetric.values():
         for line in row.paths.values():
             if row.kind == "straight":
                 assert line.shape == (2, 3)
@@ -206,8 +223,10 @@ def test_a_straight_line_has_two_ends_and_a_tape_lies_on_the_fitted_skin(asymmet
                 assert np.array_equal(line[0], line[-1])
 
 
-def test_lines_leave_in_millimetres_with_the_row_and_not_with_the_table_or_a_change(asymmetric: Stance) -> None:
-    rows = measures(asymmetric)
+def test_lines_leave_in_millimetres_with_the_row_and_not_with_the_table_or_a_change(
+    of_the_asymmetric: dict[tuple[str, str], Row],
+) -> None:
+    rows = tuple(of_the_asymmetric.values())
     flat = flat_rows([("standing", rows), ("supine", rows)])
     for row, cells in zip(rows, flat, strict=False):
         paths = cells["paths"]

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from breastrig.report.body_frame import body_frame
 from breastrig.report.calibration import measure_calibration
 from breastrig.report.measures import measures
-from breastrig.report.ptosis import GLANDULAR, LEAN, grade
-from breastrig.report.stance import Stance
+from breastrig.report.ptosis import GLANDULAR, LEAN, grade, ptosis
+from breastrig.report.stance import Stance, places
 from breastrig.report.table import Row, changes, number, with_band
 from breastrig.rig.model import Rig
 
@@ -16,7 +17,8 @@ PICKS = ("nipple_L", "nipple_R", "inframammary_fold_L", "inframammary_fold_R")
 
 
 def by_name(stance: Stance) -> dict[str, Row]:
-    return {row.measure: row for row in measures(stance) if row.kind in ("in height", "grade")}
+    """These rows alone; that the table of all measures has them is seen where they are subtracted."""
+    return {row.measure: row for row in ptosis(stance, body_frame(stance.rig, stance.vertices), places(stance))}
 
 
 @pytest.mark.parametrize(
@@ -131,6 +133,8 @@ def test_a_fold_that_its_breast_covers_is_taken_at_the_xiphoids_level(at_rest: S
 def test_a_lying_patient_has_no_grade_and_grades_are_not_subtracted(at_rest: Stance) -> None:
     assert by_name(replace(picked(at_rest), name="supine")) == {}
     rows = measures(picked(at_rest))
+    shown = {row.measure: row.left for row in rows if row.kind in ("in height", "grade")}
+    assert shown == {name: row.left for name, row in by_name(picked(at_rest)).items()}
     assert "ptosis" not in {row.measure for row in changes(rows, rows)}
 
 

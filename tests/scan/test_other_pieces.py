@@ -1,11 +1,13 @@
 """Another person's hand beside the body goes before the fit; pieces of the body's own skin stay."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from helpers.surfaces import sphere
 
 from breastrig.core.assets import asset_folder
-from breastrig.fitting.prepare_scan import prepared
+from breastrig.fitting.prepare_scan import PreparedScan, prepared
 from breastrig.geometry.normals import face_areas
 from breastrig.scan.clean import Surface, clean
 from breastrig.scan.other_pieces import without_other_pieces
@@ -51,7 +53,7 @@ def test_a_hand_goes_and_is_said(place: str, seen_from: list[float] | None, stan
     vertices, faces = front()
     other = hand(PLACES[place], seen_from)
     ready = prepared(beside(vertices, faces, other), stance)
-    alone = prepared(clean_of(vertices, faces), stance)
+    alone = front_alone(stance)
     np.testing.assert_array_equal(ready.target.vertices, alone.target.vertices)
     np.testing.assert_array_equal(ready.target.faces, alone.target.faces)
     area = face_areas(*other).sum()
@@ -66,6 +68,11 @@ def test_a_hand_goes_and_is_said(place: str, seen_from: list[float] | None, stan
 
 def clean_of(vertices: np.ndarray, faces: np.ndarray) -> Surface:
     return Surface(vertices, faces, ())
+
+
+@cache
+def front_alone(stance: str) -> PreparedScan:
+    return prepared(clean_of(*front()), stance)
 
 
 @pytest.mark.parametrize("width", [0.01, 0.02, 0.035])
