@@ -1,8 +1,10 @@
 """Runs make's targets side by side: `python run_targets.py MAKE TARGET...`; fails when one of them fails.
 
 None of `make test`'s parts keeps all cores at work: each waits, for a server, for a browser's next frame, for its last
-test.  Together they do.  What they print is not mixed up: the first target's lines come as they are printed, the next
-one's as soon as that has ended, and so on.  All are seen to their end, for who mends one wants to know of all.
+test.  Together they do.  The last target takes longest: the others give way to it a little, so that all end at about
+the same time and the last minutes are not one part's alone.  What they print is not mixed up: the first target's lines
+come as they are printed, the next one's as soon as that has ended, and so on.  All are seen to their end, for who mends
+one wants to know of all.
 """
 
 import os
@@ -14,6 +16,7 @@ from contextlib import ExitStack
 from typing import IO
 
 LOOK_EVERY_S = 0.2
+NICE = 3  # of all targets but the last: two of their processes count as one of its
 
 
 def show(target: str, process: subprocess.Popen[bytes], log: IO[bytes]) -> None:
@@ -36,7 +39,11 @@ def main(make: str, *targets: str) -> int:
         for target in targets:
             file = stack.enter_context(tempfile.NamedTemporaryFile(prefix="breastrig-make-"))
             process = subprocess.Popen(
-                [make, target], env=environment, stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT
+                ["nice", "-n", str(NICE if target != targets[-1] else 0), make, target],
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=file,
+                stderr=subprocess.STDOUT,
             )
             running[target] = stack.enter_context(process), stack.enter_context(open(file.name, "rb"))
         try:
