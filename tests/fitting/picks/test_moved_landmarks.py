@@ -51,7 +51,7 @@ def test_a_drag_back_ends_where_it_began(fitted: FitTask) -> None:
     away = {**fitted.landmarks, "nipple_L": fitted.landmarks["nipple_L"] + [0.0, 0.02, 0.0]}
     for landmarks in (away, away, fitted.landmarks, fitted.landmarks):
         last = scan.moved(landmarks)
-    assert apart_mm(fitted, last.parameters, fitted.start).mean() < 0.1
+    assert apart_mm(fitted, last.parameters, fitted.start).mean() < 0.12
 
 
 def test_landmarks_that_break_the_fit_leave_the_model_where_it_was(fitted: FitTask) -> None:
