@@ -8,7 +8,8 @@ Each body is seen twice, as she is and mirrored, so that no side is preferred.  
 their own mean: the prior's centre knows the stance already.  The covariance is kept as its strongest directions.
 
 Bodies whose breasts hang tell of nothing but breasts: how their shapes lie around what is expected of a breast, with
-the share of such women in the family.  Of scales and of all other shapes the others have told.
+a share that lets ordinary women be: 0.1 finds the nipples of the choosing half as 0.25 does (11 and 16 mm, 13 and 15),
+and dev scans as without (0.25: one of ten 1.1 mm worse, none given).  Of scales and other shapes the others have told.
 """
 
 import json
@@ -23,7 +24,6 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.evaluation.cohort import read_cohort
 from breastrig.evaluation.studies.case import read_scene
 from breastrig.evaluation.studies.reference_fit import reference_fit
-from breastrig.evaluation.virtual.warped.numbers import HANGING
 from breastrig.fitting.body.statistics import SCHEMA
 from breastrig.fitting.problem import expected_shapes
 from breastrig.fitting.recipe import Recipe, Shapes, load_recipe
@@ -33,6 +33,7 @@ from breastrig.rig.parameters import RigParameters
 
 FILE = Path(__file__).parents[1] / "fitting" / "body" / "torso.json"
 KEPT = 0.98  # of the variance
+SHARE = 0.1  # of the bodies whose breasts hang
 
 
 def mirrored(rig: Rig) -> Integers:
@@ -63,7 +64,7 @@ def statistics(rig: Rig, bodies: Sequence[tuple[str, RigParameters]]) -> dict[st
 
 
 def with_hanging(
-    rig: Rig, known: dict[str, Any], bodies: Sequence[tuple[str, RigParameters]], shapes: Shapes, share: float = HANGING
+    rig: Rig, known: dict[str, Any], bodies: Sequence[tuple[str, RigParameters]], shapes: Shapes, share: float = SHARE
 ) -> dict[str, Any]:
     """The document with what (stance, parameters) of bodies whose breasts hang say of the shapes of breasts."""
     scales = 3 * len(rig.bones)

@@ -106,5 +106,5 @@ def test_what_is_known_of_the_torso_leaves_room_for_breasts_that_hang(torso: Rig
     known = body_statistics(torso)
     assert known is not None
     place = 3 * len(torso.bones) + torso.shape_names.index("ptosis_L")
-    assert np.sqrt(known.covariance[place, place]) > 1.0
+    assert np.sqrt(known.covariance[place, place]) > 0.8
     assert torso.shapes[torso.shape_names.index("ptosis_L")].max > 3.0
