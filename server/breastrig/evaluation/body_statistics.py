@@ -1,15 +1,10 @@
 """Writes what is known of bodies (fitting/body): mean and covariance of scales and shapes over a folder of cases.
 
-    breastrig evaluate --warped 73 --hanging 0 --half choose COHORT -o DIR --quick
-    breastrig evaluate --warped 48 --hanging 1 --half choose COHORT -o HANGING --quick
-    python -m breastrig.evaluation.body_statistics DIR/warped HANGING/warped
+    breastrig evaluate --warped 73 --half choose COHORT -o DIR --quick
+    python -m breastrig.evaluation.body_statistics DIR/warped
 
 Each body is seen twice, as she is and mirrored, so that no side is preferred.  Standing and lying bodies each lose
 their own mean: the prior's centre knows the stance already.  The covariance is kept as its strongest directions.
-
-Bodies whose breasts hang tell of nothing but breasts: how their shapes lie around what is expected of a breast, with
-a share that lets ordinary women be: 0.1 finds the nipples of the choosing half as 0.25 does (11 and 16 mm, 13 and 15),
-and dev scans as without (0.25: one of ten 1.1 mm worse, none given).  Of scales and other shapes the others have told.
 """
 
 import json
@@ -25,15 +20,13 @@ from breastrig.evaluation.cohort import read_cohort
 from breastrig.evaluation.studies.case import read_scene
 from breastrig.evaluation.studies.reference_fit import reference_fit
 from breastrig.fitting.body.statistics import SCHEMA
-from breastrig.fitting.problem import expected_shapes
-from breastrig.fitting.recipe import Recipe, Shapes, load_recipe
+from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 
 FILE = Path(__file__).parents[1] / "fitting" / "body" / "torso.json"
 KEPT = 0.98  # of the variance
-SHARE = 0.1  # of the bodies whose breasts hang
 
 
 def mirrored(rig: Rig) -> Integers:
@@ -63,19 +56,6 @@ def statistics(rig: Rig, bodies: Sequence[tuple[str, RigParameters]]) -> dict[st
     }
 
 
-def with_hanging(
-    rig: Rig, known: dict[str, Any], bodies: Sequence[tuple[str, RigParameters]], shapes: Shapes, share: float = SHARE
-) -> dict[str, Any]:
-    """The document with what (stance, parameters) of bodies whose breasts hang say of the shapes of breasts."""
-    scales = 3 * len(rig.bones)
-    of_breasts = np.array([name.endswith(("_L", "_R")) for name in rig.shape_names])
-    rows = np.zeros((len(bodies), scales + len(rig.shapes)))
-    for row, (stance, x) in zip(rows, bodies, strict=True):
-        row[scales:] = np.where(of_breasts, x.weights - expected_shapes(rig, shapes, stance)[1], 0.0)
-    factors = np.sqrt(share) * _strongest(np.concatenate([rows, rows[:, mirrored(rig)]]))
-    return known | {"factors": known["factors"] + np.round(factors, 5).tolist()}
-
-
 def _strongest(deviations: Array) -> Array:
     """(K, N) whose FᵀF is nearly the covariance of the (M, N) deviations."""
     _, sizes, directions = np.linalg.svd(deviations / np.sqrt(len(deviations)), full_matrices=False)
@@ -84,18 +64,16 @@ def _strongest(deviations: Array) -> Array:
     return np.asarray(sizes[:count, None] * directions[:count])
 
 
-def main(folder: Path, hanging: Path, file: Path = FILE) -> None:
-    """Fits every case of the folders, of whom the second's breasts hang, and writes the file."""
+def main(folder: Path, file: Path = FILE) -> None:
+    """Fits every case of the folder and writes the file."""
     rig, recipe = read_rig(default_rig_path()), load_recipe("default")
-    known = statistics(rig, _fitted(rig, recipe, folder))
-    known = with_hanging(rig, known, _fitted(rig, recipe, hanging), recipe.shapes)
-    file.write_text(json.dumps(known) + "\n", "utf-8")
-
-
-def _fitted(rig: Rig, recipe: Recipe, folder: Path) -> list[tuple[str, RigParameters]]:
-    found = ((case.stance, reference_fit(read_scene(case), rig, recipe)) for case in read_cohort(folder))
-    return [(stance, fit.parameters) for stance, fit in found if fit is not None]
+    bodies = []
+    for case in read_cohort(folder):
+        found = reference_fit(read_scene(case), rig, recipe)
+        if found is not None:
+            bodies.append((case.stance, found.parameters))
+    file.write_text(json.dumps(statistics(rig, bodies), indent=1) + "\n", "utf-8")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]))
+    main(Path(sys.argv[1]))

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from breastrig.evaluation.body_statistics import mirrored, statistics, with_hanging
+from breastrig.evaluation.body_statistics import mirrored, statistics
 from breastrig.evaluation.studies.sensitivity import with_shapes
 from breastrig.fitting.body.statistics import body_statistics
-from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
@@ -78,33 +77,3 @@ def test_the_covariance_is_that_of_the_bodies_within_their_stance(torso: Rig) ->
     within = 0.5 * (sizes[:40].var() + sizes[40:].var())
     np.testing.assert_allclose(covariance[:scales, :scales], within, rtol=0.01)
     np.testing.assert_allclose(covariance[scales:, scales:], 0.0, atol=1e-9)
-
-
-def test_bodies_whose_breasts_hang_tell_of_breasts_alone(torso: Rig) -> None:
-    rng, rest = np.random.default_rng(3), rest_parameters(torso)
-    scales = 3 * len(torso.bones)
-
-    def body(hang: float) -> tuple[str, RigParameters]:
-        weights = 0.1 * rng.standard_normal(len(torso.shapes))
-        weights[torso.shape_names.index("ptosis_L")] += hang
-        return "standing", replace(rest, weights=weights, scales=1.0 + 0.1 * rng.standard_normal(rest.scales.shape))
-
-    known = statistics(torso, [body(0.0) for _ in range(8)])
-    more = with_hanging(torso, known, [body(2.0) for _ in range(8)], load_recipe("default").shapes, share=0.25)
-    assert {key: more[key] for key in known if key != "factors"} == {k: known[k] for k in known if k != "factors"}
-    before, after = (np.array(each["factors"]).T @ np.array(each["factors"]) for each in (known, more))
-    changed = np.abs(after - before).max(axis=1) > 1e-9
-    sided = [name.endswith(("_L", "_R")) for name in torso.shape_names]
-    assert not changed[:scales].any()
-    np.testing.assert_array_equal(changed[scales:], sided)
-    for side in "LR":
-        place = scales + torso.shape_names.index(f"ptosis_{side}")
-        assert after[place, place] - before[place, place] == pytest.approx(0.25 * 2.0, rel=0.15)  # of one side in two
-
-
-def test_what_is_known_of_the_torso_leaves_room_for_breasts_that_hang(torso: Rig) -> None:
-    known = body_statistics(torso)
-    assert known is not None
-    place = 3 * len(torso.bones) + torso.shape_names.index("ptosis_L")
-    assert np.sqrt(known.covariance[place, place]) > 0.8
-    assert torso.shapes[torso.shape_names.index("ptosis_L")].max > 3.0
