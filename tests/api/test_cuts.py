@@ -36,7 +36,8 @@ def test_cuts_are_kept_replaced_and_deleted_with_the_scan(client: FlaskClient, s
     assert client.get(place).status_code == 404
     assert client.put(place, json={"cuts": []}).status_code == 404
     with service.storage.database.reading() as connection:
-        assert connection.execute(select(func.count()).select_from(schema.cuts)).scalar_one() == 0
+        rows = select(func.count()).select_from(schema.cuts).where(schema.cuts.c.scan == scan_id)
+        assert connection.execute(rows).scalar_one() == 0
 
 
 def test_who_says_which_cuts_were_seen_replaces_no_others(client: FlaskClient, scan_id: str) -> None:

@@ -43,7 +43,8 @@ def test_ink_is_found_once_and_deleted_with_the_scan(
     assert client.delete(f"/api/scans/{inked}").status_code == 204
     assert client.get(place).status_code == 404
     with service.storage.database.reading() as connection:
-        assert connection.execute(select(func.count()).select_from(schema.ink)).scalar_one() == 0
+        rows = select(func.count()).select_from(schema.ink).where(schema.ink.c.scan == inked)
+        assert connection.execute(rows).scalar_one() == 0
 
 
 def test_what_a_person_dropped_stays_dropped_until_it_is_taken_back(
@@ -81,7 +82,8 @@ def test_what_a_person_dropped_stays_dropped_until_it_is_taken_back(
     assert client.delete(f"/api/scans/{inked}").status_code == 204
     assert client.patch(place, json={"dropped": {names[1]: True}}).status_code == 404
     with service.storage.database.reading() as connection:
-        assert connection.execute(select(func.count()).select_from(schema.ink)).scalar_one() == 0
+        rows = select(func.count()).select_from(schema.ink).where(schema.ink.c.scan == inked)
+        assert connection.execute(rows).scalar_one() == 0
 
 
 def test_a_scan_without_colour_is_one_sentence(client: FlaskClient, scan_id: str) -> None:
