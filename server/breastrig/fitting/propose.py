@@ -101,4 +101,4 @@ def propose_landmarks(
 def _fitted(task: FitTask) -> tuple[FitTask, RigParameters]:
     """The task with what its fit saw of the skin's hollows, and where it ends."""
     *_, last = opened_iterates(task)
-    return replace(task, relief=last.relief), last.parameters
+    return replace(task, relief=last.relief, hanging=last.hanging), last.parameters

@@ -149,7 +149,8 @@ class Hanging(_Part):
     after: str  # the stage that shows whether they were flattened
     least: Annotated[float, Field(gt=0.0, lt=1.0)]  # share of the skin in front that faces down without the model
     shape: str  # that lets a breast hang, without its side
-    weight: float  # of it, at the second start
+    weight: float  # of it, at the second start, and expected from there on
+    sigma: Positive  # of that expectation
 
 
 class Recipe(_Part):

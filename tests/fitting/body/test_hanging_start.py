@@ -12,12 +12,13 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.virtual.warped.body import warped_body
 from breastrig.evaluation.virtual.warped.numbers import Numbers
 from breastrig.evaluation.virtual.warped.sources import read_sources
-from breastrig.fitting.body.hanging_start import hanging_start, opening_of, unexplained_overhang
+from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.problem import body_terms
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.starts.two_openings import opened_iterates
 from breastrig.fitting.task import FitTask
@@ -28,6 +29,7 @@ from breastrig.report.distances import Comparison
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import pose
+from breastrig.rig.state import BodyState
 from breastrig.scan.clean import compact
 
 FRONT = np.array([[0.0, 0.0, 1.0]])
@@ -100,6 +102,29 @@ def test_skin_that_faces_down_is_unexplained_on_its_own_side_only(rig: Rig) -> N
     changed = {name for name, a, b in zip(rig.shape_names, start.weights, rest.weights, strict=True) if a != b}
     assert changed == {"ptosis_L"}
     assert hanging_start(rig, rest, settings, {"L": 0.0, "R": 0.0}) is rest
+
+
+def test_where_breasts_were_seen_to_hang_that_is_expected_and_nothing_else_changes(rig: Rig) -> None:
+    recipe, rest = load_recipe("default"), rest_parameters(rig)
+    place = rig.shape_names.index("ptosis_L")
+
+    def energy(hanging: tuple[str, ...], weight: float) -> float:
+        weights = rest.weights.copy()
+        weights[place] = weight
+        assert recipe.hanging is not None
+        asked = (recipe.hanging, hanging) if hanging else None
+        terms = body_terms(rig, recipe.shapes, recipe.scales, recipe.body, "standing", asked)
+        state = BodyState(rig, replace(rest, weights=weights))
+        return float(sum(np.sum(term.residual(state) ** 2) for term in terms))
+
+    assert energy(("ptosis_L",), 2.0) < energy((), 2.0) - 10.0  # three standard deviations less
+    assert energy(("ptosis_L",), 0.0) > energy((), 0.0)
+    assert energy(("ptosis_R",), 2.0) > energy((), 2.0)
+    weights = rest.weights.copy()
+    weights[place] = 1.5
+    assert hanging_shapes(rig, replace(rest, weights=weights), recipe) == ("ptosis_L",)
+    assert hanging_shapes(rig, rest, recipe) == ()
+    assert hanging_shapes(rig, replace(rest, weights=weights), load_recipe("paper")) == ()
 
 
 def test_only_a_preset_that_asks_looks() -> None:

@@ -76,6 +76,15 @@ def unexplained_overhang(rig: Rig, target: ScanTarget, x: RigParameters) -> dict
     return {side: float((missed & (on_left == (side == "L"))).sum()) / len(front) for side in SIDES}
 
 
+def hanging_shapes(rig: Rig, x: RigParameters, recipe: Recipe) -> tuple[str, ...]:
+    """The shapes by which breasts hang in a fit that has ended at `x`: none where none does."""
+    if recipe.hanging is None:
+        return ()
+    names = [f"{recipe.hanging.shape}_{side}" for side in SIDES]
+    least = recipe.hanging.weight - recipe.hanging.sigma
+    return tuple(n for n in names if n in rig.shape_names and x.weights[rig.shape_names.index(n)] > least)
+
+
 def hanging_start(rig: Rig, start: RigParameters, settings: Hanging, unexplained: Mapping[str, float]) -> RigParameters:
     """The start with those breasts hanging whose skin is unexplained; itself where none is, or the rig has no shape."""
     weights = start.weights.copy()

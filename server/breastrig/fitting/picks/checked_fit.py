@@ -33,7 +33,7 @@ def checked_iterates(task: FitTask) -> Iterator[FitIterate]:
     most = min(int(task.recipe.outliers.most * len(task.landmarks)), len(task.landmarks) - MIN_LANDMARKS)
     doubts = mistaken(task, iterate.parameters, most)
     begun = iterate
-    going_on = replace(without(task, doubts), start=begun.parameters, recipe=rest)
+    going_on = replace(without(task, doubts), start=begun.parameters, recipe=rest, hanging=begun.hanging)
     for iterate in opened_iterates(going_on):
         yield replace(
             iterate,
@@ -52,7 +52,7 @@ def without(task: FitTask, doubts: Sequence[Doubt]) -> FitTask:
 
 def ended(task: FitTask, last: FitIterate) -> FitTask:
     """The task as its fit ended: without the picks that were let go, and with what was seen of the skin's form."""
-    return replace(without(task, last.not_followed), relief=last.relief)
+    return replace(without(task, last.not_followed), relief=last.relief, hanging=last.hanging)
 
 
 def agreeing_picks(task: FitTask, begun: Sequence[FitIterate] = ()) -> tuple[FitTask, tuple[Doubt, ...]]:

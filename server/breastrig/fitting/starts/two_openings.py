@@ -4,7 +4,7 @@ from a start whose breasts hang already, and the fit goes on from the better of 
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import replace
 
-from breastrig.fitting.body.hanging_start import hanging_start, opening_of, unexplained_overhang
+from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import Begun, OneScan, iterates
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import Stage
@@ -26,8 +26,11 @@ def opened_iterates(task: FitTask) -> Iterator[FitIterate]:
         yield begun
         return
     at = Begun(BodyState(task.rig, begun.parameters), begun.energy, begun.iteration)
+    before = 0.0
+    if begun.hanging != task.hanging:  # another prior, whose clock begins now
+        problem, before = OneScan(ScanProblem(replace(task, hanging=begun.hanging))), begun.elapsed_s
     for (iterate,) in iterates(problem, rest, at):
-        yield iterate
+        yield replace(iterate, elapsed_s=before + iterate.elapsed_s)
 
 
 def _opened(problem: OneScan, opening: Sequence[Stage]) -> Generator[FitIterate, None, FitIterate]:
@@ -46,7 +49,8 @@ def _hanging(task: FitTask, opening: Sequence[Stage], begun: FitIterate) -> Gene
     start = hanging_start(rig, task.start, settings, unexplained)
     if start is task.start:
         return begun
-    for (iterate,) in iterates(OneScan(ScanProblem(replace(task, start=start))), opening):
+    hanging = hanging_shapes(rig, start, task.recipe)
+    for (iterate,) in iterates(OneScan(ScanProblem(replace(task, start=start, hanging=hanging))), opening):
         number, elapsed = begun.iteration + iterate.iteration, begun.elapsed_s + iterate.elapsed_s
         again = replace(iterate, iteration=number, elapsed_s=elapsed)
         if iterate.status is Status.RUNNING:
