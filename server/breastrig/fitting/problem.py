@@ -24,9 +24,9 @@ from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
+from breastrig.fitting.body.hollows import hollow_terms, look_for_hollows
 from breastrig.fitting.body.mirrored_landmarks import MirroredLandmark, mirrored_landmarks, mirrored_terms
 from breastrig.fitting.body.statistics import body_statistics
-from breastrig.fitting.hollows import hollow_terms, look_for_hollows
 from breastrig.fitting.observation_weights import observation_weights
 from breastrig.fitting.recipe import Body, Hanging, Range, Scales, Shapes, Stage
 from breastrig.fitting.task import FitIterate, FitTask
