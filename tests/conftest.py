@@ -89,7 +89,7 @@ LONGEST = (
     "fitting/test_orientation.py",
     "workflow/test_kept_scan.py",
     "evaluation/test_colour_landmarks.py",
-    "fitting/test_hollows.py",
+    "fitting/body/test_hollows.py",
 )
 
 

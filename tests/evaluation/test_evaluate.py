@@ -193,6 +193,8 @@ def test_a_failed_fit_is_told_and_the_others_go_on(
         (["nowhere", "--painted"], "--painted alone"),
         (["--painted", "--warped", "3"], "--painted alone"),
         (["--virtual", "--half", "choose"], "--half"),
+        (["--virtual", "--hanging", "1"], "--hanging is a share"),
+        (["--warped", "1", "--hanging", "2"], "--hanging is a share"),
         (["nowhere", "--preset", "fast"], "fast"),
         (["nowhere", "--jobs", "0"], "--jobs"),
         (["nowhere", "--rotations", "-1"], "--rotations"),

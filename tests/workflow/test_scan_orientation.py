@@ -74,7 +74,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     for module in (stance_module, run_fit_module):
         monkeypatch.setattr(module, "checked_iterates", fitted)
     for module in (propose, scan_fit):
-        monkeypatch.setattr(module, "fit_iterates", fitted)
+        monkeypatch.setattr(module, "opened_iterates", fitted)
     for module in (prepare_scan, background):
         monkeypatch.setattr(module, "propose_frame", fronts)
     for module in (orientation_module, scan_orientation):

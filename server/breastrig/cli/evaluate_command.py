@@ -41,6 +41,8 @@ def _cohort(options: argparse.Namespace) -> Path:
         return _painted(options)
     if options.warped is not None:
         return _warped(options)
+    if options.hanging is not None:
+        raise BadInput("--hanging is a share of the warped bodies; give --warped N.")
     if options.half is not None:
         raise BadInput("--half is a half of the warped or the painted patients; give --warped N or --painted.")
     if options.virtual and options.cohort is not None:
@@ -96,11 +98,15 @@ def _painted_names(options: argparse.Namespace) -> set[str]:
 def _warped(options: argparse.Namespace) -> Path:
     """The folder of the warped bodies, with those that were not there yet."""
     from breastrig.evaluation.virtual.warped import make_warped
+    from breastrig.evaluation.virtual.warped.numbers import HANGING
 
     if options.virtual:
         raise BadInput("Give --warped or --virtual, not both.")
     if options.warped < 1:
         raise BadInput("--warped must be 1 or more.")
+    share = HANGING if options.hanging is None else options.hanging
+    if not 0.0 <= share <= 1.0:
+        raise BadInput("--hanging is a share of the bodies; give a number from 0 to 1.")
     folder = Path(options.output) / "warped"
     if folder.is_dir() and any(not each.name.startswith("warped_") for each in folder.iterdir()):
         raise BadInput(f"{folder} holds other things than warped bodies; choose another folder with -o.")
@@ -112,7 +118,7 @@ def _warped(options: argparse.Namespace) -> Path:
             bar.update()
             raise_if_asked()
 
-        make_warped(folder, progress, options.cohort, options.warped, half=options.half or "both")
+        make_warped(folder, progress, options.cohort, options.warped, half=options.half or "both", hanging=share)
     return folder
 
 

@@ -25,6 +25,12 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         help="make N warped bodies into DIR/warped and take them; a COHORT's patients are warped, too",
     )
     parser.add_argument(
+        "--hanging",
+        type=float,
+        metavar="SHARE",
+        help="of the warped bodies, whose breasts hang (0.25); 0 for none, 1 for all",
+    )
+    parser.add_argument(
         "--painted",
         action="store_true",
         help="paint the virtual cohort into DIR/painted: colour is measured",

@@ -150,21 +150,36 @@ class _Iteration(Generic[P]):
         )
 
 
+@dataclass(frozen=True, eq=False)
+class Begun(Generic[P]):
+    """Where stages begin: at the start, or where earlier ones ended."""
+
+    point: P
+    energy: float = np.nan
+    number: int = 0
+
+
 def _matched(problem: Problem[P], number: int, stage: Stage, progress: float, point: P, energy: float) -> _Iteration[P]:
     scans, states = problem.scans, problem.states(point)
     matches = tuple(scan.matches(stage, progress, state) for scan, state in zip(scans, states, strict=True))
     return _Iteration(number, stage, progress, point, energy, scans, states, matches)
 
 
-def iterates(problem: Problem[P]) -> Iterator[tuple[FitIterate, ...]]:
+def iterates(
+    problem: Problem[P], stages: Sequence[Stage] | None = None, begun: Begun[P] | None = None
+) -> Iterator[tuple[FitIterate, ...]]:
     """One iterate for each scan: first the start as iteration 0, then one a step; the last status says why it stopped.
 
-    The energy in each is that of all scans together.
+    Of `stages` only, where they are given, going on from what has `begun`.  The energy in each is that of all scans
+    together.
     """
     recipe = problem.recipe
     stillness = [_Stillness(recipe.stop) for _ in problem.scans]
-    point, energy, number = problem.start(), np.nan, 0
-    for stage in recipe.stages:
+    first = Begun(problem.start()) if begun is None else begun
+    point, energy, number = first.point, first.energy, first.number
+    done = recipe.stages[-1]
+    for stage in recipe.stages if stages is None else stages:
+        done = stage
         free, last_stage, damping = problem.free(stage), stage is recipe.stages[-1], recipe.damping
         for rule in stillness:
             rule.new_stage()
@@ -200,7 +215,7 @@ def iterates(problem: Problem[P]) -> Iterator[tuple[FitIterate, ...]]:
             if step.status is Status.STALLED and last_stage:
                 yield replace(now, number=number, energy=energy).reported(Status.STALLED)
                 return
-    yield _matched(problem, number, recipe.stages[-1], 1.0, point, energy).reported(Status.OUT_OF_ITERATIONS)
+    yield _matched(problem, number, done, 1.0, point, energy).reported(Status.OUT_OF_ITERATIONS)
 
 
 def fit_iterates(task: FitTask) -> Iterator[FitIterate]:

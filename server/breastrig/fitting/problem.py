@@ -24,11 +24,11 @@ from breastrig.energies.scale_prior import ScalePrior
 from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
+from breastrig.fitting.body.hollows import hollow_terms, look_for_hollows
 from breastrig.fitting.body.mirrored_landmarks import MirroredLandmark, mirrored_landmarks, mirrored_terms
 from breastrig.fitting.body.statistics import body_statistics
-from breastrig.fitting.hollows import hollow_terms, look_for_hollows
 from breastrig.fitting.observation_weights import observation_weights
-from breastrig.fitting.recipe import Body, Range, Scales, Shapes, Stage
+from breastrig.fitting.recipe import Body, Hanging, Range, Scales, Shapes, Stage
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.least_squares.newton import Status, System, Value, assemble, value
@@ -160,6 +160,7 @@ class ScanProblem:
             elapsed_s=time.perf_counter() - self._began,
             status=status,
             relief=self.relief,
+            hanging=self.task.hanging,
         )
 
     def _landmark_distance(self, vertices: Array) -> float | None:
@@ -245,7 +246,8 @@ def expected_joints(task: FitTask) -> Joints:
 def prior_terms(task: FitTask, joints: Joints) -> Terms:
     """The terms that no scan changes."""
     rig, recipe = task.rig, task.recipe
-    terms = [*body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance)]
+    hanging = (recipe.hanging, task.hanging) if recipe.hanging is not None and task.hanging else None
+    terms = [*body_terms(rig, recipe.shapes, recipe.scales, recipe.body, task.stance, hanging)]
     if recipe.joints.limit_sigma is not None:
         terms.append(JointLimits(joints, recipe.joints.limit_sigma))
     if recipe.shapes.symmetry_sigma or recipe.scales.symmetry_sigma:
@@ -258,15 +260,31 @@ def prior_terms(task: FitTask, joints: Joints) -> Terms:
 
 @lru_cache(maxsize=16)
 def body_terms(
-    rig: Rig, shapes: Shapes, scales: Scales, body: Body | None, stance: str
+    rig: Rig,
+    shapes: Shapes,
+    scales: Scales,
+    body: Body | None,
+    stance: str,
+    hanging: tuple[Hanging, tuple[str, ...]] | None = None,
 ) -> tuple[ResidualTerm[BodyState], ...]:
-    """What is expected of scales and shapes: by the statistics of bodies where the recipe and the rig have them."""
+    """What is expected of scales and shapes: by the statistics of bodies where the recipe and the rig have them.
+
+    `hanging` names the shapes of breasts that were seen to hang: of the few such women the statistics tell nothing.
+    """
     sigma, mean = expected_shapes(rig, shapes, stance)
+    hangs = np.zeros(len(rig.shapes))
+    if hanging is not None:
+        settings, names = hanging
+        hangs[[rig.shape_names.index(name) for name in names]] = settings.sigma
+        mean = np.where(hangs > 0.0, settings.weight, mean)
+        sigma = np.hypot(sigma, hangs)
     known = body_statistics(rig) if body is not None else None
     if body is None or known is None:
         return ScalePrior(rig, scales.sigma, scales.neighbour_sigma or np.inf), ShapePrior(sigma, mean)
-    alone = np.concatenate([np.full(3 * len(rig.bones), body.scale_sigma), body.shape_factor * sigma])
+    expected = expected_shapes(rig, shapes, stance)[0]
+    alone = np.concatenate([np.full(3 * len(rig.bones), body.scale_sigma), body.shape_factor * expected])
     covariance = body.share * known.covariance + np.diag(alone**2)
+    covariance[np.diag_indices(len(covariance))] += np.concatenate([np.zeros(3 * len(rig.bones)), hangs**2])
     return (BodyPrior(rig, np.concatenate([known.mean_scales, mean]), covariance),)
 
 

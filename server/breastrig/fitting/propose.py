@@ -12,12 +12,13 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import MatchRules, match
-from breastrig.fitting.fit import FitTask, fit_iterates
+from breastrig.fitting.fit import FitTask
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.scan_orientation import ScanOrientation, orientation_task, scan_orientation
 from breastrig.fitting.seen.landmarks import areola_of, seen_landmarks, with_seen
+from breastrig.fitting.starts.two_openings import opened_iterates
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.geometry.normals import vertex_normals
 from breastrig.report.areolae import SeenAreola
@@ -99,5 +100,5 @@ def propose_landmarks(
 
 def _fitted(task: FitTask) -> tuple[FitTask, RigParameters]:
     """The task with what its fit saw of the skin's hollows, and where it ends."""
-    *_, last = fit_iterates(task)
-    return replace(task, relief=last.relief), last.parameters
+    *_, last = opened_iterates(task)
+    return replace(task, relief=last.relief, hanging=last.hanging), last.parameters

@@ -129,6 +129,8 @@ class LandmarkErrors(_Part):
     """Of one landmark, or of all that are not named."""
 
     misfit: Positive  # m on each axis, what the model cannot show of real bodies there
+    hanging: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m outwards, up, front; more where breasts hang ...
+    hanging_shift: tuple[float, float, float] = (0.0, 0.0, 0.0)  # ... and from the model's place (body/hanging.py)
     unusual: Positive | None = None  # see Outliers; absent: that of all
     mirrored: Positive | None = None  # m on each axis, of one side told from the other's pick; absent: it tells nothing
 
@@ -139,6 +141,16 @@ class StanceRule(_Part):
     arms_hanging: Positive  # rad from the chest's long axis; nobody lies with the arms this close
     arms_between: Positive  # rad, between standing and lying patients
     per_radian: Positive  # units of energy that an angle beyond it counts
+
+
+class Hanging(_Part):
+    """When a fit begins again with breasts that hang; see body/hanging_start.py."""
+
+    after: str  # the stage that shows whether they were flattened
+    least: Annotated[float, Field(gt=0.0, lt=1.0)]  # share of the skin in front that faces down without the model
+    shape: str  # that lets a breast hang, without its side
+    weight: float  # of it, at the second start, and expected from there on
+    sigma: Positive  # of that expectation
 
 
 class Recipe(_Part):
@@ -154,6 +166,7 @@ class Recipe(_Part):
     outliers: Outliers
     stance_rule: StanceRule
     lying: Lying
+    hanging: Hanging | None = None  # absent: it begins once
     landmarks: dict[str, LandmarkErrors]  # by name without its side; "other" for those that are not named
     stages: Annotated[tuple[Stage, ...], Field(min_length=1)]
 

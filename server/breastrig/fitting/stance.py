@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.fitting.hollows import energy_without_hollows
+from breastrig.fitting.body.hollows import energy_without_hollows
 from breastrig.fitting.picks.checked_fit import checked_iterates
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig

@@ -30,6 +30,7 @@ class FitIterate:
     status: Status  # RUNNING on all but the last
     not_followed: tuple[Doubt, ...] = ()  # picks that were let go
     relief: Mapping[str, SeenHollow] | None = None  # landmarks that the skin's form shows; None: not looked at yet
+    hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang
 
     @property
     def is_finite(self) -> bool:
@@ -51,3 +52,4 @@ class FitTask:
     certain: frozenset[str] = frozenset()  # picks that are followed whatever all else says
     seen: frozenset[str] = frozenset()  # landmarks that colour shows and no person has picked
     relief: Mapping[str, SeenHollow] | None = None  # what the skin's form shows, where a fit has looked; None: it will
+    hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang (body/hanging_start.py)

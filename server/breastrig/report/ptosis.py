@@ -10,7 +10,7 @@ millimetres are the usual reading of the grades:
 
 Heights are along the body's own axis (body_frame.py): a scan does not say where the ground is.  A patient who lies has
 no ptosis, so these rows are there for a standing one only, and only for breasts whose nipple was picked or is seen in
-the scan's colours: without either the fit leaves the nipple of a hanging breast 50 mm too high.
+the scan's colours: without either the fit places the nipple of a hanging breast 15 mm off on average.
 
 A breast that hangs hides its fold.  Then nobody can pick it, and the model takes the crease under the breast for it,
 which lies deeper; the fold's level is then taken from the xiphoid's, beside which it lies on most women.

@@ -62,7 +62,8 @@ class FitRecorder:
         task = ready.task
         rig, target = task.rig, task.target
         let_go = (*ready.exchanged, *last.not_followed)
-        posterior = Posterior(replace(without(task, let_go), relief=last.relief), last.parameters)
+        fitted = replace(without(task, let_go), relief=last.relief, hanging=last.hanging)
+        posterior = Posterior(fitted, last.parameters)
         doubtful = let_go if task.seen else (*let_go, *unusual(posterior))  # nobody can be asked about those
         vertices = posterior.state.vertices
         compared = Comparison(target, vertices, rig.faces)

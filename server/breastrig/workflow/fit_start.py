@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from breastrig.core.errors import BadSettings
 from breastrig.core.stances import AUTO
+from breastrig.fitting.body.hanging_start import hanging_shapes
 from breastrig.fitting.orientation import MIN_LANDMARKS, best_start, start_from_scan
 from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.scan_orientation import ScanOrientation
@@ -60,4 +61,5 @@ def with_earlier_start(task: FitTask, stance: str, earlier: EarlierFit) -> tuple
     found = FoundStance(earlier.stance, "As in the fit that this one goes on from.")
     if stance != AUTO:
         found = FoundStance(stance, "As asked for.")
-    return replace(task, start=start, recipe=task.recipe.continued, stance=found.stance), found
+    hanging = hanging_shapes(task.rig, start, task.recipe)
+    return replace(task, start=start, recipe=task.recipe.continued, stance=found.stance, hanging=hanging), found

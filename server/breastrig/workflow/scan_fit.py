@@ -18,12 +18,13 @@ from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.fitting.doubt import Doubt
-from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
+from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.picks.mistakes import sides_exchanged
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import orientation_from
 from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
+from breastrig.fitting.starts.two_openings import opened_iterates
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
@@ -243,7 +244,7 @@ def _with_colour(
     if task.landmarks or scan.colour_kind == "none":
         return task, begun, None
     if fitted is None:
-        last = (begun or tuple(fit_iterates(task)))[-1]
+        last = (begun or tuple(opened_iterates(task)))[-1]
         fitted = last.parameters if last.is_finite else None
     shown = {} if fitted is None else seen_landmarks(task, fitted, clearness, scan)
     return (task, begun, shown) if fitted is None or not shown else (with_seen(task, shown, fitted), (), shown)

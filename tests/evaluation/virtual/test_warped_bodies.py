@@ -229,6 +229,9 @@ def test_what_hangs_is_drawn_beside_the_other_numbers_and_leaves_them(source: So
     bodies = [draw_body(source, np.random.default_rng(7), np.random.default_rng(seed)).numbers for seed in range(12)]
     hanging = [numbers for numbers in bodies if numbers.nipples_over_folds is not None]
     assert 0 < len(hanging) < 12
+    for share, expected in ((0.0, {True}), (1.0, {False})):
+        drawn = (draw_body(source, np.random.default_rng(7), np.random.default_rng(seed), share) for seed in range(3))
+        assert {body.numbers.nipples_over_folds is None for body in drawn} == expected
     alone = draw_body(source, np.random.default_rng(7)).numbers
     assert alone in bodies
     assert {numbers.notch_xiphoid for numbers in bodies} == {alone.notch_xiphoid}

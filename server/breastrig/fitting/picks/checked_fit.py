@@ -10,21 +10,21 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from breastrig.fitting.doubt import Doubt
-from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.orientation import MIN_LANDMARKS
 from breastrig.fitting.picks.mistakes import mistaken
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.starts.two_openings import opened_iterates
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.least_squares.newton import Status
 
 
 def checked_iterates(task: FitTask) -> Iterator[FitIterate]:
-    """As fit_iterates; iterates after a pick was let go name it in `not_followed`."""
+    """As opened_iterates; iterates after a pick was let go name it in `not_followed`."""
     first, rest = _parts(task.recipe)
     if not task.landmarks or task.seen or first is None or rest is None:
-        yield from fit_iterates(task)
+        yield from opened_iterates(task)
         return
-    for iterate in fit_iterates(replace(task, recipe=first)):
+    for iterate in opened_iterates(replace(task, recipe=first)):
         if iterate.status is Status.RUNNING:
             yield iterate
     if iterate.status is Status.NOT_FINITE:
@@ -33,8 +33,8 @@ def checked_iterates(task: FitTask) -> Iterator[FitIterate]:
     most = min(int(task.recipe.outliers.most * len(task.landmarks)), len(task.landmarks) - MIN_LANDMARKS)
     doubts = mistaken(task, iterate.parameters, most)
     begun = iterate
-    going_on = replace(without(task, doubts), start=begun.parameters, recipe=rest)
-    for iterate in fit_iterates(going_on):
+    going_on = replace(without(task, doubts), start=begun.parameters, recipe=rest, hanging=begun.hanging)
+    for iterate in opened_iterates(going_on):
         yield replace(
             iterate,
             iteration=begun.iteration + iterate.iteration,
@@ -52,7 +52,7 @@ def without(task: FitTask, doubts: Sequence[Doubt]) -> FitTask:
 
 def ended(task: FitTask, last: FitIterate) -> FitTask:
     """The task as its fit ended: without the picks that were let go, and with what was seen of the skin's form."""
-    return replace(without(task, last.not_followed), relief=last.relief)
+    return replace(without(task, last.not_followed), relief=last.relief, hanging=last.hanging)
 
 
 def agreeing_picks(task: FitTask, begun: Sequence[FitIterate] = ()) -> tuple[FitTask, tuple[Doubt, ...]]:

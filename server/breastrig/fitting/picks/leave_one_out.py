@@ -8,8 +8,9 @@ residual r_i, leaving it out gives to first order the residual and its predictiv
 
 (the PRESS residual; Allen, The relationship between variable selection and data augmentation, 1974).  The covariance
 is that of the model's place without the pick plus that of a click; what the model cannot show of real bodies, the
-misfit, is added to it (presets, `landmarks`).  The deviation of a pick is the length of e_i in units of all three: a
-number without millimetres, the same for a navel on a soft belly and for a notch between two bones.
+misfit, is added to it (presets, `landmarks`), and where breasts hang what is known of that (body/hanging.py).  The
+deviation of a pick is the length of e_i in units of all of them: a number without millimetres, the same for a navel on
+a soft belly and for a notch between two bones.
 """
 
 from collections.abc import Collection
@@ -17,6 +18,7 @@ from collections.abc import Collection
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.fitting.body.hanging import hanging_misfit
 from breastrig.fitting.posterior import Posterior
 
 
@@ -38,6 +40,7 @@ class LeaveOneOut:
         unsure = np.array([task.landmark_errors.get(name, 0.0) for name in self.names])
         self._expected = np.hypot(stage.landmark_sigma[1], unsure)  # (L,) m, of the pick itself
         self._misfit = np.array([task.recipe.landmark_errors(name).misfit for name in self.names])
+        self._hanging = [hanging_misfit(posterior.state, task.recipe, name) for name in self.names]
 
     def _left_out(self, without: Collection[str]) -> dict[str, tuple[Array, Array]]:
         """Name -> (3,) m, (3, 3) m²: see `deviations`."""
@@ -57,7 +60,8 @@ class LeaveOneOut:
                 place, error = inverse - np.eye(3), inverse @ error
             sigma = self._sigma[i]
             variance = self._expected[i] ** 2 + self._misfit[i] ** 2
-            result[name] = (sigma * error, sigma**2 * place + variance * np.eye(3))
+            shift, spread = self._hanging[i]
+            result[name] = (sigma * error + shift, sigma**2 * place + variance * np.eye(3) + spread)
         return result
 
     @property

@@ -18,6 +18,8 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 
+CLOSE = 2.5  # times `near_other`: two places that are hardly further apart than what is near to one
+
 
 def partner(rig: Rig, name: str) -> str:
     """The landmark on the other side."""
@@ -38,12 +40,17 @@ def sides_exchanged(rig: Rig, landmarks: dict[str, Array], outliers: Outliers) -
 
 
 def _near(rig: Rig, name: str, pick: Array, fitted: dict[str, Array], rules: Outliers) -> set[str]:
-    """The landmarks for which a pick of this name could have been meant."""
+    """The landmarks for which a pick of this name could have been meant.
+
+    Where two are close together, as the nipple of a breast that hangs and its fold, a place says of neither that it is
+    the other.
+    """
     wide = {name, partner(rig, name)}
     return {
         each
         for each, place in fitted.items()
         if np.linalg.norm(place - pick) < (rules.near_partner if each in wide else rules.near_other)
+        and (each in wide or np.linalg.norm(place - fitted[name]) > CLOSE * rules.near_other)
     }
 
 

@@ -4,6 +4,9 @@ A model of 136 parameters nestles up to a plate or a rubber duck with a mean dis
 nothing.  What gives it away is how it lies there: single places stay far, model and scan face different ways, the model
 covers little of what is around it, the body had to be stretched to its limits, and without landmarks another position
 would have done nearly as well.  All of it is looked at before any free-form refinement, which would hide it.
+
+A breast that hangs is a narrow fold: on the model's skin there the scan's turns by a right angle within millimetres, so
+that it faces another way although it lies where it should.  How model and scan face is asked of all other skin then.
 """
 
 from dataclasses import dataclass
@@ -17,6 +20,7 @@ from breastrig.rig.parameters import RigParameters
 
 SCAN_POINTS = 4000  # of the scan; more change the shares by less than 1 %
 BEYOND = 0.005  # m; scanner and model's limits together explain less than this on nearly all skin
+HANGING, HANGS = "ptosis", 1.0  # the shape by which a breast hangs, and its weight from which on it does
 EXPLAINED = 0.008  # m; a scan point this near to the model, facing as it does, is explained by it
 
 
@@ -34,28 +38,42 @@ class FitSignals:
     facing: float  # share of the scan within the model's openings that faces as the model does
     stretch: float  # root mean square of the logarithms of the bones' scales, over those of the mean of bodies
     limits: float  # share of the shapes that ended at a limit
+    hanging: float = 0.0  # weight of the shape by which breasts hang, of the one that hangs more
 
 
 def fit_signals(rig: Rig, x: RigParameters, compared: Comparison, clearness: float | None) -> FitSignals:
     """Of the model posed by `x`, `compared` with its scan."""
     found = compared.accepted
-    cosines = np.einsum("mi,mi->m", compared.normals[found.vertices], found.normals)
+    hang = _hanging(rig, x)
+    stiff = np.ones(len(compared.vertices), dtype=np.bool_)
+    for side, weight in hang.items():
+        if weight > HANGS:
+            stiff[rig.regions.get(f"breast_{side}", [])] = False
+    asked = stiff[found.vertices]
+    cosines = np.einsum("mi,mi->m", compared.normals[found.vertices[asked]], found.normals[asked])
     distances, inside, facing = compared.from_scan(max(1, len(compared.target.vertices) // SCAN_POINTS))
     gaps = distances[inside & facing]
     low, high = (np.array([getattr(shape, end) for shape in rig.shapes]) for end in ("min", "max"))
     known = body_statistics(rig)
     mean = 1.0 if known is None else known.mean_scales.reshape(x.scales.shape)
     at_limit = (x.weights <= low + 1e-6) | (x.weights >= high - 1e-6)
-    some = len(found.vertices) > 0
+    some, any_asked = len(found.vertices) > 0, bool(asked.any())
     return FitSignals(
         clearness=np.nan if clearness is None else clearness,
         seen=len(found.vertices) / len(compared.vertices),
         distance_p95=float(np.percentile(found.distances, 95)) if some else np.nan,
         beyond=float((found.distances > BEYOND).mean()) if some else np.nan,
-        angle_p90=float(np.arccos(np.clip(np.percentile(cosines, 10), -1.0, 1.0))) if some else np.nan,
+        angle_p90=float(np.arccos(np.clip(np.percentile(cosines, 10), -1.0, 1.0))) if any_asked else np.nan,
         scan_p95=float(np.percentile(gaps, 95)) if len(gaps) else np.nan,
         explained=float((gaps <= EXPLAINED).mean()) if len(gaps) else np.nan,
         facing=float(facing[inside].mean()) if inside.any() else np.nan,
         stretch=float(np.sqrt(np.mean(np.log(x.scales / mean) ** 2))),
         limits=float(at_limit.mean()) if len(at_limit) else 0.0,
+        hanging=max(hang.values(), default=0.0),
     )
+
+
+def _hanging(rig: Rig, x: RigParameters) -> dict[str, float]:
+    """Weight of the shape by side; of a rig without it nothing."""
+    names = {side: f"{HANGING}_{side}" for side in ("L", "R")}
+    return {side: float(x.weights[rig.shape_names.index(n)]) for side, n in names.items() if n in rig.shape_names}

@@ -14,7 +14,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.fitting.verdicts.fit_signals import FitSignals
+from breastrig.fitting.verdicts.fit_signals import HANGS, FitSignals
 from breastrig.least_squares.newton import Status
 
 Level = Literal["good", "check", "unusable"]
@@ -38,6 +38,7 @@ class SignalLimits(_Part):
     no_torso: float
     unit: Literal["percent", "mm", "degrees"]  # of the sentence; the value is a share, m or rad
     reason: str  # a sentence; {value} is the signal
+    hanging: float | None = None  # the first limit where breasts hang; absent: the same
     scan_alone: bool = False  # says nothing where landmarks placed the fit
 
 
@@ -91,7 +92,7 @@ def verdict(
     if limits is None:
         return Verdict("check", (*stopped, UNKNOWN_MODEL))
     found = {
-        name: _strength(asdict(signals)[name], limit)
+        name: _strength(asdict(signals)[name], limit, signals.hanging > HANGS)
         for name, limit in limits.signals.items()
         if np.isfinite(asdict(signals)[name]) and not (placed and limit.scan_alone)
     }
@@ -107,9 +108,10 @@ def verdict(
     return Verdict("check" if reasons or stopped else "good", (*reasons, *stopped))
 
 
-def _strength(value: float, limit: SignalLimits) -> float:
+def _strength(value: float, limit: SignalLimits, hangs: bool) -> float:
     """0 up to the first limit, 1 at the second, more beyond."""
-    return float(max((value - limit.check) / (limit.no_torso - limit.check), 0.0))
+    check = limit.hanging if hangs and limit.hanging is not None else limit.check
+    return float(max((value - check) / (limit.no_torso - check), 0.0))
 
 
 def _reason(value: float, limit: SignalLimits) -> str:

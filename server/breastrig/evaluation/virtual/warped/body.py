@@ -29,13 +29,16 @@ class WarpedBody:
     supine: VirtualBody
 
 
-def draw_body(source: Source, random: np.random.Generator, hanging: np.random.Generator | None = None) -> WarpedBody:
+def draw_body(
+    source: Source, random: np.random.Generator, hanging: np.random.Generator | None = None, share: float = HANGING
+) -> WarpedBody:
     """A body whose triangles are sound in both stances; numbers are drawn again until it is.
 
-    `hanging` decides whether its breasts hang and how, and leaves all other numbers as they are; None: as the source's.
+    `hanging` decides whether its breasts hang, as a `share` of all do, and how, and leaves all other numbers as they
+    are; None: as the source's.
     """
     lying = source.lying[int(random.integers(len(source.lying)))]
-    hangs = hanging is not None and bool(hanging.random() < HANGING)
+    hangs = hanging is not None and bool(hanging.random() < share)
     for tries in range(1, TRIES + 1):
         numbers = draw_numbers(random)
         if hanging is not None and hangs:

@@ -15,7 +15,7 @@ from breastrig import __version__
 from breastrig.evaluation.virtual.case_files import UNITS, write_case, write_json
 from breastrig.evaluation.virtual.warped.body import draw_body
 from breastrig.evaluation.virtual.warped.captures import scan_captured
-from breastrig.evaluation.virtual.warped.numbers import draw_capture
+from breastrig.evaluation.virtual.warped.numbers import HANGING, draw_capture
 from breastrig.evaluation.virtual.warped.sources import CHOOSE, REPORT, Source, read_sources
 
 SEED = 20_261_122
@@ -34,16 +34,18 @@ def make_warped(
     bodies: int = BODIES,
     seed: int = SEED,
     half: Half = "both",
+    hanging: float = HANGING,
 ) -> None:
     """NAME/patient.json and NAME/STANCE/{scan.ply, landmarks.json, case.json, truth.ply} of the first `bodies` bodies.
 
-    `data`: a folder of cases whose patients are sources too.  Of one `half` only its bodies are written, the same as
-    among both.  The same bytes each time on one machine; bodies that are there already, of these sources and this
-    version, stay.  `progress` gets a sentence a scan.  BadInput when `data` does not fit.
+    `data`: a folder of cases whose patients are sources too; `hanging`: the share of the bodies whose breasts hang.
+    Of one `half` only its bodies are written, the same as among both.  The same bytes each time on one machine; bodies
+    that are there already, of these sources, share and version, stay.  `progress` gets a sentence a scan.  BadInput
+    when `data` does not fit.
     """
     sources = read_sources(data)
     for name, number in names_of(bodies, half).items():
-        _write_body(folder / name, sources, number, seed, progress)
+        _write_body(folder / name, sources, number, (seed, hanging), progress)
 
 
 def names_of(bodies: int, half: Half = "both") -> dict[str, int]:
@@ -62,15 +64,17 @@ def source_of(sources: Sequence[Source], number: int, random: np.random.Generato
 
 
 def _write_body(
-    folder: Path, sources: Sequence[Source], number: int, seed: int, progress: Callable[[str], None]
+    folder: Path, sources: Sequence[Source], number: int, drawing: tuple[int, float], progress: Callable[[str], None]
 ) -> None:
+    seed, share = drawing
     random = np.random.default_rng((seed, number))
     source = source_of(sources, number, random)
     made_by = {"breastrig": __version__, "warped": FAMILY_VERSION, "seed": [seed, number], "source": source.sha256}
+    made_by |= {} if share == HANGING else {"hanging": share}
     if _is_there(folder, made_by):
         return
     capture = draw_capture(random)
-    body = draw_body(source, random, np.random.default_rng((seed, number, HANGS)))
+    body = draw_body(source, random, np.random.default_rng((seed, number, HANGS)), share)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "patient.json").unlink(missing_ok=True)
     drawn: dict[str, Any] = {"source": source.name, "half": source.half, "family": source.family, "capture": capture}

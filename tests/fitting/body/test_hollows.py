@@ -12,8 +12,8 @@ from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.virtual.bodies import read_bodies
 from breastrig.evaluation.virtual.warped.mastectomy import breast_region, filled
+from breastrig.fitting.body.hollows import energy_without_hollows, hollow_terms
 from breastrig.fitting.fit import fit_iterates
-from breastrig.fitting.hollows import energy_without_hollows, hollow_terms
 from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut

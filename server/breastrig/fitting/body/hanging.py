@@ -1,0 +1,44 @@
+"""How far the breasts of a fitted model hang, and what that says of where landmarks on and beside them are.
+
+The rig's shape of ptosis moves nipple and fold down as one artist's breasts do.  Other breasts hang in other ways, most
+of them over a fold that stays nearly where it was and is hidden by them.  So where a landmark is expected moves with
+the shape's weight, and how sure that is goes down with it, most along the body.
+"""
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.fitting.recipe import Recipe
+from breastrig.rig.model import Rig
+from breastrig.rig.similarity import umeyama
+from breastrig.rig.state import BodyState
+
+OUTWARDS_ON_THE_RIGHT = np.array([-1.0, 1.0, 1.0])
+
+
+def hanging_weight(state: BodyState, recipe: Recipe, landmark: str) -> float:
+    """Weight of the shape on the landmark's side, of both in the middle; 0 where it is lifted, or nothing is known."""
+    if recipe.hanging is None:
+        return 0.0
+    names, sides = state.rig.shape_names, [landmark[-2:]] if landmark[-2:] in ("_L", "_R") else ["_L", "_R"]
+    shapes = [recipe.hanging.shape + side for side in sides]
+    if not {*shapes} <= {*names}:
+        return 0.0
+    return max(float(np.mean([state.x.weights[names.index(shape)] for shape in shapes])), 0.0)
+
+
+def hanging_misfit(state: BodyState, recipe: Recipe, landmark: str) -> tuple[Array, Array]:
+    """(3,) m from the model's landmark to where it is expected, and (3, 3) m², covariance around there, of hanging."""
+    known, weight = recipe.landmark_errors(landmark), hanging_weight(state, recipe, landmark)
+    if not weight:
+        return np.zeros(3), np.zeros((3, 3))
+    axes = _body_axes(state.rig, state.vertices)
+    mirror = OUTWARDS_ON_THE_RIGHT if landmark.endswith("_R") else np.ones(3)
+    spread = axes * (weight * np.array(known.hanging))
+    return axes @ (weight * mirror * np.array(known.hanging_shift)), spread @ spread.T
+
+
+def _body_axes(rig: Rig, vertices: Array) -> Array:
+    """(3, 3) columns: the body's left, up and front in the frame of its (V, 3) m vertices."""
+    points = rig.landmark_points()
+    return umeyama(points.positions(rig.template, rig.faces), points.positions(vertices, rig.faces)).rotation
