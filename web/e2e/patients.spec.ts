@@ -32,6 +32,10 @@ test("a patient is renamed, found, opened, left by Back, and deleted after a sec
   const status = async (): Promise<number> => (await page.request.get(`${base}/api/patients/${first.patient}`)).status();
   await row(first).getByRole("button", { name: "Delete Ward 7 / 3" }).click();
   await expect(row(first)).toContainText("1 scan with landmarks, fits, plan, reports and every link");
+  const again = page.waitForResponse((answer) => answer.url().includes("/api/patients?"));
+  await page.locator(".patients-head select").selectOption({ index: 1 });
+  await again;
+  await expect(row(first), "what is asked stays asked when the list comes again").toContainText("1 scan with landmarks");
   await row(first).getByRole("button", { name: "Delete", exact: true }).click();
   await expect(row(first)).toContainText("will be deleted in ten seconds");
   expect(await status()).toBe(200);

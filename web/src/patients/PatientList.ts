@@ -22,6 +22,7 @@ export function createPatientList(patients: PatientActions, addressOf: (patient:
   const element = el("section", { class: "patient-list", "aria-label": words.title, hidden: true }, el("div", { class: "patients-head" }, el("h2", {}, words.title), search, order.element), list, none, more);
 
   let written: unknown[] = [];
+  let made = new Map<string, HTMLElement>(); // rows by what they show
   const spoken = (patient: Patient): string => (patient.code === "" ? words.noCode : patient.code);
 
   function row(patient: Patient, isGoing: boolean): HTMLElement {
@@ -62,7 +63,18 @@ export function createPatientList(patients: PatientActions, addressOf: (patient:
       show(element, isKnown && (rows.length > 0 || sought !== ""));
       order.set(orders, by);
       const now = [rows, going];
-      if (now.some((each, i) => each !== written[i])) list.replaceChildren(...rows.map((each) => row(each, going.includes(each.id))));
+      if (now.some((each, i) => each !== written[i])) {
+        // A row that shows the same stays itself: what is being typed or asked in it is not lost to a list that comes again.
+        const before = made;
+        made = new Map(
+          rows.map((each): [string, HTMLElement] => {
+            const shown = JSON.stringify([each, going.includes(each.id)]);
+            return [shown, before.get(shown) ?? row(each, going.includes(each.id))];
+          }),
+        );
+        const wanted = [...made.values()];
+        if (wanted.length !== list.children.length || wanted.some((each, i) => each !== list.children[i])) list.replaceChildren(...wanted);
+      }
       written = now;
       setText(none, words.none(sought));
       show(none, rows.length === 0 && sought !== "" && !isBusy);
