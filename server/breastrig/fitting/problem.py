@@ -272,19 +272,18 @@ def body_terms(
     `hanging` names the shapes of breasts that were seen to hang: of the few such women the statistics tell nothing.
     """
     sigma, mean = expected_shapes(rig, shapes, stance)
-    hangs = np.zeros(len(rig.shapes))
+    hangs = np.zeros(len(rig.shapes))  # standard deviations beyond those of the statistics
     if hanging is not None:
         settings, names = hanging
-        hangs[[rig.shape_names.index(name) for name in names]] = settings.sigma
-        mean = np.where(hangs > 0.0, settings.weight, mean)
-        sigma = np.hypot(sigma, hangs)
+        chosen = [rig.shape_names.index(name) for name in names]
+        hangs[chosen], mean[chosen] = settings.sigma, settings.weight
     known = body_statistics(rig) if body is not None else None
     if body is None or known is None:
-        return ScalePrior(rig, scales.sigma, scales.neighbour_sigma or np.inf), ShapePrior(sigma, mean)
-    expected = expected_shapes(rig, shapes, stance)[0]
-    alone = np.concatenate([np.full(3 * len(rig.bones), body.scale_sigma), body.shape_factor * expected])
+        prior = ShapePrior(np.hypot(sigma, hangs), mean)
+        return ScalePrior(rig, scales.sigma, scales.neighbour_sigma or np.inf), prior
+    of_shapes = np.hypot(body.shape_factor * sigma, hangs)
+    alone = np.concatenate([np.full(3 * len(rig.bones), body.scale_sigma), of_shapes])
     covariance = body.share * known.covariance + np.diag(alone**2)
-    covariance[np.diag_indices(len(covariance))] += np.concatenate([np.zeros(3 * len(rig.bones)), hangs**2])
     return (BodyPrior(rig, np.concatenate([known.mean_scales, mean]), covariance),)
 
 
