@@ -5,6 +5,7 @@ import { quality } from "./graphics";
 import { pickAt, type Surface } from "./picking";
 import { Snapshot } from "./Snapshot";
 import type { Viewer } from "./Viewer";
+import { onceAFrame } from "./onceAFrame";
 
 const SIZE = 132; // pixels on the screen, as in the style sheet
 const ZOOM = 4;
@@ -17,7 +18,7 @@ export class Loupe {
   private readonly snapshot: Snapshot;
   private isArmed = false;
   private pointer: { x: number; y: number } | null = null;
-  private isAsked = false;
+  private readonly later = onceAFrame(() => this.draw());
 
   constructor(
     private readonly viewer: Viewer,
@@ -46,15 +47,9 @@ export class Loupe {
     this.ask(at);
   }
 
-  /** Once a frame at most: pointers move more often than screens are drawn. */
   private ask(pointer: { x: number; y: number } | null): void {
     this.pointer = pointer;
-    if (this.isAsked || (!pointer && this.element.hidden)) return;
-    this.isAsked = true;
-    requestAnimationFrame(() => {
-      this.isAsked = false;
-      this.draw();
-    });
+    if (pointer || !this.element.hidden) this.later();
   }
 
   private draw(): void {

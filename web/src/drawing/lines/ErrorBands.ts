@@ -13,6 +13,7 @@ import type { Part, Viewer } from "../../viewer/Viewer";
 import { ErrorIndex, errorBand, type ErrorPoints } from "./errorBand";
 import { BANDS, type DrawingSlice, type Layer, layerKey, shownPatterns } from "../state";
 import * as text from "../text";
+import { onceAFrame } from "../../viewer/onceAFrame";
 
 type State = Shown & Pick<ViewSlice & DrawingSlice, "overlay" | "drawn">;
 type Drawing = Pick<DrawingFile, "unit"> & { readonly shapes: readonly Pick<DrawingFile["shapes"][number], "name" | "points" | "error_mm">[] };
@@ -28,7 +29,7 @@ export class ErrorBands implements Part<State> {
   private readonly note = el("span", {});
   private readonly element = el("div", { class: "band-value", hidden: true }, this.value, this.note);
   private pointer: PointerEvent | null = null;
-  private isAsked = false;
+  private readonly later = onceAFrame(() => this.place());
 
   constructor(
     private readonly viewer: Viewer,
@@ -65,12 +66,7 @@ export class ErrorBands implements Part<State> {
 
   private ask(pointer: PointerEvent | null): void {
     this.pointer = pointer;
-    if (this.isAsked || (!pointer && this.element.hidden)) return;
-    this.isAsked = true;
-    requestAnimationFrame(() => {
-      this.isAsked = false;
-      this.place();
-    });
+    if (pointer || !this.element.hidden) this.later();
   }
 
   private place(): void {

@@ -7,6 +7,7 @@ import { distanceWithin, SCANNER_MM } from "./distances";
 import type { FittedSurface } from "./FittedSurface";
 import type { FitSlice } from "../state";
 import * as text from "../text";
+import { onceAFrame } from "../../viewer/onceAFrame";
 
 type Shown = Pick<FitSlice, "fit" | "showDistances">;
 
@@ -18,7 +19,7 @@ export class HoverValue implements Part<Shown> {
   private readonly element = el("div", { class: "hover-value", hidden: true }, this.value, this.note);
   private distances: Float32Array | null = null;
   private pointer: PointerEvent | null = null;
-  private isAsked = false;
+  private readonly later = onceAFrame(() => this.place());
 
   constructor(
     private readonly viewer: Viewer,
@@ -38,12 +39,7 @@ export class HoverValue implements Part<Shown> {
 
   private ask(pointer: PointerEvent | null): void {
     this.pointer = pointer;
-    if (this.isAsked || (!pointer && this.element.hidden)) return;
-    this.isAsked = true;
-    requestAnimationFrame(() => {
-      this.isAsked = false;
-      this.place();
-    });
+    if (pointer || !this.element.hidden) this.later();
   }
 
   private place(): void {
