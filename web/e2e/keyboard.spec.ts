@@ -71,7 +71,7 @@ test("from page load to the fitted result without a mouse, and the live region s
       return { x: x + width / 2, y: y + height / 2 };
     };
     await expect(page.locator(".crosshair")).toBeVisible();
-    await until(page, () => window.__breastrig!.state().proposals !== null); // said aloud when they come
+    await until(page, () => window.__breastrig!.state().proposals?.state === "found"); // said aloud when they come
     for (const [axis, back, forth] of [["x", "ArrowLeft", "ArrowRight"], ["y", "ArrowUp", "ArrowDown"]] as const) {
       for (let i = 0; i < 80; i += 1) {
         const away = goal[axis] - (await cross())[axis];
