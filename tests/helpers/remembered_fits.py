@@ -3,7 +3,7 @@
 Fits are deterministic.  Tests of what is done with a fit (reports, transfers) ask for the same few of them, and each
 takes seconds of work.  What is remembered was fitted by the service's own function in its own process; files lie
 beside the remembered uploads, where processes of all tests find them.  Events come after each other as they did when
-the fit was made.  Tests of the fit itself do not use this, and neither do the browser's.
+the fit was made.  Tests of the fit itself do not use this.
 """
 
 import hashlib
