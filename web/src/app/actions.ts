@@ -51,7 +51,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     landmarks,
     drawing,
     handles: handleActions(store, client, drawing.choosePattern),
-    plan: { ...plan, takeOver: () => plan.takeOver().then(() => stances.readPlan()) },
+    plan,
     stances,
     patients,
     share: shareActions(store, client),

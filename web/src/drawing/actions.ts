@@ -27,7 +27,7 @@ const RADIUS_MM = { least: 1, most: 80 }; // what the model's own tumour circle 
 
 /** Where lines are kept: the patient's plan. */
 export interface KeepsLines {
-  saveLines(scan: Scan, lines: readonly OwnLine[]): Promise<{ lines: readonly OwnLine[]; isMerged: boolean }>;
+  saveLines(scan: Scan, lines: readonly OwnLine[]): Promise<readonly OwnLine[]>; // those that are kept now
   /** What the plan says about the scan before it said this; null when nothing earlier is known. */
   earlier(scan: Scan, now: PlanStep): Promise<PlanStep | null>;
 }
@@ -48,11 +48,7 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     show((state) => ({ drawn: { ...state.drawn, saving: "saving" } }));
     try {
       const kept = await plan.saveLines(scan, saved);
-      if (kept.isMerged) {
-        show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, lines: { ...withStep(state), present: kept.lines }, saving: "saved" }, announcement: words.merged, ...withProblem(state, "drawing", words.merged) } : {}));
-        return;
-      }
-      show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, saving: "saved" }, ...withoutMessage(state, "drawing", unsaid) } : {}));
+      show((state) => (state.drawn.lines.present === kept ? { drawn: { ...state.drawn, saving: "saved" }, ...withoutMessage(state, "drawing", unsaid) } : {}));
     } catch (error) {
       unsaid = messageOf(error);
       show((state) => ({ drawn: { ...state.drawn, saving: "unsaved" }, ...withProblem(state, "drawing", unsaid) }));

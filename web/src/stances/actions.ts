@@ -1,12 +1,11 @@
 // The second stance: bring it, change over, compare, carry drawings across, measure both.
 import type { Client } from "../api/client";
 import type { Frame } from "../api/types";
-import { withStep } from "../drawing/state";
 import type { FitActions } from "../fit/actions";
 import { certainNames } from "../landmarks/certain";
 import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
-import type { PlanActions } from "../plan/actions";
+import { type PlanActions, withElsewhere } from "../plan/actions";
 import type { ScanActions } from "../scan/actions";
 import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
@@ -27,7 +26,7 @@ interface Others {
   readonly fit: Pick<FitActions, "stop" | "open" | "start">;
   readonly landmarks: { flush(): Promise<void> };
   readonly drawing: { flush(): Promise<void> };
-  readonly plan: Pick<PlanActions, "read" | "isMoreThan" | "settled">;
+  readonly plan: Pick<PlanActions, "read" | "isMoreThan" | "settled" | "followElsewhere">;
 }
 
 export function stancesActions(store: Store<State>, client: Client, others: Others, memory: Storage | null) {
@@ -62,6 +61,13 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
         .finally(lookAfter);
     }, WATCH_MS);
   }
+
+  /** The plan was written elsewhere: the one that waits shows what is planned on it now. */
+  others.plan.followElsewhere((link, mine, now) => {
+    const scan = store.get().stances.other?.scan;
+    if (scan?.info.links.plan !== link) return;
+    change(scan.info.id, (workspace) => withElsewhere(workspace, scan.info.id, mine, now) ?? {});
+  });
 
   followPlan(store, client, { plan: others.plan, flush: () => others.drawing.flush(), fail });
 
@@ -183,17 +189,6 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
         stances: { ...state.stances, isComparing },
         overlay: isComparing && (state.overlay === "beside" || state.overlay === "swipe" || !state.stances.isComparing) ? "scan" : state.overlay,
       })),
-    /** The plan was written elsewhere: the one that waits shows what is planned on it now. */
-    async readPlan(): Promise<void> {
-      const info = store.get().stances.other?.scan?.info;
-      if (!info) return;
-      try {
-        const { lines, drawing, note, depthMm } = await others.plan.read(info);
-        change(info.id, (workspace) => ({ drawing, drawn: { ...workspace.drawn, lines: { ...withStep(workspace), present: lines }, note, depthMm } }));
-      } catch (error) {
-        fail(error);
-      }
-    },
     dismiss: (): void => store.set((state) => withProblem(state, "stances", null)),
     link: (isLinked: boolean): void => put({ isLinked }),
 
