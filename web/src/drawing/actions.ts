@@ -35,6 +35,7 @@ export interface KeepsLines {
 export function drawingActions(store: Store<State>, plan: KeepsLines) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let waiting: { scan: Scan; lines: readonly OwnLine[] } | null = null;
+  let onItsWay: Promise<unknown> = Promise.resolve();
   let unsaid: string | null = null; // what saving has complained about last
   let skin: () => Skin | null = () => null; // the view has the mesh
 
@@ -55,11 +56,13 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     }
   }
 
+  /** What waits is sent, and what is on its way has come. */
   async function flush(): Promise<void> {
     clearTimeout(timer);
     const { scan, lines: unsaved } = waiting ?? {};
     waiting = null;
-    if (scan && unsaved) await save(scan, unsaved);
+    if (scan && unsaved) onItsWay = Promise.all([onItsWay, save(scan, unsaved)]);
+    await onItsWay;
   }
 
   function saveSoon(): void {

@@ -1,5 +1,5 @@
 // The second stance: bring it, change over, compare, carry drawings across, measure both.
-import type { Client } from "../api/client";
+import { ApiError, type Client } from "../api/client";
 import type { Frame } from "../api/types";
 import type { FitActions } from "../fit/actions";
 import { certainNames } from "../landmarks/certain";
@@ -57,7 +57,11 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
           if (state === "queued" || state === "running") return;
           const loaded = await loadFit(client, fit.id, fit.picks, fit.certain);
           change(scan.info.id, (workspace) => (workspace.fit?.id === fit.id ? { fit: loaded } : {}));
-        }, fail)
+        })
+        .catch((error: unknown) => {
+          fail(error);
+          if (error instanceof ApiError && error.status === 404) change(scan.info.id, (workspace) => (workspace.fit?.id === fit.id ? { fit: null } : {}));
+        })
         .finally(lookAfter);
     }, WATCH_MS);
   }
@@ -93,9 +97,9 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
   }
 
   async function second(bring: () => Promise<boolean>): Promise<void> {
-    const kept = workspaceOf(store.get());
     put({ isBringing: true }, withProblem(store.get(), "stances", null));
-    await flush();
+    await flush(); // what is kept is saved, and has what somebody else was found to have planned
+    const kept = workspaceOf(store.get());
     const isThere = await bring();
     if (!isThere) {
       const { problems } = store.get();
@@ -130,10 +134,10 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       }
     },
 
-    /** The page works on the other one now. */
-    async swap(): Promise<void> {
+    /** The page works on the other one now; not while a fit is asked for, unless the one that is left is not wanted any more. */
+    async swap({ isLeft = false } = {}): Promise<void> {
       const { stances, isStarting } = store.get();
-      if (!stances.other || isStarting) return;
+      if (!stances.other || (isStarting && !isLeft)) return;
       await flush();
       others.fit.stop();
       const state = store.get();

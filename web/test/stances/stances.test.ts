@@ -2,7 +2,7 @@
 import { Euler, Matrix4, Quaternion, Vector3 } from "three";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { fitLinks, page, scanInfo } from "../fakes";
-import type { Client } from "../../src/api/client";
+import { ApiError, type Client } from "../../src/api/client";
 import type { Fit, Measure, PlannedShape, PlanOnScan, Vector } from "../../src/api/types";
 import { INK } from "../../src/drawing/lines/lines";
 import { laidOnScan } from "../../src/drawing/state";
@@ -236,6 +236,18 @@ test("a fit that runs while its scan waits comes to its end there", async () => 
   await vi.advanceTimersByTimeAsync(1500);
   expect(fit()).toMatchObject({ state: "done", result, shown: 0 });
   expect(fit().surface).not.toBeNull();
+});
+
+test("a fit that is deleted elsewhere while its scan waits is said once, and not asked after any more", async () => {
+  const fit = vi.fn().mockRejectedValue(new ApiError("There is no such fit.", 404));
+  const { store, actions } = page({ importExample: async (name: string) => scanInfo(name), fit });
+  await actions.scan.takeExample("standing");
+  store.set({ fit: { ...done("f1"), state: "running", surface: null } });
+  await actions.stances.takeExample("supine");
+  await vi.advanceTimersByTimeAsync(1500);
+  expect(store.get()).toMatchObject({ problems: { stances: "There is no such fit." }, stances: { other: { fit: null } } });
+  await vi.advanceTimersByTimeAsync(5000);
+  expect(fit).toHaveBeenCalledTimes(1);
 });
 
 test("scans of this tab are remembered, the newest first, each once; a damaged memory is none", () => {
