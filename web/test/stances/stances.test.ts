@@ -9,7 +9,7 @@ import { laidOnScan } from "../../src/drawing/state";
 import type { FitState } from "../../src/fit/state";
 import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../../src/stances/cameras";
 import { carriedNote } from "../../src/stances/carry";
-import { formatCell, measuresCsv, measuresTable } from "../../src/stances/measuresTable";
+import { formatCell, measuredDoubts, measuresCsv, measuresTable } from "../../src/stances/measuresTable";
 import { forgetScan, knownScans, rememberScan, stanceNames, workspaceOf } from "../../src/stances/state";
 
 const rigid = (x: number, y: number, z: number, at: readonly [number, number, number]): Matrix4 =>
@@ -78,6 +78,12 @@ test("the table has one line for each measure, the stances beside each other, an
   expect(lines[0]!.groups.map(({ left }) => left.value)).toEqual([201.26, 188.5, -12.76]);
   expect(lines[1]!.groups.map(({ whole }) => whole.value)).toEqual([0.956, null, null]);
   expect(lines[0]!.landmarks).toEqual([{ stance: "standing", words: "notch (picked)" }, { stance: "supine", words: "notch (model's)" }]);
+});
+
+test("measures of a fit that is not good say so before any number, each with its stance", () => {
+  const of = (name: string, level: "good" | "check" | "unusable") => ({ name, verdict: { level, reasons: level === "good" ? [] : [`Because of ${name}.`] } });
+  const doubts = measuredDoubts({ stances: [of("standing", "unusable"), of("supine", "good"), of("supine B", "check"), { name: "old" }] as never });
+  expect(doubts).toEqual([expect.stringMatching(/^Standing: .+\. Because of standing\.$/), expect.stringMatching(/^Supine B: .+\. Because of supine B\.$/)]);
 });
 
 test("cells have the digits that a measure is worth, and a sign where a direction is meant", () => {
