@@ -31,9 +31,12 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Real]:
     with service.started():
         client = create_app(Config(), service).test_client()
         scans, fits = {}, {}
+        patient = None
         for name in ("standing", "supine"):
             scan = client.post(f"/api/examples/{name}").json
             scans[name] = scan["id"]
+            patient = patient or scan["patient"]
+            client.put(f"/api/scans/{scan['id']}/patient", json={"patient": patient})
             picked = scan["example_landmarks"]["landmarks"]
             fits[name] = client.post("/api/fits", json={"scan": scan["id"], "landmarks": picked}).json["id"]
             assert ended(service, fits[name]).state == "done"
@@ -135,6 +138,19 @@ def test_the_measures_of_two_stances_hold_their_changes_and_are_not_kept(real: R
     assert [stance.name for stance in document.stances] == ["supine", "standing"]
     assert {row.stance for row in document.measures} == {"supine", "standing", "standing - supine"}
     assert not (service.storage.folders.fit(fits["supine"]) / "measures.json").exists()
+
+
+@pytest.mark.parametrize("name", ["report.pdf", "measures.json"])
+def test_two_patients_have_no_report_together(real: Real, name: str) -> None:
+    _, client, scans, fits = real
+    hers = client.get(f"/api/scans/{scans['supine']}").json["patient"]
+    theirs = client.post("/api/examples/supine").json
+    client.put(f"/api/scans/{scans['supine']}/patient", json={"patient": theirs["patient"]})
+    answer = client.get(f"/api/fits/{fits['standing']}/{name}?with={fits['supine']}")
+    client.put(f"/api/scans/{scans['supine']}/patient", json={"patient": hers})
+    client.delete(theirs["links"]["self"])
+    assert answer.status_code == 422
+    assert "of two patients" in answer.json["detail"]
 
 
 @pytest.mark.parametrize("name", ["report.pdf", "measures.json"])

@@ -63,13 +63,19 @@ def test_no_doubt_of_a_long_list_is_left_out_and_all_is_in_letters_that_can_be_p
     doubts = [
         {"names": ["nipple_L"], "reason": f"nipple_L № {k} lies “far” – 12 mm − from the rest."} for k in range(99)
     ]
-    shown = Reported("standing", toy_stance, result(landmarks_not_followed=doubts), measures(toy_stance))
-    texts = pages(report_pdf([shown, shown]))
+    verdict = {"level": "unusable", "reasons": ["It lies elsewhere."]}
+    shown = Reported(
+        "standing", toy_stance, result(landmarks_not_followed=doubts, verdict=verdict), measures(toy_stance)
+    )
+    texts = pages(report_pdf([shown, dataclasses.replace(shown, name="supine", result=result())]))
     words = " ".join(" ".join(texts).split())
     assert all(words.count(f'nipple_L ? {k} lies "far" - 12 mm - from the rest.') >= 1 for k in range(99))
     assert METHODS in words
     assert "..." not in words
     assert [f"page {k + 1} of {len(texts)}" in text for k, text in enumerate(texts)] == [True] * len(texts)
+    warned = "NOT USABLE: see doubts and notes (standing)"  # on every page: each may be printed alone
+    assert [text.count(warned) for text in texts] == [1] * len(texts)
+    assert "(supine)" not in " ".join(text.partition(warned)[2] for text in texts)
 
 
 def test_a_short_report_has_its_words_below_the_numbers(toy_stance: Stance) -> None:

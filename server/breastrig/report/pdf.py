@@ -8,7 +8,7 @@ from breastrig.report.pages.page_of_numbers import numbers_page
 from breastrig.report.pages.page_of_pictures import pictures_page
 from breastrig.report.pages.page_of_tape import draw_tape, tape_pages
 from breastrig.report.pages.page_of_words import GAP, Layout, draw_words, fits_below, laid_out
-from breastrig.report.pages.sentences import sections
+from breastrig.report.pages.sentences import sections, warning_of
 from breastrig.report.tape import TapePoint, tape_points
 
 TITLE = "Breast measures from a 3D scan"
@@ -22,7 +22,8 @@ def report_pdf(stances: Sequence[Reported]) -> bytes:
     words = _words(draft, stances)
     below_tape = _draw_tape(draft, stances, points) + GAP
     own = () if fits_below(words, below_tape) else words.pages
-    sheet = Sheet("BreastRig report", 2 + len(own) + sum(tape_pages(len(each)) for each in points))
+    warning = " · ".join(f"{warning_of(one)} ({one.name})" for one in stances if warning_of(one))
+    sheet = Sheet("BreastRig report", 2 + len(own) + sum(tape_pages(len(each)) for each in points), warning)
     sheet.titled(TITLE, names, "Scan, drawing and fit")
     pictures_page(sheet, stances, TOP)
     sheet.titled(TITLE, names, "Measures and settings")

@@ -41,7 +41,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     stances.forget(id);
   };
   const patients = patientActions(store, client, forgetScan);
-  const deletion = deletionActions(store, client, { scan, stances, patients, forgetScan });
+  const deletion = deletionActions(store, client, { scan, fit, stances, patients, forgetScan });
   return {
     page: pageActions(store, proposals.lookOnce),
     view: viewActions(store),
@@ -51,7 +51,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     landmarks,
     drawing,
     handles: handleActions(store, client, drawing.choosePattern),
-    plan: { ...plan, takeOver: () => plan.takeOver().then(() => stances.readPlan()) },
+    plan,
     stances,
     patients,
     share: shareActions(store, client),

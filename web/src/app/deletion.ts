@@ -1,19 +1,20 @@
 // Deleting the scan on the page with all that belongs to it.  The service forgets at once and for good; so it is told
 // ten seconds later, or when the page is left, and until then the person can take it back.
 import type { Client } from "../api/client";
-import type { Scan } from "../api/types";
+import type { FitActions } from "../fit/actions";
 import type { ScanActions } from "../scan/actions";
 import type { StancesActions } from "../stances/actions";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
-import type { Session } from "./session";
+import type { Deletion, Session } from "./session";
 import * as text from "./text";
 
 export const UNDO_MS = 10_000;
 
 interface Others {
   readonly scan: Pick<ScanActions, "leave" | "open">;
-  readonly stances: Pick<StancesActions, "swap" | "remove" | "forget">;
+  readonly fit: Pick<FitActions, "open">;
+  readonly stances: Pick<StancesActions, "swap" | "remove" | "forget" | "restore">;
   readonly patients: { read(): Promise<void> };
   forgetScan(scan: string): void;
 }
@@ -37,11 +38,11 @@ export function deletionActions(store: Store<Session>, client: Client, others: O
     }
   }
 
-  function keep(): Scan | null {
+  function keep(): Deletion | null {
     clearTimeout(timer);
     const { deletion } = store.get();
     store.set({ deletion: null });
-    return deletion?.scan ?? null;
+    return deletion;
   }
 
   return {
@@ -49,22 +50,32 @@ export function deletionActions(store: Store<Session>, client: Client, others: O
     send,
 
     async confirm(): Promise<void> {
-      const { scan } = store.get();
+      const { scan, fit, stances } = store.get();
       store.set({ isAskingToDelete: false });
       if (!scan) return;
       await send(); // one at a time
       if (store.get().stances.other) {
-        await others.stances.swap();
+        await others.stances.swap({ isLeft: true });
         others.stances.remove();
       } else void others.scan.leave();
       others.stances.forget(scan.info.id); // not to choose any more; taken back, it is opened, and so known again
-      store.set({ deletion: { scan: scan.info, title: scan.title }, announcement: text.deletion.soon(scan.title) });
+      const beside = stances.other?.scan ? { scan: stances.other.scan.info.id, isSecond: !stances.isSecond } : null;
+      const deletion = { scan: scan.info, title: scan.title, fit: fit?.state === "done" ? fit.id : null, frame: scan.frameFrom === "person" ? scan.frame : null, beside };
+      store.set({ deletion, announcement: text.deletion.soon(scan.title) });
       timer = setTimeout(() => void send(), UNDO_MS);
     },
 
+    /** Where it was before: on the page with its fit, or beside the stance that stayed. */
     async undo(): Promise<void> {
-      const scan = keep();
-      if (scan && store.get().scan === null) await others.scan.open(scan.id, null);
+      const deletion = keep();
+      if (!deletion) return;
+      const { scan, fit, frame, beside } = deletion;
+      const now = store.get();
+      if (now.scan === null) {
+        if ((await others.scan.open(scan.id, frame)) && fit !== null) await others.fit.open(fit);
+      } else if (now.scan.info.id === beside?.scan && !now.stances.other) {
+        await others.stances.restore(scan.id, fit, frame, { isSecond: beside.isSecond, isComparing: false });
+      }
     },
 
     /** Somebody opens it again by another way, for instance the browser's Back. */

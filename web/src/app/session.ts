@@ -1,5 +1,5 @@
 // The whole state of the page: the parts of its features put together.
-import type { Scan } from "../api/types";
+import type { Frame, Scan } from "../api/types";
 import { type DrawingSlice, initialDrawing } from "../drawing/state";
 import { type FitSlice, initialFit } from "../fit/state";
 import { initialInk, type InkSlice } from "../ink/state";
@@ -18,6 +18,9 @@ export type Unsaved = "landmarks" | "lines";
 export interface Deletion {
   readonly scan: Scan;
   readonly title: string;
+  readonly fit: string | null;
+  readonly frame: Frame | null; // as a person has turned it
+  readonly beside: { readonly scan: string; readonly isSecond: boolean } | null; // the stance that stays on the page, and whether it came second
 }
 
 export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, FitSlice, DrawingSlice, StancesSlice, InkSlice, PatientsSlice, ShareSlice {

@@ -27,7 +27,7 @@ const RADIUS_MM = { least: 1, most: 80 }; // what the model's own tumour circle 
 
 /** Where lines are kept: the patient's plan. */
 export interface KeepsLines {
-  saveLines(scan: Scan, lines: readonly OwnLine[]): Promise<{ lines: readonly OwnLine[]; isMerged: boolean }>;
+  saveLines(scan: Scan, lines: readonly OwnLine[]): Promise<readonly OwnLine[]>; // those that are kept now
   /** What the plan says about the scan before it said this; null when nothing earlier is known. */
   earlier(scan: Scan, now: PlanStep): Promise<PlanStep | null>;
 }
@@ -35,6 +35,7 @@ export interface KeepsLines {
 export function drawingActions(store: Store<State>, plan: KeepsLines) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let waiting: { scan: Scan; lines: readonly OwnLine[] } | null = null;
+  let onItsWay: Promise<unknown> = Promise.resolve();
   let unsaid: string | null = null; // what saving has complained about last
   let skin: () => Skin | null = () => null; // the view has the mesh
 
@@ -48,22 +49,20 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
     show((state) => ({ drawn: { ...state.drawn, saving: "saving" } }));
     try {
       const kept = await plan.saveLines(scan, saved);
-      if (kept.isMerged) {
-        show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, lines: { ...withStep(state), present: kept.lines }, saving: "saved" }, announcement: words.merged, ...withProblem(state, "drawing", words.merged) } : {}));
-        return;
-      }
-      show((state) => (state.drawn.lines.present === saved ? { drawn: { ...state.drawn, saving: "saved" }, ...withoutMessage(state, "drawing", unsaid) } : {}));
+      show((state) => (state.drawn.lines.present === kept ? { drawn: { ...state.drawn, saving: "saved" }, ...withoutMessage(state, "drawing", unsaid) } : {}));
     } catch (error) {
       unsaid = messageOf(error);
       show((state) => ({ drawn: { ...state.drawn, saving: "unsaved" }, ...withProblem(state, "drawing", unsaid) }));
     }
   }
 
+  /** What waits is sent, and what is on its way has come. */
   async function flush(): Promise<void> {
     clearTimeout(timer);
     const { scan, lines: unsaved } = waiting ?? {};
     waiting = null;
-    if (scan && unsaved) await save(scan, unsaved);
+    if (scan && unsaved) onItsWay = Promise.all([onItsWay, save(scan, unsaved)]);
+    await onItsWay;
   }
 
   function saveSoon(): void {

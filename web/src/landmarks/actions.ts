@@ -29,6 +29,7 @@ interface Followed {
 export function landmarkActions(store: Store<State>, client: Client, followed: Followed) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let waiting: { scan: Scan; picks: Picks; certain: Certain } | null = null;
+  let onItsWay: Promise<unknown> = Promise.resolve();
   let unsaid: string | null = null; // what saving has complained about last
   const answers = new WeakSet<Picks>(); // picks that an answer has made: undoing it asks for another fit as well
 
@@ -52,12 +53,13 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     }
   }
 
-  /** Sends at once what still waits: before another scan takes the page, or the page goes away. */
+  /** Sends at once what still waits, and waits for what is on its way: before another scan takes the page, or the page goes away. */
   async function flush(): Promise<void> {
     clearTimeout(timer);
     const last = waiting;
     waiting = null;
-    if (last) await save(last.scan, last.picks, last.certain);
+    if (last) onItsWay = Promise.all([onItsWay, save(last.scan, last.picks, last.certain)]);
+    await onItsWay;
   }
 
   function saveSoon(): void {

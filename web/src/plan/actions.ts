@@ -1,15 +1,16 @@
 // The plan of the patient on the page: read with each scan, written when a line, a pattern or a tumour changes.
 import type { Client } from "../api/client";
-import type { PlanItem, Scan } from "../api/types";
+import type { PlanItem, Scan, StoredPlan } from "../api/types";
 import type { OwnLine } from "../drawing/lines/lines";
-import { type DrawingSlice, type PlanStep, withStep } from "../drawing/state";
+import { type DrawingSlice, type PlanStep, stepOf, withStep } from "../drawing/state";
+import { drawing as drawingText } from "../drawing/text";
 import { type FitSlice, initialFit } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
-import { depthOn, drawingOn, linesOn, noteOn, stepOn, withDepth, withDrawing, withLines, withNote, withStepOn } from "./items";
-import { createPlanKeeper } from "./keeper";
+import { depthOn, drawingOn, linesOn, noteOn, stepOn, stepTogether, withDepth, withDrawing, withLines, withNote, withStepOn } from "./items";
+import { createPlanKeeper, type Elsewhere } from "./keeper";
 
 type State = PageSlice & ScanSlice & FitSlice & DrawingSlice;
 
@@ -24,8 +25,30 @@ export interface PlannedOnScan {
   readonly depthMm: number | null;
 }
 
+type Shown = Pick<State, "drawing" | "drawn">;
+
+/** What is shown of a scan with what somebody else has planned on it meanwhile, as one step; null where that changes nothing. */
+export function withElsewhere(shown: Shown, scan: string, mine: Pick<StoredPlan, "items" | "whole">, now: readonly PlanItem[]): Shown | null {
+  const step = stepOf(shown);
+  const asked = mine.whole ? drawingOn(mine.items, scan) : step.drawing; // nobody had chosen what is shown
+  const { lines, drawing, note, depthMm } = stepTogether(mine.items, asked, step, now, scan);
+  if (lines === step.lines && drawing === step.drawing && note === step.note && depthMm === step.depthMm) return null;
+  return { drawing, drawn: { ...shown.drawn, lines: { ...withStep(shown), present: lines }, note, depthMm } };
+}
+
 export function planActions(store: Store<State>, client: Client) {
-  const keeper = createPlanKeeper(client);
+  const followers: Elsewhere[] = [];
+  const adopted = new WeakMap<readonly OwnLine[], readonly OwnLine[]>(); // the same lines with somebody else's
+
+  const keeper = createPlanKeeper(client, (at, mine, now) => {
+    const { scan, drawn } = store.get();
+    const shown = scan && link(scan.info) === at ? withElsewhere(store.get(), scan.info.id, mine, now) : null;
+    if (shown) {
+      adopted.set(drawn.lines.present, shown.drawn.lines.present);
+      store.set((state) => ({ ...shown, announcement: drawingText.merged, ...withProblem(state, "drawing", drawingText.merged) }));
+    }
+    for (const follow of followers) follow(at, mine, now);
+  });
   let unsaid: string | null = null; // what saving has complained about last
   let ledTo: { link: string; version: number; text: string } | null = null; // the last step back beyond this page
   const link = (scan: Pick<Scan, "links">): string => scan.links.plan;
@@ -39,7 +62,10 @@ export function planActions(store: Store<State>, client: Client) {
     depthMm: depthOn(items, scan),
   });
 
-  async function change(scan: Scan, what: (items: readonly PlanItem[]) => PlanItem[]): Promise<void> {
+  /** As the page shows the scan by now: what somebody else has planned may have come since it was to be saved. */
+  const shownOf = (scan: Scan, otherwise: Shown): Shown => (store.get().scan?.info.id === scan.id ? store.get() : otherwise);
+
+  async function change(scan: Scan, what: (items: readonly PlanItem[]) => readonly PlanItem[]): Promise<void> {
     try {
       await keeper.save(link(scan), what);
       store.set((state) => withoutMessage(state, "drawing", unsaid));
@@ -49,25 +75,30 @@ export function planActions(store: Store<State>, client: Client) {
     }
   }
 
-  const saveDrawing = (scan: Scan, drawing: string): Promise<void> => change(scan, (items) => withDrawing(items, scan.id, drawing));
+  function saveDrawing(scan: Scan): Promise<void> {
+    const asked = store.get();
+    return change(scan, (items) => withDrawing(items, scan.id, shownOf(scan, asked).drawing));
+  }
 
   /** A pattern or tumour that a person changes is written at once. */
   store.select(only("scan", "drawing"), ({ scan, drawing }, before) => {
-    if (scan && scan.info.id === before.scan?.info.id && drawing !== before.drawing) void saveDrawing(scan.info, drawing);
+    if (scan && scan.info.id === before.scan?.info.id && drawing !== before.drawing) void saveDrawing(scan.info);
   });
 
   /** And words and numbers beside it, also when a step back puts them as they were. */
   store.select(only("scan", "drawn"), ({ scan, drawn }, before) => {
     if (!scan || scan.info.id !== before.scan?.info.id) return;
-    if (drawn.note !== before.drawn.note) void change(scan.info, (items) => withNote(items, scan.info.id, drawn.note));
-    if (drawn.depthMm !== before.drawn.depthMm) void change(scan.info, (items) => withDepth(items, scan.info.id, drawn.depthMm));
+    const asked = store.get();
+    const shown = (): Shown["drawn"] => shownOf(scan.info, asked).drawn;
+    if (drawn.note !== before.drawn.note) void change(scan.info, (items) => withNote(items, scan.info.id, shown().note));
+    if (drawn.depthMm !== before.drawn.depthMm) void change(scan.info, (items) => withDepth(items, scan.info.id, shown().depthMm));
   });
 
-  /** The first fit decides that its drawing is the plan: from then on the plan speaks for all scans. */
+  /** The first fit decides that its drawing is the plan, also where lines were drawn before it: from then on the plan speaks for all scans. */
   store.select(only("fit"), ({ fit }, before) => {
-    const { scan, drawing } = store.get();
+    const { scan } = store.get();
     if (!scan || fit?.state !== "running" || fit.id === before.fit?.id) return;
-    if (keeper.seen(link(scan.info))?.whole === false) void saveDrawing(scan.info, drawing);
+    if (keeper.seen(link(scan.info))) void saveDrawing(scan.info);
   });
 
   return {
@@ -76,11 +107,20 @@ export function planActions(store: Store<State>, client: Client) {
       return onScan(plan.items, plan.whole, scan.id);
     },
 
-    /** The scan's lines as they are kept now: with those that somebody else has drawn meanwhile. */
-    async saveLines(scan: Scan, lines: readonly OwnLine[]): Promise<{ lines: readonly OwnLine[]; isMerged: boolean }> {
-      const kept = await keeper.save(link(scan), (items) => withLines(items, scan.id, lines));
-      return kept.isMerged ? { lines: linesOn(kept.items, scan.id), isMerged: true } : { lines, isMerged: false };
+    /** The scan's lines that are kept now: as the page shows them by then, with those that somebody else has drawn meanwhile. */
+    async saveLines(scan: Scan, lines: readonly OwnLine[]): Promise<readonly OwnLine[]> {
+      let written = lines;
+      await keeper.save(link(scan), (items) => {
+        const { id } = store.get().scan?.info ?? {};
+        written = id === scan.id ? store.get().drawn.lines.present : lines;
+        adopted.delete(written);
+        return withLines(items, scan.id, written);
+      });
+      return adopted.get(written) ?? written;
     },
+
+    /** Called when somebody else was found to have changed a plan, for scans that are shown beside the page's own. */
+    followElsewhere: (follow: Elsewhere): void => void followers.push(follow),
 
     /** What the plan said about the scan before, as far back as the service remembers; null when there is nothing earlier. */
     async earlier(scan: Scan, now: PlanStep): Promise<PlanStep | null> {
@@ -110,12 +150,9 @@ export function planActions(store: Store<State>, client: Client) {
       if (!scan) return;
       try {
         await keeper.settled();
-        const { items } = await keeper.read(link(scan.info));
-        store.set((state) => {
-          if (state.scan?.info.id !== scan.info.id) return {};
-          const { lines, drawing, note, depthMm } = stepOn(items, scan.info.id);
-          return { drawing, drawn: { ...state.drawn, lines: { ...withStep(state), present: lines }, note, depthMm, open: null, chosen: null, corner: null, isChangedElsewhere: false } };
-        });
+        await keeper.read(link(scan.info));
+        const asked = (state: State): Partial<State> => ({ drawn: { ...state.drawn, open: null, chosen: null, corner: null, isChangedElsewhere: false }, ...withoutMessage(state, "drawing", drawingText.merged) });
+        store.set((state) => (state.scan?.info.id === scan.info.id ? asked(state) : {}));
       } catch (error) {
         store.set((state) => withProblem(state, "drawing", messageOf(error)));
       }

@@ -40,7 +40,8 @@ export function withLines(items: Items, scan: string, lines: readonly OwnLine[])
 }
 
 /** The items with this pattern and tumour on the scan, instead of the first ones; what they were keeps its id. */
-export function withDrawing(items: Items, scan: string, text: string): PlanItem[] {
+export function withDrawing(items: Items, scan: string, text: string): Items {
+  if (drawingOn(items, scan) === text) return items;
   const { base, values, tumour } = readRequest(text);
   const here = items.filter((item) => item.scan === scan);
   const [oldPattern, oldTumour] = [here.find(isPattern), here.find(isTumour)];
@@ -60,7 +61,8 @@ export const noteOn = (items: Items, scan: string): string => {
   return note?.text ?? "";
 };
 
-export function withNote(items: Items, scan: string, text: string): PlanItem[] {
+export function withNote(items: Items, scan: string, text: string): Items {
+  if (noteOn(items, scan) === text.trim()) return items;
   const old = items.find((item) => item.kind === "note" && item.scan === scan && item.point == null);
   const rest = items.filter((item) => item !== old);
   return text.trim() === "" ? rest : [...rest, { kind: "note", id: old?.id ?? newId(), scan, text: text.trim() }];
@@ -78,7 +80,7 @@ export function withDepth(items: Items, scan: string, mm: number | null): PlanIt
 export const stepOn = (items: Items, scan: string): PlanStep => ({ lines: linesOn(items, scan), drawing: drawingOn(items, scan), note: noteOn(items, scan), depthMm: depthOn(items, scan) });
 
 /** The items with all that a step says about the scan. */
-export const withStepOn = (items: Items, scan: string, { lines, drawing, note, depthMm }: PlanStep): PlanItem[] =>
+export const withStepOn = (items: Items, scan: string, { lines, drawing, note, depthMm }: PlanStep): Items =>
   withDepth(withNote(withDrawing(withLines(items, scan, lines), scan, drawing), scan, note), scan, depthMm);
 
 /**
@@ -103,6 +105,18 @@ export function merged(base: Items, mine: Items, theirs: Items): PlanItem[] {
     if (!before || !same(item, before)) found.push(item); // new, or changed while they deleted it
   }
   return named(found);
+}
+
+/** What is shown of one scan, `step`, brought together with what the plan says `now`, where it said `mine`, shown with `drawing`. */
+export function stepTogether(mine: Items, drawing: string, step: PlanStep, now: Items, scan: string): PlanStep {
+  const [before, then] = [{ ...stepOn(mine, scan), drawing }, stepOn(now, scan)];
+  const linesIn = (items: Items): PlanItem[] => items.filter((item) => isLine(item) && item.scan === scan);
+  const both = merged(linesIn(mine), linesIn(withLines(mine, scan, step.lines)), linesIn(now));
+  const known = new Map(linesIn(withLines([], scan, step.lines)).map((item, i) => [sorted(item), step.lines[i]!]));
+  const lines = linesOn(both, scan).map((line, i) => known.get(sorted(both[i])) ?? line);
+  const isSame = lines.length === step.lines.length && lines.every((line, i) => line === step.lines[i]);
+  const either = <Key extends "drawing" | "note" | "depthMm">(key: Key): PlanStep[Key] => (step[key] === before[key] ? then[key] : step[key]);
+  return { ...step, lines: isSame ? step.lines : lines, drawing: either("drawing"), note: either("note"), depthMm: either("depthMm") };
 }
 
 const beside = (item: PlanItem): PlanItem => ({ ...item, id: newId() });

@@ -1,5 +1,6 @@
 // Keeps each patient's plan at the service: one change after the other, and none over what somebody else has written
-// meanwhile.  Then their plan is read and both are brought together.
+// meanwhile.  Then their plan is read, both are brought together, and whoever shows the plan is told: what a page does not
+// show it would delete with its next change.
 import { ApiError, type Client } from "../api/client";
 import type { PlanItem, StoredPlan } from "../api/types";
 import { merged } from "./items";
@@ -7,15 +8,14 @@ import { merged } from "./items";
 const CHANGED = 412; // the plan that the change began with is not there any more
 const TRIES = 5; // somebody writes all the time: give up and say so
 
-type Change = (items: readonly PlanItem[]) => PlanItem[];
+type Change = (items: readonly PlanItem[]) => readonly PlanItem[];
 
-export interface Kept {
-  readonly items: readonly PlanItem[];
-  /** Somebody else had changed the plan: it holds their changes as well. */
-  readonly isMerged: boolean;
-}
+type Items = readonly PlanItem[];
 
-export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "planVersion">) {
+/** Somebody else has changed the plan: what is shown as `mine`, or of a plan that nobody had begun, has to follow to what it is `now`. */
+export type Elsewhere = (link: string, mine: Pick<StoredPlan, "items" | "whole">, now: Items) => void;
+
+export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "planVersion">, elsewhere: Elsewhere = () => undefined) {
   const known = new Map<string, StoredPlan>(); // by link: as last read or written
   const queues = new Map<string, Promise<unknown>>();
 
@@ -28,33 +28,36 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
 
   async function read(link: string): Promise<StoredPlan> {
     const plan = await client.plan(link);
+    const before = known.get(link);
     known.set(link, plan);
+    if (before && before.version !== plan.version) elsewhere(link, before, plan.items);
     return plan;
   }
 
-  async function write(link: string, change: Change): Promise<Kept> {
+  async function write(link: string, change: Change): Promise<void> {
     let base = known.get(link) ?? (await read(link));
-    let items = change(base.items);
-    let isMerged = false;
+    const mine = { items: [...change(base.items)], whole: base.whole };
+    let items = mine.items;
     for (let tries = 1; ; tries += 1) {
-      if (base.whole && JSON.stringify(items) === JSON.stringify(base.items)) return { items, isMerged };
       try {
-        const stored = await client.savePlan(link, items, base.version);
+        const isThere = base.whole && JSON.stringify(items) === JSON.stringify(base.items);
+        const stored = isThere ? base : await client.savePlan(link, items, base.version);
         known.set(link, stored);
-        return { items: stored.items, isMerged };
+        if (tries > 1) elsewhere(link, mine, stored.items);
+        return;
       } catch (error) {
         if (!(error instanceof ApiError) || error.status !== CHANGED || tries === TRIES) throw error;
-        const theirs = await read(link);
+        const theirs = await client.plan(link);
         items = merged(base.items, items, theirs.items);
         base = theirs;
-        isMerged = true;
       }
     }
   }
 
   return {
     read: (link: string): Promise<StoredPlan> => queued(link, () => read(link)),
-    save: (link: string, change: Change): Promise<Kept> => queued(link, () => write(link, change)),
+    /** `change` is asked when its turn has come: what it puts back must be what is shown by then. */
+    save: (link: string, change: Change): Promise<void> => queued(link, () => write(link, change)),
     /** Whether the service has another plan than was read or written here last. */
     isChangedElsewhere: (link: string): Promise<boolean> =>
       queued(link, async () => {

@@ -7,7 +7,7 @@ import { el, fill, icon, saveFile, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import { close as closeText } from "../ui/text";
 import type { StancesActions } from "./actions";
-import { type Cell, formatCell, type MeasureLine, measuresCsv, measuresTable, type MeasuresTable } from "./measuresTable";
+import { type Cell, formatCell, measuredDoubts, type MeasureLine, measuresCsv, measuresTable, type MeasuresTable } from "./measuresTable";
 import { measuredFits, type StancesSlice } from "./state";
 import * as text from "./text";
 
@@ -22,6 +22,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
   const close = (): void => void stances.measures(false);
   let file: StancesSlice["stances"]["measures"]["file"] = null;
   const says = el("p", { class: "muted" });
+  const doubts = el("div", { role: "status" });
   const holder = el("div", { class: "measures-scroll", tabindex: 0, role: "region", "aria-labelledby": "measures-title" });
   const busy = el("div", { class: "muted", role: "status" }, words.busy);
   const signs = el("p", { class: "muted small" });
@@ -35,6 +36,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
     { class: "help measures", "aria-labelledby": "measures-title", onclose: close },
     el("div", { class: "dialog-head" }, el("h2", { id: "measures-title" }, words.title), iconButton("close", closeText, close)),
     says,
+    doubts,
     wrong.element,
     busy,
     holder,
@@ -68,6 +70,8 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
       wrong.set(state.problems.stances);
       const table = file && measuresTable(file);
       const isOfTwo = table !== null && table.groups.length > 1;
+      const doubted = file ? measuredDoubts(file) : [];
+      fill(doubts, doubted, () => doubted.map((doubt) => el("p", { class: "look-here" }, doubt)));
       setText(says, isOfTwo ? words.two : words.one);
       element.classList.toggle("of-two", isOfTwo);
       show(holder, table !== null);

@@ -1,12 +1,11 @@
 // The second stance: bring it, change over, compare, carry drawings across, measure both.
-import type { Client } from "../api/client";
+import { ApiError, type Client } from "../api/client";
 import type { Frame } from "../api/types";
-import { withStep } from "../drawing/state";
 import type { FitActions } from "../fit/actions";
 import { certainNames } from "../landmarks/certain";
 import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
-import type { PlanActions } from "../plan/actions";
+import { type PlanActions, withElsewhere } from "../plan/actions";
 import type { ScanActions } from "../scan/actions";
 import type { PageSlice } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
@@ -27,7 +26,7 @@ interface Others {
   readonly fit: Pick<FitActions, "stop" | "open" | "start">;
   readonly landmarks: { flush(): Promise<void> };
   readonly drawing: { flush(): Promise<void> };
-  readonly plan: Pick<PlanActions, "read" | "isMoreThan" | "settled">;
+  readonly plan: Pick<PlanActions, "read" | "isMoreThan" | "settled" | "followElsewhere">;
 }
 
 export function stancesActions(store: Store<State>, client: Client, others: Others, memory: Storage | null) {
@@ -58,10 +57,21 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
           if (state === "queued" || state === "running") return;
           const loaded = await loadFit(client, fit.id, fit.picks, fit.certain);
           change(scan.info.id, (workspace) => (workspace.fit?.id === fit.id ? { fit: loaded } : {}));
-        }, fail)
+        })
+        .catch((error: unknown) => {
+          fail(error);
+          if (error instanceof ApiError && error.status === 404) change(scan.info.id, (workspace) => (workspace.fit?.id === fit.id ? { fit: null } : {}));
+        })
         .finally(lookAfter);
     }, WATCH_MS);
   }
+
+  /** The plan was written elsewhere: the one that waits shows what is planned on it now. */
+  others.plan.followElsewhere((link, mine, now) => {
+    const scan = store.get().stances.other?.scan;
+    if (scan?.info.links.plan !== link) return;
+    change(scan.info.id, (workspace) => withElsewhere(workspace, scan.info.id, mine, now) ?? {});
+  });
 
   followPlan(store, client, { plan: others.plan, flush: () => others.drawing.flush(), fail });
 
@@ -87,9 +97,9 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
   }
 
   async function second(bring: () => Promise<boolean>): Promise<void> {
-    const kept = workspaceOf(store.get());
     put({ isBringing: true }, withProblem(store.get(), "stances", null));
-    await flush();
+    await flush(); // what is kept is saved, and has what somebody else was found to have planned
+    const kept = workspaceOf(store.get());
     const isThere = await bring();
     if (!isThere) {
       const { problems } = store.get();
@@ -124,10 +134,10 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       }
     },
 
-    /** The page works on the other one now. */
-    async swap(): Promise<void> {
+    /** The page works on the other one now; not while a fit is asked for, unless the one that is left is not wanted any more. */
+    async swap({ isLeft = false } = {}): Promise<void> {
       const { stances, isStarting } = store.get();
-      if (!stances.other || isStarting) return;
+      if (!stances.other || (isStarting && !isLeft)) return;
       await flush();
       others.fit.stop();
       const state = store.get();
@@ -183,17 +193,6 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
         stances: { ...state.stances, isComparing },
         overlay: isComparing && (state.overlay === "beside" || state.overlay === "swipe" || !state.stances.isComparing) ? "scan" : state.overlay,
       })),
-    /** The plan was written elsewhere: the one that waits shows what is planned on it now. */
-    async readPlan(): Promise<void> {
-      const info = store.get().stances.other?.scan?.info;
-      if (!info) return;
-      try {
-        const { lines, drawing, note, depthMm } = await others.plan.read(info);
-        change(info.id, (workspace) => ({ drawing, drawn: { ...workspace.drawn, lines: { ...withStep(workspace), present: lines }, note, depthMm } }));
-      } catch (error) {
-        fail(error);
-      }
-    },
     dismiss: (): void => store.set((state) => withProblem(state, "stances", null)),
     link: (isLinked: boolean): void => put({ isLinked }),
 

@@ -1,5 +1,6 @@
 // The report's flat rows as a table: one line for each measure, the stances beside each other, changes at the end.
 import type { Measure, MeasuresFile } from "../api/types";
+import { verdictWords } from "../fit/verdict";
 
 export interface Cell {
   readonly value: number | null;
@@ -23,6 +24,10 @@ export interface MeasuresTable {
   readonly groups: readonly string[];
   readonly lines: readonly MeasureLine[];
 }
+
+/** What has to be read before the numbers: the fits that are not simply good, and why; each names its stance. */
+export const measuredDoubts = ({ stances }: Pick<MeasuresFile, "stances">): string[] =>
+  stances.flatMap(({ name, verdict }) => (verdict && verdict.level !== "good" ? [`${name.charAt(0).toUpperCase()}${name.slice(1)}: ${verdictWords({ verdict })}`] : []));
 
 const NONE: Cell = { value: null, low: null, high: null };
 const bare = (value: number | null): Cell => ({ value, low: null, high: null });

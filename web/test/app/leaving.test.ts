@@ -2,6 +2,8 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { withScan } from "../fakes";
 import { ApiError } from "../../src/api/client";
+import type { LandmarkFile } from "../../src/api/types";
+import { lineAlong } from "../../src/drawing/lines/edits";
 import { isRefused, unsavedOf } from "../../src/app/leaving";
 
 beforeEach(() => void vi.useFakeTimers());
@@ -109,8 +111,36 @@ test("the other stance stays when one is deleted", async () => {
   expect(store.get()).toMatchObject({ scan: { info: { id: "s2" } }, stances: { other: { scan: { info: { id: "s1" } } } } });
   await actions.deletion.confirm();
   expect(store.get()).toMatchObject({ scan: { info: { id: "s1" } }, stances: { other: null }, deletion: { scan: { id: "s2" } } });
+  await actions.deletion.undo();
+  expect(store.get(), "taken back it stands beside the other again").toMatchObject({ scan: { info: { id: "s1" } }, stances: { other: { scan: { info: { id: "s2" } } }, isSecond: false } });
+  await actions.stances.swap();
+  store.set({ isStarting: true }); // a landmark was dragged, and its fit is on its way
+  await actions.deletion.confirm();
+  expect(store.get()).toMatchObject({ scan: { info: { id: "s1" } }, stances: { other: null }, deletion: { scan: { id: "s2" } }, isStarting: false });
   await vi.advanceTimersByTimeAsync(10_001);
   expect(client.deleteScan).toHaveBeenCalledExactlyOnceWith(expect.objectContaining({ id: "s2" }));
+});
+
+test("what is on its way when the other stance is taken is saved there, and nobody is asked about it later", async () => {
+  let come: () => void = () => undefined;
+  const saveLandmarks = vi.fn((_scan: unknown, file: LandmarkFile) => new Promise<LandmarkFile>((done) => (come = () => done(file))));
+  const { store, client, actions } = await withScan({ saveLandmarks });
+  const save = client.savePlan.bind(client);
+  client.savePlan = async (...asked) => {
+    await new Promise((later) => setTimeout(later, 3000));
+    return save(...asked);
+  };
+  actions.drawing.restore([{ ...lineAlong("mine", "#101010", [[0, 0, 0], [9, 0, 0]], false), id: "mine-mine" }]);
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.place([1, 2, 3]);
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(unsavedOf(store.get())).toEqual(["landmarks", "lines"]);
+  const taken = actions.stances.takeKnown("s2");
+  come();
+  await vi.advanceTimersByTimeAsync(5000);
+  await taken;
+  expect(store.get().stances.other).toMatchObject({ scan: { info: { id: "s1" } }, saving: "saved", drawn: { saving: "saved" } });
+  expect(unsavedOf(store.get())).toEqual([]);
 });
 
 test("a service that cannot delete says so", async () => {

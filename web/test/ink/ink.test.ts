@@ -36,7 +36,7 @@ function page(answers: (Ink | { retryAfterS: number })[], info: Scan = SCAN) {
       return Promise.resolve(FOUND);
     },
   };
-  const plan = { saveLines: (_scan: Scan, lines: readonly OwnLine[]) => Promise.resolve({ lines, isMerged: false }), earlier: () => Promise.resolve(null) };
+  const plan = { saveLines: (_scan: Scan, lines: readonly OwnLine[]) => Promise.resolve(lines), earlier: () => Promise.resolve(null) };
   const drawing = drawingActions(store, plan);
   const actions = inkActions(store, client, drawing);
   const lines = () => openLines(store.get().ink[info.id], store.get().drawn.decided, cropsOf(store.get().scan));

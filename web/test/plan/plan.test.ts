@@ -44,7 +44,7 @@ test("what is put back keeps its ids, and what the page does not edit stays", ()
   const changed = withDrawing(ITEMS, "s1", TEXT.replace("clock=10.5", "clock=9").replace("reduction:side=L,", "reduction:side=R,"));
   expect(changed.find(({ id }) => id === "t")).toMatchObject({ clock: 9, depth_mm: 20 });
   expect(changed.find(({ id }) => id === "p")).toMatchObject({ parameters: { side: "R", areola_mm: 40 } });
-  expect(withDrawing(ITEMS, "s1", TEXT).map((item) => ITEMS.includes(item) || item.id)).toEqual([true, true, true, "p", "t"]);
+  expect(withDrawing(ITEMS, "s1", TEXT).map((item) => ITEMS.includes(item) || item.id), "what says the same already is left as it is").toEqual([true, true, true, true, true]);
   expect(ids(withDrawing(ITEMS, "s1", ""))).toEqual(["a", "n", "b"]);
   expect(ids(withDrawing([], "s2", "lumpectomy"))).toHaveLength(1);
 });
@@ -74,13 +74,82 @@ test("two who change different things get both; one thing changed twice is kept 
 
 test("two tabs: the second reads the plan again and takes its change over", async () => {
   const client = fakePlans();
-  const [one, other] = [createPlanKeeper(client), createPlanKeeper(client)];
+  const told = vi.fn();
+  const [one, other] = [createPlanKeeper(client, told), createPlanKeeper(client, told)];
   await Promise.all([one.read("p"), other.read("p")]);
-  expect(await one.save("p", (items) => [...items, note("a", "first")])).toMatchObject({ isMerged: false });
-  const kept = await other.save("p", (items) => [...items, note("b", "second")]);
-  expect(kept.isMerged).toBe(true);
-  expect(ids(kept.items)).toEqual(["a", "b"]);
+  await one.save("p", (items) => [...items, note("a", "first")]);
+  expect(told).not.toHaveBeenCalled();
+  await other.save("p", (items) => [...items, note("b", "second")]);
+  expect(told.mock.calls).toEqual([["p", { items: [note("b", "second")], whole: false }, [note("a", "first"), note("b", "second")]]]);
+  expect(ids(other.seen("p")!.items)).toEqual(["a", "b"]);
   expect((await client.plan("p")).version).toBe(2);
+});
+
+const KEPT_LINKS = { ...scanInfo("s1").links };
+const drawnLine = (name: string, x: number) => ({ ...lineAlong(name, "#101010", [[x, 0, 0], [x + 10, 0, 0]], false), id: `${name.replace(" ", "-")}-of-${x}` });
+
+/** Both stances of one patient in two tabs: s1 in work, s2 beside it. */
+async function twoTabs() {
+  const plans = fakePlans();
+  const open = async () => {
+    const made = page(plans);
+    const other = { ...workspaceOf(made.store.get()), scan: { info: { ...scanInfo("s2"), links: { ...scanInfo("s2").links, plan: KEPT_LINKS.plan } } } } as unknown as Workspace;
+    await made.actions.scan.open("s1", null);
+    made.store.set((state) => ({ stances: { ...state.stances, other } }));
+    const draw = (name: string, x: number) => made.actions.drawing.restore([...made.store.get().drawn.lines.present, drawnLine(name, x)]);
+    const shown = () => {
+      const { drawn, drawing, stances } = made.store.get();
+      return { lines: drawn.lines.present.map(({ name }) => name), drawing, note: drawn.note, saving: drawn.saving, beside: stances.other!.drawn.lines.present.map(({ name }) => name) };
+    };
+    return { ...made, draw, shown };
+  };
+  return { mine: await open(), theirs: await open(), kept: async () => (await plans.plan(KEPT_LINKS.plan)).items };
+}
+
+test("two tabs: what one writes over the other's change it shows from then on, so that its next change deletes none of it", async () => {
+  const { mine, theirs, kept } = await twoTabs();
+  theirs.draw("theirs", 0);
+  theirs.actions.drawing.choosePattern("reduction:areola_mm=42");
+  theirs.actions.plan.note("smaller");
+  await vi.advanceTimersByTimeAsync(1000);
+  await theirs.client.savePlan(KEPT_LINKS.plan, [...(await kept()), line("c", "beside", "s2")], 3);
+  mine.actions.plan.depth(12); // of no tumour: nothing changes, and nothing is asked
+  mine.actions.drawing.choosePattern("lumpectomy+tumour:side=R,clock=3,distance_mm=30,radius_mm=10");
+  mine.actions.plan.depth(25);
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(mine.shown()).toMatchObject({ lines: ["theirs"], note: "smaller", saving: "saved", beside: ["beside"] });
+  expect(mine.store.get().problems.drawing).toMatch(/changed in another tab/);
+  mine.draw("mine", 50);
+  mine.draw("mine too", 90);
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(mine.shown()).toMatchObject({ lines: ["theirs", "mine", "mine too"], saving: "saved" });
+  expect(linesOn(await kept(), "s1").map(({ name }) => name)).toEqual(["theirs", "mine", "mine too"]);
+  expect(linesOn(await kept(), "s2").map(({ name }) => name)).toEqual(["beside"]);
+});
+
+test("two tabs: lines drawn while the first one is on its way stay, with those of the other tab; a pattern that was changed there is shown here", async () => {
+  const { mine, theirs, kept } = await twoTabs();
+  theirs.draw("theirs", 0);
+  theirs.actions.drawing.choosePattern("reduction:areola_mm=42");
+  await vi.advanceTimersByTimeAsync(1000);
+  let answer: () => void = () => undefined;
+  mine.client.plan = vi.fn(async (link: string) => {
+    await new Promise<void>((come) => (answer = come));
+    return theirs.client.plan(link);
+  });
+  mine.draw("mine", 50);
+  await vi.advanceTimersByTimeAsync(1000);
+  mine.draw("meanwhile", 90);
+  await vi.advanceTimersByTimeAsync(1000);
+  answer();
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(mine.shown()).toMatchObject({ lines: ["theirs", "mine", "meanwhile"], drawing: "reduction:areola_mm=42", saving: "saved" });
+  expect(linesOn(await kept(), "s1").map(({ name }) => name)).toEqual(["theirs", "mine", "meanwhile"]);
+  const { version } = await theirs.client.plan(KEPT_LINKS.plan);
+  theirs.draw("again", 130);
+  await vi.advanceTimersByTimeAsync(1000);
+  expect((await theirs.client.plan(KEPT_LINKS.plan)).version, "what was taken over is not written back").toBe(version + 1);
+  expect(theirs.shown().lines).toEqual(["theirs", "mine", "meanwhile", "again"]);
 });
 
 test("changes are written one after the other, a failed one stops no later one, and nothing is written for nothing", async () => {
@@ -93,8 +162,9 @@ test("changes are written one after the other, a failed one stops no later one, 
   const first = keeper.save("p", (items) => [...items, note("b", "b")]);
   const second = keeper.save("p", (items) => [...items, note("c", "c")]);
   await expect(failed).rejects.toThrow("no disk");
-  expect(ids((await first).items)).toEqual(["b"]);
-  expect(ids((await second).items)).toEqual(["b", "c"]);
+  await Promise.all([first, second]);
+  expect(client.savePlan.mock.calls.slice(1).map(([, items]) => ids(items))).toEqual([["b"], ["b", "c"]]);
+  expect(ids(keeper.seen("p")!.items)).toEqual(["b", "c"]);
   const calls = client.savePlan.mock.calls.length;
   await keeper.save("p", (items) => [...items]);
   expect(client.savePlan).toHaveBeenCalledTimes(calls);
@@ -130,6 +200,17 @@ test("the first fit makes its reference drawing the plan; a pattern that is chos
   void made.actions.scan.leave();
   await vi.advanceTimersByTimeAsync(10);
   expect(await plan()).toEqual([["s1", "reduction"], "tumour"]);
+});
+
+test("a line drawn before the first fit leaves the fit its reference drawing, in the plan too", async () => {
+  const made = page();
+  await made.actions.scan.open("s1", null);
+  made.actions.drawing.restore([drawnLine("early", 0)]);
+  await vi.advanceTimersByTimeAsync(1000);
+  await made.actions.fit.start();
+  await vi.advanceTimersByTimeAsync(10);
+  const { items } = await made.client.plan(KEPT_LINKS.plan);
+  expect([linesOn(items, "s1").map(({ name }) => name), drawingOn(items, "s1"), made.store.get().drawing]).toEqual([["early"], "lumpectomy", "lumpectomy"]);
 });
 
 test("what is said about the plan is kept with it, and there again", async () => {

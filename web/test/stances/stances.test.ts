@@ -2,14 +2,14 @@
 import { Euler, Matrix4, Quaternion, Vector3 } from "three";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { fitLinks, page, scanInfo } from "../fakes";
-import type { Client } from "../../src/api/client";
+import { ApiError, type Client } from "../../src/api/client";
 import type { Fit, Measure, PlannedShape, PlanOnScan, Vector } from "../../src/api/types";
 import { INK } from "../../src/drawing/lines/lines";
 import { laidOnScan } from "../../src/drawing/state";
 import type { FitState } from "../../src/fit/state";
 import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../../src/stances/cameras";
 import { carriedNote } from "../../src/stances/carry";
-import { formatCell, measuresCsv, measuresTable } from "../../src/stances/measuresTable";
+import { formatCell, measuredDoubts, measuresCsv, measuresTable } from "../../src/stances/measuresTable";
 import { forgetScan, knownScans, rememberScan, stanceNames, workspaceOf } from "../../src/stances/state";
 
 const rigid = (x: number, y: number, z: number, at: readonly [number, number, number]): Matrix4 =>
@@ -78,6 +78,12 @@ test("the table has one line for each measure, the stances beside each other, an
   expect(lines[0]!.groups.map(({ left }) => left.value)).toEqual([201.26, 188.5, -12.76]);
   expect(lines[1]!.groups.map(({ whole }) => whole.value)).toEqual([0.956, null, null]);
   expect(lines[0]!.landmarks).toEqual([{ stance: "standing", words: "notch (picked)" }, { stance: "supine", words: "notch (model's)" }]);
+});
+
+test("measures of a fit that is not good say so before any number, each with its stance", () => {
+  const of = (name: string, level: "good" | "check" | "unusable") => ({ name, verdict: { level, reasons: level === "good" ? [] : [`Because of ${name}.`] } });
+  const doubts = measuredDoubts({ stances: [of("standing", "unusable"), of("supine", "good"), of("supine B", "check"), { name: "old" }] as never });
+  expect(doubts).toEqual([expect.stringMatching(/^Standing: .+\. Because of standing\.$/), expect.stringMatching(/^Supine B: .+\. Because of supine B\.$/)]);
 });
 
 test("cells have the digits that a measure is worth, and a sign where a direction is meant", () => {
@@ -236,6 +242,18 @@ test("a fit that runs while its scan waits comes to its end there", async () => 
   await vi.advanceTimersByTimeAsync(1500);
   expect(fit()).toMatchObject({ state: "done", result, shown: 0 });
   expect(fit().surface).not.toBeNull();
+});
+
+test("a fit that is deleted elsewhere while its scan waits is said once, and not asked after any more", async () => {
+  const fit = vi.fn().mockRejectedValue(new ApiError("There is no such fit.", 404));
+  const { store, actions } = page({ importExample: async (name: string) => scanInfo(name), fit });
+  await actions.scan.takeExample("standing");
+  store.set({ fit: { ...done("f1"), state: "running", surface: null } });
+  await actions.stances.takeExample("supine");
+  await vi.advanceTimersByTimeAsync(1500);
+  expect(store.get()).toMatchObject({ problems: { stances: "There is no such fit." }, stances: { other: { fit: null } } });
+  await vi.advanceTimersByTimeAsync(5000);
+  expect(fit).toHaveBeenCalledTimes(1);
 });
 
 test("scans of this tab are remembered, the newest first, each once; a damaged memory is none", () => {

@@ -20,6 +20,7 @@ Cell = tuple[float, float, str, Align]  # x, width, text
 
 INK: Shade = (28, 34, 44)
 QUIET: Shade = (108, 116, 128)
+WARNING: Shade = (150, 40, 20)  # dark red
 RULE: Shade = (206, 211, 218)
 BAND: Shade = (246, 247, 249)  # behind every second row
 MARGIN = 15.0  # mm
@@ -46,9 +47,10 @@ def latin(text: str) -> str:
 class Sheet(FPDF):
     """The document; all places in mm from the upper left corner."""
 
-    def __init__(self, title: str, pages: int) -> None:
+    def __init__(self, title: str, pages: int, warning: str = "") -> None:
         super().__init__(unit="mm", format="A4")
         self._pages = pages
+        self._warning = warning
         self.set_auto_page_break(False)
         self.set_margins(MARGIN, MARGIN, MARGIN)
         self.set_title(title)
@@ -58,7 +60,7 @@ class Sheet(FPDF):
         self.set_creation_date(NO_DATE)
 
     def footer(self) -> None:
-        """On every page: what this is not."""
+        """On every page, for each may be printed alone: what this is not, and whether its numbers can be trusted."""
         self.rule(FOOT)
         self.words(MARGIN, FOOT + 1.6, LIMITS_OF_USE, 6.5, QUIET)
         self.words(
@@ -70,6 +72,8 @@ class Sheet(FPDF):
             "R",
             WIDTH,
         )
+        if self._warning:
+            self.words(MARGIN, FOOT + 4.8, self._warning, 8.0, WARNING, "L", WIDTH, bold=True)
 
     def words(
         self,

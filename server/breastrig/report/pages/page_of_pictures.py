@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 from breastrig.rendering.picture import NOISE_MM
 from breastrig.report.document import Reported
-from breastrig.report.pages.page import MARGIN, QUIET, WIDTH, Cell, Sheet
+from breastrig.report.pages.page import MARGIN, QUIET, WARNING, WIDTH, Cell, Sheet
 from breastrig.report.pages.page_ptosis import draw_ptosis
+from breastrig.report.pages.sentences import warning_of
 from breastrig.report.pictures import LIMIT_MM, colour_bar, distance_pictures, jpeg, scan_pictures, views_of
 from breastrig.report.table import Row, Value, number
 
@@ -13,8 +14,6 @@ GAP = 4.0  # mm between pictures
 LARGE = (0.5 * (WIDTH - GAP), 92.0)  # mm
 SMALL = (0.25 * (WIDTH - 3 * GAP), 48.0)  # mm
 PIXELS_PER_MM = 7.0  # 180 to the inch: sharp on paper, and half a megabyte
-WARNINGS = {"check": "CHECK THIS FIT: see doubts and notes", "unusable": "NOT USABLE: see doubts and notes"}
-WARNING = (150, 40, 20)  # dark red
 NOT_MEASURED = ("-", "-", "-")  # the width of a lying breast's base
 GLANCE = (
     ("notch_nipple", "along the skin"),
@@ -47,9 +46,8 @@ def pictures_page(sheet: Sheet, stances: Sequence[Reported], top: float) -> None
         said = _distance_words(each)
         sheet.words(x, below, "Fitted model, distance to the scan", 9.0, bold=True)
         sheet.words(x, below + 4.4, said, 7.5, QUIET, "L", LARGE[0] if not one else WIDTH)
-        level = (each.result.get("verdict") or {}).get("level", "good")
-        if level != "good":
-            sheet.words(x, top, WARNINGS[level], 9.0, WARNING, "R", LARGE[0] if not one else WIDTH, bold=True)
+        if warning := warning_of(each):
+            sheet.words(x, top, warning, 9.0, WARNING, "R", LARGE[0] if not one else WIDTH, bold=True)
         cameras = views_of(each.stance, small, SMALL[0] / SMALL[1])
         for k, picture in enumerate(distance_pictures(each.stance, cameras, _pixels(SMALL))):
             at = x + k * (SMALL[0] + GAP)

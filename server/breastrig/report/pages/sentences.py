@@ -15,6 +15,7 @@ METHODS = (
     "and the distance between fit and scan; a change within the bands says nothing. M1 to M6: ratios of left and "
     "right, 1 = symmetric (Reddy et al. 2017); every woman has some asymmetry."
 )
+WARNINGS = {"check": "CHECK THIS FIT: see doubts and notes", "unusable": "NOT USABLE: see doubts and notes"}
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,11 @@ class Section:
     heading: str
     text: str
     size: float  # of its letters, points
+
+
+def warning_of(one: Reported) -> str:
+    """What has to stand wherever numbers of this fit do; empty for a good one."""
+    return WARNINGS.get((one.result.get("verdict") or {}).get("level", "good"), "")
 
 
 def sections(stances: Sequence[Reported]) -> list[Section]:
