@@ -21,6 +21,7 @@ from breastrig.service.single_flight import SingleFlight
 from breastrig.storage.deletion import discard
 from breastrig.storage.files import OpenedFile, fit_place
 from breastrig.storage.rows.fits import get_fit
+from breastrig.storage.rows.patients import patient_of_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.further_jobs import ReportJob
 from breastrig.workflow.tasks import measures_json_of, report_pdf_of
@@ -28,6 +29,10 @@ from breastrig.workflow.tasks import measures_json_of, report_pdf_of
 MAKERS: dict[str, Callable[[ReportJob], bytes]] = {"report.pdf": report_pdf_of, "measures.json": measures_json_of}
 PLANNED = ("report.pdf",)  # what shows the plan; measures are those of the body
 REMEMBERED = 8  # of half a megabyte
+TWO_PATIENTS = (
+    "The two scans are filed as those of two patients: what changes between them says something only if both are hers; "
+    "file them under one patient then."
+)
 WALL_S = 60.0  # two stances take about four seconds; a slow machine with huge scans may take many
 
 log = logging.getLogger(__name__)
@@ -127,6 +132,8 @@ class Reports:
         with explained("This report", WALL_S, "fit a smaller scan", self._storage, ids), ExitStack() as stack:
             folders = [stack.enter_context(self._storage.files.reading(fit_place(one))) for one in ids]
             plans = tuple(self._plans.lines_on_fit(one) for one in (ids if name in PLANNED else ()))
-            job = ReportJob(folders[0], None if other_id is None else folders[1], self._model, plans)
+            patients = {patient_of_scan(self._storage, get_fit(self._storage, one).scan) for one in ids}
+            notes = () if len(patients) == 1 else (TWO_PATIENTS,)
+            job = ReportJob(folders[0], None if other_id is None else folders[1], self._model, plans, notes=notes)
             content: bytes = self._processes.result(MAKERS[name], (job,), WALL_S)
         return content

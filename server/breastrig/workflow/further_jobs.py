@@ -85,6 +85,7 @@ class ReportJob:
     model: Path | None = None  # None: the torso of the package
     plans: tuple[PlanLines | None, ...] = ()  # of each fit: its lines, and whether they are all that is wanted
     plan: dict[str, Any] | None = None  # or the plan itself (breastrig/plan@1 or drawing@1), to be laid on each scan
+    notes: tuple[str, ...] = ()  # that stand before those of each fit
 
 
 @dataclass(frozen=True)

@@ -157,7 +157,7 @@ def reported(job: ReportJob) -> list[Reported]:
     stances = [stance_of(folder, fit, plan) for folder, fit, plan in zip(folders, fits, plans, strict=True)]
     names = stance_names([stance.name for stance in stances])
     return [
-        Reported(name, stance, fit.result, measures(stance))
+        Reported(name, stance, {**fit.result, "notes": [*job.notes, *fit.result["notes"]]}, measures(stance))
         for name, stance, fit in zip(names, stances, fits, strict=True)
     ]
 
