@@ -22,6 +22,7 @@ from breastrig.fitting.problem import body_terms
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.starts.two_openings import opened_iterates
 from breastrig.fitting.task import FitTask
+from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, PairIterate, fit_pair_iterates
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
@@ -35,6 +36,7 @@ from breastrig.scan.clean import compact
 FRONT = np.array([[0.0, 0.0, 1.0]])
 HANGING = replace(Numbers(), nipples_over_folds=(-0.04, -0.04))
 NIPPLES = ("nipple_L", "nipple_R")
+STANCES = ("standing", "supine")
 
 
 @pytest.fixture(scope="module")
@@ -43,12 +45,13 @@ def rig() -> Rig:
 
 
 @cache
-def woman(numbers: Numbers) -> tuple[ScanTarget, dict[str, Array]]:
-    """The skin of one standing woman of the virtual cohort that a camera before her sees, and her landmarks."""
+def woman(numbers: Numbers, stance: str = "standing") -> tuple[ScanTarget, dict[str, Array]]:
+    """The skin of one woman of the virtual cohort that a camera before her sees, and her landmarks."""
     source = next(each for each in read_sources() if each.name == "cohort_patient_4")
-    body = warped_body(source, source.lying[0], numbers)
-    assert body is not None
-    vertices, places = body.standing.vertices, body.standing.landmarks
+    warped = warped_body(source, source.lying[0], numbers)
+    assert warped is not None
+    body = warped.standing if stance == "standing" else warped.supine
+    vertices, places = body.vertices, body.landmarks
     middles = vertices[source.faces].mean(axis=1)
     seen = source.scanned[source.faces].all(axis=1) & (middles[:, 2] > -0.02)
     seen &= (middles[:, 1] > places["umbilicus"][1] - 0.1) & (middles[:, 1] < places["suprasternal_notch"][1] + 0.04)
@@ -73,6 +76,35 @@ def test_nipples_of_breasts_that_hang_are_found_without_landmarks(rig: Rig) -> N
     assert [each.iteration for each in twice] == list(range(len(twice)))
     assert all(a.elapsed_s <= b.elapsed_s for a, b in pairwise(twice))
     assert [each.status is Status.RUNNING for each in twice] == [True] * (len(twice) - 1) + [False]
+    assert len(twice) > len(once)
+
+
+@pytest.mark.parametrize("coupling", [ALIKE, ONE_BODY])
+def test_two_stances_of_breasts_that_hang_begin_again_together(rig: Rig, coupling: Coupling) -> None:
+    def off(recipe: Recipe) -> tuple[list[PairIterate], Array]:
+        """All iterates, and m from the nipples of both stances to the true ones."""
+        scans = [woman(HANGING, stance) for stance in STANCES]
+        starts = [start_from_scan(rig, target, FRONT).parameters for target, _ in scans]
+        first, second = (
+            FitTask(rig, target, start, recipe, {}, stance)
+            for (target, _), start, stance in zip(scans, starts, STANCES, strict=True)
+        )
+        found = list(fit_pair_iterates(first, second, coupling))
+        gaps = [
+            rig.landmark_points(NIPPLES).positions(pose(rig, each.parameters), rig.faces) - [at[n] for n in NIPPLES]
+            for each, (_, at) in zip((found[-1].first, found[-1].second), scans, strict=True)
+        ]
+        return found, np.linalg.norm(gaps, axis=2).mean(axis=1)
+
+    recipe = load_recipe("default")
+    once, flattened = off(recipe.model_copy(update={"hanging": None}))
+    twice, found = off(recipe)
+    assert flattened.min() > 0.05
+    assert found.max() < 0.02
+    assert {twice[-1].first.hanging, twice[-1].second.hanging} == {("ptosis_L", "ptosis_R")}
+    assert [each.iteration for each in twice] == list(range(len(twice)))
+    assert [each.status is Status.RUNNING for each in twice] == [True] * (len(twice) - 1) + [False]
+    assert all(a.first.elapsed_s <= b.first.elapsed_s for a, b in pairwise(twice))
     assert len(twice) > len(once)
 
 
