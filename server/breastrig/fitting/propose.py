@@ -12,6 +12,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import MatchRules, match
+from breastrig.fitting.body.hanging import hanging_shifts
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
@@ -76,12 +77,13 @@ def propose_landmarks(
     vertices = pose(rig, fitted)
     points = rig.landmark_points()
     places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))
+    posterior = Posterior(ended, fitted)
+    places += hanging_shifts(posterior.state, ended, rig.landmark_names)
     found = match(scan.target, places, normals / np.linalg.norm(normals, axis=1, keepdims=True), ON_SKIN)
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True
     places[found.vertices] = found.points
-    posterior = Posterior(ended, fitted)
-    known = radii(posterior, orientation.margin)
+    known = radii(posterior, orientation.margin, expected=True)
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
         if name in shown:

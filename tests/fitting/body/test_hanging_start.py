@@ -12,6 +12,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.virtual.warped.body import warped_body
 from breastrig.evaluation.virtual.warped.numbers import Numbers
 from breastrig.evaluation.virtual.warped.sources import read_sources
+from breastrig.fitting.body.hanging import hanging_shifts
 from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.orientation import start_from_scan
@@ -23,6 +24,7 @@ from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.starts.two_openings import opened_iterates
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, PairIterate, fit_pair_iterates
+from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
@@ -36,6 +38,7 @@ from breastrig.scan.clean import compact
 FRONT = np.array([[0.0, 0.0, 1.0]])
 HANGING = replace(Numbers(), nipples_over_folds=(-0.04, -0.04))
 NIPPLES = ("nipple_L", "nipple_R")
+FOLDS = ("inframammary_fold_L", "inframammary_fold_R")
 STANCES = ("standing", "supine")
 
 
@@ -106,6 +109,45 @@ def test_two_stances_of_breasts_that_hang_begin_again_together(rig: Rig, couplin
     assert [each.status is Status.RUNNING for each in twice] == [True] * (len(twice) - 1) + [False]
     assert all(a.first.elapsed_s <= b.first.elapsed_s for a, b in pairwise(twice))
     assert len(twice) > len(once)
+
+
+def test_folds_are_expected_above_those_of_a_model_that_hangs_and_are_less_sure(rig: Rig) -> None:
+    """The shape of ptosis pulls the fold down with it, true folds stay; radii around both places hold the true ones."""
+    recipe, (target, places) = load_recipe("default"), woman(HANGING)
+    iterates, _ = fitted(rig, HANGING, recipe)
+    last = iterates[-1]
+    task = ended(FitTask(rig, target, last.parameters, recipe, {}), last)
+    posterior = Posterior(task, last.parameters)
+    model = rig.landmark_points(FOLDS).positions(posterior.state.vertices, rig.faces)
+    true = np.array([places[name] for name in FOLDS])
+    shifts = hanging_shifts(posterior.state, task, FOLDS)
+    around_model, around_expected = (radii(posterior, expected=expected) for expected in (False, True))
+    assert around_model is not None
+    assert around_expected is not None
+    off_model, off = (np.linalg.norm(found - true, axis=1) for found in (model, model + shifts))
+    assert off.mean() < 0.85 * off_model.mean()
+    assert (off < [around_expected.landmarks[name] for name in FOLDS]).all()
+    assert (off_model < [around_model.landmarks[name] for name in FOLDS]).all()
+    stiff = replace(task, recipe=recipe.model_copy(update={"hanging": None}), hanging=())
+    unaware = radii(Posterior(stiff, last.parameters))
+    assert unaware is not None
+    assert (off_model > [unaware.landmarks[name] for name in FOLDS]).any()
+    grown = {name for name, radius in unaware.landmarks.items() if around_expected.landmarks[name] > 1.3 * radius}
+    assert {*NIPPLES, *FOLDS} <= grown
+    assert "umbilicus" not in grown
+    picked = replace(task, landmarks={FOLDS[0]: true[0]})
+    assert not hanging_shifts(posterior.state, picked, FOLDS)[0].any()
+
+
+def test_of_breasts_that_do_not_hang_folds_are_expected_where_the_model_has_them(rig: Rig) -> None:
+    recipe, rest = load_recipe("default"), rest_parameters(rig)
+    assert recipe.hanging is not None
+    for weight in (-0.5, 0.0, recipe.hanging.weight - recipe.hanging.sigma):
+        weights = rest.weights.copy()
+        weights[[rig.shape_names.index(f"ptosis_{side}") for side in "LR"]] = weight
+        state = BodyState(rig, replace(rest, weights=weights))
+        task = FitTask(rig, woman(HANGING)[0], rest, recipe, {})
+        assert not hanging_shifts(state, task, rig.landmark_names).any()
 
 
 def test_a_fit_of_other_breasts_is_what_it_is_without_looking(rig: Rig) -> None:
