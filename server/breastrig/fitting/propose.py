@@ -70,7 +70,10 @@ def propose_landmarks(
     if orientation is None:
         orientation, _, _ = scan_orientation(rig, scan, recipe)
     task = orientation_task(rig, scan, orientation, recipe)
-    ended, fitted = (task, orientation.fitted) if orientation.fitted is not None else _fitted(task)
+    if orientation.fitted is None:
+        ended, fitted = _fitted(task)
+    else:
+        ended, fitted = replace(task, hanging=orientation.hanging), orientation.fitted
     shown = {} if coloured is None else seen_landmarks(ended, fitted, orientation.margin, coloured)
     if shown:
         ended, fitted = _fitted(with_seen(task, shown, fitted))

@@ -1,5 +1,6 @@
 """Breasts that hang are found without landmarks; whose breasts do not pays nothing for it."""
 
+import json
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -19,8 +20,10 @@ from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.problem import body_terms
 from breastrig.fitting.recipe import Recipe, load_recipe
+from breastrig.fitting.scan_orientation import orientation_from, scan_orientation
 from breastrig.fitting.starts.two_openings import opened_iterates
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, PairIterate, fit_pair_iterates
@@ -33,7 +36,8 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
-from breastrig.scan.clean import compact
+from breastrig.scan.clean import Surface, compact
+from breastrig.scan.orient import Frame
 
 FRONT = np.array([[0.0, 0.0, 1.0]])
 HANGING = replace(Numbers(), nipples_over_folds=(-0.04, -0.04))
@@ -237,3 +241,15 @@ def test_how_skin_faces_is_not_asked_of_breasts_that_hang(rig: Rig) -> None:
     asked = fit_signals(rig, rest, compared, None)
     assert (stiff.hanging, asked.hanging) == (2.0, 0.0)
     assert stiff.angle_p90 < 0.5 * asked.angle_p90
+
+
+def test_an_orientation_tells_of_breasts_that_were_seen_to_hang(rig: Rig) -> None:
+    target = woman(HANGING)[0]
+    frame = Frame(np.eye(3)[1], np.eye(3)[2], 1.0, "", "standing", "", FRONT)
+    scan = PreparedScan(Surface(target.vertices, target.faces, ()), target, 0, frame)
+    found, _, iterates = scan_orientation(rig, scan, load_recipe("default"))
+    assert iterates
+    assert found.hanging == iterates[-1].hanging == ("ptosis_L", "ptosis_R")
+    again = orientation_from(json.loads(json.dumps(found.facts())), rig)
+    assert again is not None
+    assert again.hanging == found.hanging
