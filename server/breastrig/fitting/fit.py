@@ -19,6 +19,7 @@ from breastrig.fitting.recipe import Recipe, Stage, Stop
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.least_squares.newton import Point, Status, System, Value, damped_step
 from breastrig.least_squares.quadratic_program import Bounds
+from breastrig.rig.parameters import RigParameters
 from breastrig.rig.state import BodyState
 
 __all__ = ["FitIterate", "FitTask", "fit_iterates"]
@@ -40,6 +41,9 @@ class Problem(Protocol[P]):
         """(N,) see damped_step."""
 
     def start(self) -> P: ...
+
+    def at(self, parameters: Sequence[RigParameters], /) -> P:
+        """The point at which each scan's model is posed so."""
 
     def states(self, point: P, /) -> tuple[BodyState, ...]:
         """Of the model on each scan."""
@@ -77,6 +81,9 @@ class OneScan:
 
     def start(self) -> BodyState:
         return self.scan.start()
+
+    def at(self, parameters: Sequence[RigParameters]) -> BodyState:
+        return BodyState(self.scan.task.rig, parameters[0])
 
     def states(self, point: BodyState) -> tuple[BodyState, ...]:
         return (point,)

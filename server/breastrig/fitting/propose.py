@@ -12,6 +12,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import MatchRules, match
+from breastrig.fitting.body.hanging import hanging_shifts
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
@@ -69,19 +70,23 @@ def propose_landmarks(
     if orientation is None:
         orientation, _, _ = scan_orientation(rig, scan, recipe)
     task = orientation_task(rig, scan, orientation, recipe)
-    ended, fitted = (task, orientation.fitted) if orientation.fitted is not None else _fitted(task)
+    if orientation.fitted is None:
+        ended, fitted = _fitted(task)
+    else:
+        ended, fitted = replace(task, hanging=orientation.hanging), orientation.fitted
     shown = {} if coloured is None else seen_landmarks(ended, fitted, orientation.margin, coloured)
     if shown:
         ended, fitted = _fitted(with_seen(task, shown, fitted))
     vertices = pose(rig, fitted)
     points = rig.landmark_points()
     places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))
+    posterior = Posterior(ended, fitted)
+    places += hanging_shifts(posterior.state, ended, rig.landmark_names)
     found = match(scan.target, places, normals / np.linalg.norm(normals, axis=1, keepdims=True), ON_SKIN)
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True
     places[found.vertices] = found.points
-    posterior = Posterior(ended, fitted)
-    known = radii(posterior, orientation.margin)
+    known = radii(posterior, orientation.margin, expected=True)
     proposals = {}
     for k, name in enumerate(rig.landmark_names):
         if name in shown:

@@ -34,6 +34,7 @@ class ScanOrientation:
     stance: str  # standing | supine
     stance_reason: str
     fitted: RigParameters | None = None  # where the fit without landmarks ended; None: the stance took none
+    hanging: tuple[str, ...] = ()  # shapes by which breasts were seen to hang in that fit
 
     def body_frame(self) -> dict[str, Any]:
         """Up and front of the body as the model found them, for the page's camera."""
@@ -69,6 +70,7 @@ class ScanOrientation:
             "stance": self.stance,
             "stance_reason": self.stance_reason,
             **({} if self.fitted is None else {"fitted": self.fitted.numbers()}),
+            **({"hanging": [*self.hanging]} if self.hanging else {}),
         }
 
 
@@ -100,6 +102,7 @@ def orientation_from(facts: dict[str, Any] | None, rig: Rig) -> ScanOrientation 
         stance=facts["stance"],
         stance_reason=facts["stance_reason"],
         fitted=None if fitted is None else RigParameters.of_numbers(fitted),
+        hanging=tuple(facts.get("hanging", ())),
     )
 
 
@@ -110,6 +113,7 @@ def scan_orientation(
     start = start_from_scan(rig, scan.target, scan.frame.fronts)
     task = FitTask(rig, scan.target, start.parameters, recipe, {})
     found = found_stance(task, scan.frame)
+    last = found.iterates[-1] if found.iterates and found.iterates[-1].is_finite else None
     orientation = ScanOrientation(
         rig.sha256,
         scan.frame,
@@ -117,7 +121,8 @@ def scan_orientation(
         start.margin,
         found.stance,
         found.reason,
-        found.iterates[-1].parameters if found.iterates and found.iterates[-1].is_finite else None,
+        None if last is None else last.parameters,
+        () if last is None else last.hanging,
     )
     return orientation, replace(task, stance=found.stance), found.iterates
 

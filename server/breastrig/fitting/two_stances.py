@@ -39,9 +39,9 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.errors import BadSettings
-from breastrig.fitting.fit import iterates
 from breastrig.fitting.problem import ScanProblem, Terms
 from breastrig.fitting.recipe import Recipe, Stage
+from breastrig.fitting.starts.two_openings import opened_together
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.least_squares.newton import Status, System, Value
 from breastrig.least_squares.quadratic_program import Bounds
@@ -237,6 +237,10 @@ class _TwoScans:
     def start(self) -> TwoStances:
         return self._layout.agreed(self.scans[0].start(), self.scans[1].start())
 
+    def at(self, parameters: Sequence[RigParameters]) -> TwoStances:
+        first, second = (BodyState(scan.task.rig, x) for scan, x in zip(self.scans, parameters, strict=True))
+        return self._layout.agreed(first, second)
+
     def states(self, point: TwoStances) -> tuple[BodyState, ...]:
         return point.first, point.second
 
@@ -275,5 +279,5 @@ def fit_pair_iterates(first: FitTask, second: FitTask, coupling: Coupling = ONE_
         raise BadSettings("Two stances are fitted together with one model; give the same model for both.")
     if first.recipe != second.recipe:
         raise BadSettings("Two stances are fitted together with one preset; give the same preset for both.")
-    for one, other in iterates(_TwoScans(first, second, coupling)):
+    for one, other in opened_together((first, second), lambda tasks: _TwoScans(tasks[0], tasks[1], coupling)):
         yield PairIterate(one.iteration, one, other, one.status)

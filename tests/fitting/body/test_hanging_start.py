@@ -1,5 +1,6 @@
 """Breasts that hang are found without landmarks; whose breasts do not pays nothing for it."""
 
+import json
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -12,16 +13,21 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.evaluation.virtual.warped.body import warped_body
 from breastrig.evaluation.virtual.warped.numbers import Numbers
 from breastrig.evaluation.virtual.warped.sources import read_sources
+from breastrig.fitting.body.hanging import hanging_shifts
 from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.problem import body_terms
 from breastrig.fitting.recipe import Recipe, load_recipe
+from breastrig.fitting.scan_orientation import orientation_from, scan_orientation
 from breastrig.fitting.starts.two_openings import opened_iterates
 from breastrig.fitting.task import FitTask
+from breastrig.fitting.two_stances import ALIKE, ONE_BODY, Coupling, PairIterate, fit_pair_iterates
+from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
@@ -30,11 +36,14 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
-from breastrig.scan.clean import compact
+from breastrig.scan.clean import Surface, compact
+from breastrig.scan.orient import Frame
 
 FRONT = np.array([[0.0, 0.0, 1.0]])
 HANGING = replace(Numbers(), nipples_over_folds=(-0.04, -0.04))
 NIPPLES = ("nipple_L", "nipple_R")
+FOLDS = ("inframammary_fold_L", "inframammary_fold_R")
+STANCES = ("standing", "supine")
 
 
 @pytest.fixture(scope="module")
@@ -43,12 +52,13 @@ def rig() -> Rig:
 
 
 @cache
-def woman(numbers: Numbers) -> tuple[ScanTarget, dict[str, Array]]:
-    """The skin of one standing woman of the virtual cohort that a camera before her sees, and her landmarks."""
+def woman(numbers: Numbers, stance: str = "standing") -> tuple[ScanTarget, dict[str, Array]]:
+    """The skin of one woman of the virtual cohort that a camera before her sees, and her landmarks."""
     source = next(each for each in read_sources() if each.name == "cohort_patient_4")
-    body = warped_body(source, source.lying[0], numbers)
-    assert body is not None
-    vertices, places = body.standing.vertices, body.standing.landmarks
+    warped = warped_body(source, source.lying[0], numbers)
+    assert warped is not None
+    body = warped.standing if stance == "standing" else warped.supine
+    vertices, places = body.vertices, body.landmarks
     middles = vertices[source.faces].mean(axis=1)
     seen = source.scanned[source.faces].all(axis=1) & (middles[:, 2] > -0.02)
     seen &= (middles[:, 1] > places["umbilicus"][1] - 0.1) & (middles[:, 1] < places["suprasternal_notch"][1] + 0.04)
@@ -74,6 +84,74 @@ def test_nipples_of_breasts_that_hang_are_found_without_landmarks(rig: Rig) -> N
     assert all(a.elapsed_s <= b.elapsed_s for a, b in pairwise(twice))
     assert [each.status is Status.RUNNING for each in twice] == [True] * (len(twice) - 1) + [False]
     assert len(twice) > len(once)
+
+
+@pytest.mark.parametrize("coupling", [ALIKE, ONE_BODY])
+def test_two_stances_of_breasts_that_hang_begin_again_together(rig: Rig, coupling: Coupling) -> None:
+    def off(recipe: Recipe) -> tuple[list[PairIterate], Array]:
+        """All iterates, and m from the nipples of both stances to the true ones."""
+        scans = [woman(HANGING, stance) for stance in STANCES]
+        starts = [start_from_scan(rig, target, FRONT).parameters for target, _ in scans]
+        first, second = (
+            FitTask(rig, target, start, recipe, {}, stance)
+            for (target, _), start, stance in zip(scans, starts, STANCES, strict=True)
+        )
+        found = list(fit_pair_iterates(first, second, coupling))
+        gaps = [
+            rig.landmark_points(NIPPLES).positions(pose(rig, each.parameters), rig.faces) - [at[n] for n in NIPPLES]
+            for each, (_, at) in zip((found[-1].first, found[-1].second), scans, strict=True)
+        ]
+        return found, np.linalg.norm(gaps, axis=2).mean(axis=1)
+
+    recipe = load_recipe("default")
+    once, flattened = off(recipe.model_copy(update={"hanging": None}))
+    twice, found = off(recipe)
+    assert flattened.min() > 0.05
+    assert found.max() < 0.02
+    assert {twice[-1].first.hanging, twice[-1].second.hanging} == {("ptosis_L", "ptosis_R")}
+    assert [each.iteration for each in twice] == list(range(len(twice)))
+    assert [each.status is Status.RUNNING for each in twice] == [True] * (len(twice) - 1) + [False]
+    assert all(a.first.elapsed_s <= b.first.elapsed_s for a, b in pairwise(twice))
+    assert len(twice) > len(once)
+
+
+def test_folds_are_expected_above_those_of_a_model_that_hangs_and_are_less_sure(rig: Rig) -> None:
+    """The shape of ptosis pulls the fold down with it, true folds stay; radii around both places hold the true ones."""
+    recipe, (target, places) = load_recipe("default"), woman(HANGING)
+    iterates, _ = fitted(rig, HANGING, recipe)
+    last = iterates[-1]
+    task = ended(FitTask(rig, target, last.parameters, recipe, {}), last)
+    posterior = Posterior(task, last.parameters)
+    model = rig.landmark_points(FOLDS).positions(posterior.state.vertices, rig.faces)
+    true = np.array([places[name] for name in FOLDS])
+    shifts = hanging_shifts(posterior.state, task, FOLDS)
+    around_model, around_expected = (radii(posterior, expected=expected) for expected in (False, True))
+    assert around_model is not None
+    assert around_expected is not None
+    off_model, off = (np.linalg.norm(found - true, axis=1) for found in (model, model + shifts))
+    assert off.mean() < 0.85 * off_model.mean()
+    assert (off < [around_expected.landmarks[name] for name in FOLDS]).all()
+    assert (off_model < [around_model.landmarks[name] for name in FOLDS]).all()
+    stiff = replace(task, recipe=recipe.model_copy(update={"hanging": None}), hanging=())
+    unaware = radii(Posterior(stiff, last.parameters))
+    assert unaware is not None
+    assert (off_model > [unaware.landmarks[name] for name in FOLDS]).any()
+    grown = {name for name, radius in unaware.landmarks.items() if around_expected.landmarks[name] > 1.3 * radius}
+    assert {*NIPPLES, *FOLDS} <= grown
+    assert "umbilicus" not in grown
+    picked = replace(task, landmarks={FOLDS[0]: true[0]})
+    assert not hanging_shifts(posterior.state, picked, FOLDS)[0].any()
+
+
+def test_of_breasts_that_do_not_hang_folds_are_expected_where_the_model_has_them(rig: Rig) -> None:
+    recipe, rest = load_recipe("default"), rest_parameters(rig)
+    assert recipe.hanging is not None
+    for weight in (-0.5, 0.0, recipe.hanging.weight - recipe.hanging.sigma):
+        weights = rest.weights.copy()
+        weights[[rig.shape_names.index(f"ptosis_{side}") for side in "LR"]] = weight
+        state = BodyState(rig, replace(rest, weights=weights))
+        task = FitTask(rig, woman(HANGING)[0], rest, recipe, {})
+        assert not hanging_shifts(state, task, rig.landmark_names).any()
 
 
 def test_a_fit_of_other_breasts_is_what_it_is_without_looking(rig: Rig) -> None:
@@ -163,3 +241,15 @@ def test_how_skin_faces_is_not_asked_of_breasts_that_hang(rig: Rig) -> None:
     asked = fit_signals(rig, rest, compared, None)
     assert (stiff.hanging, asked.hanging) == (2.0, 0.0)
     assert stiff.angle_p90 < 0.5 * asked.angle_p90
+
+
+def test_an_orientation_tells_of_breasts_that_were_seen_to_hang(rig: Rig) -> None:
+    target = woman(HANGING)[0]
+    frame = Frame(np.eye(3)[1], np.eye(3)[2], 1.0, "", "standing", "", FRONT)
+    scan = PreparedScan(Surface(target.vertices, target.faces, ()), target, 0, frame)
+    found, _, iterates = scan_orientation(rig, scan, load_recipe("default"))
+    assert iterates
+    assert found.hanging == iterates[-1].hanging == ("ptosis_L", "ptosis_R")
+    again = orientation_from(json.loads(json.dumps(found.facts())), rig)
+    assert again is not None
+    assert again.hanging == found.hanging

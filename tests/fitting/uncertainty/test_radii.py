@@ -77,6 +77,7 @@ def test_every_landmark_and_region_of_the_torso_is_calibrated(torso: Rig) -> Non
     assert known is not None
     assert {name.removesuffix("_L").removesuffix("_R") for name in torso.landmark_names} < set(known.landmarks)
     assert {name.removesuffix("_L").removesuffix("_R") for name in torso.regions} < set(known.regions)
+    assert set(known.hanging) < set(known.landmarks)
 
 
 def test_without_landmarks_everything_is_less_sure_and_least_where_the_body_may_lie_another_way(torso: Rig) -> None:

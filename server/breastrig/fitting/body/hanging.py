@@ -3,12 +3,18 @@
 The rig's shape of ptosis moves nipple and fold down as one artist's breasts do.  Other breasts hang in other ways, most
 of them over a fold that stays nearly where it was and is hidden by them.  So where a landmark is expected moves with
 the shape's weight, and how sure that is goes down with it, most along the body.
+
+Proposals stand where landmarks are expected so, where a weight is that of breasts that hang: without picks folds of the
+reporting half of such bodies are 15 mm off standing and 17 lying, and those of the model itself 21 and 21.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.task import FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
@@ -25,6 +31,26 @@ def hanging_weight(state: BodyState, recipe: Recipe, landmark: str) -> float:
     if not {*shapes} <= {*names}:
         return 0.0
     return max(float(np.mean([state.x.weights[names.index(shape)] for shape in shapes])), 0.0)
+
+
+def hangs_by(state: BodyState, recipe: Recipe, landmark: str) -> float:
+    """The weight where it is that of breasts that hang, as hanging_shapes has it; 0 where it is less."""
+    weight = hanging_weight(state, recipe, landmark)
+    return weight if recipe.hanging is not None and weight > recipe.hanging.weight - recipe.hanging.sigma else 0.0
+
+
+def hanging_shifts(state: BodyState, task: FitTask, names: Sequence[str]) -> Array:
+    """(L, 3) m from the model's landmarks to where they are expected: nothing for picks, and where no breast hangs.
+
+    Without any picks the weight alone does not tell: of women whose breasts do not hang one side in 25 has as much.
+    Only sides that were seen to hang count then (hanging_start.py).
+    """
+    moved = np.zeros((len(names), 3))
+    for shift, name in zip(moved, names, strict=True):
+        told = task.landmarks or any(shape.endswith(name[-2:]) for shape in task.hanging)
+        if told and name not in task.landmarks and hangs_by(state, task.recipe, name):
+            shift += hanging_misfit(state, task.recipe, name)[0]
+    return moved
 
 
 def hanging_misfit(state: BodyState, recipe: Recipe, landmark: str) -> tuple[Array, Array]:

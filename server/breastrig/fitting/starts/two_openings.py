@@ -1,60 +1,99 @@
 """A fit that may begin twice: where its first stages have flattened breasts that hang, they are gone through once more
-from a start whose breasts hang already, and the fit goes on from the better of the two (body/hanging_start.py)."""
+from a start whose breasts hang already, and the fit goes on from the better of the two (body/hanging_start.py).
 
-from collections.abc import Generator, Iterator, Sequence
+Of two stances that are fitted together both begin again where one of them asks for it, with both breasts of that side
+hanging: one that does not would pull the other flat.  What decides is what is left on both.
+"""
+
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
-from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
-from breastrig.fitting.fit import Begun, OneScan, iterates
+from breastrig.fitting.body.hanging_start import SIDES, hanging_shapes, hanging_start, opening_of, unexplained_overhang
+from breastrig.fitting.fit import Begun, OneScan, Problem, iterates
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.recipe import Stage
 from breastrig.fitting.task import FitIterate, FitTask
-from breastrig.least_squares.newton import Status
-from breastrig.rig.state import BodyState
+from breastrig.least_squares.newton import Point, Status
+
+P = TypeVar("P", bound=Point)
+Iterates = tuple[FitIterate, ...]  # of each scan
+Tasks = tuple[FitTask, ...]
 
 
 def opened_iterates(task: FitTask) -> Iterator[FitIterate]:
     """As fit_iterates; where a second opening is gone through, its iterates follow those of the first."""
-    problem, opening = OneScan(ScanProblem(task)), opening_of(task.recipe)
-    begun = yield from _opened(problem, opening or task.recipe.stages)
-    if not opening or begun.status is Status.NOT_FINITE:
+    for (iterate,) in opened_together((task,), lambda tasks: OneScan(ScanProblem(tasks[0]))):
+        yield iterate
+
+
+def opened_together(tasks: Tasks, problem_of: Callable[[Tasks], Problem[P]]) -> Iterator[Iterates]:
+    """The same of scans that are fitted together; `problem_of` makes one problem of their tasks."""
+    problem, recipe = problem_of(tasks), tasks[0].recipe
+    opening = opening_of(recipe)
+    begun = yield from _opened(problem, opening or recipe.stages)
+    if not opening or begun[0].status is Status.NOT_FINITE:
         yield begun
         return
-    begun = yield from _hanging(task, opening, begun)
-    rest = task.recipe.stages[len(opening) :]
+    begun = yield from _hanging(tasks, problem_of, opening, begun)
+    rest = recipe.stages[len(opening) :]
     if not rest:
         yield begun
         return
-    at = Begun(BodyState(task.rig, begun.parameters), begun.energy, begun.iteration)
     before = 0.0
-    if begun.hanging != task.hanging:  # another prior, whose clock begins now
-        problem, before = OneScan(ScanProblem(replace(task, hanging=begun.hanging))), begun.elapsed_s
-    for (iterate,) in iterates(problem, rest, at):
-        yield replace(iterate, elapsed_s=before + iterate.elapsed_s)
+    if any(each.hanging != task.hanging for each, task in zip(begun, tasks, strict=True)):
+        problem = problem_of(_expecting(tasks, [each.hanging for each in begun]))  # whose clock begins now
+        before = begun[0].elapsed_s
+    at = Begun(problem.at([each.parameters for each in begun]), begun[0].energy, begun[0].iteration)
+    for iterate in iterates(problem, rest, at):
+        yield _later(iterate, 0, before)
 
 
-def _opened(problem: OneScan, opening: Sequence[Stage]) -> Generator[FitIterate, None, FitIterate]:
+def _opened(problem: Problem[P], opening: Sequence[Stage]) -> Generator[Iterates, None, Iterates]:
     """Yields all iterates but the last, which it returns."""
-    for (iterate,) in iterates(problem, opening):
-        if iterate.status is Status.RUNNING:
+    for iterate in iterates(problem, opening):
+        if iterate[0].status is Status.RUNNING:
             yield iterate
     return iterate
 
 
-def _hanging(task: FitTask, opening: Sequence[Stage], begun: FitIterate) -> Generator[FitIterate, None, FitIterate]:
+def _hanging(
+    tasks: Tasks, problem_of: Callable[[Tasks], Problem[P]], opening: Sequence[Stage], begun: Iterates
+) -> Generator[Iterates, None, Iterates]:
     """Returns where to go on: what has `begun`, or another opening, whose iterates it yields, if that shows more."""
-    rig, settings = task.rig, task.recipe.hanging
+    settings = tasks[0].recipe.hanging
     assert settings is not None
-    unexplained = unexplained_overhang(rig, task.target, begun.parameters)
-    start = hanging_start(rig, task.start, settings, unexplained)
-    if start is task.start:
+    unexplained = [_unexplained(task, each) for task, each in zip(tasks, begun, strict=True)]
+    most = {side: max(shares.get(side, 0.0) for shares in unexplained) for side in SIDES}
+    starts = [hanging_start(task.rig, task.start, settings, most) for task in tasks]
+    if all(start is task.start for start, task in zip(starts, tasks, strict=True)):
         return begun
-    hanging = hanging_shapes(rig, start, task.recipe)
-    for (iterate,) in iterates(OneScan(ScanProblem(replace(task, start=start, hanging=hanging))), opening):
-        number, elapsed = begun.iteration + iterate.iteration, begun.elapsed_s + iterate.elapsed_s
-        again = replace(iterate, iteration=number, elapsed_s=elapsed)
-        if iterate.status is Status.RUNNING:
-            yield again
-    left = unexplained_overhang(rig, task.target, again.parameters) if again.is_finite else unexplained
-    better = sum(left.values()) < sum(unexplained.values())
-    return again if better else replace(begun, iteration=again.iteration)
+    again = _expecting(tasks, [hanging_shapes(t.rig, x, t.recipe) for t, x in zip(tasks, starts, strict=True)])
+    again = tuple(replace(task, start=start) for task, start in zip(again, starts, strict=True))
+    for iterate in iterates(problem_of(again), opening):
+        last = _later(iterate, begun[0].iteration, begun[0].elapsed_s)
+        if last[0].status is Status.RUNNING:
+            yield last
+    if all(each.is_finite for each in last):
+        left = [_unexplained(task, each) for task, each in zip(tasks, last, strict=True)]
+        if _all(left) < _all(unexplained):
+            return last
+    return tuple(replace(each, iteration=last[0].iteration) for each in begun)
+
+
+def _unexplained(task: FitTask, iterate: FitIterate) -> dict[str, float]:
+    return unexplained_overhang(task.rig, task.target, iterate.parameters)
+
+
+def _later(iterate: Iterates, iterations: int, seconds: float) -> Iterates:
+    return tuple(
+        replace(each, iteration=iterations + each.iteration, elapsed_s=seconds + each.elapsed_s) for each in iterate
+    )
+
+
+def _expecting(tasks: Tasks, hanging: Sequence[tuple[str, ...]]) -> Tasks:
+    return tuple(replace(task, hanging=names) for task, names in zip(tasks, hanging, strict=True))
+
+
+def _all(unexplained: Sequence[dict[str, float]]) -> float:
+    return sum(sum(shares.values()) for shares in unexplained)

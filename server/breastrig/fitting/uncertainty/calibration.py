@@ -26,6 +26,14 @@ class Misfit(_Part):
     hidden: NotNegative  # by neither
 
 
+class Hanging(_Part):
+    """m, root mean square distance that one unit of a hanging breast's shape adds, of one kind of landmark."""
+
+    shown: NotNegative  # by a pick
+    hidden: NotNegative  # while others are picked
+    without_picks: NotNegative
+
+
 class WithoutPicks(_Part):
     """Of a fit without landmarks, which the scan alone has placed; see Start.margin for how clear that was."""
 
@@ -54,6 +62,7 @@ class Calibration(_Part):
     most_scatter: Positive  # and by how much the worst enlarge them
     landmarks: dict[str, Misfit]  # by name without its side; "other" for those that are not named
     regions: dict[str, Misfit]  # of the rig; "other" for vertices outside of all
+    hanging: dict[str, Hanging]  # of landmarks, likewise, where breasts hang (body/hanging.py); absent: nothing
     without_picks: WithoutPicks
 
     def landmark(self, name: str) -> Misfit:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans
+from breastrig.fitting.body.hanging import hanging_shifts, hangs_by
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.uncertainty.calibration import Calibration, Misfit, calibration
@@ -13,6 +14,7 @@ HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three 
 BOTH = frozenset({"nipple_L", "nipple_R"})  # seen by colour where the form has them: so the body lies as it was found
 FEW = 4  # fewer picks show no scatter
 OUTLYING = 6.0  # standard deviations; more is a wrong pick and says nothing of the others
+MOVED = 0.5  # of the way to where a landmark is expected, that its radius around the model's grows; see torso.toml
 SEEN_DISTANCE, SEEN_COSINE = 0.015, 0.5  # m, cosine of 60 degrees: a vertex with scan this near, facing alike, is shown
 
 
@@ -24,10 +26,11 @@ class Radii:
     vertices: Array  # (V,)
 
 
-def radii(posterior: Posterior, margin: float | None = None) -> Radii | None:
+def radii(posterior: Posterior, margin: float | None = None, *, expected: bool = False) -> Radii | None:
     """Of a fit; None for a model of which nobody knows how far real bodies are from it.
 
-    `margin` is how clear its start was, where the scan alone has placed it (Start.margin).
+    `margin` is how clear its start was, where the scan alone has placed it (Start.margin).  Landmarks' radii are around
+    the model's, or around where they are `expected` (body/hanging.py).
     """
     rig, task = posterior.task.rig, posterior.task
     known = calibration(rig.name)
@@ -50,11 +53,23 @@ def radii(posterior: Posterior, margin: float | None = None) -> Radii | None:
     for k, name in enumerate(names):  # a hollow of the skin says all that is known of its own place, however picks are
         if name in posterior.relief and posterior.relief[name].all_round:
             at_landmarks[k] = HOLDS_90 * np.hypot(posterior.relief[name].error, lost)
+    at_landmarks = np.hypot(at_landmarks, [_of_hanging(posterior, known, name) for name in names])
+    if not expected:
+        at_landmarks += MOVED * np.linalg.norm(hanging_shifts(posterior.state, task, names), axis=1)
     at_vertices = HOLDS_90 * np.where(seen, scatter, max(scatter, known.least_scatter_hidden))
     at_vertices *= np.sqrt(
         stretch**2 * posterior.vertex_variances() + lost**2 + vertex_misfit(posterior, known, seen) ** 2
     )
     return Radii(dict(zip(names, at_landmarks.tolist(), strict=True)), at_vertices)
+
+
+def _of_hanging(posterior: Posterior, known: Calibration, name: str) -> float:
+    """m, what a hanging breast adds to a landmark's radius."""
+    task, kind = posterior.task, known.hanging.get(name.removesuffix("_L").removesuffix("_R"))
+    if kind is None:
+        return 0.0
+    misfit = kind.shown if name in task.landmarks else kind.hidden if task.landmarks else kind.without_picks
+    return HOLDS_90 * misfit * hangs_by(posterior.state, task.recipe, name)
 
 
 def _scatter(posterior: Posterior, known: Calibration) -> float:
