@@ -113,6 +113,8 @@ class Outliers(_Part):
     near_partner: Positive  # m; a pick this near the other side's landmark was meant for it ...
     near_other: Positive  # m; ... or this near to any other landmark's place
     exchanged_gain: Annotated[float, Field(gt=0.0, lt=1.0)]  # share below which exchanging sides must bring the misfit
+    exchanged_gain_of_all: Annotated[float, Field(gt=0.0, lt=1.0)]  # likewise the root mean square of all misfits
+    exchanged_least: Positive  # m; which is larger than this as they are
 
 
 class Lying(_Part):

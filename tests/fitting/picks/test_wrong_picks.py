@@ -7,6 +7,9 @@ import pytest
 import trimesh
 
 from breastrig.core.assets import asset_folder
+from breastrig.fitting.picks.mistakes import sides_exchanged
+from breastrig.fitting.recipe import load_recipe
+from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.workflow.events import Done
 from breastrig.workflow.jobs import FitJob
@@ -49,6 +52,19 @@ def test_two_exchanged_sides_are_named_and_not_followed(pair: str, tmp_path: Pat
     assert [doubt["names"] for doubt in found["landmarks_not_followed"]] == [[left, right]]
     assert "exchanged" in found["landmarks_not_followed"][0]["reason"]
     assert distances_to_true(found).mean() < 2.3  # 1.5 with all picks right
+
+
+@pytest.mark.parametrize("stance", ["standing", "supine"])
+def test_few_right_picks_are_never_taken_for_exchanged_ones(stance: str, rng: np.random.Generator) -> None:
+    rig, outliers = read_rig(default_rig_path()), load_recipe("default").outliers
+    places, _ = read_landmarks(asset_folder("example") / stance / "landmarks.json")
+    true = {name: 1e-3 * np.array(place) for name, place in places.items()}
+    mirrored = {landmark.name: landmark.mirror for landmark in rig.landmarks}
+    for _ in range(300):
+        names = rng.choice(sorted(true), rng.integers(4, 9), replace=False)
+        clicked = {name: true[name] + rng.normal(0.0, 3e-3, 3) for name in names}
+        assert not sides_exchanged(rig, clicked, outliers), sorted(clicked)
+    assert sides_exchanged(rig, {mirrored[name]: place for name, place in true.items()}, outliers)
 
 
 def test_all_sides_exchanged_do_not_turn_the_patient_round(tmp_path: Path) -> None:

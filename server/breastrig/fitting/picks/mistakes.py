@@ -32,11 +32,17 @@ def sides_exchanged(rig: Rig, landmarks: dict[str, Array], outliers: Outliers) -
     if sum(partner(rig, name) != name for name in names) < 4:
         return False
     picked = np.array([landmarks[name] for name in names])
-    misfit = []
+    medians, means = [], []
     for order in (names, tuple(partner(rig, name) for name in names)):
         model = rig.landmark_points(order).positions(rig.template, rig.faces)
-        misfit.append(float(np.median(trusted_similarity(model, picked)[1])))
-    return misfit[1] < outliers.exchanged_gain * misfit[0]
+        residuals = trusted_similarity(model, picked)[1]
+        medians.append(float(np.median(residuals)))
+        means.append(float(np.sqrt(np.mean(residuals**2))))  # of few picks the median alone says little
+    return (
+        means[0] > outliers.exchanged_least
+        and medians[1] < outliers.exchanged_gain * medians[0]
+        and means[1] < outliers.exchanged_gain_of_all * means[0]
+    )
 
 
 def _near(rig: Rig, name: str, pick: Array, fitted: dict[str, Array], rules: Outliers) -> set[str]:
