@@ -292,6 +292,18 @@ def test_figures_are_pictures_in_two_looks(whole: Path) -> None:
     assert page.count('(prefers-color-scheme: dark)"><img') == len(charts)
 
 
+@pytest.mark.parametrize(
+    ("numbers", "hanging"),
+    [(None, None), ({}, None), ({"nipples_over_folds": None}, False), ({"nipples_over_folds": [0, 0]}, True)],
+)
+def test_of_warped_bodies_it_is_known_whether_their_breasts_hang(
+    cohort: Path, numbers: dict[str, Any] | None, hanging: bool | None
+) -> None:
+    about = {"family": "makehuman"} | ({} if numbers is None else {"numbers": numbers})
+    (cohort / "patient_x" / "patient.json").write_text(json.dumps(about))
+    assert {case.hanging for case in read_cohort(cohort)} == {hanging}
+
+
 def test_signed_distances_tell_outside_from_inside(cohort: Path, rig: Rig) -> None:
     scene = read_scene(read_cohort(cohort)[0])
     assert scene.truth is not None

@@ -1,6 +1,8 @@
 """Tables: families and stances apart, means without what failed or is not known, the same numbers in file and page."""
 
 import csv
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,17 +11,25 @@ import pytest
 from breastrig.evaluation.cohort import Case
 from breastrig.evaluation.studies.plan import counts, first_shapes, shape_effects
 from breastrig.evaluation.studies.result_cache import Record, Unit
-from breastrig.evaluation.tables.accuracy import groups, turn_numbers, turns_table
+from breastrig.evaluation.tables.accuracy import console, groups, landmarks_table, turn_numbers, turns_table
+from breastrig.evaluation.tables.breasts import by_breasts, of_all
+from breastrig.evaluation.tables.certainty import believed_table, certainty_table
 from breastrig.evaluation.tables.table import Column, Row, Table, mean_row
+from breastrig.evaluation.tables.verdicts import verdicts_table
 from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
 
 
 def record(
-    family: str, name: str, answer: dict[str, Any], failed: str | None = None, question: str = "random_turns"
+    family: str,
+    name: str,
+    answer: dict[str, Any],
+    failed: str | None = None,
+    question: str = "random_turns",
+    hanging: bool | None = None,
 ) -> Record:
     stance = name.partition("_")[0]
-    case = Case("p", name, stance, family, "m", Path(f"/{family}/{name}"))
+    case = Case("p", name, stance, family, "m", Path(f"/{family}/{name}"), hanging)
     return Record(Unit((case,), question, load_recipe("default"), Path("rig.glb")), answer, failed)
 
 
@@ -62,6 +72,64 @@ def test_wrong_turns_are_counted_one_by_one() -> None:
     assert [row.note for row in table.rows] == ["", "", "Bad.", ""]
     assert table.rows[1].mean
     assert table.rows[1].cells[4:] == table.rows[0].cells[4:]
+
+
+def test_tables_are_split_by_whether_breasts_hang() -> None:
+    def believed(picks: int, unusual: int) -> dict[str, Any]:
+        return {
+            "exact": {"picks": picks, "dropped": 0, "unusual": unusual, "landmarks": {"nipple": [1, 2]}, "skin": {}}
+        }
+
+    def of(hanging: bool | None, *numbers: int, failed: str | None = None) -> Record:
+        return record("makehuman", "standing", believed(*numbers), failed, "certainty", hanging)
+
+    records = [of(True, 10, 3), of(False, 20, 1), of(False, 5, 0), of(True, 7, 7, failed="No skin."), of(None, 1, 0)]
+    split = by_breasts(believed_table, records)
+    assert [column.name for column in split.columns] == ["breasts", "family", "kind", "picks", "dropped", "unusual"]
+    numbers = [(row.cells[0], *row.cells[3:]) for row in split.rows]
+    assert numbers == [("all", 36, 0, 4), ("hanging", 10, 0, 3), ("not hanging", 25, 0, 1)]
+    assert of_all(split) == believed_table(records)
+    assert [row.cells[:4] for row in by_breasts(certainty_table, records).rows] == [
+        *(
+            (breasts, "landmark", place, n)
+            for breasts, n in (("all", 8), ("hanging", 2), ("not hanging", 4))
+            for place in ("all", "nipple")
+        ),
+    ]
+
+
+def test_where_nobody_says_whether_breasts_hang_a_table_stays_as_it_is() -> None:
+    records = [record("makehuman", "standing", {"fits": {"none": {"error_mm": 1.0, "level": "good"}}, "whole": True})]
+    for each in (records, [replace(r, unit=replace(r.unit, question="verdicts")) for r in records]):
+        assert by_breasts(verdicts_table, each) == verdicts_table(each)
+        assert of_all(verdicts_table(each)) == verdicts_table(each)
+
+
+def test_of_landmarks_only_the_means_are_split_and_the_terminal_shows_them() -> None:
+    def fits(name: str, landmarks: float, hanging: bool | None) -> list[Record]:
+        three = {"surface_mm": {"mean": 1.0}, "landmark_mm": {"mean": landmarks}, "truth_mm": {"mean": None}}
+        two = {"surface_mm": 2.0, "landmarks_mm": 3.0 * landmarks, "truth_mm": None}
+        answers = {"accuracy": three, "halves": {"landmarks_mm": 2.0 * landmarks}, "no_landmarks": two}
+        return [record("independent", name, answer, None, q, hanging) for q, answer in answers.items()]
+
+    records = [*fits("standing", 2.0, True), *fits("supine", 4.0, False), *fits("supine", 6.0, True)]
+    table = by_breasts(partial(landmarks_table, preset="default"), records, means=True)
+    place = [column.name for column in table.columns].index("all_given_landmarks_mm")
+    assert [(row.cells[0], row.cells[2], row.mean, row.cells[place]) for row in table.rows] == [
+        ("all", "standing", False, 2.0),
+        ("all", "standing", True, 2.0),
+        ("all", "supine", False, 4.0),
+        ("all", "supine", False, 6.0),
+        ("all", "supine", True, 5.0),
+        ("hanging", "standing", True, 2.0),
+        ("hanging", "supine", True, 6.0),
+        ("not hanging", "supine", True, 4.0),
+    ]
+    lines = [line.split() for line in console(records, "default").splitlines()]
+    assert ["independent,", "supine,", "hanging", "1.00", "-", "6.00", "12.00", "18.00"] in lines
+    assert ["independent,", "supine", "1.00", "-", "5.00", "10.00", "15.00"] in lines
+    unknown = [replace(r, unit=replace(r.unit, cases=(replace(r.case, hanging=None),))) for r in records]
+    assert "hanging" not in console(unknown, "default")
 
 
 def test_useful_shapes_come_first_and_every_count_has_as_many(rig: Rig) -> None:

@@ -1,6 +1,7 @@
 """The study of carried drawings on patients whose answer is known."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,11 @@ from breastrig.drawings import skin_map
 from breastrig.evaluation.cohort import read_cohort
 from breastrig.evaluation.studies.case import read_scene
 from breastrig.evaluation.studies.other_patient import other_patient
+from breastrig.evaluation.studies.result_cache import Unit, answered
 from breastrig.evaluation.studies.transfer import ALL, PICKS, WAYS, by_landmarks, strokes, transfer_study
 from breastrig.fitting.recipe import load_recipe
 from breastrig.geometry.rotations import exp_so3
+from breastrig.gltf.read_rig import default_rig_path
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 
@@ -101,3 +104,17 @@ def test_the_same_body_twice_has_its_shapes_at_the_same_relative_places(tmp_path
         assert row["second"] == pytest.approx(row["first"], abs=0.01)
     meridian = [row for row in answer["rows"] if row["shape"] == "meridian_lower_L" and row["landmark"] == "nipple"]
     assert meridian[0]["first"] < 0.1
+
+
+@pytest.mark.parametrize("question", ["transfer", "two_stances"])
+@pytest.mark.parametrize("side", ["L", "R"])
+def test_a_body_without_a_breast_has_no_answer_and_no_other_body_loses_its_own(
+    stiff: Path, tmp_path: Path, question: str, side: str
+) -> None:
+    shutil.copytree(stiff, tmp_path / "cohort")
+    for file in (tmp_path / "cohort").glob("p/*/landmarks.json"):
+        document = json.loads(file.read_text())
+        del document["landmarks"][f"nipple_{side}"]
+        file.write_text(json.dumps(document))
+    unit = Unit(read_cohort(tmp_path / "cohort"), question, load_recipe("default"), default_rig_path())
+    assert answered(unit)["failed"] == f"The body has no nipple_{side}, without which this question has no answer."

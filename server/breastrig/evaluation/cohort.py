@@ -4,8 +4,8 @@ A coloured case has scan.zip (mesh, material, texture) instead of scan.ply, and 
 they lie in the other stance says ink_in_STANCE.json.  Colour is all that is measured of it.
 
 case.json says the unit and the stance; truth.ply, the clean surface in the scan's frame, may be missing;
-PATIENT/patient.json states the family.  Bodies that share their origin with the template (MakeHuman) flatter it
-and are always reported apart from independent ones.
+PATIENT/patient.json states the family, and of warped bodies whether their breasts hang.  Bodies that share their origin
+with the template (MakeHuman) flatter it and are always reported apart from independent ones.
 """
 
 import json
@@ -25,6 +25,7 @@ class Case:
     family: str  # independent | makehuman
     unit: str
     folder: Path
+    hanging: bool | None = None  # whether its breasts were made to hang; None: nobody says
 
     @property
     def coloured(self) -> bool:
@@ -50,13 +51,21 @@ def _document(path: Path) -> dict[str, object]:
     return document
 
 
+def _hanging(patient: dict[str, object]) -> bool | None:
+    """As the numbers say by which a warped body was made (virtual/warped/numbers.py)."""
+    numbers = patient.get("numbers")
+    if not isinstance(numbers, dict) or "nipples_over_folds" not in numbers:
+        return None
+    return numbers["nipples_over_folds"] is not None
+
+
 def read_cohort(folder: Path) -> tuple[Case, ...]:
     """All cases of a cohort folder, in the order of their names; BadInput when there are none."""
     cases = []
     for place in sorted({scan.parent for name in (PLAIN, COLOURED) for scan in folder.glob(f"*/*/{name}")}):
         about = _document(place / "case.json")
-        patient = place.parent / "patient.json"
-        origin = json.dumps(_document(patient)).lower() if patient.is_file() else ""
+        file = place.parent / "patient.json"
+        patient = _document(file) if file.is_file() else {}
         if not (place / "landmarks.json").is_file():
             raise BadInput(f"{place} has no landmarks.json; every case of a cohort needs one.")
         cases.append(
@@ -64,9 +73,10 @@ def read_cohort(folder: Path) -> tuple[Case, ...]:
                 patient=place.parent.name,
                 name=place.name,
                 stance=str(about.get("stance", place.name)),
-                family="makehuman" if "makehuman" in origin else "independent",
+                family="makehuman" if "makehuman" in json.dumps(patient).lower() else "independent",
                 unit=str(about.get("unit", "auto")),
                 folder=place,
+                hanging=_hanging(patient),
             )
         )
     if not cases:

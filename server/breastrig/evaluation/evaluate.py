@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from breastrig.evaluation.studies.plan import Plan, shape_effects
@@ -15,6 +16,7 @@ from breastrig.evaluation.tables import studies as study_tables
 from breastrig.evaluation.tables import transfer as transfer_tables
 from breastrig.evaluation.tables import unseen as unseen_tables
 from breastrig.evaluation.tables import verdicts as verdict_tables
+from breastrig.evaluation.tables.breasts import by_breasts
 from breastrig.evaluation.tables.table import Table
 from breastrig.gltf.read_rig import read_rig
 
@@ -53,10 +55,10 @@ def all_tables(results: Results) -> list[Table]:
         tables.table_1(found, presets[0]),
         tables.refined_table(found, presets[0]),
         tables.presets_table(found, presets),
-        tables.landmarks_table(found, presets[0]),
+        by_breasts(partial(tables.landmarks_table, preset=presets[0]), found, means=True),
         tables.turns_table(found),
         tables.clicks_table(found),
-        tables.wrong_picks_table(found),
+        by_breasts(tables.wrong_picks_table, found),
         study_tables.shapes_table(found, rig, results.useful),
         *([study_tables.shape_order_table(rig, results.useful)] if studied else []),
         study_tables.compliance_table(found, presets),
@@ -66,12 +68,12 @@ def all_tables(results: Results) -> list[Table]:
         transfer_tables.transfer_lines_table(found),
         transfer_tables.other_patient_table(found),
         unseen_tables.unseen_table(found),
-        certainty_tables.certainty_table(found),
-        certainty_tables.reliability_table(found),
-        certainty_tables.believed_table(found),
+        by_breasts(certainty_tables.certainty_table, found),
+        by_breasts(certainty_tables.reliability_table, found),
+        by_breasts(certainty_tables.believed_table, found),
         measures_tables.measures_table(found),
         measures_tables.ptosis_table(found),
-        verdict_tables.verdicts_table(found),
+        by_breasts(verdict_tables.verdicts_table, found),
         colour_landmark_tables.colour_landmarks_table(found),
         colour_landmark_tables.areolae_table(found),
         ink_tables.ink_table(found),

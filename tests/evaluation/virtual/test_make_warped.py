@@ -48,6 +48,9 @@ def test_a_body_is_the_same_alone_and_again_and_then_stays(tmp_path: Path) -> No
     about = json.loads((tmp_path / "both" / name / "patient.json").read_text("utf-8"))
     assert (about["half"], about["family"], about["virtual"]) == ("report", "makehuman", True)
     assert about["numbers"]["bumps"]
+    assert {case.hanging for case in cases if case.patient == name} == {
+        about["numbers"]["nipples_over_folds"] is not None
+    }
     case = json.loads((tmp_path / "both" / name / "supine" / "case.json").read_text("utf-8"))
     assert (case["half"], case["capture"]) == (about["half"], about["capture"])
     assert set(case["landmark_gap_mm"]) == set(

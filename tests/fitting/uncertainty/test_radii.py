@@ -1,15 +1,19 @@
 """The radii that hold nine of ten true places: they know what was picked, what was seen, and how much was given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.rig_patient import patient
 
+from breastrig.core.arrays import Array
 from breastrig.fitting.fit import FitTask, fit_iterates
 from breastrig.fitting.orientation import start_from_landmarks
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.uncertainty import radii as radii_module
 from breastrig.fitting.uncertainty.calibration import calibration
-from breastrig.fitting.uncertainty.radii import radii, seen_vertices
+from breastrig.fitting.uncertainty.radii import HOLDS_90, radii, seen_vertices
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
@@ -78,6 +82,59 @@ def test_every_landmark_and_region_of_the_torso_is_calibrated(torso: Rig) -> Non
     assert {name.removesuffix("_L").removesuffix("_R") for name in torso.landmark_names} < set(known.landmarks)
     assert {name.removesuffix("_L").removesuffix("_R") for name in torso.regions} < set(known.regions)
     assert set(known.hanging) < set(known.landmarks)
+    assert set(known.hanging_regions) < set(known.regions)
+
+
+def radii_with_and_without(
+    monkeypatch: pytest.MonkeyPatch, task: FitTask, weights: dict[str, float]
+) -> tuple[Array, Array]:
+    """(V,) m each: of the start with these weights, and as if skin of hanging breasts were as well known as other."""
+    x, names = task.start, task.rig.shape_names
+    changed = x.weights.copy()
+    for name, weight in weights.items():
+        changed[names.index(name)] = weight
+    posterior = Posterior(task, replace(x, weights=changed))
+    known = calibration("torso")
+    assert known is not None
+    found = []
+    for regions in (known.hanging_regions, {}):
+        as_if = known.model_copy(update={"hanging_regions": regions})
+        monkeypatch.setattr(radii_module, "calibration", lambda _, as_if=as_if: as_if)
+        all_radii = radii(posterior)
+        assert all_radii is not None
+        found.append(all_radii.vertices)
+    return found[0], found[1]
+
+
+def test_skin_of_a_breast_that_hangs_is_less_sure_and_no_other_skin(
+    torso: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = calibration("torso")
+    assert known is not None
+    picked = posterior_of(torso, ("suprasternal_notch", "xiphoid", "acromion_L")).task
+    left, right, chest = (torso.regions[name] for name in ("breast_L", "breast_R", "chest"))
+    of_left = np.isin(np.arange(len(torso.template)), np.union1d(left, torso.regions["areola_L"]))
+    hangs = {"ptosis_L": 2.5, "ptosis_R": 0.0}
+    grown, before = radii_with_and_without(monkeypatch, picked, hangs)
+    assert np.array_equal(grown[~of_left], before[~of_left])
+    more = HOLDS_90 * known.hanging_regions["breast"].shown * 2.5
+    np.testing.assert_allclose(grown[left], np.hypot(before[left], more))
+    alone = replace(picked, landmarks={})
+    assert np.array_equal(*radii_with_and_without(monkeypatch, alone, hangs)), "the weight alone does not tell"
+    grown, before = radii_with_and_without(monkeypatch, replace(alone, hanging=("ptosis_L",)), hangs)
+    more = HOLDS_90 * known.hanging_regions["breast"].without_picks * 2.5
+    np.testing.assert_allclose(grown[left], np.hypot(before[left], more))
+    only_chest = np.setdiff1d(chest, np.concatenate([left, right]))
+    more = HOLDS_90 * known.hanging_regions["chest"].without_picks * 1.25
+    np.testing.assert_allclose(grown[only_chest], np.hypot(before[only_chest], more))
+
+
+def test_radii_of_breasts_that_do_not_hang_are_what_they_were(torso: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    picked = posterior_of(torso, ("suprasternal_notch", "xiphoid", "acromion_L")).task
+    for task in (picked, replace(picked, landmarks={}, hanging=("ptosis_L", "ptosis_R"))):
+        for weight in (1.0, 0.0, -1.0):
+            weights = {"ptosis_L": weight, "ptosis_R": weight}
+            assert np.array_equal(*radii_with_and_without(monkeypatch, task, weights))
 
 
 def test_without_landmarks_everything_is_less_sure_and_least_where_the_body_may_lie_another_way(torso: Rig) -> None:

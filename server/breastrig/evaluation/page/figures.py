@@ -10,6 +10,7 @@ from breastrig.evaluation.studies.result_cache import Record
 from breastrig.evaluation.studies.sensitivity import TERMS
 from breastrig.evaluation.studies.trust.reliability import LEVELS
 from breastrig.evaluation.tables.accuracy import FAMILIES, groups, of, value
+from breastrig.evaluation.tables.breasts import of_all
 from breastrig.evaluation.tables.certainty import KINDS
 from breastrig.evaluation.tables.studies import PICKS
 from breastrig.evaluation.tables.table import Cell, Row, Table
@@ -288,14 +289,14 @@ def all_figures(results: Results, tables: dict[str, Table]) -> dict[str, Chart]:
         charts["turns"] = turns_figure(results)
     charts["clicks"] = clicks_figure(results)
     if "wrong_picks" in tables:
-        charts["wrong_picks"] = wrong_picks_figure(tables["wrong_picks"])
+        charts["wrong_picks"] = wrong_picks_figure(of_all(tables["wrong_picks"]))
     if "blendshapes" in tables:
         charts["blendshapes"] = blendshapes_figure(tables["blendshapes"])
     if "compliances" in tables:
         for recipe in results.plan.recipes:
             charts[f"compliances_{recipe.name}"] = compliances_figure(tables["compliances"], recipe.name)
     if "reliability" in tables:
-        charts["reliability"] = reliability_figure(tables["reliability"])
+        charts["reliability"] = reliability_figure(of_all(tables["reliability"]))
     if "peers" in tables:
         charts["peers"] = peers_figure(tables["peers"])
     if "two_stances" in tables and any(not row.note for row in tables["two_stances"].rows):

@@ -10,6 +10,7 @@ from breastrig.evaluation.page.measures_section import measures_section
 from breastrig.evaluation.page.section import Section, capital, mm
 from breastrig.evaluation.page.verdicts_section import verdicts_section
 from breastrig.evaluation.tables.accuracy import FAMILIES
+from breastrig.evaluation.tables.breasts import of_all
 from breastrig.evaluation.tables.studies import PICKS
 from breastrig.evaluation.tables.table import Row, Table, mean
 
@@ -178,7 +179,7 @@ def all_sections(results: Results, tables: dict[str, Table]) -> list[Section]:
     if "measures" in tables:
         found.append(measures_section(tables["measures"], tables.get("ptosis")))
     if "verdicts" in tables:
-        found.append(verdicts_section(tables["verdicts"]))
+        found.append(verdicts_section(of_all(tables["verdicts"])))
     if "blendshapes" in tables:
         found.append(blendshapes(tables["blendshapes"], tables["blendshape_order"], results.plan.cases))
     if "compliances" in tables:

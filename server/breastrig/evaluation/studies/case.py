@@ -52,6 +52,13 @@ class Fitted:
     doubts: tuple[Doubt, ...]  # what the program says of the picks
 
 
+class TrueLandmarks(dict[str, Array]):
+    """True places, (3,) m by name; a body without a breast has no nipple there, and no answer where one is needed."""
+
+    def __missing__(self, name: str) -> Array:
+        raise FitFailed(f"The body has no {name}, without which this question has no answer.")
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """A scan, in its own frame (m), and what is known of it."""
@@ -155,4 +162,4 @@ def read_scene(case: Case) -> Scene:
         truth = ClosestPointSearch(clear.vertices, np.asarray(clear.faces))
     if not landmarks:
         raise BadScan(f"{case.folder / 'landmarks.json'} is empty; a case needs true landmarks to be measured.")
-    return Scene(case, ready(scanned.target), scanned.surface, landmarks, truth)
+    return Scene(case, ready(scanned.target), scanned.surface, TrueLandmarks(landmarks), truth)

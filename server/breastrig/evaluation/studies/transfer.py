@@ -76,8 +76,8 @@ def _rows(rig: Rig, recipe: Recipe, scenes: tuple[Scene, Scene]) -> Iterator[dic
     off = [
         {name: scene.along_the_skin(place, CLICK, rng) for name, place in scene.landmarks.items()} for scene in scenes
     ]
-    wrong = dict(scenes[0].landmarks)
-    wrong[WRONG_PICK] = scenes[0].along_the_skin(wrong[WRONG_PICK], WRONG, rng)
+    moved = scenes[0].along_the_skin(scenes[0].landmarks[WRONG_PICK], WRONG, rng)
+    wrong = scenes[0].landmarks | {WRONG_PICK: moved}
     asked: list[Places] = []
     for kind, picks in zip(PICKS, ([s.landmarks for s in scenes], off, [wrong, scenes[1].landmarks]), strict=True):
         fits = [fitted(rig, recipe, scene, given) for scene, given in zip(scenes, picks, strict=True)]

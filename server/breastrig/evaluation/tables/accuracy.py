@@ -4,10 +4,12 @@ Families of bodies stay apart everywhere, and so do stances by the name of their
 lies down are two settings, though both are supine.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import Any
 
 from breastrig.evaluation.studies.result_cache import Record
+from breastrig.evaluation.tables.breasts import ALL, BREASTS, by_breasts
 from breastrig.evaluation.tables.table import Cell, Column, Row, Table, mean, mean_row
 
 FAMILIES = {"independent": "independent", "makehuman": "MakeHuman"}
@@ -258,18 +260,23 @@ def failures_table(records: Sequence[Record]) -> Table:
 
 
 def console(records: Sequence[Record], preset: str) -> str:
-    """The means for a terminal, one line a family and setting."""
-    columns: tuple[tuple[str, Callable[[Row], Cell]], ...] = (
-        ("surface", lambda row: row.cells[6]),
-        ("truth", lambda row: row.cells[8]),
-        ("landmarks", lambda row: row.cells[3]),
-        ("half given", lambda row: row.cells[4]),
-        ("none given", lambda row: row.cells[5]),
-    )
-    lines = [f"{'mean, mm':28s}" + "".join(f"{heading:>12s}" for heading, _ in columns)]
-    for row in landmarks_table(records, preset).rows:
+    """The means for a terminal, one line a family and setting, then those of hanging and of other breasts."""
+    columns = {
+        "all_given_surface_mm": "surface",
+        "all_given_truth_mm": "truth",
+        "all_given_landmarks_mm": "landmarks",
+        "half_given_landmarks_mm": "half given",
+        "none_given_landmarks_mm": "none given",
+    }
+    table = by_breasts(partial(landmarks_table, preset=preset), records, means=True)
+    lines = [f"{'mean, mm':34s}" + "".join(f"{heading:>12s}" for heading in columns.values())]
+    for row in table.rows:
         if row.mean:
-            numbers = [pick(row) for _, pick in columns]
-            cells = "".join(f"{f'{n:.2f}' if isinstance(n, float) else '-':>12s}" for n in numbers)
-            lines.append(f"{f'{row.cells[0]}, {row.cells[1]}':28s}{cells}")
+            cells = dict(zip((column.name for column in table.columns), row.cells, strict=True))
+            about = [cells["family"], cells["setting"], cells.get(BREASTS.name, ALL)]
+            words = ", ".join(str(word) for word in about if word != ALL)
+            numbers = [cells[name] for name in columns]
+            lines.append(
+                f"{words:34s}" + "".join(f"{f'{n:.2f}' if isinstance(n, float) else '-':>12s}" for n in numbers)
+            )
     return "\n".join(lines)

@@ -27,9 +27,9 @@ class Misfit(_Part):
 
 
 class Hanging(_Part):
-    """m, root mean square distance that one unit of a hanging breast's shape adds, of one kind of landmark."""
+    """m, root mean square distance that one unit of a hanging breast's shape adds, of a kind of landmark or region."""
 
-    shown: NotNegative  # by a pick
+    shown: NotNegative  # by a pick, or skin by the scan while there are picks
     hidden: NotNegative  # while others are picked
     without_picks: NotNegative
 
@@ -63,6 +63,7 @@ class Calibration(_Part):
     landmarks: dict[str, Misfit]  # by name without its side; "other" for those that are not named
     regions: dict[str, Misfit]  # of the rig; "other" for vertices outside of all
     hanging: dict[str, Hanging]  # of landmarks, likewise, where breasts hang (body/hanging.py); absent: nothing
+    hanging_regions: dict[str, Hanging]  # likewise of the rig's regions
     without_picks: WithoutPicks
 
     def landmark(self, name: str) -> Misfit:

@@ -60,6 +60,7 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
     at_vertices *= np.sqrt(
         stretch**2 * posterior.vertex_variances() + lost**2 + vertex_misfit(posterior, known, seen) ** 2
     )
+    at_vertices = np.hypot(at_vertices, _of_hanging_skin(posterior, known, seen))
     return Radii(dict(zip(names, at_landmarks.tolist(), strict=True)), at_vertices)
 
 
@@ -70,6 +71,24 @@ def _of_hanging(posterior: Posterior, known: Calibration, name: str) -> float:
         return 0.0
     misfit = kind.shown if name in task.landmarks else kind.hidden if task.landmarks else kind.without_picks
     return HOLDS_90 * misfit * hangs_by(posterior.state, task.recipe, name)
+
+
+def _of_hanging_skin(posterior: Posterior, known: Calibration, seen: Booleans) -> Array:
+    """(V,) m, what hanging breasts add to the radii of skin on them and around.
+
+    Without picks only where one was seen to hang: the weight alone does not tell (body/hanging.py).
+    """
+    task = posterior.task
+    added = np.zeros(len(seen))
+    if not (task.landmarks or task.hanging):
+        return added
+    for name, vertices in task.rig.regions.items():
+        kind = known.hanging_regions.get(name.removesuffix("_L").removesuffix("_R"))
+        if kind is not None:
+            misfit = np.where(seen[vertices], kind.shown, kind.hidden) if task.landmarks else kind.without_picks
+            here = HOLDS_90 * misfit * hangs_by(posterior.state, task.recipe, name)
+            added[vertices] = np.maximum(added[vertices], here)
+    return added
 
 
 def _scatter(posterior: Posterior, known: Calibration) -> float:
