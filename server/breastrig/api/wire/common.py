@@ -122,6 +122,13 @@ class LandmarkFile(Wire):
     )
 
 
+class LandmarksHeaders(BaseModel):
+    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+    if_match: str | None = Field(
+        None, alias="If-Match", description="the ETag of the landmarks that were changed; without it any are"
+    )
+
+
 class Cut(Wire):
     """A part of a scan that a person has cut away: the triangles whose middle lies within the lasso, however deep."""
 
