@@ -37,6 +37,18 @@ def test_all_sides_exchanged_are_named_before_the_first_step_and_at_the_end(pick
     assert doubt.names == list(exchanged)
     assert "exchanged" in doubt.reason
     assert done.result["landmarks_not_followed"] == [doubt.model_dump()]
+    said = "Left and right of the landmarks look exchanged, or the scan is mirrored; look at what is asked about them."
+    assert said in done.result["verdict"]["reasons"]
+
+
+@pytest.mark.parametrize("middle", [("umbilicus",), ("suprasternal_notch", "umbilicus")])
+def test_of_few_picks_the_skin_tells_that_sides_are_exchanged(picks, middle, tmp_path: Path) -> None:
+    few = {name: picks[name] for name in ("nipple_L", "nipple_R", *middle)}
+    started, done = events(exchanged_sides(few), tmp_path)
+    [doubt] = started.landmarks_not_followed
+    assert set(doubt.names) == set(few)
+    assert done.result["verdict"]["level"] == "check"
+    assert done.result["verdict"]["reasons"][0].startswith("Left and right of the landmarks look exchanged")
 
 
 def exchanged_sides(picks: dict[str, list[float]]) -> dict[str, list[float]]:

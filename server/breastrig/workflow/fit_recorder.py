@@ -69,8 +69,7 @@ class FitRecorder:
         compared = Comparison(target, vertices, rig.faces)
         signals = fit_signals(rig, last.parameters, compared, ready.clearness)
         placed = len(task.landmarks.keys() - task.seen) >= MIN_LANDMARKS
-        in_doubt = sum(len(doubt.names) for doubt in doubtful)
-        found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed, in_doubt)
+        found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed, doubtful)
         if not found_verdict.is_torso:
             raise FitFailed(found_verdict.refusal)
         timing = ready.timing_s | {"solve": solve_s}

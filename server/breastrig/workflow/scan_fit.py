@@ -19,7 +19,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.patterns import AskedDrawing, asked_drawing
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.fit import FitIterate, FitTask
-from breastrig.fitting.picks.mistakes import sides_exchanged
+from breastrig.fitting.picks.mistakes import back_to_front, sides_exchanged
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.scan_orientation import orientation_from
@@ -187,7 +187,7 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
     errors = {name: expected_error(share) for name, share in settings.landmark_confidence.items() if name in landmarks}
     _warm(target)
     timing["prepare"] = clock.lap()
-    exchanged = _exchanged(rig, plan.recipe, landmarks, settings.certain)
+    exchanged = _exchanged(rig, plan.recipe, landmarks, settings.certain, target)
     doubted = {name for doubt in exchanged for name in doubt.names}
     followed = {name: place for name, place in landmarks.items() if name not in doubted}
     task = FitTask(
@@ -267,12 +267,16 @@ def _words(shown: "Mapping[str, Observation] | None") -> tuple[str, ...]:
     return (f"Found by colour: {', '.join(shown)} ({', '.join(reasons)}).",)
 
 
-def _exchanged(rig: Rig, recipe: Recipe, landmarks: dict[str, Array], certain: Collection[str]) -> tuple[Doubt, ...]:
+def _exchanged(
+    rig: Rig, recipe: Recipe, landmarks: dict[str, Array], certain: Collection[str], target: ScanTarget
+) -> tuple[Doubt, ...]:
     """The doubt that all sides are exchanged; none where a person is certain of a side."""
     knows_sides = any(landmark.name in certain and landmark.mirror != landmark.name for landmark in rig.landmarks)
-    if knows_sides or not sides_exchanged(rig, landmarks, recipe.outliers):
+    if knows_sides:
         return ()
-    return (Doubt(tuple(name for name in landmarks if name not in certain), ALL_EXCHANGED),)
+    if not sides_exchanged(rig, landmarks, recipe.outliers) and not back_to_front(rig, landmarks, target):
+        return ()
+    return (Doubt(tuple(name for name in landmarks if name not in certain), ALL_EXCHANGED, exchanged=True),)
 
 
 def _warm(target: ScanTarget) -> None:
