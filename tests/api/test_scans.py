@@ -30,6 +30,10 @@ def test_an_upload_says_what_was_read(client: FlaskClient, torso: bytes) -> None
     scan = answer.json
     assert scan["unit"] == "m"
     assert scan["unit_reason"].endswith(".")
+    assert scan["size_doubt"] == ""
+    large = upload(client, torso_ply(3.5), "scan.ply").json
+    assert large["unit"] == "m"
+    assert large["size_doubt"].startswith("Read in metres the body is 2.")
     assert (scan["vertices"], scan["triangles"]) == (1625, 3072)
     assert np.allclose(scan["bounds_m"]["min"][1], 0.0, atol=1e-6)
     assert np.allclose(scan["bounds_m"]["max"][1], 0.5, atol=1e-6)

@@ -17,6 +17,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.thumbnail import thumbnail_png
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
+from breastrig.scan.units import extent, size_doubt
 from breastrig.workflow.jobs import UploadJob
 from breastrig.workflow.kept.kept_scan import prepared_scan
 
@@ -52,6 +53,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
     return {
         "unit": scan.unit,
         "unit_reason": scan.unit_reason,
+        "size_doubt": size_doubt(extent(ready.surface.vertices), scan.unit),
         "vertices": len(scan.vertices),
         "triangles": len(scan.faces),
         "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},

@@ -89,6 +89,7 @@ class Scan(Wire):
     patient: str = Field(description="id of the patient whose scan it is")
     unit: Literal["m", "dm", "cm", "mm", "in", "ft"] = Field(description="unit that the file was read in")
     unit_reason: str
+    size_doubt: str = Field("", description="why the unit or the export may be wrong; empty for an ordinary size")
     vertices: int
     triangles: int
     bounds_m: Bounds = Field(description="metres, the scan's own axes")
