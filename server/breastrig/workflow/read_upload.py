@@ -43,7 +43,8 @@ def _read(job: UploadJob) -> dict[str, Any]:
     rig = read_rig(job.model or default_rig_path())
     ready = prepared_scan(scan, AUTO)
     orientation, _, _ = scan_orientation(rig, ready, load_recipe("default"))
-    table = ready.target.table
+    body = ready.target
+    table = body.table
     mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
     job.mesh.write_bytes(mesh)
     is_whole = ready.target.faces is ready.surface.faces  # no table was cut away
@@ -53,7 +54,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
     return {
         "unit": scan.unit,
         "unit_reason": scan.unit_reason,
-        "size_doubt": size_doubt(extent(ready.surface.vertices), scan.unit),
+        "size_doubt": size_doubt(extent(body.vertices[body.faces[:, 0]]), scan.unit),
         "vertices": len(scan.vertices),
         "triangles": len(scan.faces),
         "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},
