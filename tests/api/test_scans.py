@@ -30,6 +30,10 @@ def test_an_upload_says_what_was_read(client: FlaskClient, torso: bytes) -> None
     scan = answer.json
     assert scan["unit"] == "m"
     assert scan["unit_reason"].endswith(".")
+    assert scan["size_doubt"] == ""
+    large = upload(client, torso_ply(3.5), "scan.ply").json
+    assert large["unit"] == "m"
+    assert large["size_doubt"].startswith("Read in metres the body is 2.")
     assert (scan["vertices"], scan["triangles"]) == (1625, 3072)
     assert np.allclose(scan["bounds_m"]["min"][1], 0.0, atol=1e-6)
     assert np.allclose(scan["bounds_m"]["max"][1], 0.5, atol=1e-6)
@@ -180,6 +184,27 @@ def test_what_a_person_is_certain_of_is_kept_with_the_landmarks(client: FlaskCli
     assert client.get(place).json["certain"] == ["nipple_R"]
     client.put(place, json={"landmarks": picked})
     assert client.get(place).json["certain"] == []
+
+
+def test_who_says_which_landmarks_were_seen_replaces_no_others(client: FlaskClient, scan_id: str) -> None:
+    place = f"/api/scans/{scan_id}/landmarks"
+    left, right = {"nipple_L": [70.0, 350.0, 120.0]}, {"nipple_R": [-70.0, 350.0, 120.0]}
+    nothing = client.get(place).headers["ETag"]
+    assert nothing == '""'
+    first = client.put(place, json={"landmarks": left}, headers={"If-Match": nothing})
+    assert first.status_code == 200, first.json
+    assert client.get(place).headers["ETag"] == first.headers["ETag"]
+    late = client.put(place, json={"landmarks": right}, headers={"If-Match": nothing})
+    assert problem(late, 412).startswith("Somebody has changed these landmarks since you read them; read them again")
+    assert late.headers["ETag"] == first.headers["ETag"]
+    assert client.get(place).json["landmarks"] == left
+    tag = {"If-Match": f"W/{first.headers['ETag']}"}  # as a proxy that compresses makes of it
+    both = client.put(place, json={"landmarks": right | left, "certain": ["nipple_L"]}, headers=tag)
+    assert both.status_code == 200
+    assert client.get(place).json["landmarks"] == left | right
+    less = client.put(place, json={"landmarks": right | left}, headers=tag)
+    assert less.status_code == 412, "certainty counts as well"
+    assert client.put(place, json={"landmarks": right}).status_code == 200, "a script that names none replaces any"
 
 
 def test_landmarks_that_are_not_finite_are_refused(client: FlaskClient, scan_id: str) -> None:

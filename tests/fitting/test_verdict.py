@@ -5,8 +5,9 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
+from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.verdicts.fit_signals import FitSignals
-from breastrig.fitting.verdicts.verdict import UNKNOWN_MODEL, verdict, verdict_limits
+from breastrig.fitting.verdicts.verdict import UNKNOWN_MODEL, Verdict, verdict, verdict_limits
 from breastrig.least_squares.newton import Status
 
 RIGHT = FitSignals(
@@ -104,10 +105,23 @@ def test_of_another_model_nothing_is_known() -> None:
 
 
 def test_landmarks_in_doubt_make_a_right_fit_worth_a_look() -> None:
-    one, two = (verdict(RIGHT, Status.CONVERGED, LIMITS, placed=True, in_doubt=count) for count in (1, 2))
+    def judged(*doubts: Doubt) -> Verdict:
+        return verdict(RIGHT, Status.CONVERGED, LIMITS, placed=True, doubts=doubts)
+
+    navel, notch = (
+        Doubt(("umbilicus",), "It is far.", followed=True),
+        Doubt(("suprasternal_notch",), "It is elsewhere."),
+    )
+    one, two = judged(navel), judged(navel, notch)
     assert one.level == two.level == "check"
     assert one.reasons == ("One landmark is in doubt; look at what is asked about it.",)
     assert two.reasons == ("2 landmarks are in doubt; look at what is asked about them.",)
+    pair = ("nipple_L", "nipple_R")
+    exchanged = Doubt(pair, "nipple_L and nipple_R look exchanged; they were not followed.", exchanged=True)
+    assert judged(navel, exchanged).reasons == (
+        "nipple_L and nipple_R look exchanged; look at what is asked about them.",
+        "One landmark is in doubt; look at what is asked about it.",
+    )
 
 
 def test_a_part_of_a_body_is_to_be_checked_unless_landmarks_say_where_it_belongs() -> None:

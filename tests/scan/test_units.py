@@ -5,7 +5,7 @@ import pytest
 
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.scan.units import decide_unit, extent
+from breastrig.scan.units import decide_unit, extent, size_doubt
 
 
 @pytest.mark.parametrize("unit", ["m", "dm", "cm", "mm"])
@@ -91,3 +91,24 @@ def test_feet_are_decided_where_nothing_else_fits_and_asked_about_where_decimetr
 @pytest.mark.parametrize("across", [0.3, 0.75, 1.0, 1.5, 1.9, 2.2, 2.6])
 def test_feet_never_make_a_scan_in_metres_doubtful(across: float) -> None:
     assert decide_unit(across, "auto")[0] == "m"
+
+
+@pytest.mark.parametrize(
+    ("metres", "unit", "said"),
+    [
+        (0.73, "m", ""),
+        (1.7, "mm", ""),
+        (2.408, "m", "the body is 2.4 m across, more than an ordinary torso; check unit and export. In feet (0.734 m)"),
+        (
+            2.2,
+            "mm",
+            "Read in millimetres the body is 2.2 m across, more than an ordinary torso; check unit and export.",
+        ),
+        (0.4, "m", "less than an ordinary torso, or a part of one; check unit and export."),
+    ],
+)
+def test_a_size_that_is_not_ordinary_is_said(metres: float, unit: str, said: str) -> None:
+    doubt = size_doubt(metres, unit)
+    assert said in doubt
+    assert (doubt == "") == (said == "")
+    assert doubt == "" or doubt.endswith(".")

@@ -96,5 +96,14 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
       }
     }
   });
+
+  await test.step("a telephone, and a window magnified to 200 %: the body is as wide as the screen and high enough to work on", async () => {
+    for (const viewport of [{ width: 390, height: 844 }, { width: 640, height: 360 }]) {
+      await page.setViewportSize(viewport);
+      const stage = (await page.locator(".stage").first().boundingBox())!;
+      expect(stage.width, `${viewport.width}`).toBe(viewport.width);
+      expect(stage.height, `${viewport.height}`).toBeGreaterThan(300);
+    }
+  });
   expect(troubles).toEqual([]);
 });

@@ -15,6 +15,7 @@ from sqlalchemy.exc import DatabaseError, OperationalError
 from sqlalchemy.exc import TimeoutError as NoConnectionLeft
 from werkzeug.exceptions import HTTPException
 
+from breastrig.api.wire.patients import PLAIN
 from breastrig.core import errors
 from breastrig.storage.sqlite import is_damage
 
@@ -38,6 +39,10 @@ SENTENCES = {
     416: "The range that was asked for lies beyond the end of this file.",
     500: "Something went wrong inside BreastRig; the server's log says what.",
 }
+NOT_OF_FORM = {  # by regular expression
+    PLAIN: "Line breaks and other control characters are not taken; leave them out",
+}
+OTHER_FORM = "This text is not of the form that is taken here; /api/docs describes it"
 
 
 def problem(status: int, detail: str, *, headers: Any = (), fields: list[dict[str, str]] | None = None) -> Response:
@@ -107,9 +112,11 @@ def _validation_error(error: HTTPError) -> Response:
     """A body or query that does not have the documented shape."""
     fields: list[dict[str, str]] = []
     if isinstance(error.__cause__, ValidationError):
-        for found in error.__cause__.errors(include_url=False, include_context=False, include_input=False):
+        for found in error.__cause__.errors(include_url=False, include_input=False):
             name = ".".join(str(part) for part in found["loc"])[:200]
-            fields.append({"field": name, "message": found["msg"][:300]})
+            pattern = found["ctx"]["pattern"] if found["type"] == "string_pattern_mismatch" else None
+            message = found["msg"] if pattern is None else NOT_OF_FORM.get(pattern, OTHER_FORM)
+            fields.append({"field": name, "message": message[:300]})
     if not fields:
         return problem(error.status_code, SENTENCES.get(error.status_code, f"{error.message}."))
     first = fields[0]

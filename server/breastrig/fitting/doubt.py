@@ -10,3 +10,4 @@ class Doubt:
     names: tuple[str, ...]
     reason: str
     followed: bool = False  # True: unusual, but followed all the same
+    exchanged: bool = False  # left and right of these look exchanged

@@ -59,6 +59,18 @@ def decide_unit(across: float, asked: str) -> tuple[str, str]:
     )
 
 
+def size_doubt(metres: float, unit: str) -> str:
+    """A sentence for what was read in this unit and is so many metres across; empty where that is an ordinary torso."""
+    low, high = ORDINARY
+    if low <= metres <= high:
+        return ""
+    across = metres / METRES_PER_UNIT[unit]
+    others = [other for other in METRES_PER_UNIT if other != unit and _within(across, other, ORDINARY)]
+    instead = f" In {' or '.join(_name(across, other) for other in others)} it would be ordinary." if others else ""
+    compared = "more than an ordinary torso" if metres > high else "less than an ordinary torso, or a part of one"
+    return f"Read in {UNIT_NAMES[unit]} the body is {metres:.2g} m across, {compared}; check unit and export.{instead}"
+
+
 def _fitting(across: float) -> list[str]:
     """The units in which this is plausible."""
     fitting = [unit for unit in METRES_PER_UNIT if unit != "ft" and _within(across, unit, PLAUSIBLE)]

@@ -14,6 +14,7 @@ from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.orientation import MIN_LANDMARKS
 from breastrig.fitting.picks.checked_fit import without
+from breastrig.fitting.picks.mistakes import explained_failure
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
@@ -49,7 +50,7 @@ class FitRecorder:
     def record(self, iterate: FitIterate) -> RecordedIterate:
         """Keeps the iterate; FitFailed when the fit broke down."""
         if not iterate.is_finite:
-            raise FitFailed(_why_failed(iterate))
+            raise FitFailed(explained_failure(self.ready.task, _why_failed(iterate)))
         self._recorded.append(RecordedIterate(iterate, _iterated(self.ready.task.rig, iterate)))
         return self._recorded[-1]
 
@@ -69,10 +70,9 @@ class FitRecorder:
         compared = Comparison(target, vertices, rig.faces)
         signals = fit_signals(rig, last.parameters, compared, ready.clearness)
         placed = len(task.landmarks.keys() - task.seen) >= MIN_LANDMARKS
-        in_doubt = sum(len(doubt.names) for doubt in doubtful)
-        found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed, in_doubt)
+        found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed, doubtful)
         if not found_verdict.is_torso:
-            raise FitFailed(found_verdict.refusal)
+            raise FitFailed(explained_failure(task, found_verdict.refusal))
         timing = ready.timing_s | {"solve": solve_s}
         alone = ModelAlone(vertices, compared.distances)
         if ready.settings.refine:

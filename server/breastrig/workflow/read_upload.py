@@ -17,6 +17,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.thumbnail import thumbnail_png
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
+from breastrig.scan.units import extent, size_doubt
 from breastrig.workflow.jobs import UploadJob
 from breastrig.workflow.kept.kept_scan import prepared_scan
 
@@ -42,7 +43,8 @@ def _read(job: UploadJob) -> dict[str, Any]:
     rig = read_rig(job.model or default_rig_path())
     ready = prepared_scan(scan, AUTO)
     orientation, _, _ = scan_orientation(rig, ready, load_recipe("default"))
-    table = ready.target.table
+    body = ready.target
+    table = body.table
     mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
     job.mesh.write_bytes(mesh)
     is_whole = ready.target.faces is ready.surface.faces  # no table was cut away
@@ -52,6 +54,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
     return {
         "unit": scan.unit,
         "unit_reason": scan.unit_reason,
+        "size_doubt": size_doubt(extent(body.vertices[body.faces[:, 0]]), scan.unit),
         "vertices": len(scan.vertices),
         "triangles": len(scan.faces),
         "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},

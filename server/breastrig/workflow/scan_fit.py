@@ -272,7 +272,7 @@ def _exchanged(rig: Rig, recipe: Recipe, landmarks: dict[str, Array], certain: C
     knows_sides = any(landmark.name in certain and landmark.mirror != landmark.name for landmark in rig.landmarks)
     if knows_sides or not sides_exchanged(rig, landmarks, recipe.outliers):
         return ()
-    return (Doubt(tuple(name for name in landmarks if name not in certain), ALL_EXCHANGED),)
+    return (Doubt(tuple(name for name in landmarks if name not in certain), ALL_EXCHANGED, exchanged=True),)
 
 
 def _warm(target: ScanTarget) -> None:

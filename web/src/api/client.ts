@@ -31,6 +31,7 @@ import type {
   ShareMade,
   SharePage,
   ShareRequest,
+  StoredLandmarks,
   StoredPlan,
   UnitChoice,
   Vector,
@@ -89,6 +90,12 @@ const bytes = async (path: string): Promise<ArrayBuffer> => (await ask(path)).ar
 const id = encodeURIComponent;
 const KEPT_ALIVE_BYTES = 60_000; // the standard allows 64 kB for all of a page together
 
+/** Proxies that compress make the tag a weak one. */
+const tagged = async (answer: Response): Promise<StoredLandmarks> => ({
+  ...((await answer.json()) as LandmarkFile),
+  seen: /^(?:W\/)?"(.*)"$/.exec(answer.headers.get("ETag") ?? "")?.[1] ?? null,
+});
+
 export const client = {
   meta: () => askJson<Meta>("/api/meta"),
   examples: async () => (await askJson<{ examples: Example[] }>("/api/examples")).examples,
@@ -108,8 +115,12 @@ export const client = {
     await ask(`/api/patients/${id(patient)}`, { method: "DELETE", keepalive: true });
   },
   mesh: (scan: Scan) => bytes(scan.links.mesh),
-  landmarks: (scan: Scan) => askJson<LandmarkFile>(scan.links.landmarks),
-  saveLandmarks: (scan: Scan, file: LandmarkFile) => askJson<LandmarkFile>(scan.links.landmarks, "PUT", file, true),
+  landmarks: async (scan: Scan): Promise<StoredLandmarks> => tagged(await ask(scan.links.landmarks)),
+  /** 412 when those that are kept are not the ones of this tag any more; without one they are replaced whatever they are.  Arrives although the page is being closed. */
+  saveLandmarks: async (scan: Scan, file: LandmarkFile, seen: string | null): Promise<StoredLandmarks> => {
+    const headers = { "Content-Type": "application/json", ...(seen === null ? {} : { "If-Match": `"${seen}"` }) };
+    return tagged(await ask(scan.links.landmarks, { method: "PUT", body: JSON.stringify(file), headers, keepalive: true }));
+  },
   cuts: (scan: Scan) => askJson<Cuts>(scan.links.cuts),
   /** 412 when those that are kept are not the ones of this digest any more. */
   saveCuts: async (scan: Scan, cuts: readonly Cut[], seen: string): Promise<Cuts> => {

@@ -1,6 +1,6 @@
 // A fit's events as they come: typed, in order, each once, whatever the connection does.
 // EventSource resumes by itself after a break; when it gives up (the service answered with an error), we open a
-// new one after a while and ask for the events after the last that we saw.
+// new one after a while and ask for the events after the last that we saw; unless the fit is gone, which is its end.
 import type { Done, Ended, Iterated, Started } from "./types";
 
 interface Bodies {
@@ -36,6 +36,8 @@ export interface Source {
 export interface Following {
   handlers: Handlers;
   onConnection?: (isConnected: boolean) => void;
+  /** Asked when the service refuses: why nothing more will come, as a sentence; null where it may. */
+  whyOver?: () => Promise<string | null>;
   open?: (url: string) => Source;
   later?: (action: () => void, milliseconds: number) => void;
 }
@@ -63,7 +65,13 @@ export function followFit(url: string, following: Following): () => void {
       following.onConnection?.(false);
       if (current.readyState !== CLOSED) return; // it tries again by itself
       current.close();
-      later(connect, PATIENCE_MS);
+      if (!following.whyOver) return later(connect, PATIENCE_MS);
+      void following.whyOver().then((reason) => {
+        if (isOver) return;
+        if (reason === null) return later(connect, PATIENCE_MS);
+        stop();
+        following.handlers.failed({ kind: "failed", id: seen + 1, body: { reason } });
+      });
     };
     for (const kind of KINDS) current.addEventListener(kind, (message) => receive(kind, message));
   };

@@ -145,6 +145,8 @@ export type ExampleScan = {
   /** unit that the file was read in */
   unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   unit_reason: string;
+  /** why the unit or the export may be wrong; empty for an ordinary size */
+  size_doubt?: string;
   vertices: number;
   triangles: number;
   /** metres, the scan's own axes */
@@ -950,6 +952,8 @@ export type Scan = {
   /** unit that the file was read in */
   unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   unit_reason: string;
+  /** why the unit or the export may be wrong; empty for an ordinary size */
+  size_doubt?: string;
   vertices: number;
   triangles: number;
   /** metres, the scan's own axes */

@@ -55,6 +55,8 @@ export type PlanItem = wire.StoredPlan["items"][number];
 export type Vector = [number, number, number];
 export type Unit = wire.Scan["unit"];
 export type UnitChoice = wire.ScanUpload["units"] & string;
+/** With the tag under which the service has them; null where it gives none. */
+export type StoredLandmarks = wire.LandmarkFile & { readonly seen?: string | null };
 export type Stance = wire.ResultFile["stance"];
 export type StanceChoice = wire.Fit["stance"];
 export type Frame = Pick<wire.Frame, "up" | "front">;

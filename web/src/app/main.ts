@@ -34,12 +34,13 @@ store.select(only("scan"), ({ scan }) => {
   void import("../ink/open").then(({ openInk }) => openInk(store, client, actions, page.ink));
 });
 listenToKeys(store, actions);
-addEventListener("pagehide", () => void actions.landmarks.flush());
+addEventListener("pagehide", () => void actions.landmarks.flush(true));
 addEventListener("pagehide", () => void actions.drawing.flush());
 addEventListener("pagehide", () => void actions.deletion.send());
 // Whoever comes back to this tab learns what was written in another one meanwhile.
-addEventListener("focus", () => void actions.plan.look());
-document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && void actions.plan.look());
+const look = (): void => void Promise.all([actions.plan.look(), actions.landmarks.look()]);
+addEventListener("focus", look);
+document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && look());
 let isSigningIn = false; // what is unsaved waits in this tab's memory then
 addEventListener("beforeunload", (event) => {
   if (!isSigningIn && isRefused(store.get())) event.preventDefault(); // the browser asks

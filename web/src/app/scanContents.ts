@@ -1,8 +1,7 @@
 // What the page keeps with a scan besides the scan itself: landmarks, drawing, fit.  Read when a scan is opened, dropped
 // when it is left.
-import type { Client } from "../api/client";
 import { startDrawn } from "../drawing/state";
-import { picksOf } from "../landmarks/picks";
+import type { LandmarkActions } from "../landmarks/actions";
 import { startLandmarks } from "../landmarks/state";
 import { standing } from "../landmarks/straighten";
 import type { ScanContents } from "../scan/actions";
@@ -11,11 +10,11 @@ import { initialStances } from "../stances/state";
 import { startHistory } from "../store/history";
 import type { Session } from "./session";
 
-export function scanContents(client: Client, plan: Pick<PlanActions, "read">, stop: () => void): ScanContents {
+export function scanContents(landmarks: Pick<LandmarkActions, "read">, plan: Pick<PlanActions, "read">, stop: () => void): ScanContents {
   return {
     async read(info) {
-      const [saved, { lines, drawing, ...words }] = await Promise.all([client.landmarks(info).catch(() => null), plan.read(info)]);
-      const picks = saved ? picksOf(saved) : {};
+      const [saved, { lines, drawing, ...words }] = await Promise.all([landmarks.read(info).catch(() => null), plan.read(info)]);
+      const picks = saved?.picks ?? {};
       const state: Partial<Session> = { ...startLandmarks(picks, saved?.certain), drawn: startDrawn(lines, words), drawing, fit: null, isStarting: false, stance: "auto" };
       return { state, stands: standing(info.frame, picks) };
     },

@@ -1,5 +1,5 @@
 // Running a fit: start, follow its events, cancel; the events are the same when the page is opened late or again.
-import type { Client } from "../api/client";
+import { ApiError, type Client } from "../api/client";
 import { followFit, type Handlers } from "../api/events";
 import type { FitLinks, StanceChoice } from "../api/types";
 import { certainNames } from "../landmarks/certain";
@@ -70,13 +70,20 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
   const change = (part: Partial<FitState>, more: Partial<State> = {}): void =>
     store.set((state) => (state.fit ? { ...more, fit: { ...state.fit, ...part } } : more));
 
+  /** Its scan was deleted: nobody asks for more of it. */
+  const whyOver = (id: string): Promise<string | null> =>
+    client.fit(id).then(
+      () => null,
+      (error: unknown) => (error instanceof ApiError && error.status === 404 ? text.fit.gone : null),
+    );
+
   function follow(fit: FitState): void {
     leave();
     // A fit again is looked at as the one before it was.
     const look = store.get().fit ? {} : { overlay: "both" as const, showDistances: false };
     store.set({ ...look, fit, step: "fit", active: null, isStarting: false, announcement: text.fit.announceStarted });
     const onConnection = (isConnected: boolean): void => change({ isConnected });
-    stopFollowing = followFit(fit.links.events, { handlers, onConnection });
+    stopFollowing = followFit(fit.links.events, { handlers, onConnection, whyOver: () => whyOver(fit.id) });
   }
 
   /** The fit before stays on the screen, its model where it has followed the landmarks, until this one is done. */
@@ -99,6 +106,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
         cancelled: () => store.set(standStill),
       },
       onConnection: (isConnected) => change({ isConnected }),
+      whyOver: () => whyOver(asked.id),
     });
   }
 

@@ -19,6 +19,7 @@ export const fit = {
   stage: "Stage",
   patternLater: "The pattern is measured on the fitted skin: it appears when the fit has ended.",
   retrying: "The connection to the service broke; trying again. The fit goes on meanwhile.",
+  gone: "This fit is no longer there: its scan was deleted, in another tab or by somebody else.",
   cancelled: "Cancelled. The iterations so far can still be looked at.",
   noLandmarks: "Without landmarks the fit has to find its start alone: that works best upright and facing front.",
   fewLandmarks: (count: number) => `With only ${plural(count, "landmark", "landmarks")} the start is found from the scan alone.`,

@@ -9,11 +9,13 @@ import type { Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { type Certain, certainAt, certainNames } from "./certain";
 import { readCertain, readLandmarks, UnreadableLandmarks } from "./files/files";
+import { createPicksKeeper } from "./keeper";
 import { exchanged, nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
 import { openProposals } from "./proposals/proposals";
 import type { LandmarksSlice } from "./state";
 import { straightened } from "./straighten";
 import * as text from "./text";
+import { certainWith, type KeptPicks, withTheirs } from "./together";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice;
 
@@ -26,11 +28,17 @@ interface Followed {
   answered(): void;
 }
 
+interface Placed {
+  readonly picks: Picks;
+  readonly certain: Certain;
+}
+
 export function landmarkActions(store: Store<State>, client: Client, followed: Followed) {
   let timer: ReturnType<typeof setTimeout> | undefined;
-  let waiting: { scan: Scan; picks: Picks; certain: Certain } | null = null;
+  let waiting: ({ scan: Scan } & Placed) | null = null;
   let onItsWay: Promise<unknown> = Promise.resolve();
   let unsaid: string | null = null; // what saving has complained about last
+  const adopted = new WeakMap<Picks, Picks>(); // the same picks, and the same certain ones, with somebody else's
   const answers = new WeakSet<Picks>(); // picks that an answer has made: undoing it asks for another fit as well
 
   const list = () => store.get().meta?.landmarks ?? [];
@@ -39,14 +47,49 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     return entry ? text.landmarks.spoken(entry) : name;
   }
 
+  const spoken = (name: string): string => labelOf(name) ?? name;
+
+  const keeper = createPicksKeeper(client, (of, base, theirs, both) => {
+    if (store.get().scan?.info.id !== of.id) return false;
+    const { taken, overruled } = both;
+    if (taken.length + overruled.length === 0) return true; // both did the same
+    const step = (picks: Picks): Picks => {
+      const after = withTheirs(picks, base, theirs);
+      if (answers.has(picks)) answers.add(after);
+      return after;
+    };
+    const announcement = text.landmarks.changedElsewhere(taken.map(spoken), overruled.map(spoken));
+    store.set((state) => {
+      const { past, present, future } = state.picks;
+      const certain = certainWith(state.certain, both);
+      const picks = { past: past.map(step), present: step(present), future: future.map(step) };
+      const active = state.active !== null && taken.includes(state.active) && state.active in picks.present ? nextMissing(list(), picks.present, state.skipped, state.active) : state.active;
+      adopted.set(present, picks.present).set(state.certain, certain);
+      return { picks, certain, active, announcement, ...withProblem(state, "landmarks", announcement) };
+    });
+    return true;
+  });
+
+  const keptOf = ({ picks, certain }: Placed): KeptPicks => ({ picks, certain: certainNames(picks, certain) });
+  const placed = (): Placed => ({ picks: store.get().picks.present, certain: store.get().certain });
+
+  /** As the page shows the scan by now: what somebody else has placed may have come since it was to be saved. */
+  const shownOf = (scan: Scan, otherwise: Placed): Placed => (store.get().scan?.info.id === scan.id ? placed() : otherwise);
+
   /** What is shown about saving concerns the scan on the screen; another one is saved all the same. */
-  async function save(scan: Scan, picks: Picks, certain: Certain): Promise<void> {
+  async function save(scan: Scan, asked: Placed, isLast = false): Promise<void> {
     const show = (part: (state: State) => Partial<State>): void =>
       store.set((state) => (state.scan?.info.id === scan.id ? part(state) : {}));
     show(() => ({ saving: "saving" }));
     try {
-      await client.saveLandmarks(scan, { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks }, certain: certainNames(picks, certain) });
-      show((state) => (state.picks.present === picks && state.certain === certain ? { saving: "saved", ...withoutMessage(state, "landmarks", unsaid) } : {}));
+      let now = asked;
+      const mine = (): KeptPicks => {
+        now = shownOf(scan, asked);
+        return keptOf(now);
+      };
+      await (isLast ? keeper.saveLast : keeper.save)(scan, mine);
+      const isAll = (state: State): boolean => state.picks.present === (adopted.get(now.picks) ?? now.picks) && state.certain === (adopted.get(now.certain) ?? now.certain);
+      show((state) => (isAll(state) ? { saving: "saved", ...withoutMessage(state, "landmarks", unsaid) } : {}));
     } catch (error) {
       unsaid = messageOf(error);
       show((state) => ({ saving: "unsaved", ...withProblem(state, "landmarks", unsaid) }));
@@ -54,27 +97,27 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
   }
 
   /** Sends at once what still waits, and waits for what is on its way: before another scan takes the page, or the page goes away. */
-  async function flush(): Promise<void> {
+  async function flush(isLast = false): Promise<void> {
     clearTimeout(timer);
     const last = waiting;
     waiting = null;
-    if (last) onItsWay = Promise.all([onItsWay, save(last.scan, last.picks, last.certain)]);
+    if (last) onItsWay = Promise.all([onItsWay, save(last.scan, last, isLast)]);
     await onItsWay;
   }
 
   function saveSoon(): void {
-    const { scan, picks, certain } = store.get();
+    const { scan } = store.get();
     if (!scan) return;
     if (waiting && waiting.scan.id !== scan.info.id) void flush();
     clearTimeout(timer);
-    waiting = { scan: scan.info, picks: picks.present, certain };
+    waiting = { scan: scan.info, ...placed() };
     store.set({ saving: "unsaved" });
     timer = setTimeout(() => void flush(), PAUSE_MS);
   }
 
   async function saveNow(): Promise<void> {
-    const { scan, picks, certain } = store.get();
-    if (scan) await save(scan.info, picks.present, certain);
+    const { scan } = store.get();
+    if (scan) await save(scan.info, placed());
   }
 
   /** The same landmarks elsewhere, and nothing else: what a fit can go on from. */
@@ -233,6 +276,13 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
 
     saveNow,
     flush,
+    /** As the service has them now; from here on what is saved of this scan is a change of these. */
+    read: keeper.read,
+    /** Whether somebody else has placed landmarks since they were read here; then the page has them too. */
+    async look(): Promise<void> {
+      const { scan } = store.get();
+      if (scan) await keeper.look(scan.info, () => (store.get().scan?.info.id === scan.info.id && store.get().saving === "saved" ? keptOf(placed()) : null)).catch(() => undefined); // the next save will say what is wrong
+    },
   };
 }
 

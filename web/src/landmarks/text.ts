@@ -46,6 +46,11 @@ export const landmarks = {
   noSkin: "There is no skin under the cross: move it with the arrow keys.",
   announceUndone: "Undone.",
   announceRedone: "Redone.",
+  changedElsewhere: (taken: readonly string[], overruled: readonly string[]) =>
+    [
+      ...(taken.length === 0 ? [] : [`Changed in another tab or by somebody else, and shown here now: ${taken.join("; ")}.`]),
+      ...(overruled.length === 0 ? [] : [`Changed in another tab or by somebody else as well: ${overruled.join("; ")}. What was done here last counts.`]),
+    ].join(" "),
   announceImported: (count: number) => `${plural(count, "landmark", "landmarks")} read.`,
 };
 

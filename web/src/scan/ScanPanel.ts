@@ -2,7 +2,7 @@
 import type { UnitChoice } from "../api/types";
 import type { PageSlice } from "../store/page";
 import { button, fileButton, type Option, problem, row, select } from "../ui/controls";
-import { el, fill, show } from "../ui/dom";
+import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import { formatCm, formatCount } from "../ui/units";
 import type { Turn } from "../viewer/frame";
@@ -33,6 +33,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
   });
   const crop = createCropRow(actions);
   const check = el("p", { class: "look-here", hidden: true }, text.scan.check);
+  const size = el("p", { class: "look-here", role: "status", hidden: true });
   const unitNote = el("p", { class: "muted small", hidden: true }, text.scan.unitNote);
   const wrong = problem(dismiss);
   const other = fileButton(text.scan.other, SCAN_FILES, "quiet wide", (file) => void actions.upload(file));
@@ -41,6 +42,7 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
     { class: "panel" },
     wrong.element,
     check,
+    size,
     facts,
     el("details", { class: "why" }, el("summary", {}, text.scan.why), reasons),
     again.element,
@@ -80,6 +82,8 @@ export function createScanPanel<More extends object>(actions: ScanActions & { re
       });
       crop.update(state);
       show(check, state.isUnconfirmed);
+      setText(size, info.size_doubt ?? "");
+      show(size, (info.size_doubt ?? "") !== "");
       show(again.element, file !== null);
       show(unitNote, file === null && state.scan.example === null);
       again.set(unitOptions(), state.units);

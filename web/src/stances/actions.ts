@@ -4,6 +4,7 @@ import type { Frame } from "../api/types";
 import type { FitActions } from "../fit/actions";
 import { certainNames } from "../landmarks/certain";
 import type { FitSlice } from "../fit/state";
+import type { LandmarkActions } from "../landmarks/actions";
 import type { LandmarksSlice } from "../landmarks/state";
 import { type PlanActions, withElsewhere } from "../plan/actions";
 import type { ScanActions } from "../scan/actions";
@@ -24,7 +25,7 @@ type State = PageSlice & ViewSlice & Workspace & LandmarksSlice & FitSlice & Sta
 interface Others {
   readonly scan: Pick<ScanActions, "upload" | "takeExample" | "open">;
   readonly fit: Pick<FitActions, "stop" | "open" | "start">;
-  readonly landmarks: { flush(): Promise<void> };
+  readonly landmarks: Pick<LandmarkActions, "flush" | "read">;
   readonly drawing: { flush(): Promise<void> };
   readonly plan: Pick<PlanActions, "read" | "isMoreThan" | "settled" | "followElsewhere">;
 }
@@ -126,7 +127,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     /** From the address: the one that waits, as it was. */
     async restore(scan: string, fit: string | null, own: Frame | null, { isSecond, isComparing }: { isSecond: boolean; isComparing: boolean }): Promise<void> {
       try {
-        const other = await loadWorkspace(client, others.plan, scan, fit, own);
+        const other = await loadWorkspace(client, others.landmarks, others.plan, scan, fit, own);
         put({ other, isSecond, isComparing }, isComparing ? { overlay: "scan" } : {}); // as `compare` begins it
         lookAfter();
       } catch (error) {

@@ -4,6 +4,7 @@ import type { ExampleScan, Frame, Iterated, Started } from "../api/types";
 import { startDrawn } from "../drawing/state";
 import { readDistances } from "../fit/distances/distances";
 import type { FitState } from "../fit/state";
+import type { LandmarkActions } from "../landmarks/actions";
 import { certainAt } from "../landmarks/certain";
 import type { PlanActions } from "../plan/actions";
 import { frameFromPicks, type Picks, picksOf } from "../landmarks/picks";
@@ -58,11 +59,11 @@ function frameOf(info: ExampleScan, picks: Picks, fit: FitState | null): Pick<Sc
   return { frame: straight ?? tidyFrame(info.frame), frameFrom: straight ? "landmarks" : "service" };
 }
 
-export async function loadWorkspace(client: Client, plan: Pick<PlanActions, "read">, scan: string, fit: string | null, own: Frame | null): Promise<Workspace> {
+export async function loadWorkspace(client: Client, landmarks: Pick<LandmarkActions, "read">, plan: Pick<PlanActions, "read">, scan: string, fit: string | null, own: Frame | null): Promise<Workspace> {
   const info: ExampleScan = await client.scan(scan);
-  const [mesh, saved, planned, { cuts, digest }] = await Promise.all([client.mesh(info), client.landmarks(info), plan.read(info), client.cuts(info)]);
-  const picks = picksOf(saved);
-  const fitted = fit === null ? null : await loadFit(client, fit, picks, saved.certain ?? []);
+  const [mesh, saved, planned, { cuts, digest }] = await Promise.all([client.mesh(info), landmarks.read(info), plan.read(info), client.cuts(info)]);
+  const { picks } = saved;
+  const fitted = fit === null ? null : await loadFit(client, fit, picks, saved.certain);
   const stands = own ? ({ frame: tidyFrame(own), frameFrom: "person" } as const) : frameOf(info, picks, fitted);
   return {
     scan: { info, title: uploaded, mesh, file: null, example: info.example_landmarks ?? null, crops: startHistory(cropsFrom(cuts)), cuts: digest, ...stands },

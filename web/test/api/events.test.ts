@@ -25,7 +25,7 @@ class FakeSource implements Source {
   }
 }
 
-function follow() {
+function follow(whyOver?: () => Promise<string | null>) {
   FakeSource.all = [];
   const seen: string[] = [];
   const note = (kind: string) => (event: { id: number }) => void seen.push(`${kind} ${event.id}`);
@@ -41,6 +41,7 @@ function follow() {
   const stop = followFit("/events", {
     handlers,
     onConnection,
+    ...(whyOver ? { whyOver } : {}),
     open: (url) => new FakeSource(url),
     later: (action) => waiting.push(action),
   });
@@ -100,4 +101,17 @@ test("after stopping nothing is heard and nothing opened", () => {
   source.say("started", 1);
   expect(seen).toEqual([]);
   expect(FakeSource.all.length).toBe(1);
+});
+
+test("a fit that is gone is said once and not asked for again; one whose service is away is", async () => {
+  const reasons: (string | null)[] = [null, "Its scan was deleted."];
+  const { seen, waiting, source } = follow(async () => reasons.shift()!);
+  source.say("started", 1);
+  source.fail(2);
+  await vi.waitFor(() => expect(waiting.length).toBe(1));
+  waiting.pop()!();
+  FakeSource.all[1]!.fail(2);
+  await vi.waitFor(() => expect(seen).toEqual(["started 1", "failed 2"]));
+  expect(waiting, "nobody asks again").toEqual([]);
+  expect(FakeSource.all.length).toBe(2);
 });

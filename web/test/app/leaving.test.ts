@@ -27,7 +27,7 @@ test("what still waits is saved before the patient is put away, and then nobody 
   actions.landmarks.place([1, 2, 3]);
   expect(unsavedOf(store.get())).toEqual(["landmarks"]);
   await actions.scan.leave();
-  expect(client.saveLandmarks).toHaveBeenCalledWith(expect.objectContaining({ id: "s1" }), expect.objectContaining({ landmarks: { nipple_L: [1, 2, 3] } }));
+  expect(client.saveLandmarks).toHaveBeenCalledWith(expect.objectContaining({ id: "s1" }), expect.objectContaining({ landmarks: { nipple_L: [1, 2, 3] } }), null);
   expect(store.get()).toMatchObject({ scan: null, leaving: null });
 });
 

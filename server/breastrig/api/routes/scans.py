@@ -15,7 +15,7 @@ from breastrig.core.errors import NotFound
 from breastrig.storage.files import MESH, THUMBNAIL, OpenedFile, scan_place
 from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts, put_cuts
 from breastrig.storage.rows.patients import patient_of_scan
-from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan, put_landmarks
+from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan, picks_digest, put_landmarks
 from breastrig.storage.storage import Storage
 
 TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, delete it with everything made of it."}
@@ -23,6 +23,10 @@ TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, del
 scans = APIBlueprint("scans", __name__, url_prefix="/api/scans", tag=TAG)
 
 CHANGED_CUTS = "Somebody has changed these cuts since you read them; read them again, and send them with yours."
+CHANGED_LANDMARKS = (
+    "Somebody has changed these landmarks since you read them; read them again, and send them with yours."
+)
+Landmarks = tuple[wire.LandmarkFile, int, dict[str, str]]
 FILE_TYPES = ("ply", "obj", "stl", "glb", "zip", "pcd", "xyz", "asc", "pts", "usdz", "usd", "usda", "usdc")
 
 
@@ -103,19 +107,23 @@ def mesh_file(storage: Storage, scan_id: str) -> OpenedFile:
 @scans.get("/<scan_id>/landmarks")
 @scans.output(wire.LandmarkFile)
 @scans.doc(operation_id="getLandmarks")
-def show_landmarks(scan_id: str) -> wire.LandmarkFile:
-    """The landmarks picked so far, mm"""
+def show_landmarks(scan_id: str) -> Landmarks:
+    """The landmarks picked so far, mm
+
+    The ETag is what a change may name as If-Match.
+    """
     storage = app_context().service.storage
     get_scan(storage, scan_id)
     stored = get_landmarks(storage, scan_id)
-    return wire.LandmarkFile(landmarks=stored.points_mm, certain=list(stored.certain))
+    return _landmarks_answer(stored)
 
 
 @scans.put("/<scan_id>/landmarks")
 @scans.input(wire.LandmarkFile)
+@scans.input(wire.LandmarksHeaders, location="headers")
 @scans.output(wire.LandmarkFile)
-@scans.doc(operation_id="putLandmarks")
-def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile) -> wire.LandmarkFile:
+@scans.doc(operation_id="putLandmarks", responses={412: "Changed by somebody else meanwhile"})
+def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile, headers_data: wire.LandmarksHeaders) -> Landmarks:
     """Replace the landmarks, mm
 
     Names must be landmarks of the model; points must lie near the scan.  `certain` names those of them that a fit
@@ -124,8 +132,11 @@ def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile) -> wire.Landma
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
     check_landmarks(json_data.landmarks, json_data.certain, row, context.model)
-    put_landmarks(context.service.storage, scan_id, Picks(json_data.landmarks, tuple(json_data.certain)))
-    return json_data
+    picks = Picks(json_data.landmarks, tuple(json_data.certain))
+    if not put_landmarks(context.service.storage, scan_id, picks, _tag(headers_data.if_match)):
+        now = picks_digest(get_landmarks(context.service.storage, scan_id))
+        raise refuse(412, CHANGED_LANDMARKS, {"ETag": f'"{now}"'})
+    return _landmarks_answer(picks)
 
 
 @scans.get("/<scan_id>/cuts")
@@ -149,9 +160,7 @@ def replace_cuts(scan_id: str, json_data: wire.CutsFile, headers_data: wire.Cuts
     The scan itself stays whole; fits and proposals that are asked for from now on do not see what is cut.
     """
     cuts = tuple(cut.model_dump() for cut in json_data.cuts)
-    seen = headers_data.if_match
-    digest = None if seen is None else seen.strip().removeprefix("W/").strip('"')
-    if not put_cuts(app_context().service.storage, scan_id, cuts, digest):
+    if not put_cuts(app_context().service.storage, scan_id, cuts, _tag(headers_data.if_match)):
         raise refuse(412, CHANGED_CUTS)
     return cuts_answer(cuts)
 
@@ -213,6 +222,16 @@ def drop_ink(scan_id: str, json_data: wire.InkChange) -> wire.Ink:
     They stay among the found lines, marked as dropped, until this is taken back.
     """
     return wire.Ink.model_validate(app_context().service.drop_ink(scan_id, json_data.dropped))
+
+
+def _tag(if_match: str | None) -> str | None:
+    """What is within the quotes of an If-Match header."""
+    return None if if_match is None else if_match.strip().removeprefix("W/").strip('"')
+
+
+def _landmarks_answer(picks: Picks) -> Landmarks:
+    file = wire.LandmarkFile(landmarks=picks.points_mm, certain=list(picks.certain))
+    return file, 200, {"ETag": f'"{picks_digest(picks)}"', "Cache-Control": "no-store"}
 
 
 def cuts_answer(cuts: Cuts) -> wire.Cuts:

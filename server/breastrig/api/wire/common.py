@@ -89,6 +89,7 @@ class Scan(Wire):
     patient: str = Field(description="id of the patient whose scan it is")
     unit: Literal["m", "dm", "cm", "mm", "in", "ft"] = Field(description="unit that the file was read in")
     unit_reason: str
+    size_doubt: str = Field("", description="why the unit or the export may be wrong; empty for an ordinary size")
     vertices: int
     triangles: int
     bounds_m: Bounds = Field(description="metres, the scan's own axes")
@@ -119,6 +120,13 @@ class LandmarkFile(Wire):
     landmarks: dict[Name, Point] = Field(description="millimetres, the scan's own frame", max_length=200)
     certain: list[Name] = Field(
         default=[], max_length=200, description="names of landmarks that are followed whatever all else says"
+    )
+
+
+class LandmarksHeaders(BaseModel):
+    model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+    if_match: str | None = Field(
+        None, alias="If-Match", description="the ETag of the landmarks that were changed; without it any are"
     )
 
 

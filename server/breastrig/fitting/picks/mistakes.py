@@ -2,23 +2,28 @@
 
 Only such picks are ever let go, and only when they are farther from where all else expects them than any right pick
 was found to be.  Whether all sides are exchanged is seen in the picks alone, before anything is fitted; single ones
-show at the fitted model, as long as its landmark term lets distant picks go (presets, `landmark_kernel_scale`).
+show at the fitted model, as long as its landmark term lets distant picks go (presets, `landmark_kernel_scale`).  Few
+picks nearly in one plane fit the model's back as well as its front; the skin under them tells, but not surely enough
+to let right ones go (breasts hang, scans are turned inside out): it explains only why a fit has failed.
 """
 
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.doubt import Doubt
-from breastrig.fitting.orientation import trusted_similarity
+from breastrig.fitting.orientation import MIN_LANDMARKS, trusted_similarity
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Outliers
 from breastrig.fitting.task import FitTask
+from breastrig.geometry.normals import face_normals
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 
 CLOSE = 2.5  # times `near_other`: two places that are hardly further apart than what is near to one
+EXCHANGE = "Left and right of the landmarks look exchanged; exchange them and fit again."
 
 
 def partner(rig: Rig, name: str) -> str:
@@ -43,6 +48,28 @@ def sides_exchanged(rig: Rig, landmarks: dict[str, Array], outliers: Outliers) -
         and medians[1] < outliers.exchanged_gain * medians[0]
         and means[1] < outliers.exchanged_gain_of_all * means[0]
     )
+
+
+def explained_failure(task: FitTask, why: str) -> str:
+    """The sentence of a fit that has failed, with the mistake that explains it, where there is one."""
+    return f"{EXCHANGE} {why}" if _back_to_front(task.rig, task.landmarks, task.target) else why
+
+
+def _back_to_front(rig: Rig, landmarks: dict[str, Array], target: ScanTarget) -> bool:
+    """Whether the picks ((3,) m by name) turn the model's back to their skin, and its front when exchanged."""
+    names = tuple(landmarks)
+    has_pair = any(partner(rig, name) in landmarks for name in names if partner(rig, name) != name)
+    if len(names) < MIN_LANDMARKS or not has_pair:
+        return False
+    picked = np.array([landmarks[name] for name in names])
+    skin = target.normals[target.vertex_tree.query(picked)[1]]
+    faces = face_normals(rig.template, rig.faces)
+    agree = []
+    for order in (names, tuple(partner(rig, name) for name in names)):
+        points = rig.landmark_points(order)
+        found, _ = trusted_similarity(points.positions(rig.template, rig.faces), picked)
+        agree.append(float(np.median(np.einsum("mi,mi->m", faces[points.faces] @ found.rotation.T, skin))))
+    return agree[0] < 0.0 < agree[1]
 
 
 def _near(rig: Rig, name: str, pick: Array, fitted: dict[str, Array], rules: Outliers) -> set[str]:
@@ -80,7 +107,8 @@ def mistaken(task: FitTask, x: RigParameters, most: int) -> tuple[Doubt, ...]:
         if other in strays and other in near[name] and name in near[other]:
             if len(gone) + 2 <= most:
                 left, right = sorted((name, other))
-                found.append(Doubt((left, right), f"{left} and {right} look exchanged; they were not followed."))
+                reason = f"{left} and {right} look exchanged; they were not followed."
+                found.append(Doubt((left, right), reason, exchanged=True))
         elif len(gone) < most:
             taken = min(near[name], key=lambda each: float(np.linalg.norm(fitted[each] - task.landmarks[name])))
             found.append(Doubt((name,), f"{name} lies where {taken} is expected; it was not followed."))

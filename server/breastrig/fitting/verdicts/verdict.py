@@ -6,6 +6,7 @@ say together is certain, what one says makes the fit unusable at most.
 """
 
 import tomllib
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib import resources
@@ -14,6 +15,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.verdicts.fit_signals import HANGS, FitSignals
 from breastrig.least_squares.newton import Status
 
@@ -21,6 +23,7 @@ Level = Literal["good", "check", "unusable"]
 UNKNOWN_MODEL = "Nothing is known of what right fits of this model look like; judge it by eye."
 NOT_CONVERGED = "The fit did not come to rest; look at it closely, or place more landmarks."
 IN_DOUBT = "One landmark is in doubt; look at what is asked about it."
+LOOK_AT_IT = "; look at what is asked about them."
 SEVERAL_IN_DOUBT = " are in doubt; look at what is asked about them."
 PER_UNIT = {"percent": 100.0, "mm": 1e3, "degrees": 180.0 / np.pi}
 SHOWN = 2  # reasons in the sentence of a refusal: the strongest
@@ -80,15 +83,13 @@ def verdict(
     status: Status,
     limits: VerdictLimits | None,
     placed: bool = False,
-    in_doubt: int = 0,
+    doubts: Sequence[Doubt] = (),
 ) -> Verdict:
-    """`status` is why the fit stopped, `placed` whether a person's landmarks placed it, `in_doubt` counts doubted ones.
+    """`status` is why the fit stopped, `placed` whether a person's landmarks placed it, `doubts` what is asked about.
 
     Who names landmarks has seen a torso: such a fit is unusable at most.
     """
-    stopped = () if status is Status.CONVERGED else (NOT_CONVERGED,)
-    if in_doubt:
-        stopped = (*stopped, IN_DOUBT if in_doubt == 1 else f"{in_doubt} landmarks{SEVERAL_IN_DOUBT}")
+    stopped = (*(() if status is Status.CONVERGED else (NOT_CONVERGED,)), *_doubt_reasons(doubts))
     if limits is None:
         return Verdict("check", (*stopped, UNKNOWN_MODEL))
     found = {
@@ -106,6 +107,16 @@ def verdict(
     if refused or impossible >= limits.unusable_at:
         return Verdict("unusable", (*reasons, *stopped), is_torso=not refused)
     return Verdict("check" if reasons or stopped else "good", (*reasons, *stopped))
+
+
+def _doubt_reasons(doubts: Sequence[Doubt]) -> tuple[str, ...]:
+    """Exchanged sides first, by their name: what is drawn would be meant for the other breast."""
+    exchanged = [doubt for doubt in doubts if doubt.exchanged]
+    reasons = [doubt.reason.partition(";")[0] + LOOK_AT_IT for doubt in exchanged]
+    others = sum(len(doubt.names) for doubt in doubts if not doubt.exchanged)
+    if others:
+        reasons.append(IN_DOUBT if others == 1 else f"{others} landmarks{SEVERAL_IN_DOUBT}")
+    return tuple(reasons)
 
 
 def _strength(value: float, limit: SignalLimits, hangs: bool) -> float:

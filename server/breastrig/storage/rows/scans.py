@@ -1,5 +1,6 @@
 """Rows of scans and of their landmarks."""
 
+import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -89,11 +90,31 @@ def get_landmarks(storage: Storage, scan_id: str) -> Picks:
     return Picks({}) if row is None else Picks(json.loads(row.points_mm), tuple(json.loads(row.certain)))
 
 
-def put_landmarks(storage: Storage, scan_id: str, picks: Picks) -> None:
-    """Replaces the scan's landmarks.  Raises NotFound when the scan is gone."""
+def put_landmarks(storage: Storage, scan_id: str, picks: Picks, seen: str | None = None) -> bool:
+    """Replaces the scan's landmarks; where `seen`, a digest, is given, only those, else it answers False.
+
+    Raises NotFound when the scan is gone.
+    """
+    table = schema.landmarks
     values = {"points_mm": json.dumps(picks.points_mm), "certain": json.dumps(picks.certain)}
     with storage.database.writing() as connection:
         if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is None:
             raise NotFound("There is no such scan; it may have been deleted.")
-        connection.execute(delete(schema.landmarks).where(schema.landmarks.c.scan == scan_id))
-        connection.execute(insert(schema.landmarks).values(scan=scan_id, **values))
+        if seen is not None:
+            query = select(table.c.points_mm, table.c.certain).where(table.c.scan == scan_id)
+            row = connection.execute(query).one_or_none()
+            kept = Picks({}) if row is None else Picks(json.loads(row.points_mm), tuple(json.loads(row.certain)))
+            if seen != picks_digest(kept):
+                return False
+        connection.execute(delete(table).where(table.c.scan == scan_id))
+        connection.execute(insert(table).values(scan=scan_id, **values))
+    return True
+
+
+def picks_digest(picks: Picks) -> str:
+    """The same for the same landmarks, in whatever order they were placed; empty where there are none."""
+    if not picks.points_mm:
+        return ""
+    points = {name: [float(value) for value in point] for name, point in picks.points_mm.items()}
+    text = json.dumps([points, sorted(picks.certain)], separators=(",", ":"), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -60,8 +60,7 @@ def _judged(
     doubts: tuple[Doubt, ...] = (*last.not_followed, *unusual(posterior))
     vertices = posterior.state.vertices
     signals = fit_signals(rig, last.parameters, Comparison(scene.target, vertices, rig.faces), clearness)
-    in_doubt = sum(len(doubt.names) for doubt in doubts)
-    said = verdict(signals, last.status, verdict_limits(rig.name), len(picks) >= MIN_LANDMARKS, in_doubt)
+    said = verdict(signals, last.status, verdict_limits(rig.name), len(picks) >= MIN_LANDMARKS, doubts)
     error = 1e3 * float(scene.landmark_errors(rig, vertices).mean())
     at = rig.landmark_points().positions(vertices, rig.faces)
     answer = {"level": said.level, "error_mm": round(error, 2), "reasons": list(said.reasons)}

@@ -1,0 +1,137 @@
+// Two tabs that place landmarks on one scan: neither loses its picks, and each is told of the other's.
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { withScan } from "../fakes";
+import { ApiError } from "../../src/api/client";
+import type { LandmarkFile, Scan, StoredLandmarks } from "../../src/api/types";
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+/** A service that keeps landmarks, and refuses those that were not changed from the newest. */
+function service() {
+  const kept = new Map<string, StoredLandmarks>();
+  const landmarks = async ({ id }: Scan): Promise<StoredLandmarks> => structuredClone(kept.get(id) ?? { schema: "breastrig/landmarks@1", unit: "mm", landmarks: {}, certain: [], seen: "" });
+  const saveLandmarks = vi.fn(async (scan: Scan, file: LandmarkFile, seen: string | null): Promise<StoredLandmarks> => {
+    if (seen !== null && seen !== (kept.get(scan.id)?.seen ?? "")) throw new ApiError("Somebody has changed these landmarks.", 412);
+    const stored = { ...structuredClone(file), seen: JSON.stringify(file) };
+    kept.set(scan.id, stored);
+    return structuredClone(stored);
+  });
+  return { landmarks, saveLandmarks, placed: () => kept.get("s1")!.landmarks, certain: () => kept.get("s1")!.certain };
+}
+
+type Page = Awaited<ReturnType<typeof withScan>>;
+
+function place({ actions }: Page, name: string, at: [number, number, number]): void {
+  actions.landmarks.want(name);
+  actions.landmarks.place(at);
+}
+
+const pause = (): Promise<unknown> => vi.advanceTimersByTimeAsync(500);
+
+async function twoTabs() {
+  const kept = service();
+  const one = await withScan(kept);
+  const two = await withScan(kept);
+  return { kept, one, two };
+}
+
+test("different landmarks of two tabs are both kept, shown by the later one, and said", async () => {
+  const { kept, one, two } = await twoTabs();
+  place(one, "nipple_L", [1, 2, 3]);
+  await pause();
+  place(two, "nipple_R", [4, 5, 6]);
+  await pause();
+  expect(kept.placed()).toEqual({ nipple_L: [1, 2, 3], nipple_R: [4, 5, 6] });
+  expect(two.store.get()).toMatchObject({ saving: "saved", picks: { present: { nipple_L: [1, 2, 3], nipple_R: [4, 5, 6] } } });
+  expect(two.store.get().problems.landmarks).toBe("Changed in another tab or by somebody else, and shown here now: nipple_L, patient's left.");
+  expect(two.store.get().announcement).toBe(two.store.get().problems.landmarks);
+
+  two.actions.landmarks.undo();
+  await pause();
+  expect(kept.placed(), "undo takes back what was done here alone").toEqual({ nipple_L: [1, 2, 3] });
+
+  await one.actions.landmarks.look();
+  expect(one.store.get().problems.landmarks, "there is nothing new").toBeUndefined();
+  place(two, "umbilicus", [7, 8, 9]);
+  await pause();
+  await one.actions.landmarks.look();
+  expect(one.store.get().picks.present, "who comes back to the first tab has them too").toEqual({ nipple_L: [1, 2, 3], umbilicus: [7, 8, 9] });
+  place(one, "suprasternal_notch", [0, 1, 0]);
+  await pause();
+  expect(kept.placed()).toEqual({ nipple_L: [1, 2, 3], umbilicus: [7, 8, 9], suprasternal_notch: [0, 1, 0] });
+});
+
+test("of one landmark the later hand stays and the page says so; undo brings the other's place", async () => {
+  const { kept, one, two } = await twoTabs();
+  place(one, "nipple_L", [1, 2, 3]);
+  await pause();
+  place(two, "nipple_L", [2, 2, 2]);
+  await pause();
+  expect(kept.placed()).toEqual({ nipple_L: [2, 2, 2] });
+  expect(two.store.get().problems.landmarks).toBe("Changed in another tab or by somebody else as well: nipple_L, patient's left. What was done here last counts.");
+  two.actions.landmarks.undo();
+  await pause();
+  expect(kept.placed()).toEqual({ nipple_L: [1, 2, 3] });
+  await one.actions.landmarks.look();
+  expect(one.store.get().picks.present).toEqual({ nipple_L: [1, 2, 3] });
+});
+
+test("what one tab takes out stays out, and certainty is brought together as well", async () => {
+  const kept = service();
+  const first = await withScan(kept);
+  for (const [i, name] of ["nipple_L", "nipple_R", "umbilicus"].entries()) place(first, name, [i, i, i]);
+  await pause();
+  const one = await withScan(kept);
+  const two = await withScan(kept);
+  one.actions.landmarks.remove("nipple_R");
+  one.actions.landmarks.keep(["umbilicus"]);
+  await pause();
+  two.actions.landmarks.move("nipple_L", [9, 9, 9]);
+  await pause();
+  expect(kept.placed()).toEqual({ nipple_L: [9, 9, 9], umbilicus: [2, 2, 2] });
+  expect(kept.certain()).toEqual(["umbilicus"]);
+  expect(two.store.get().certain).toEqual({ umbilicus: [2, 2, 2] });
+});
+
+test("what is placed while another's is being brought in is lost by neither", async () => {
+  const { kept, one, two } = await twoTabs();
+  place(one, "nipple_L", [1, 2, 3]);
+  await pause();
+  place(two, "nipple_R", [4, 5, 6]);
+  vi.advanceTimersByTime(450); // on its way
+  place(two, "umbilicus", [7, 8, 9]);
+  await pause();
+  await pause();
+  expect(kept.placed()).toEqual({ nipple_L: [1, 2, 3], nipple_R: [4, 5, 6], umbilicus: [7, 8, 9] });
+  expect(two.store.get().saving).toBe("saved");
+});
+
+test("picks of a scan that was left are brought together too, and again when it comes back", async () => {
+  const { kept, one, two } = await twoTabs();
+  place(one, "nipple_L", [1, 2, 3]);
+  await pause();
+  place(two, "nipple_R", [4, 5, 6]);
+  await two.actions.scan.open("s2", null);
+  await pause();
+  expect(kept.placed()).toEqual({ nipple_L: [1, 2, 3], nipple_R: [4, 5, 6] });
+  expect(two.store.get().problems.landmarks).toBeUndefined();
+  await two.actions.scan.open("s1", null);
+  two.actions.landmarks.remove("nipple_L");
+  await pause();
+  expect(kept.placed()).toEqual({ nipple_R: [4, 5, 6] });
+});
+
+test("a page that closes while a save is on its way sends the last picks all the same", async () => {
+  const { kept, one } = await twoTabs();
+  place(one, "nipple_L", [1, 2, 3]);
+  vi.advanceTimersByTime(450);
+  place(one, "nipple_R", [4, 5, 6]);
+  void one.actions.landmarks.flush(true);
+  expect(kept.saveLandmarks, "at once, for nothing runs on a page that is gone").toHaveBeenCalledTimes(2);
+  await pause();
+  expect(kept.placed()).toEqual({ nipple_L: [1, 2, 3], nipple_R: [4, 5, 6] });
+});
