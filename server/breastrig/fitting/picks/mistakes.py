@@ -68,8 +68,9 @@ def _back_to_front(rig: Rig, landmarks: dict[str, Array], target: ScanTarget) ->
     for order in (names, tuple(partner(rig, name) for name in names)):
         points = rig.landmark_points(order)
         found, _ = trusted_similarity(points.positions(rig.template, rig.faces), picked)
-        agree.append(float(np.median(np.einsum("mi,mi->m", faces[points.faces] @ found.rotation.T, skin))))
-    return agree[0] < 0.0 < agree[1]
+        cosines = np.einsum("mi,mi->m", faces[points.faces] @ found.rotation.T, skin)
+        agree.append((float(np.median(cosines)), float(np.mean(cosines))))  # of few the median alone says little
+    return max(agree[0]) < 0.0 < min(agree[1])
 
 
 def _near(rig: Rig, name: str, pick: Array, fitted: dict[str, Array], rules: Outliers) -> set[str]:
