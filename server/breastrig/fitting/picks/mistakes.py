@@ -50,9 +50,9 @@ def sides_exchanged(rig: Rig, landmarks: dict[str, Array], outliers: Outliers) -
     )
 
 
-def explained_failure(task: FitTask, why: str) -> str:
-    """The sentence of a fit that has failed, with the mistake that explains it, where there is one."""
-    return f"{EXCHANGE} {why}" if _back_to_front(task.rig, task.landmarks, task.target) else why
+def explained(task: FitTask, reasons: tuple[str, ...]) -> tuple[str, ...]:
+    """Why a fit is of no use, with the mistake that explains it before all else, where there is one."""
+    return (EXCHANGE, *reasons) if _back_to_front(task.rig, task.landmarks, task.target) else reasons
 
 
 def _back_to_front(rig: Rig, landmarks: dict[str, Array], target: ScanTarget) -> bool:
