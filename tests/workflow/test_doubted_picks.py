@@ -51,6 +51,13 @@ def test_of_few_picks_the_skin_tells_why_their_fit_has_failed(picks, middle, tmp
     assert done.result["landmarks_not_followed"] == []
 
 
+def test_of_a_few_more_the_verdict_says_so_before_all_that_follows_from_it(picks, tmp_path: Path) -> None:
+    five = {name: picks[name] for name in ("nipple_L", "nipple_R", "suprasternal_notch", "umbilicus", "xiphoid")}
+    _, done = events(exchanged_sides(five), tmp_path)
+    assert done.result["verdict"]["level"] == "unusable"
+    assert done.result["verdict"]["reasons"][0].startswith("Left and right of the landmarks look exchanged;")
+
+
 def exchanged_sides(picks: dict[str, list[float]]) -> dict[str, list[float]]:
     return {name[:-2] + OTHER_SIDE.get(name[-2:], name[-2:]): place for name, place in picks.items()}
 

@@ -14,7 +14,7 @@ from breastrig.fitting.body.trunk_depth import skin_behind
 from breastrig.fitting.fit import FitIterate
 from breastrig.fitting.orientation import MIN_LANDMARKS
 from breastrig.fitting.picks.checked_fit import without
-from breastrig.fitting.picks.mistakes import explained_failure
+from breastrig.fitting.picks.mistakes import explained
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.refine import refined
@@ -50,7 +50,7 @@ class FitRecorder:
     def record(self, iterate: FitIterate) -> RecordedIterate:
         """Keeps the iterate; FitFailed when the fit broke down."""
         if not iterate.is_finite:
-            raise FitFailed(explained_failure(self.ready.task, _why_failed(iterate)))
+            raise FitFailed(" ".join(explained(self.ready.task, (_why_failed(iterate),))))
         self._recorded.append(RecordedIterate(iterate, _iterated(self.ready.task.rig, iterate)))
         return self._recorded[-1]
 
@@ -60,8 +60,7 @@ class FitRecorder:
         `solve_s` is what the iterations took, `clock` began with the fit.
         """
         ready, last = self.ready, self._recorded[-1].iterate
-        task = ready.task
-        rig, target = task.rig, task.target
+        task, rig, target = ready.task, ready.task.rig, ready.task.target
         let_go = (*ready.exchanged, *last.not_followed)
         fitted = replace(without(task, let_go), relief=last.relief, hanging=last.hanging)
         posterior = Posterior(fitted, last.parameters)
@@ -72,7 +71,9 @@ class FitRecorder:
         placed = len(task.landmarks.keys() - task.seen) >= MIN_LANDMARKS
         found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed, doubtful)
         if not found_verdict.is_torso:
-            raise FitFailed(explained_failure(task, found_verdict.refusal))
+            raise FitFailed(" ".join(explained(task, (found_verdict.refusal,))))
+        if found_verdict.level == "unusable":
+            found_verdict = replace(found_verdict, reasons=explained(task, found_verdict.reasons))
         timing = ready.timing_s | {"solve": solve_s}
         alone = ModelAlone(vertices, compared.distances)
         if ready.settings.refine:

@@ -43,8 +43,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
     rig = read_rig(job.model or default_rig_path())
     ready = prepared_scan(scan, AUTO)
     orientation, _, _ = scan_orientation(rig, ready, load_recipe("default"))
-    body = ready.target
-    table = body.table
+    table = ready.target.table
     mesh = mesh_glb(scan.vertices, scan.faces, colours=scan.colours, uv=scan.uv, texture=scan.texture)
     job.mesh.write_bytes(mesh)
     is_whole = ready.target.faces is ready.surface.faces  # no table was cut away
@@ -54,7 +53,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
     return {
         "unit": scan.unit,
         "unit_reason": scan.unit_reason,
-        "size_doubt": size_doubt(extent(body.vertices[body.faces[:, 0]]), scan.unit),
+        "size_doubt": size_doubt(extent(ready.target.vertices[ready.target.faces[:, 0]]), scan.unit),
         "vertices": len(scan.vertices),
         "triangles": len(scan.faces),
         "bounds_m": {"min": scan.vertices.min(axis=0).tolist(), "max": scan.vertices.max(axis=0).tolist()},

@@ -50,9 +50,9 @@ def sides_exchanged(rig: Rig, landmarks: dict[str, Array], outliers: Outliers) -
     )
 
 
-def explained_failure(task: FitTask, why: str) -> str:
-    """The sentence of a fit that has failed, with the mistake that explains it, where there is one."""
-    return f"{EXCHANGE} {why}" if _back_to_front(task.rig, task.landmarks, task.target) else why
+def explained(task: FitTask, reasons: tuple[str, ...]) -> tuple[str, ...]:
+    """Why a fit is of no use, with the mistake that explains it before all else, where there is one."""
+    return (EXCHANGE, *reasons) if _back_to_front(task.rig, task.landmarks, task.target) else reasons
 
 
 def _back_to_front(rig: Rig, landmarks: dict[str, Array], target: ScanTarget) -> bool:
@@ -68,8 +68,9 @@ def _back_to_front(rig: Rig, landmarks: dict[str, Array], target: ScanTarget) ->
     for order in (names, tuple(partner(rig, name) for name in names)):
         points = rig.landmark_points(order)
         found, _ = trusted_similarity(points.positions(rig.template, rig.faces), picked)
-        agree.append(float(np.median(np.einsum("mi,mi->m", faces[points.faces] @ found.rotation.T, skin))))
-    return agree[0] < 0.0 < agree[1]
+        cosines = np.einsum("mi,mi->m", faces[points.faces] @ found.rotation.T, skin)
+        agree.append((float(np.median(cosines)), float(np.mean(cosines))))  # of few the median alone says little
+    return max(agree[0]) < 0.0 < min(agree[1])
 
 
 def _near(rig: Rig, name: str, pick: Array, fitted: dict[str, Array], rules: Outliers) -> set[str]:
