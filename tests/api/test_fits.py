@@ -18,7 +18,7 @@ from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage.rows.fits import NewFit, Once, fit_ids, get_fit
 from breastrig.storage.storage import Storage
-from breastrig.workflow.iteration_file import parameters_of
+from breastrig.workflow.folder.iteration_file import parameters_of
 
 PERSONAL = "private, no-cache"
 

@@ -21,7 +21,7 @@ from breastrig.drawings.drawing_schema import DrawnShape
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
-from breastrig.workflow.fit_folder import read_fit_folder
+from breastrig.workflow.folder.fit_folder import read_fit_folder
 from breastrig.workflow.report import stance_of
 
 CARRIED_FIELDS = ["name", "closed", "color", "points", "bridged", "error_mm", "distance_from_mm", "distance_to_mm"]

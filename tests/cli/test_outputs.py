@@ -19,7 +19,7 @@ from breastrig.core.assets import asset_folder
 from breastrig.evaluation.page import publish
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow import report
-from breastrig.workflow.fit_files import FIT_FILES
+from breastrig.workflow.folder.fit_files import FIT_FILES
 
 EXAMPLE = asset_folder("example")
 PICKS = ["--landmarks", str(EXAMPLE / "standing" / "landmarks.json")]
@@ -151,7 +151,7 @@ def test_a_fit_that_fails_leaves_the_earlier_result_whole(
     def full(*_: object) -> bytes:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("breastrig.workflow.fit_files.write_private", full)
+    monkeypatch.setattr("breastrig.workflow.folder.fit_files.write_private", full)
     command = ["fit", str(EXAMPLE / "supine" / "scan.ply"), "--drawing", "none", "-o", str(out)]
     assert "No space left on device" in refused(command, capsys)
     assert files(out) == before

@@ -17,7 +17,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.drawing_file import parsed_drawing
 from breastrig.drawings.superimposition import gaps
 from breastrig.workflow import report
-from breastrig.workflow.fit_folder import FitFolder, read_fit_folder
+from breastrig.workflow.folder.fit_folder import FitFolder, read_fit_folder
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import shaped
-from breastrig.workflow.fit_folder import fit_folder_of
+from breastrig.workflow.folder.fit_folder import fit_folder_of
 
 TUMOUR: Parameters = {"side": "L", "clock": 10.0, "distance_mm": 45.0, "radius_mm": 12.0}
 PATTERNS: dict[str, Parameters] = {

@@ -34,8 +34,8 @@ from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.scan.landmark_files import LIMIT_BYTES
 from breastrig.scan.limits import FILE_BYTES
-from breastrig.workflow.fit_file_names import FIT_FILES, RESULT, RESULT_SCHEMA
-from breastrig.workflow.fit_files import json_bytes
+from breastrig.workflow.folder.fit_file_names import FIT_FILES, RESULT, RESULT_SCHEMA
+from breastrig.workflow.folder.fit_files import json_bytes
 from breastrig.workflow.run_fit import run_fit
 
 SPARE = 8  # scans at most that wait beside the workers; a large cluster needs no more to be kept busy

@@ -26,7 +26,7 @@ from breastrig.execution.fork_server import preload, start_fork_server
 from breastrig.execution.limits import FitLimits
 from breastrig.execution.processes import Processes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.workflow.fit_file_names import FIT_FILES
+from breastrig.workflow.folder.fit_file_names import FIT_FILES
 from breastrig.workflow.run_fit import run_fit
 
 SHOWN_FAULTS = 20  # a screenful; a table with more has one cause

@@ -15,7 +15,7 @@ from breastrig.interface.fit_result import Fit
 from breastrig.interface.pair import PAIR_SETS, FitPair, pair_iterates
 from breastrig.interface.run import FitRun, Iterate, iterates
 from breastrig.interface.scan import Scan, read_coloured
-from breastrig.workflow.fit_file_names import fit_set
+from breastrig.workflow.folder.fit_file_names import fit_set
 
 LEVELS = {"check": "check this fit", "unusable": "this fit is not usable"}
 

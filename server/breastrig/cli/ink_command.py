@@ -8,7 +8,7 @@ from breastrig.core.output_files import check_output
 from breastrig.core.private_files import write_private
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.interface.ink import find_ink
-from breastrig.workflow.fit_files import json_bytes
+from breastrig.workflow.folder.fit_files import json_bytes
 
 
 def run(options: argparse.Namespace) -> int:

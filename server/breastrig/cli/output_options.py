@@ -7,7 +7,7 @@ from pathlib import Path
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.core.output_files import Output, single_file
 from breastrig.core.output_record import OutputSet
-from breastrig.workflow.fit_file_names import FIT_FILES
+from breastrig.workflow.folder.fit_file_names import FIT_FILES
 
 
 def add_output_options(parser: argparse.ArgumentParser, metavar: str, what: str) -> None:

@@ -13,7 +13,7 @@ from breastrig.core.errors import BadDrawing
 from breastrig.core.output_files import single_file
 from breastrig.core.private_files import write_private
 from breastrig.core.staged_output import all_or_nothing
-from breastrig.workflow.fit_files import json_bytes
+from breastrig.workflow.folder.fit_files import json_bytes
 
 BLACK = "#101010"
 

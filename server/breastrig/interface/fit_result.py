@@ -25,10 +25,10 @@ from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.parameters import Parameters, parameters_by_name
 from breastrig.rig.model import Rig
-from breastrig.workflow.fit_file_names import FIT_FILES, LANDMARKS_SEEN, RESULT, UNCERTAINTY, fit_set
-from breastrig.workflow.fit_files import fit_file, json_bytes, write_files
-from breastrig.workflow.fit_folder import FitFolder, fit_of_files, read_fit_files
 from breastrig.workflow.fit_outcome import FitOutcome
+from breastrig.workflow.folder.fit_file_names import FIT_FILES, LANDMARKS_SEEN, RESULT, UNCERTAINTY, fit_set
+from breastrig.workflow.folder.fit_files import fit_file, json_bytes, write_files
+from breastrig.workflow.folder.fit_folder import FitFolder, fit_of_files, read_fit_files
 
 if TYPE_CHECKING:
     import trimesh

@@ -18,8 +18,8 @@ from breastrig.interface.model import Model, files_of, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.run import FitRun, GivenScan, Iterate, Settings, iterate_of
 from breastrig.interface.scan import Scan, ScanSource
-from breastrig.workflow.fit_file_names import RESULT, fit_set
-from breastrig.workflow.fit_files import json_bytes, write_files
+from breastrig.workflow.folder.fit_file_names import RESULT, fit_set
+from breastrig.workflow.folder.fit_files import json_bytes, write_files
 from breastrig.workflow.run_pair import PAIR_SCHEMA, PairOutcome, both_ready, pair_document, pair_steps
 from breastrig.workflow.scan_fit import Clock
 

@@ -11,8 +11,8 @@ from breastrig.interface.drawing import Drawing, Line, document_of, drawing_of
 from breastrig.interface.fit_result import Fit
 from breastrig.interface.model import load_model
 from breastrig.interface.one_thread import one_thread
-from breastrig.workflow.fit_file_names import FIT_FILES, RESULT, UNCERTAINTY
-from breastrig.workflow.fit_files import write_files
+from breastrig.workflow.folder.fit_file_names import FIT_FILES, RESULT, UNCERTAINTY
+from breastrig.workflow.folder.fit_files import write_files
 from breastrig.workflow.further_jobs import TransferJob
 from breastrig.workflow.lines.transfer import drawing_document
 from breastrig.workflow.lines.transfer import transfer as transfer_documents

@@ -30,7 +30,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.state import BodyState
 from breastrig.rig.vertex_groups import vertex_groups
-from breastrig.workflow.fit_files import library_versions
+from breastrig.workflow.folder.fit_files import library_versions
 
 
 def make_ready(rig: Rig) -> None:

@@ -7,8 +7,8 @@ from breastrig.gltf.lines.lines_glb import lines_glb
 from breastrig.report.files.exported import closed_model, vertex_sets
 from breastrig.report.files.line_files import obj_lines, ply_lines, rgb
 from breastrig.report.files.surface_files import surface_ply, surface_stl
-from breastrig.workflow.fit_files import json_bytes
-from breastrig.workflow.fit_folder import read_fit_folder
+from breastrig.workflow.folder.fit_files import json_bytes
+from breastrig.workflow.folder.fit_folder import read_fit_folder
 from breastrig.workflow.report import laid_plan, stance_of, write_all
 
 EXPORT_RECORD = "surface.json"

@@ -19,8 +19,8 @@ from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
 from breastrig.report.table import csv_bytes
 from breastrig.rig.model import Rig
-from breastrig.workflow.fit_files import json_bytes
-from breastrig.workflow.fit_folder import FitFolder, fit_folder_of
+from breastrig.workflow.folder.fit_files import json_bytes
+from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.workflow.further_jobs import PlanLines, ReportJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
 

@@ -16,10 +16,10 @@ from breastrig.fitting.two_stances import ONE_BODY, Coupling, SharedBody, fit_pa
 from breastrig.rig.model import Rig
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Done, Event
-from breastrig.workflow.fit_file_names import RESULT
-from breastrig.workflow.fit_files import json_bytes, write_files, write_fit_files
 from breastrig.workflow.fit_outcome import FitOutcome
 from breastrig.workflow.fit_recorder import FitRecorder, RecordedIterate
+from breastrig.workflow.folder.fit_file_names import RESULT
+from breastrig.workflow.folder.fit_files import json_bytes, write_files, write_fit_files
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.scan_fit import (
     Clock,

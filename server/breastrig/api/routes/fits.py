@@ -188,7 +188,7 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
 
     Its buffers are the model's immutable files.
     """
-    from breastrig.workflow.iteration_file import iteration_gltf  # as in api/served_model.py
+    from breastrig.workflow.folder.iteration_file import iteration_gltf  # as in api/served_model.py
 
     context = app_context()
     storage, model = context.service.storage, context.model

@@ -21,8 +21,8 @@ from breastrig.drawings.superimposition_picture import body_frame, superimposed
 from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing
-from breastrig.workflow.fit_files import json_bytes
-from breastrig.workflow.fit_folder import fit_folder_of
+from breastrig.workflow.folder.fit_files import json_bytes
+from breastrig.workflow.folder.fit_folder import fit_folder_of
 from breastrig.workflow.lines.transfer import drawing_document
 
 SCHEMA = "breastrig/compare@1"

@@ -13,7 +13,7 @@ from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePattern, LiveSkin
 from breastrig.drawings.transfer import fitted_scan
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.workflow.fit_folder import fit_folder_of
+from breastrig.workflow.folder.fit_folder import fit_folder_of
 from breastrig.workflow.further_jobs import LiveQuestion
 
 

@@ -26,8 +26,8 @@ from breastrig.report.distances import (
     surface_summary_mm,
 )
 from breastrig.report.files.surface_files import surface_ply
-from breastrig.workflow.fit_file_names import FIT_FILES, LANDMARKS_SEEN, RESULT, RESULT_SCHEMA, UNCERTAINTY
 from breastrig.workflow.fit_outcome import FitOutcome
+from breastrig.workflow.folder.fit_file_names import FIT_FILES, LANDMARKS_SEEN, RESULT, RESULT_SCHEMA, UNCERTAINTY
 
 
 def _rounded(values: Array, digits: int = 6) -> list[float]:

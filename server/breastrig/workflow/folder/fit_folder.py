@@ -25,7 +25,7 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.scan.clean import Surface
 from breastrig.scan.limits import FILE_BYTES
 from breastrig.scan.read import read_scan
-from breastrig.workflow.fit_file_names import FIT_FILES, LANDMARKS_SEEN, RESULT, UNCERTAINTY
+from breastrig.workflow.folder.fit_file_names import FIT_FILES, LANDMARKS_SEEN, RESULT, UNCERTAINTY
 
 RESULT_BYTES = 4_000_000  # a result.json has some ten thousand
 

@@ -19,7 +19,7 @@ from breastrig.scan.clean import clean
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Done
-from breastrig.workflow.fit_folder import read_fit_folder
+from breastrig.workflow.folder.fit_folder import read_fit_folder
 from breastrig.workflow.jobs import FitJob
 from breastrig.workflow.run_fit import run_fit
 

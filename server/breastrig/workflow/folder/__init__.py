@@ -1,0 +1,1 @@
+"""The folder of a fit: its files made, written and read back."""
