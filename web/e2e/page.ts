@@ -36,6 +36,8 @@ export const test = plain.extend<{ base: string; troubles: string[] }>({
 /** Waits until it is so, and looks ten times a second: looking at every frame makes the browser draw frames for nothing else. */
 export const until = <Given>(page: Page, isSo: (given: Given) => unknown, given?: Given) => page.waitForFunction(isSo as () => unknown, given, { polling: 100 });
 
+const PRESS_MS = 3000; // no click comes later
+
 export const hook = {
   ready: (page: Page) => until(page, () => window.__breastrig?.isReady()),
   project: (page: Page, point: Vector) => page.evaluate((at) => window.__breastrig!.project(at), point),
@@ -74,9 +76,14 @@ export async function untilFitted(page: Page): Promise<void> {
 
 export const distance = (a: Vector, b: Vector): number => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 
-/** Taps, and waits for the click that the browser makes of it a moment later. */
+/**
+ * Taps, and waits for the click that the browser makes of it a moment later.
+ *
+ * A tap is two messages, of which the second waits until the page has answered the first: on a busy machine it may last so
+ * long that it is a press, of which no click is made.  Then, as a person would, it taps once more.
+ */
 export async function tap(place: Locator): Promise<void> {
-  const click = place.evaluate((element) => new Promise<void>((clicked) => element.addEventListener("click", () => clicked(), { once: true })));
-  await place.tap();
-  await click;
+  const click = place.evaluate((element) => new Promise<boolean>((clicked) => element.addEventListener("click", () => clicked(true), { once: true })));
+  do await place.tap();
+  while (!(await Promise.race([click, place.page().waitForTimeout(PRESS_MS).then(() => false)])));
 }

@@ -20,7 +20,6 @@ import { createScanPanel } from "../scan/ScanPanel";
 import { empty as emptyText } from "../scan/text";
 import { createShareDialog } from "../share/ShareDialog";
 import { createDrawingCarry } from "../stances/DrawingCarry";
-import { createMeasuresDialog } from "../stances/MeasuresDialog";
 import { createOtherPane } from "../stances/OtherPane";
 import { createStancesBar } from "../stances/StancesBar";
 import { createStancesDialog } from "../stances/StancesDialog";
@@ -29,6 +28,7 @@ import type { Place } from "../store/page";
 import { only, type Store } from "../store/store";
 import { problem } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
+import { later } from "../ui/later";
 import { follow, type Panel } from "../ui/Panel";
 import { notice } from "../ui/text";
 import { createSwipe } from "../viewer/Swipe";
@@ -111,7 +111,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const stances = createStancesBar(actions.stances);
   const top = createTopBar(actions, stances.element);
   const adding = createStancesDialog(actions.stances, () => dismiss("stances"));
-  const measures = createMeasuresDialog(actions.stances, () => dismiss("stances"));
+  const measures = later(
+    only("meta", "problems", "fit", "stances"),
+    ({ stances }: Pick<Session, "meta" | "problems" | "fit" | "stances">) => stances.measures.isOpen,
+    async () => (await import("../stances/MeasuresDialog")).createMeasuresDialog(actions.stances, () => dismiss("stances")),
+  );
   const other = createOtherPane(actions.stances);
   host.append(other.caption);
   const version = el("span", { class: "muted" });

@@ -8,7 +8,7 @@ import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { type Certain, certainAt, certainNames } from "./certain";
-import { readCertain, readLandmarks, UnreadableLandmarks } from "./files/files";
+import { UnreadableLandmarks } from "./files/unreadable";
 import { createPicksKeeper } from "./keeper";
 import { exchanged, nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
 import { openProposals } from "./proposals/proposals";
@@ -261,7 +261,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       const scan = store.get().scan;
       if (!scan) return;
       try {
-        const content = await file.text();
+        const [{ readCertain, readLandmarks }, content] = await Promise.all([import("./files/files"), file.text()]);
         const picks = readLandmarks(content, scan.info.unit, list());
         const certain = { ...store.get().certain, ...certainAt(picks, readCertain(content, picks)) };
         const announcement = text.landmarks.announceImported(Object.keys(picks).length);

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { LandmarkDefinition } from "../../src/api/types";
-import { readCertain, readLandmarks, toCsv, toJson } from "../../src/landmarks/files/files";
-import { toMeshlab, toSlicer } from "../../src/landmarks/files/otherFormats";
+import { readCertain, readLandmarks } from "../../src/landmarks/files/files";
+import { toCsv, toJson, toMeshlab, toSlicer } from "../../src/landmarks/files/writing";
 import type { Picks } from "../../src/landmarks/picks";
 
 const names = ["suprasternal_notch", "nipple_L", "nipple_R", "umbilicus"];

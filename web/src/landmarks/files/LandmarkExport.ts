@@ -2,8 +2,7 @@
 import type { ScanSlice } from "../../scan/state";
 import { el, icon, saveFile } from "../../ui/dom";
 import { certainNames } from "../certain";
-import { toCsv, toJson } from "./files";
-import { toMeshlab, toSlicer } from "./otherFormats";
+import { toCsv, toJson, toMeshlab, toSlicer } from "./writing";
 import type { LandmarksSlice } from "../state";
 import * as text from "../text";
 

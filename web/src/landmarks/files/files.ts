@@ -1,25 +1,10 @@
-// Landmark files in and out: the program's JSON, plain CSV (name,x,y,z) and what MeshLab and 3D Slicer write, read and
-// written on this machine.
+// Landmark files as they are read, on this machine: the program's JSON, plain CSV (name,x,y,z) and what MeshLab and 3D
+// Slicer write.  Loaded when somebody opens one.
 import type { LandmarkDefinition, LandmarkFile, Unit, Vector } from "../../api/types";
-import { isUnit, mmFrom, toUnit, unknownUnit } from "../../ui/units";
+import { isUnit, mmFrom, unknownUnit } from "../../ui/units";
 import { fromMeshlab, fromSlicer, type NamedCells } from "./otherFormats";
 import type { Picks } from "../picks";
-
-export class UnreadableLandmarks extends Error {}
-
-/** `_scanUnit` is not asked: this kind says its own. */
-export function toJson(picks: Picks, _scanUnit: Unit, certain: readonly string[]): string {
-  const file: LandmarkFile = { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks }, ...(certain.length > 0 ? { certain: [...certain] } : {}) };
-  return JSON.stringify(file, null, 1) + "\n";
-}
-
-/** CSV names no unit, so its numbers are in the scan's unit, as the command line reads them. */
-export function toCsv(picks: Picks, scanUnit: Unit): string {
-  const rows = Object.entries(picks).map(([name, point]) =>
-    [name, ...point.map((mm) => Number(toUnit(mm, scanUnit).toPrecision(8)))].join(","),
-  );
-  return ["name,x,y,z", ...rows].join("\n") + "\n";
-}
+import { UnreadableLandmarks } from "./unreadable";
 
 function checked(name: string, coordinates: unknown[], unit: Unit, known: ReadonlySet<string>): Vector {
   if (!known.has(name)) {

@@ -1,0 +1,32 @@
+// A panel whose code is loaded when it is wanted for the first time: what the first view does not show it need not wait for.
+import { el } from "./dom";
+import type { Panel } from "./Panel";
+
+export function later<Shown extends object>(select: (state: Shown) => Shown, isWanted: (shown: Shown) => boolean, load: () => Promise<Panel<Shown>>): Panel<Shown> {
+  const element = el("div", {});
+  let panel: Panel<Shown> | null = null;
+  let loading = false;
+  let latest: Shown;
+
+  async function begin(): Promise<void> {
+    loading = true;
+    try {
+      panel = await load();
+      element.append(panel.element);
+      panel.update(latest);
+    } catch {
+      // the service is away, which what the panel asks for says; the next change tries again
+    }
+    loading = false;
+  }
+
+  return {
+    element,
+    select,
+    update(shown: Shown): void {
+      latest = shown;
+      if (panel) panel.update(shown);
+      else if (!loading && isWanted(shown)) void begin();
+    },
+  };
+}
