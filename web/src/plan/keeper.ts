@@ -1,12 +1,10 @@
 // Keeps each patient's plan at the service: one change after the other, and none over what somebody else has written
 // meanwhile.  Then their plan is read, both are brought together, and whoever shows the plan is told: what a page does not
 // show it would delete with its next change.
-import { ApiError, type Client } from "../api/client";
+import type { Client } from "../api/client";
+import { createQueues, writtenOver } from "../api/concurrentWrites";
 import type { PlanItem, StoredPlan } from "../api/types";
 import { merged } from "./items";
-
-const CHANGED = 412; // the plan that the change began with is not there any more
-const TRIES = 5; // somebody writes all the time: give up and say so
 
 type Change = (items: readonly PlanItem[]) => readonly PlanItem[];
 
@@ -17,14 +15,7 @@ export type Elsewhere = (link: string, mine: Pick<StoredPlan, "items" | "whole">
 
 export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "planVersion">, elsewhere: Elsewhere = () => undefined) {
   const known = new Map<string, StoredPlan>(); // by link: as last read or written
-  const queues = new Map<string, Promise<unknown>>();
-
-  function queued<Value>(link: string, work: () => Promise<Value>): Promise<Value> {
-    const before = queues.get(link) ?? Promise.resolve();
-    const next = before.then(work, work);
-    queues.set(link, next.catch(() => undefined));
-    return next;
-  }
+  const { queued, settled } = createQueues();
 
   async function read(link: string): Promise<StoredPlan> {
     const plan = await client.plan(link);
@@ -38,20 +29,20 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
     let base = known.get(link) ?? (await read(link));
     const mine = { items: [...change(base.items)], whole: base.whole };
     let items = mine.items;
-    for (let tries = 1; ; tries += 1) {
-      try {
+    const begun = base;
+    const stored = await writtenOver(
+      async () => {
         const isThere = base.whole && JSON.stringify(items) === JSON.stringify(base.items);
-        const stored = isThere ? base : await client.savePlan(link, items, base.version);
-        known.set(link, stored);
-        if (tries > 1) elsewhere(link, mine, stored.items);
-        return;
-      } catch (error) {
-        if (!(error instanceof ApiError) || error.status !== CHANGED || tries === TRIES) throw error;
+        return isThere ? base : client.savePlan(link, items, base.version);
+      },
+      async () => {
         const theirs = await client.plan(link);
         items = merged(base.items, items, theirs.items);
         base = theirs;
-      }
-    }
+      },
+    );
+    known.set(link, stored);
+    if (base !== begun) elsewhere(link, mine, stored.items);
   }
 
   return {
@@ -67,9 +58,7 @@ export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "pla
     /** As last seen; null before it was read. */
     seen: (link: string): StoredPlan | null => known.get(link) ?? null,
     /** What waits to be written is written. */
-    settled: async (): Promise<void> => {
-      await Promise.all(queues.values());
-    },
+    settled,
     /** The newest version before `version` whose items `differ`; null when there is none any more. */
     async earlier(link: string, version: number, differs: (plan: StoredPlan) => boolean): Promise<StoredPlan | null> {
       for (let number = version - 1; number > 0; number -= 1) {
