@@ -1,6 +1,7 @@
 // The one primary button: it says what to do next, and does it.
 import { fit as fitText, result as resultText } from "../fit/text";
 import { pickCount } from "../landmarks/state";
+import { ink as inkText } from "../ink/text";
 import { landmarks as landmarkText, proposals as proposalText, questions } from "../landmarks/text";
 import { scan as scanText } from "../scan/text";
 import { measuredFits } from "../stances/state";
@@ -25,6 +26,7 @@ function wording(next: NextStep, state: NextShown): string {
   if (next.kind === "fit" && next.landmarks > 0) return fitText.with(next.landmarks);
   if (next.kind === "fit") return next.isProposed ? proposalText.fit : fitText.without;
   if (next.kind === "correct") return text.next.correct;
+  if (next.kind === "ink") return inkText.lookAt(next.count, next.on);
   if (next.kind === "draw") return next.isArmed ? text.next.drawing : text.next.draw;
   if (next.kind === "add") return text.next.add(next.stance);
   if (next.kind === "change over") return text.next.changeOver(next.to);
@@ -44,6 +46,10 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
     }
     if (pressed.kind === "fit") void actions.fit.start();
     if (pressed.kind === "correct") actions.page.goTo("landmarks");
+    if (pressed.kind === "ink") {
+      actions.page.goTo("drawing");
+      if (pressed.on !== null) void actions.stances.swap();
+    }
     if (pressed.kind === "draw") actions.drawing.take(pressed.isArmed ? "none" : "pen");
     if (pressed.kind === "add") actions.stances.dialog(true);
     if (pressed.kind === "change over") void actions.stances.swap();
@@ -57,13 +63,13 @@ export function createNextButton(actions: Actions): Panel<NextShown> {
   const element = el("div", { class: "next" }, go, report, other);
   return {
     element,
-    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawn", "stances"),
+    select: only("meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawn", "ink", "stances"),
     update(state: NextShown): void {
       next = nextStep(state);
       show(element, next.kind !== "none");
       // The report of a fit that holds stays at hand while something else comes first.
       const isFirst = next.kind === "report";
-      const isSecond = ["draw", "add", "change over", "check", "correct"].includes(next.kind) && state.fit?.state === "done";
+      const isSecond = ["ink", "draw", "add", "change over", "check", "correct"].includes(next.kind) && state.fit?.state === "done";
       show(go, next.kind !== "none" && !isFirst);
       show(report, isFirst || isSecond);
       report.className = isFirst ? "button primary" : "button quiet wide";

@@ -2,17 +2,19 @@
 import { outdated } from "../fit/outdated";
 import { isFitting } from "../fit/state";
 import { levelOf } from "../fit/verdict";
+import { isMark, openLines } from "../ink/state";
 import { ENOUGH, nextMissing } from "../landmarks/picks";
 import { isSeen, openProposals } from "../landmarks/proposals/proposals";
 import { askedNames, openQuestions } from "../landmarks/questions/questions";
 import { needsConfirming, pickCount } from "../landmarks/state";
+import { cropsOf } from "../scan/crop";
 import { stanceNames, stanceOf } from "../stances/state";
 import type { Session } from "./session";
 
 /** What of the state decides. */
 export type NextShown = Pick<
   Session,
-  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "refine" | "drawn" | "stances"
+  "meta" | "step" | "loading" | "scan" | "confirmed" | "picks" | "certain" | "proposals" | "skipped" | "active" | "fit" | "isStarting" | "stance" | "preset" | "refine" | "drawn" | "ink" | "stances"
 >;
 
 export type NextStep =
@@ -23,15 +25,29 @@ export type NextStep =
   | { kind: "fit"; again: boolean; landmarks: number; isProposed?: boolean } // isProposed: others are proposed and open
   | { kind: "check"; count: number }
   | { kind: "correct" } // a fit that is not usable: its landmarks are looked at again
+  | { kind: "ink"; count: number; on: string | null } // lines found on the skin, about which nobody has decided; `on`: the other scan
   | { kind: "draw"; isArmed: boolean }
   | { kind: "add"; stance: "standing" | "supine" }
   | { kind: "change over"; to: string }
   | { kind: "report" };
 
-/** What a surgeon does with a fit that holds: draw, bring the other stance, take the report. */
+/** Her own lines: on neither scan may they be passed by unseen. */
+function foundInk(state: NextShown): NextStep | null {
+  const { other } = state.stances;
+  const open = ({ scan, drawn }: Pick<NextShown, "scan" | "drawn">): number =>
+    scan ? openLines(state.ink[scan.info.id], drawn.decided, cropsOf(scan)).filter((line) => !isMark(line)).length : 0;
+  const here = state.step === "drawing" ? 0 : open(state); // there they stand above everything else
+  if (here > 0) return { kind: "ink", count: here, on: null };
+  const there = other ? open(other) : 0;
+  return there > 0 ? { kind: "ink", count: there, on: stanceNames(state)[1] } : null;
+}
+
+/** What a surgeon does with a fit that holds: look at her own lines, draw, bring the other stance, take the report. */
 function afterFit(state: NextShown): NextStep {
   const { drawn, stances } = state;
   if (levelOf(state.fit?.result) === "unusable") return { kind: "correct" };
+  const ink = foundInk(state);
+  if (ink) return ink;
   if (drawn.lines.present.length === 0 && (stances.other?.drawn.lines.present.length ?? 0) === 0) return { kind: "draw", isArmed: drawn.tool !== "none" };
   if (stances.other === null) return { kind: "add", stance: stanceOf(state) === "standing" ? "supine" : "standing" };
   if (stances.other.fit?.state !== "done") return { kind: "change over", to: stanceNames(state)[1] };

@@ -10,7 +10,7 @@ import { record, startHistory } from "../../src/store/history";
 
 const landmarks = ["notch", "nipple_L", "nipple_R", "umbilicus"].map((name) => ({ name }) as LandmarkDefinition);
 const some: Picks = { notch: [0, 0, 0], nipple_L: [1, 0, 0], nipple_R: [-1, 0, 0] };
-const withScan = { ...initialSession, meta: { landmarks }, scan: { file: null, frame: { up: [0, 1, 0], front: [0, 0, 1] } } } as unknown as Session;
+const withScan = { ...initialSession, meta: { landmarks }, scan: { file: null, info: { id: "s0" }, frame: { up: [0, 1, 0], front: [0, 0, 1] } } } as unknown as Session;
 const fitted = (picks: Picks | null, state = "done") => ({ state, picks, certain: [] }) as unknown as Session["fit"];
 
 test("without a scan, and while a fit runs, no step is the next", () => {
@@ -93,6 +93,21 @@ test("after a good fit a surgeon draws, brings the other stance, changes over to
   expect(nextStep({ ...drawn, stances: { ...drawn.stances, other } })).toEqual({ kind: "change over", to: "supine" });
   const both = { ...other, fit: { ...drawn.fit!, result: { ...drawn.fit!.result!, stance: "supine" } } } as typeof other & { fit: NonNullable<Session["fit"]> };
   expect(nextStep({ ...drawn, stances: { ...drawn.stances, other: both } })).toEqual({ kind: "report" });
+});
+
+test("lines found on the skin are looked at before others are drawn, also when they are on the scan that is left", () => {
+  const line = (name: string, kind = "line") => ({ name, ids: [name], kind, points: [] });
+  const found = { s0: { state: "found", lines: [line("a"), line("b"), line("c", "cross")], kept: [] } } as unknown as Session["ink"];
+  const open = finished({ ink: found, drawn: { ...startDrawn(), decided: {} } });
+  expect(nextStep(open), "crosses are no lines").toEqual({ kind: "ink", count: 2, on: null });
+  expect(nextStep({ ...open, step: "drawing" }), "there they are in sight").toEqual({ kind: "draw", isArmed: false });
+  expect(nextStep({ ...open, drawn: { ...open.drawn, decided: { a: "accepted" } } })).toEqual({ kind: "ink", count: 1, on: null });
+  expect(nextStep({ ...open, drawn: { ...open.drawn, decided: { a: "accepted", b: "dropped" } } }).kind).toBe("draw");
+  expect(nextStep({ ...open, drawn: startDrawn() }).kind, "what was decided before is not known yet").toBe("draw");
+  const supine = { ...finished(), ink: found, scan: { ...open.scan!, info: { ...open.scan!.info, id: "s1" } }, fit: { ...open.fit!, result: { ...open.fit!.result!, stance: "supine" as const } } };
+  for (const step of ["drawing", "result"] as const) {
+    expect(nextStep({ ...supine, step, stances: { ...supine.stances, other: workspaceOf(open) } })).toEqual({ kind: "ink", count: 2, on: "standing" });
+  }
 });
 
 test("nobody is sent on to draw on a fit that is not usable", () => {
