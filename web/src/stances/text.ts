@@ -38,7 +38,7 @@ export const stances = {
     busy: "Carrying the drawing …",
     done: (name: string) => `Shown on the ${name} scan, lines and patterns; it follows every change.`,
     error: (median: string, most: string) =>
-      `Nine of ten true places lie within ${median} of the line (${most} where it is least sure): the soft band shows it, and the number stands at the pointer.`,
+      `Nine of ten true places lie within ${median} mm of the line (${most} mm where it is least sure): the soft band shows it, and the number stands at the pointer.`,
     bridged: (bridged: number, points: number) => `${bridged} of ${points} points lie over holes of that scan and are dashed.`,
   },
 
