@@ -83,7 +83,7 @@ export function createInkPanel(ink: InkActions, stances: Pick<StancesActions, "d
       const dropped = search?.state === "found" ? droppedIds(state.drawn.decided).length : 0;
       const own = lines.filter((line) => !isMark(line));
       const others = lines.filter(isMark);
-      const sentence = search?.state === "looking" ? words.looking : search?.state === "failed" ? search.reason : lines.length > 0 ? words.what : search?.state === "found" && search.lines.length > 0 ? words.decided : words.none;
+      const sentence = search?.state === "looking" ? words.looking : search?.state === "failed" ? search.reason : own.length > 0 ? words.what : others.length > 0 ? words.marksLeft : search?.state === "found" && search.lines.length > 0 ? words.decided : words.none;
       setText(says, search ? sentence : "");
       show(says, search !== undefined);
       show(all, own.length > 0);

@@ -11,6 +11,7 @@ export const ink = {
   late: "Finding lines takes unusually long; open the scan again later.",
   decided: "All lines found on the skin are decided.",
   what: "Read from the scan’s colours, not yet part of the plan. Look at each before you accept it.",
+  marksLeft: "All lines are decided. The marks are no lines of the plan; accept one that shall be.",
   kinds: { line: "line", closed: "closed line", dashed: "dashed line", cross: "cross", arrow: "arrow", writing: "writing" } as const satisfies Record<FoundLine["kind"], string>,
   stem: (line: Pick<FoundLine, "kind" | "marker">) => capital(`${line.marker} ${ink.kinds[line.kind]}`),
   length: (mm: number) => `${Math.round(mm)} mm`,
