@@ -9,7 +9,9 @@ from typing import Any
 import pytest
 
 from breastrig.evaluation.cohort import Case
-from breastrig.evaluation.studies.plan import counts, first_shapes, shape_effects
+from breastrig.evaluation.evaluate import Results, possible_tables
+from breastrig.evaluation.page.publish import TABLES
+from breastrig.evaluation.studies.plan import Plan, counts, first_shapes, shape_effects
 from breastrig.evaluation.studies.result_cache import Record, Unit
 from breastrig.evaluation.tables.accuracy import console, groups, landmarks_table, turn_numbers, turns_table
 from breastrig.evaluation.tables.breasts import by_breasts, of_all
@@ -17,6 +19,7 @@ from breastrig.evaluation.tables.certainty import believed_table, certainty_tabl
 from breastrig.evaluation.tables.table import Column, Row, Table, mean_row
 from breastrig.evaluation.tables.verdicts import verdicts_table
 from breastrig.fitting.recipe import load_recipe
+from breastrig.gltf.read_rig import default_rig_path
 from breastrig.rig.model import Rig
 
 
@@ -147,3 +150,9 @@ def test_useful_shapes_come_first_and_every_count_has_as_many(rig: Rig) -> None:
             assert len(first_shapes(rig, list(useful), order, count)) == count
     assert first_shapes(rig, list(useful), "rig", 5) == names[:5]
     assert first_shapes(rig, list(useful), "usefulness", 1) == (names[3],)
+
+
+def test_an_evaluation_knows_each_of_its_tables_as_a_file_of_its_own() -> None:
+    plan = Plan((), (load_recipe("default"),), default_rig_path(), rotations=1, quick=False)
+    made = [table.name for table in possible_tables(Results(plan, [], {}))]
+    assert sorted(made) == sorted({*TABLES} - {"blendshape_order"})  # that one only where the plan has a scan

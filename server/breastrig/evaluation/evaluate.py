@@ -49,9 +49,14 @@ def measured(plan: Plan, folder: Path, jobs: int, again: bool, progress: Callabl
 
 def all_tables(results: Results) -> list[Table]:
     """Every table that has rows, Table 1 first."""
+    return [table for table in possible_tables(results) if table.rows]
+
+
+def possible_tables(results: Results) -> list[Table]:
+    """Every table, also those of which nothing was asked."""
     found, presets = results.records, [recipe.name for recipe in results.plan.recipes]
     rig, studied = read_rig(results.plan.model), not results.plan.quick and bool(results.plan.plain)
-    made = [
+    return [
         tables.table_1(found, presets[0]),
         tables.refined_table(found, presets[0]),
         tables.presets_table(found, presets),
@@ -80,4 +85,3 @@ def all_tables(results: Results) -> list[Table]:
         ink_tables.ink_transfer_table(found),
         tables.failures_table(found),
     ]
-    return [table for table in made if table.rows]
