@@ -17,10 +17,34 @@ from breastrig.evaluation.page.unseen_sections import unseen_pictures
 from breastrig.gltf.read_rig import read_rig
 
 NO_PLOTS = "The figures need matplotlib: pip install breastrig[plots]; tables and page are written without them."
-TABLES = tuple(
-    "table1 refined presets landmarks turns clicks wrong_picks blendshapes blendshape_order compliances peers two_stances "
-    "transfer transfer_lines other_patient unseen certainty reliability believed measures ptosis verdicts colour_landmarks "
-    "areolae ink ink_transfer failures".split()
+TABLES = (
+    "table1",
+    "refined",
+    "presets",
+    "landmarks",
+    "turns",
+    "clicks",
+    "wrong_picks",
+    "blendshapes",
+    "blendshape_order",
+    "compliances",
+    "peers",
+    "two_stances",
+    "transfer",
+    "transfer_lines",
+    "other_patient",
+    "unseen",
+    "certainty",
+    "reliability",
+    "believed",
+    "measures",
+    "ptosis",
+    "verdicts",
+    "colour_landmarks",
+    "areolae",
+    "ink",
+    "ink_transfer",
+    "failures",
 )
 PAGE, RECORD, SCHEMA = "index.html", "evaluation.json", "breastrig/evaluation@1"
 
