@@ -261,6 +261,8 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await colleague.getByRole("button", { name: "Open" }).click();
     await expect(colleague.getByText("fitted.glb")).toBeVisible();
     for (const name of ["Line 1", "tumour_L", "wise_L"]) await expect(colleague.locator(`[data-line="${name}"]`), name).toHaveCount(1);
+    await expect(colleague.locator(`[data-line="tumour_L"]`)).toContainText(/carried from another scan, ±\s\d+\smm, 20\smm below the skin/);
+    await expect(colleague.getByText("wants it smaller")).toBeVisible();
     const id = colleague.url().split("/").at(-1)!;
     const status = (path: string) => colleague.evaluate(async (at) => (await fetch(at)).status, path);
     expect(await status(`/api/shared/${id}/result.json`)).toBe(200);

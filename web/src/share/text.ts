@@ -48,6 +48,12 @@ export const shared = {
   needsPasscode: "This link asks for a passcode. The person who sent it knows it.",
   passcode: "Passcode",
   open: "Open",
+  carried: "carried from another scan",
+  within: (mm: string) => `±\u00a0${mm}\u00a0mm`,
+  withinHint: "The true place lies within ± of the line in 90 of 100 cases, where it is least sure.",
+  deep: (mm: string) => `${mm}\u00a0mm below the skin`,
+  notes: "Notes",
+  missing: "Not shown on this scan",
   files: [
     { key: "report", name: "report.pdf", what: "pictures, measures" },
     { key: "fitted_glb", name: "fitted.glb", what: "posed rig with drawing" },

@@ -1,6 +1,8 @@
 import { afterEach, expect, test, vi } from "vitest";
 import { FakeEventSource, page } from "../fakes";
 import { ApiError } from "../../src/api/client";
+import type { DrawingFile, PlanOnScan } from "../../src/api/types";
+import { listedLines } from "../../src/share/visitor/PlanList";
 import { passSecretOn, takeSecret } from "../../src/share/visitor/secret";
 import { closeLink, openLink, visitOf } from "../../src/share/visitor/visit";
 
@@ -103,4 +105,18 @@ test("revoking asks the service and reads the list again", async () => {
   await actions.share.revoke("/api/fits/f1/shares/a");
   expect(revokeShare).toHaveBeenCalledWith("/api/fits/f1/shares/a");
   expect(shares).toHaveBeenCalledTimes(2);
+});
+
+test("a visitor reads of each line how sure its place is, whether it was carried, and how deep a tumour lies", () => {
+  const shape = (name: string, more: object) => ({ name, closed: false, color: "#101010", points: [], bridged: [], ...more });
+  const shapes = [shape("a", { error_mm: [2, null, 7.6], carried: true, depth_mm: 20 }), shape("b", { error_mm: [null], carried: false, depth_mm: null }), shape("c", { error_mm: [3], carried: false })];
+  const plan = { shapes: shapes.slice(0, 3) } as unknown as PlanOnScan;
+  const drawing = { shapes: [...shapes, shape("from the fit", {})] } as unknown as DrawingFile;
+  expect(listedLines(drawing, plan).map(({ name, about }) => [name, about])).toEqual([
+    ["a", "carried from another scan, ±\u00a08\u00a0mm, 20\u00a0mm below the skin"],
+    ["b", ""],
+    ["c", "±\u00a03\u00a0mm"],
+    ["from the fit", ""],
+  ]);
+  expect(listedLines(null, plan)).toEqual([]);
 });

@@ -3,8 +3,6 @@ import "../../style.css";
 import * as text from "../text";
 import { ApiError } from "../../api/client";
 import type { SharedResult } from "../../api/types";
-import { ownColour } from "../../drawing/lines/lines";
-import { drawing as drawingText } from "../../drawing/text";
 import { createColourBar } from "../../fit/distances/ColourBar";
 import { createNumbersPanel } from "../../fit/distances/NumbersPanel";
 import { hasBoth, viewBarShown, withDistances } from "../../fit/state";
@@ -19,6 +17,7 @@ import { createSwipe } from "../../viewer/Swipe";
 import { errors as viewErrors, view as viewText } from "../../viewer/text";
 import { createViewBar } from "../../viewer/ViewBar";
 import { openSharedViewer } from "./openViewer";
+import { planList } from "./PlanList";
 import { passSecretOn, takeSecret } from "./secret";
 import { initialVisitor, type VisitorState } from "./state";
 import { closeLink, openLink, readShared, visitOf } from "./visit";
@@ -56,9 +55,9 @@ const form = el(
 const card = el("div", { class: "empty" }, el("div", { class: "empty-card busy" }, waiting, alert, form));
 const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, card);
 const until = el("p", { class: "muted" });
-const shapes = el("ul", { class: "shapes" });
+const planned = el("div", { class: "shared-plan" });
 const files = el("ul", { class: "files" });
-const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, el("h2", {}, resultText.drawing), shapes, el("h2", {}, resultText.files), files);
+const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, planned, el("h2", {}, resultText.files), files);
 const numbers = createNumbersPanel();
 const aside = el("aside", { class: "aside", tabindex: 0, "aria-label": numbersText.title }, numbers.element); // it scrolls by keys too
 const leave = button(words.close, () => void close(), "quiet outlined", "close");
@@ -134,16 +133,9 @@ async function close(): Promise<void> {
   location.replace(`/s${CLOSED}`);
 }
 
-function lineRow({ name, colour }: { name: string; colour: string | null }): HTMLElement {
-  const stroke = el("span", { class: "stroke", "aria-hidden": "true" });
-  if (colour !== null) stroke.style.background = colour;
-  return el("li", { "data-line": name }, stroke, drawingText.shapeName(name));
-}
-
-function fillSide({ expires_at, links }: SharedResult, { fit }: VisitorState): void {
+function fillSide({ expires_at, links }: SharedResult, { fit, plan }: VisitorState): void {
   setText(until, words.until(moment.format(new Date(expires_at))));
-  const lines = fit?.drawing?.shapes.map(({ name, color }) => ({ name, colour: ownColour(color) })) ?? [];
-  fill(shapes, lines, () => (lines.length > 0 ? lines.map(lineRow) : [el("li", {}, resultText.noDrawing)]));
+  if (plan) planned.replaceChildren(...planList(fit?.drawing ?? null, plan));
   const offered = words.files.flatMap(({ key, name, what }) => (links[key] === null ? [] : [{ href: links[key], name, what }]));
   fill(files, offered, () =>
     offered.map(({ href, name, what }) => el("li", {}, el("a", { href, download: name }, icon("download"), el("span", {}, name)), el("span", { class: "muted" }, what))),

@@ -71,6 +71,7 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
   const info = { ...cut, id: "shared", colours: "vertex", stance: { proposed: result.stance, reason: "" }, frame: { ...frame, confidence: 1, reason: "" } } as Scan;
   return {
     ...initialVisitor,
+    plan,
     step: "result",
     overlay: mesh === null ? "model" : "both",
     scan: { info, title: text.shared.title, mesh, frame, frameFrom: "fit", file: null, example: null, crops: startHistory(cropsFrom(cuts)) },
