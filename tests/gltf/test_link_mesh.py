@@ -2,6 +2,7 @@ import io
 
 import numpy as np
 import pytest
+import trimesh
 from helpers.scan_files import picture
 from PIL import Image
 
@@ -35,6 +36,22 @@ def test_shape_stays_and_colour_goes(kind: str) -> None:
         assert np.allclose(*values, atol=1e-7)
     assert np.array_equal(arrays[0].read(before["indices"]), arrays[1].read(after["indices"]))
     assert plain == plain_mesh(mesh_glb(VERTICES, FACES))
+
+
+def test_a_plain_mesh_has_no_seams_where_pieces_of_its_texture_met() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    split = ball.faces  # with every corner a vertex of its own
+    uv = np.random.default_rng(5).random((3 * len(split), 2))
+    glb = mesh_glb(
+        ball.vertices[split].reshape(-1, 3), np.arange(3 * len(split)).reshape(-1, 3), uv=uv, texture=picture()
+    )
+    document, binary = split_glb(plain_mesh(glb))
+    arrays, primitive = GltfArrays(document, binary), document["meshes"][0]["primitives"][0]
+    vertices, faces = arrays.read(primitive["attributes"]["POSITION"]), arrays.read(primitive["indices"]).reshape(-1, 3)
+    assert len(vertices) == len(ball.vertices)
+    assert np.allclose(vertices[faces], ball.vertices[split], atol=1e-7)
+    normals = arrays.read(primitive["attributes"]["NORMAL"])
+    assert np.allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-6)
 
 
 def right_half(at: float) -> dict[str, object]:

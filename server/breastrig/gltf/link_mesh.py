@@ -14,6 +14,7 @@ from breastrig.core.glb import split_glb
 from breastrig.core.gltf_arrays import GltfArrays
 from breastrig.gltf.covered_texture import covered_texture
 from breastrig.gltf.mesh_glb import mesh_glb, srgb
+from breastrig.scan.clean import welded
 from breastrig.scan.hand_cuts import HandCut, cut_triangles
 
 Cuts = Sequence[Mapping[str, Any]]  # documents as HandCut.of reads them
@@ -45,8 +46,11 @@ def _left(glb: bytes, cuts: Cuts, has_colours: bool) -> bytes:
         stored = {name: values[used] for name, values in stored.items()}
         faces = ours.reshape(-1, 3)
     vertices, normals = stored["POSITION"], stored["NORMAL"]
-    if not has_colours:
-        return mesh_glb(vertices, faces, normals)
+    if (
+        not has_colours
+    ):  # where pieces of a texture meet is the texture's matter, and a viewer would draw it as a border
+        joined, faces = welded(vertices, faces)
+        return mesh_glb(joined, faces, normals if joined is vertices else None)
     uv: Array | None = None
     texture: bytes | None = None
     if "TEXCOORD_0" in stored:
