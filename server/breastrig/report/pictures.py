@@ -7,6 +7,7 @@ import numpy as np
 from PIL import Image
 
 from breastrig.core.arrays import Array
+from breastrig.geometry.polyline import Polyline
 from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera, diverging_colours
 from breastrig.report.body_frame import body_frame
 from breastrig.report.stance import Stance
@@ -15,7 +16,14 @@ LIMIT_MM = 5.0  # ends of the colours; the same in every report, so that reports
 SCAN_GREY: Colour = (0.80, 0.78, 0.76)
 PALE: Colour = (0.93, 0.93, 0.93)  # what is not her trunk: table, forearms
 BODY_REACH = (0.015, 0.04)  # m from the model, where grey begins to turn pale and has done so
-INK: Colour = (0.10, 0.16, 0.24)
+INK: Colour = (
+    0.10,
+    0.16,
+    0.24,
+)  # of lines that have no hue of their own: white and grey ones do not show on a grey scan
+HUE = 0.15  # least difference between a colour's channels that people see as one
+LIGHTEST = 0.15  # luminance of a line: 3 : 1 against the scan, as WCAG 2.2 (1.4.11) asks of graphics
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear red, green, blue (WCAG 2.2)
 WHITE: Colour = (1.0, 1.0, 1.0)
 JPEG_QUALITY = 92  # below it lines get a halo
 
@@ -58,22 +66,30 @@ def jpeg(picture: Picture) -> bytes:
     return stream.getvalue()
 
 
+def line_colour(color: str) -> Colour:
+    """A line's own "#rrggbb", so dark that it shows on the grey scan, on paper too; INK where it has no hue."""
+    own = np.array([int(color[at : at + 2], 16) for at in (1, 3, 5)]) / 255.0
+    if np.ptp(own) < HUE:
+        return INK
+    linear = np.where(own > 0.04045, ((own + 0.055) / 1.055) ** 2.4, own / 12.92)
+    linear *= min(1.0, LIGHTEST / float(LUMINANCE @ linear))
+    red, green, blue = np.where(linear > 0.0031308, 1.055 * linear ** (1.0 / 2.4) - 0.055, 12.92 * linear)
+    return float(red), float(green), float(blue)
+
+
 def _lines(stance: Stance, pixels: int) -> list[Line]:
     """Each line white below and dark above, which shows on light and on dark skin."""
     thick = pixels / 150
-    found: list[Line] = []
-    for points, closed in _strokes(stance):
-        found.append(Line(points, WHITE, 2.0 * thick, closed))
-    return found + [Line(points, INK, thick, closed) for points, closed in _strokes(stance)]
+    strokes = [(*stroke, line_colour(line.color)) for line in stance.lines for stroke in _strokes(line)]
+    halos = [Line(points, WHITE, 2.0 * thick, closed) for points, closed, _ in strokes]
+    return halos + [Line(points, colour, thick, closed) for points, closed, colour in strokes]
 
 
-def _strokes(stance: Stance) -> list[tuple[Array, bool]]:
+def _strokes(line: Polyline) -> list[tuple[Array, bool]]:
     """Runs of points on the scan, and single bridged points."""
+    if not line.bridged.any():
+        return [(line.points, line.closed)]
     strokes: list[tuple[Array, bool]] = []
-    for line in stance.lines:
-        if not line.bridged.any():
-            strokes.append((line.points, line.closed))
-            continue
-        for run, bridged in line.runs():
-            strokes += [(point[None], False) for point in run[::2]] if bridged else [(run, False)]
+    for run, bridged in line.runs():
+        strokes += [(point[None], False) for point in run[::2]] if bridged else [(run, False)]
     return strokes
