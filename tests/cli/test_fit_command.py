@@ -1,6 +1,7 @@
 """`breastrig fit` as a user calls it: the files it leaves, and one clear line for everything it refuses."""
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -13,6 +14,7 @@ import trimesh
 from helpers.point_files import xyz
 
 import breastrig
+from breastrig.cli.fit_command import summary
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.core.units import METRES_PER_UNIT
@@ -70,6 +72,17 @@ def test_the_result_keeps_its_contract_and_its_accuracy(fitted: Path) -> None:
     assert len(result["parameters"]["bones"]) == 9
     assert len(result["parameters"]["blendshapes"]) == 55
     assert result["stance"] == "standing"
+
+
+def test_on_a_terminal_the_verdict_and_how_sure_it_is_come_before_any_distance(fitted: Path) -> None:
+    result = json.loads((fitted / "result.json").read_text())
+    sure = r"a good fit, landmarks ± \d+ to \d+ mm"
+    near = r"0\.\d\d mm to the scan \(the model alone 0\.\d\d mm\), \d\.\d\d mm to the landmarks"
+    assert re.fullmatch(f"{sure}; {near}", summary(result))
+    unknown = result["surface_distance_mm"] | {"mean": None}
+    worse = {"verdict": {"level": "unusable", "reasons": []}, "refined": False, "surface_distance_mm": unknown}
+    nothing = {"landmark_uncertainty_mm": {}, "landmark_distance_mm": {"mean": None}}
+    assert summary(result | worse | nothing) == "not usable; no distance to the scan"
 
 
 def test_the_fitted_surface_is_the_whole_model_in_the_scans_frame_and_unit(fitted: Path) -> None:

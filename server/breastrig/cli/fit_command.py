@@ -17,6 +17,7 @@ from breastrig.interface.run import FitRun, Iterate, iterates
 from breastrig.interface.scan import Scan, read_coloured
 from breastrig.workflow.folder.fit_file_names import fit_set
 
+SAID = {"good": "a good fit", "check": "a fit to check", "unusable": "not usable"}
 LEVELS = {"check": "check this fit", "unusable": "this fit is not usable"}
 
 
@@ -116,10 +117,23 @@ def run(options: argparse.Namespace) -> int:
             print(f"breastrig: {scan}{pick['reason']}", file=sys.stderr)
         for pick in result["landmarks_unusual"]:
             print(f"breastrig: {scan}{_to_check(pick['reason'])}", file=sys.stderr)
-        surface, landmarks = result["surface_distance_mm"], result["landmark_distance_mm"]
         if sys.stdout.isatty():
-            to_landmarks = "" if landmarks["mean"] is None else f", {landmarks['mean']:.2f} mm to the landmarks"
-            alone = f" (the model alone {result['model_alone']['surface_distance_mm']['mean']:.2f} mm)"
-            to_scan = f"{surface['mean']:.2f} mm to the scan{alone if result['refined'] else ''}"
-            print(f"{scan}{to_scan}{to_landmarks}; results in {options.output}")
+            print(f"{scan}{summary(result)}; results in {options.output}")
     return 0
+
+
+def _mm(distance: float | None) -> str:
+    return (
+        "no distance" if distance is None else f"{distance:.2f} mm"
+    )  # none where the scan shows no skin near the model
+
+
+def summary(result: dict[str, Any]) -> str:
+    """What a result.json says in one line: first whether and how far it can be relied on, distances after that."""
+    radii = [mm for mm in result["landmark_uncertainty_mm"].values() if mm is not None]
+    sure = f", landmarks ± {min(radii):.0f} to {max(radii):.0f} mm" if radii else ""
+    found, alone = (_mm(each["surface_distance_mm"]["mean"]) for each in (result, result["model_alone"]))
+    to_scan = f"{found} to the scan" + (f" (the model alone {alone})" if result["refined"] else "")
+    picks = result["landmark_distance_mm"]["mean"]
+    to_picks = "" if picks is None else f", {picks:.2f} mm to the landmarks"
+    return f"{SAID[result['verdict']['level']]}{sure}; {to_scan}{to_picks}"
