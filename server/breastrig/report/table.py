@@ -20,6 +20,8 @@ COLUMNS = (
     "value", "value_low", "value_high",
     "landmarks", "method",
 )  # fmt: skip
+VERDICT = "verdict"  # the last column
+LEVELS = ("", "good", "check", "unusable")  # of a verdict; none in results of earlier versions
 PATH_DIGITS = 1  # of mm, in the lines that were measured: they are looked at, not measured again
 FILE_DIGITS = {"mm": 2, "ml": 1, "1": 4, "grade": 0}  # a hundredth of a millimetre is below any scanner: enough
 PRINTED_DIGITS = {"mm": 1, "ml": 0, "1": 2}  # what a scanner of 1 to 3 mm and a band of tens of ml allow
@@ -110,12 +112,18 @@ def _flat(stance: str, row: Row) -> dict[str, Cell]:
     return cells | {"landmarks": "; ".join(row.landmarks), "method": row.method, "paths": paths or None}
 
 
-def csv_bytes(rows: Sequence[dict[str, Cell]]) -> bytes:
-    """The rows as CSV with a header; empty cells where a row has no such number.  A table has no room for lines."""
+def csv_bytes(rows: Sequence[dict[str, Cell]], verdicts: Mapping[str, str]) -> bytes:
+    """The rows as CSV with a header; empty cells where a row has no such number.  A table has no room for lines.
+
+    `verdicts`: the level of each stance's fit, which stands in its rows, for a table is read without its report; a
+    change is as good as the worse of both.
+    """
+    worst = max(verdicts.values(), key=LEVELS.index, default="")
     text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer = csv.DictWriter(text, (*COLUMNS, VERDICT), lineterminator="\n")
     writer.writeheader()
-    writer.writerows({name: row[name] for name in COLUMNS} for row in rows)
+    for row in rows:
+        writer.writerow({name: row[name] for name in COLUMNS} | {VERDICT: verdicts.get(str(row["stance"]), worst)})
     return text.getvalue().encode()
 
 

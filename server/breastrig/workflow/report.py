@@ -184,7 +184,9 @@ def report_files(job: ReportJob) -> dict[str, bytes]:
     rows: Any = document["measures"]
     return {
         "report.json": json_bytes(document),
-        "measures.csv": csv_bytes(rows),
+        "measures.csv": csv_bytes(
+            rows, {each.name: (each.result.get("verdict") or {}).get("level", "") for each in stances}
+        ),
         "report.pdf": _pdf(stances),
     }
 

@@ -28,7 +28,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
   const signs = el("p", { class: "muted small" });
   const copied = el("span", { class: "muted small", role: "status" });
   const copy = button(words.copy, () => void copyTable(), "outlined");
-  const csv = button(words.csv, () => file && saveFile("measures.csv", measuresCsv(file.measures), "text/csv"), "outlined", "download");
+  const csv = button(words.csv, () => file && saveFile("measures.csv", measuresCsv(file), "text/csv"), "outlined", "download");
   const report = el("a", { class: "button outlined", id: "report-both", download: "report.pdf" }, icon("download"), el("span", {}, words.report));
   const wrong = problem(dismiss);
   const element = el(
@@ -47,7 +47,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
   async function copyTable(): Promise<void> {
     if (!file) return;
     try {
-      await navigator.clipboard.writeText(measuresCsv(file.measures).replaceAll("\r\n", "\n"));
+      await navigator.clipboard.writeText(measuresCsv(file).replaceAll("\r\n", "\n"));
       setText(copied, words.copied);
     } catch {
       setText(copied, words.copyFailed);

@@ -79,8 +79,15 @@ const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_
 
 const quoted = (cell: string): string => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
 
-/** The same columns as the command line's measures.csv, every digit that the service sent. */
-export function measuresCsv(rows: readonly Measure[]): string {
-  const written = rows.map((row) => COLUMNS.map((name) => quoted(row[name] === null ? "" : String(row[name]))).join(","));
-  return [COLUMNS.join(","), ...written].join("\r\n") + "\r\n";
+const LEVELS = ["", "good", "check", "unusable"]; // none in results of earlier versions
+
+/**
+ * The same columns as the command line's measures.csv, every digit that the service sent.  The verdict of its fit stands in
+ * each row, for a table is read without its report; a change is as good as the worse of both.
+ */
+export function measuresCsv({ measures, stances }: Pick<MeasuresFile, "measures" | "stances">): string {
+  const verdicts = new Map(stances.map(({ name, verdict }) => [name, verdict?.level ?? ""]));
+  const worst = LEVELS.findLast((level) => [...verdicts.values()].some((each) => each === level)) ?? "";
+  const written = measures.map((row) => [...COLUMNS.map((name) => quoted(row[name] === null ? "" : String(row[name]))), verdicts.get(row.stance) ?? worst].join(","));
+  return [[...COLUMNS, "verdict"].join(","), ...written].join("\r\n") + "\r\n";
 }

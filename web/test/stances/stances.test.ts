@@ -98,9 +98,13 @@ test("cells have the digits that a measure is worth, and a sign where a directio
 });
 
 test("the file has the command line's columns and quotes what needs it", () => {
-  const [head, first] = measuresCsv([row("standing", { left: 1.5, method: 'a "b", c' })]).split("\r\n");
-  expect(head).toBe("stance,measure,kind,unit,left,left_low,left_high,right,right_low,right_high,difference,value,value_low,value_high,landmarks,method");
-  expect(first).toBe('standing,notch to nipple,along the skin,mm,1.5,,,,,,,,,,,"a ""b"", c"');
+  const stances = [{ name: "standing", verdict: { level: "check" } }, { name: "supine", verdict: { level: "good" } }] as never;
+  const rows = [row("standing", { left: 1.5, method: 'a "b", c' }), row("supine", {}), row("supine - standing", {})];
+  const [head, first, ...others] = measuresCsv({ measures: rows, stances }).trim().split("\r\n");
+  expect(head).toBe("stance,measure,kind,unit,left,left_low,left_high,right,right_low,right_high,difference,value,value_low,value_high,landmarks,method,verdict");
+  expect(first).toBe('standing,notch to nipple,along the skin,mm,1.5,,,,,,,,,,,"a ""b"", c",check');
+  expect(others.map((line) => line.split(",").at(-1)), "a change is as good as the worse of both").toEqual(["good", "check"]);
+  expect(measuresCsv({ measures: [row("standing", {})], stances: [{ name: "standing" }] as never }).trim(), "a fit of an earlier version").toMatch(/,$/);
 });
 
 const shape = (part: Partial<PlannedShape>): PlannedShape => ({ name: "Line 1", closed: false, color: INK, points: [[0, 0, 0]], bridged: [false], item: "a", kind: "line", carried: true, ...part });
