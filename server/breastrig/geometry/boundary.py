@@ -7,6 +7,7 @@ that the surface lies on the left of a walker who sees it from outside.
 import numpy as np
 
 from breastrig.core.arrays import Booleans, Integers
+from breastrig.geometry.stable_order import stable_order
 
 
 def directed_edges(faces: Integers) -> Integers:
@@ -20,7 +21,7 @@ def boundary_edges(faces: Integers) -> Integers:
         return np.zeros((0, 2), dtype=np.int64)
     start, end = faces.astype(np.int64).ravel(), np.roll(faces, -1, axis=1).astype(np.int64).ravel()
     key = np.minimum(start, end) * (int(faces.max()) + 1) + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")  # twice as fast, for neighbours stand near each other in most meshes
+    order = stable_order(key)
     ordered = key[order]
     alone = np.ones(len(key), dtype=np.bool_)
     changes = ordered[1:] != ordered[:-1]

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.geometry.stable_order import stable_order
 
 SADDLE = 1e-9  # rad above a full turn from which a vertex casts a shadow: 0.05 nm at 5 cm
 
@@ -38,7 +39,7 @@ class HalfEdges:
         """The half-edge of the triangle on the near side that is the same edge; -1 at a border."""
         count = len(self.vertices)
         key, turned = self.left * count + self.right, self.right * count + self.left
-        order = np.argsort(key, kind="stable")
+        order = stable_order(key)
         at = np.searchsorted(key[order], turned).clip(0, max(len(key) - 1, 0))
         return np.where(key[order[at]] == turned, order[at], -1)
 
@@ -117,4 +118,4 @@ class HalfEdges:
     def around(self) -> tuple[Integers, Integers]:
         """(V + 1,) offsets into (3 F,) corners, vertex by vertex."""
         counts = np.bincount(self.apex, minlength=len(self.vertices))
-        return np.concatenate([[0], np.cumsum(counts)]), np.argsort(self.apex, kind="stable")
+        return np.concatenate([[0], np.cumsum(counts)]), stable_order(self.apex)

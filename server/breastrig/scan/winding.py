@@ -11,6 +11,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.components import components
 from breastrig.geometry.normals import face_crosses
+from breastrig.geometry.stable_order import stable_order
 
 ROUND = 0.2  # mean cosine between normals and the arms from the piece's middle: a plane has 0, a ball 1, a torso 0.5
 
@@ -20,7 +21,7 @@ def _neighbours(faces: Integers) -> tuple[Integers, Integers, Booleans]:
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     forward = start < end
     key = np.where(forward, start, end) * (int(faces.max()) + 1) + np.where(forward, end, start)
-    order = np.argsort(key, kind="stable")  # as in geometry/boundary.py
+    order = stable_order(key)
     ordered = key[order]
     same = ordered[1:] == ordered[:-1]
     alone = same.copy()  # edges of exactly two triangles
@@ -52,7 +53,7 @@ def _walk(
     """Breadth first from the roots over `count` nodes and E edges: (N,) the node from which each was reached (a root
     from itself), and (N,) whether the edge between them differs."""
     start, end, apart = np.concatenate([first, second]), np.concatenate([second, first]), np.tile(differ, 2)
-    order = np.argsort(start * count + end)
+    order = stable_order(start * count + end)
     end, apart = end[order], apart[order]
     offsets = np.concatenate([[0], np.cumsum(np.bincount(start, minlength=count))])
     parent, flipped, reached = np.arange(count), np.zeros(count, np.bool_), np.zeros(count, np.bool_)
