@@ -32,6 +32,7 @@ def test_a_scan_is_read_in_metres_whatever_its_kind_and_unit(kind: str, scale: f
     assert scan.sha256 == hashlib.sha256(data).hexdigest()
     assert not scan.vertices.flags.writeable
     assert scan.colour_kind == "none"
+    assert not scan.shows_colour
 
 
 def test_the_kind_is_decided_by_the_content_not_by_the_name(tmp_path: Path) -> None:
@@ -66,6 +67,17 @@ def test_vertex_colours_are_kept(kind: str) -> None:
     assert scan.colour_kind == "vertex"
     assert scan.colours is not None
     assert np.abs(scan.colours.astype(int) - colours).max() <= 1
+
+
+@pytest.mark.parametrize(("other", "shows"), [(180, False), (181, True)])
+def test_one_colour_everywhere_shows_nothing(other: int, shows: bool) -> None:
+    mesh = tube()
+    colours = np.full((len(mesh.vertices), 3), 180, dtype=np.uint8)
+    colours[7, 1] = other
+    mesh.visual = trimesh.visual.ColorVisuals(mesh, vertex_colors=colours)
+    scan = read_scan(as_bytes(mesh, "ply"))
+    assert scan.colour_kind == "vertex"
+    assert scan.shows_colour == shows
 
 
 COLOURED = np.random.default_rng(6).integers(0, 256, (len(toy_rig().template), 3))
@@ -121,6 +133,7 @@ def test_a_zip_with_obj_material_and_picture_keeps_its_texture(kind: str) -> Non
     name = "skin.jpg" if kind == "JPEG" else "skin.png"
     scan = read_scan(zipped({**textured_obj(name), name: picture(kind), "Preview.jpg": picture()}))
     assert scan.colour_kind == "texture"
+    assert scan.shows_colour
     assert scan.texture is not None
     assert scan.uv is not None
     assert is_picture(scan.texture)

@@ -1,4 +1,4 @@
-"""Sorting whole numbers without losing whose they are: each number and its place are packed into one and sorted as such.
+"""Sorting whole numbers without losing whose they are: each is packed with its place into one, and these are sorted.
 
 NumPy sorts plain numbers with the processor's widest registers, but not their places beside them: for the 180,000 edges
 of a scan this takes 0.9 ms instead of 13.

@@ -4,6 +4,7 @@ Nothing is cleaned, turned or moved here, so whatever is found on it can be give
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,3 +42,10 @@ class Scan:
     def colour_kind(self) -> str:
         """ "texture", "vertex" or "none"."""
         return "texture" if self.texture is not None else "none" if self.colours is None else "vertex"
+
+    @cached_property
+    def shows_colour(self) -> bool:
+        """Whether there is anything to see: many programs write one grey for all vertices of a scan without colours."""
+        if self.colour_kind != "vertex" or self.colours is None:
+            return self.colour_kind == "texture"
+        return bool((self.colours != self.colours[:1]).any())

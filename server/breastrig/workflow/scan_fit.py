@@ -241,7 +241,7 @@ def _with_colour(
     `fitted` is where the task without landmarks is known to end.
     Only where no person has picked any: who has, has seen the proposals, which are made with the colours.
     """
-    if task.landmarks or scan.colour_kind == "none":
+    if task.landmarks or not scan.shows_colour:
         return task, begun, None
     if fitted is None:
         last = (begun or tuple(opened_iterates(task)))[-1]

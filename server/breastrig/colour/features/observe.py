@@ -18,7 +18,6 @@ from breastrig.colour.features.mid_sternum import between_crosses
 from breastrig.colour.features.navel import find_navel
 from breastrig.colour.features.nipple import NippleSeen, find_nipple
 from breastrig.colour.features.patch import ColouredSkin
-from breastrig.colour.skin_texture import has_colour
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BreastRigError
 from breastrig.scan.scan import Scan
@@ -59,11 +58,12 @@ class Observation:
 def observed_landmarks(
     scan: Scan, expected: Mapping[str, Expectation], left: Array, up: Array
 ) -> dict[str, Observation]:
-    """Those of the `expected` landmarks that the colours show; none for a scan without any, or with a broken picture.
+    """Those of the `expected` landmarks that the colours show.
 
+    None for a scan without any, with one colour everywhere, or with a broken picture.
     `left` and `up` (3,) are the body's unit directions in the scan's frame.
     """
-    if not has_colour(scan):
+    if not scan.shows_colour:
         return {}
     try:
         skin = ColouredSkin(scan)

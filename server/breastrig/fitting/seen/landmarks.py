@@ -42,11 +42,11 @@ UNKNOWN = 0.02  # m, error of the form with models of which nobody knows how far
 
 
 def seen_landmarks(task: FitTask, fitted: RigParameters, margin: float | None, scan: Scan) -> dict[str, "Observation"]:
-    """What the colours of the scan show of the rig's landmarks; nothing for a scan without colour.
+    """What the colours of the scan show of the rig's landmarks; nothing for a scan without colours, or of a single one.
 
     `fitted` is where the fit of the `task` without landmarks ended, `margin` how clear its start was (Start.margin).
     """
-    if scan.colour_kind == "none":
+    if not scan.shows_colour:
         return {}
     from breastrig.colour.features.observe import observed_landmarks  # loads image filters
 
