@@ -34,6 +34,7 @@ def test_a_task_runs_alone_within_its_limits_and_with_one_thread(processes: Proc
     assert first["pid"] != second["pid"]
     assert (first["memory"], first["cpu"], first["core"]) == ((4 * GIB, 4 * GIB), (1, 6), (0, 0))
     assert first["threads"] == [1]
+    assert first["libraries_known"]  # by the fork server; each process would look for 8 ms
     assert first["garbage"] == (True, True)  # looked for, but not among the modules
 
 

@@ -12,7 +12,7 @@ from importlib import import_module
 from threadpoolctl import threadpool_info
 
 from breastrig.core.errors import BadScan, TooMany
-from breastrig.execution import learned_modules
+from breastrig.execution import learned_modules, one_thread
 
 
 def describe() -> dict[str, object]:
@@ -23,6 +23,7 @@ def describe() -> dict[str, object]:
         "cpu": resource.getrlimit(resource.RLIMIT_CPU),
         "core": resource.getrlimit(resource.RLIMIT_CORE),
         "threads": sorted({pool["num_threads"] for pool in threadpool_info()}),
+        "libraries_known": one_thread.are_known(),
         "imported": sorted(sys.modules),
         "garbage": (gc.isenabled(), gc.get_freeze_count() > 1000),
     }

@@ -16,6 +16,7 @@ from collections.abc import Iterable
 from multiprocessing import forkserver, resource_tracker
 
 BEGINS = "breastrig.execution.fork_server_begins"
+READY = "breastrig.execution.fork_server_ready"
 ALWAYS = (BEGINS, "__main__", "breastrig.execution.processes")  # the last two are what every child looks for first
 _named: list[str] = []
 
@@ -31,7 +32,8 @@ def modules_to_preload() -> list[str]:
     A program's own modules are not all wanted: those of `breastrig serve` bring Flask, which no task needs, and would
     make its start a fifth longer.
     """
-    return [*ALWAYS, *(_named or sorted(name for name in sys.modules if name.startswith("breastrig.")))]
+    between = _named or sorted(name for name in sys.modules if name.startswith("breastrig."))
+    return [*ALWAYS, *(name for name in between if name != READY), READY]
 
 
 def start_fork_server() -> None:

@@ -15,6 +15,8 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
+from breastrig.execution.one_thread import look_for_libraries
+
 PACKAGE = "breastrig."
 LONGEST = 4096  # bytes; a pipe takes so many at once or none
 
@@ -72,3 +74,4 @@ def _learn(_number: int, _frame: object) -> None:
                     import_module(name)
                 except Exception:  # cut off, or broken: whoever needs it says so
                     continue
+        look_for_libraries()

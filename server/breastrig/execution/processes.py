@@ -20,11 +20,11 @@ from contextlib import suppress
 from typing import Any
 
 from pebble import ProcessFuture, ProcessPool
-from threadpoolctl import threadpool_limits
 
 from breastrig.core.log_lines import set_up_logs_from_environment
 from breastrig.execution.fork_server import modules_to_preload
 from breastrig.execution.learned_modules import run_and_tell
+from breastrig.execution.one_thread import use_one_thread
 
 ANSWER_S = 30.0  # until a process is asked again; importing everything takes a few on a slow machine
 TIMES_ASKED = 3
@@ -157,7 +157,7 @@ def _limit(memory_bytes: int, cpu_s: int | None) -> None:
         resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))
     set_up_logs_from_environment()
     threading.Thread(target=_die_with_the_server, daemon=True).start()
-    threadpool_limits(1)  # more BLAS threads are slower at this size, and fits would fight over the cores
+    use_one_thread()
 
 
 def _die_with_the_server() -> None:
