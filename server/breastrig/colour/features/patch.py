@@ -85,11 +85,12 @@ class ColouredSkin:
 
     @cached_property
     def _middles(self) -> cKDTree:
-        return cKDTree(self._scan.vertices[self._scan.faces].mean(axis=1))
+        a, b, c = (self._scan.vertices.take(corner, axis=0) for corner in self._scan.faces.T)
+        return cKDTree((a + b + c) / 3.0, balanced_tree=False, compact_nodes=False)  # asked a few times only
 
     def normal(self, place: Array, outwards: Array, reach: float = NORMAL_REACH) -> Array:
         """(3,) unit, where the skin looks around a place (3,) m; `outwards` says which side is outside."""
-        near = self._middles.query_ball_point(place, reach)
+        near = np.array(self._middles.query_ball_point(place, reach, return_sorted=True), dtype=np.int64)
         crosses = self._crosses[near]
         crosses = crosses * np.where(crosses @ outwards < 0.0, -1.0, 1.0)[:, None]
         total = crosses.sum(axis=0) if len(crosses) else outwards
