@@ -13,7 +13,9 @@ from helpers.waiting import until
 from breastrig.core.errors import BadScan, TooMany
 from breastrig.execution.asking_client import asking_client
 from breastrig.execution.fair_processes import FairProcesses
+from breastrig.execution.kept_processes import KeptProcesses
 from breastrig.execution.processes import Processes
+from breastrig.execution.warm_first import ForKey, WarmFirst
 
 GIB = 2**30
 
@@ -57,6 +59,25 @@ def test_a_client_has_so_many_and_the_program_itself_any_number(readers: FairPro
     assert not wait(tasks, timeout=30).not_done
     with asking("busy"):
         assert readers.result(in_worker.describe, (), 30.0)["threads"] == [1]
+
+
+@pytest.mark.parametrize("upload", [True, False])
+def test_an_upload_and_all_else_do_not_wait_for_each_other(upload: bool) -> None:
+    """Nor do more of them run than one beside each worker."""
+    kept = KeptProcesses(4 * GIB, kept=4)
+    cold = Processes(1, memory_bytes=4 * GIB, spare=1)
+    readers = FairProcesses(WarmFirst(cold, kept, in_worker.call_as_kept, memory_bytes=4 * GIB), waiting_per_client=9)
+    readers.warm_up()
+    kinds = (ForKey("a", in_worker.rest, begins=True), in_worker.rest)
+    first, second = kinds if upload else kinds[::-1]
+    try:
+        resting = [readers.schedule(first, (60.0,), 90.0) for _ in range(2)]
+        until(lambda: resting[0].inner is not None, "a running task")
+        assert readers.schedule(second, (0.0,), 30.0).result(30.0) is None
+        assert [task.inner is not None for task in resting] == [True, False]
+        assert not any(task.done() for task in resting)
+    finally:
+        readers.stop()
 
 
 def test_errors_and_timeouts_come_to_whoever_asked(readers: FairProcesses) -> None:

@@ -3,6 +3,9 @@
 Pebble's own queue is first come, first served: one client with many slow scans would keep everybody waiting.  So no
 more tasks are handed to it than it has processes; the others wait here and are taken in turns, one of each client.
 How many a client may have here is limited, because each holds a thread of the server.
+
+Uploads come before all else, and one task more may run than there are workers, as long as not all are of one kind: so
+an upload waits for no report or search of another person, and these are not kept out by a row of uploads.
 """
 
 import threading
@@ -18,6 +21,7 @@ from breastrig.core.errors import TooMany
 from breastrig.core.round_robin import RoundRobin
 from breastrig.execution.asking_client import asking_client
 from breastrig.execution.executor import Executor
+from breastrig.execution.warm_first import ForKey
 
 RETRY_S = 2  # a scan is read within a second or two
 
@@ -25,8 +29,9 @@ RETRY_S = 2  # a scan is read within a second or two
 class _Task(Future[Any]):
     """What the caller holds; ends as the process's own future does."""
 
-    def __init__(self, owner: "FairProcesses", client: str, call: Callable[[], "Future[Any]"]) -> None:
+    def __init__(self, lane: "_Lane", owner: "FairProcesses", client: str, call: Callable[[], "Future[Any]"]) -> None:
         super().__init__()
+        self.lane = lane
         self.client = client
         self.call = call
         self.inner: Future[Any] | None = None
@@ -42,6 +47,18 @@ class _Task(Future[Any]):
                 self.set_running_or_notify_cancel()  # wakes those who wait for it
 
 
+class _Lane:
+    """Tasks of one kind."""
+
+    def __init__(self) -> None:
+        self.waiting: RoundRobin[_Task] = RoundRobin()
+        self.running: Counter[str] = Counter()  # tasks in a process, by client
+
+    def of(self, client: str) -> int:
+        """How many tasks the client has here."""
+        return self.waiting.waiting(client) + self.running[client]
+
+
 class FairProcesses:
     """An Executor around a pool.  `waiting_per_client` counts what a client has under way or waiting."""
 
@@ -49,8 +66,7 @@ class FairProcesses:
         self._processes = processes
         self._most = waiting_per_client
         self._changed = threading.Condition()
-        self._waiting: RoundRobin[_Task] = RoundRobin()
-        self._running: Counter[str] = Counter()  # tasks in a process, by client
+        self._uploads, self._others = self._lanes = _Lane(), _Lane()
         self._handed_over: set[_Task] = set()
         self._stopped = False
         self._thread = threading.Thread(target=self._hand_over, name="breastrig-readers", daemon=True)
@@ -69,17 +85,18 @@ class FairProcesses:
         Raises TooMany when the client that asks has as many tasks here as one may have.
         """
         client = asking_client.get()
-        task = _Task(self, client or "", lambda: self._processes.schedule(function, args, timeout))
+        lane = self._uploads if isinstance(function, ForKey) and function.begins else self._others
+        task = _Task(lane, self, client or "", lambda: self._processes.schedule(function, args, timeout))
         with self._changed:
             if self._stopped:
                 raise RuntimeError("the processes are stopped")
-            if client is not None and self._waiting.waiting(client) + self._running[client] >= self._most:
+            if client is not None and sum(each.of(client) for each in self._lanes) >= self._most:
                 raise TooMany(
                     f"{self._most} of your scans and reports are being worked on, as many as one client may have; "
                     f"ask again in {RETRY_S} s.",
                     RETRY_S,
                 )
-            self._waiting.put(task.client, task)
+            lane.waiting.put(task.client, task)
             self._changed.notify_all()
         return task
 
@@ -98,8 +115,9 @@ class FairProcesses:
         left = []
         with self._changed:
             self._stopped = True
-            while (taken := self._waiting.take()) is not None:
-                left.append(taken[1])
+            for lane in self._lanes:
+                while (taken := lane.waiting.take()) is not None:
+                    left.append(taken[1])
             self._changed.notify_all()
         if self._thread.is_alive():
             self._thread.join()
@@ -111,7 +129,7 @@ class FairProcesses:
     def withdraw(self, task: _Task) -> bool:
         """Ends a task that nobody wants any more; kills its process when it has one."""
         with self._changed:
-            waited, inner = self._waiting.discard(task.client, task), task.inner
+            waited, inner = task.lane.waiting.discard(task.client, task), task.inner
         if inner is not None:
             return bool(inner.cancel())
         task.end_cancelled()
@@ -121,15 +139,14 @@ class FairProcesses:
         """In a thread of its own: the end of a task is notified in a thread that may hold the pool's lock."""
         while True:
             with self._changed:
-                self._changed.wait_for(
-                    lambda: self._stopped or (self._waiting and self._running.total() < self.workers)
-                )
-                if self._stopped:
+                self._changed.wait_for(lambda: self._stopped or self._free_lane() is not None)
+                lane = self._free_lane()
+                if self._stopped or lane is None:
                     return
-                taken = self._waiting.take()
+                taken = lane.waiting.take()
                 assert taken is not None
                 client, task = taken
-                self._running[client] += 1
+                lane.running[client] += 1
                 self._handed_over.add(task)
             try:
                 inner = task.call()
@@ -142,6 +159,13 @@ class FairProcesses:
             inner.add_done_callback(partial(self._end, task))
             if task.cancelled():  # between the queue and the process
                 inner.cancel()
+
+    def _free_lane(self) -> _Lane | None:
+        """One with a task that can begin now, uploads first; holding the lock."""
+        if sum(lane.running.total() for lane in self._lanes) > self.workers:
+            return None
+        free = (lane for lane in self._lanes if lane.waiting and lane.running.total() < self.workers)
+        return next(free, None)
 
     def _end(self, task: _Task, ended: "Future[Any]") -> None:
         self._one_less(task)
@@ -156,6 +180,6 @@ class FairProcesses:
     def _one_less(self, task: _Task) -> None:
         with self._changed:
             self._handed_over.discard(task)
-            self._running[task.client] -= 1
-            self._running += Counter()  # forgets clients with none
+            task.lane.running[task.client] -= 1
+            task.lane.running += Counter()  # forgets clients with none
             self._changed.notify_all()
