@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from breastrig.colour.ink.markers import MARKERS, markers_of
-from breastrig.colour.ink.pieces import Ink, Measured, Piece, ink_of
+from breastrig.colour.ink.pieces import Ink, Measured, Piece, _measured, ink_of
+from breastrig.colour.ink.ridges import OFFSETS
 
 
 @pytest.mark.parametrize(
@@ -28,11 +29,14 @@ from breastrig.colour.ink.pieces import Ink, Measured, Piece, ink_of
         ("violet on the darkest skin", (0.12, 0.35, -0.7), 2.3, Ink.COLOURED),
         ("blue on the darkest skin", (0.17, 0.07, -0.7), 2.0, Ink.COLOURED),
         ("green on the darkest skin", (0.3, -0.35, -0.14), 2.9, Ink.COLOURED),
+        ("green in the shade of the darkest skin", (-0.01, -0.37, -0.31), 3.9, Ink.COLOURED),
+        ("violet, the skin's own green", (0.11, 0.23, -0.31), 2.8, Ink.COLOURED),
         ("red on brown skin", (0.0, 0.26, 0.24), 2.8, Ink.RED),
         ("red on the darkest skin", (-0.27, 0.2, 0.11), 3.1, Ink.RED),
         ("blood vessel on brown skin", (0.06, 0.26, 0.26), 2.0, None),
         ("pale scar on dark skin", (-0.25, -0.15, -0.1), 2.0, None),
         ("gloss", (-0.5, -0.6, -0.7), 2.0, None),
+        ("bluish gloss", (-0.5, -0.6, -0.8), 2.0, None),
     ],
 )
 def test_ink_is_told_from_skin_hair_shadow_and_cloth(
@@ -92,3 +96,11 @@ def test_the_rims_of_opposite_hue_that_a_compressed_picture_has_are_no_lines() -
     assert Measured((red, rim, violet)).pieces() == [red, violet]
     far = piece((0.24, -0.13, -0.09), 9e-3)
     assert Measured((red, far)).pieces() == [red, far]
+
+
+@pytest.mark.parametrize("added", [(0.0, -0.4, -0.3), (-0.05, -0.35, -0.3), (0.7, 0.6, 0.6), (-0.3, 0.25, 0.15)])
+def test_a_line_has_its_width_whether_it_is_darker_than_the_skin_or_lighter(added: tuple[float, float, float]) -> None:
+    line = np.exp(-0.5 * (OFFSETS / 1.2e-3) ** 2)
+    across = np.array([2.5, 3.1, 3.7]) + line[:, None] * np.array(added)
+    _, _, _, (width,) = _measured(np.repeat(across[None], 5, axis=0), [np.arange(5)])
+    assert 2.0e-3 < width < 4.0e-3

@@ -9,7 +9,7 @@ from breastrig.colour.ink.find_ink import find_ink
 from breastrig.geometry.curves import resampled
 
 
-@pytest.mark.parametrize("ink", ["green", "red"])
+@pytest.mark.parametrize("ink", ["green", "red", "violet"])
 def test_ink_is_found_and_known_on_the_darkest_skin(ink: str) -> None:
     woman = painted_body(patient=2, tone=6, plan="lumpectomy", side=1280, inks=(ink, ink))
     skin = woman.painted.skin

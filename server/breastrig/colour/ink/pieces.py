@@ -69,7 +69,13 @@ def ink_of(
     if width > limits.WIDEST_HUE:
         return None
     hue = float(hue_of(added)) if hue is None else hue
-    if hue >= share * limits.HUE and red > 0.0 and min(green, blue) <= -share * limits.LIGHTER:
+    lighter = -min(green, blue)
+    opposed = hue >= share * limits.HUE_OF_OPPOSED and red + lighter >= share * limits.OPPOSED
+    if (
+        (opposed or hue >= share * limits.HUE)
+        and red > -limits.NO_DARKER_RED * lighter
+        and lighter >= share * limits.LIGHTER
+    ):
         return Ink.COLOURED
     if hue <= -share * limits.HUE and green >= share * limits.DARKER_GREEN and red <= limits.LIGHTER_RED * green:
         return Ink.RED
@@ -231,9 +237,9 @@ def _measured(across: Array, chains: Sequence[Integers]) -> tuple[Array, Array, 
     whole = np.where(count > 0, total / np.maximum(count, 1.0), np.nan)
     above = whole - (1.0 - share) * left[:, None] - share * right[:, None]
     dark, hue = darkening(above), hue_of(above)
-    share_of = [np.abs(np.nan_to_num(each[:, MIDDLE]).mean(axis=1)) for each in (dark, hue)]
-    sign = np.sign(np.nan_to_num(hue[:, MIDDLE]).mean(axis=1))
-    above = np.where((limits.HUE_WORTH * share_of[1] > share_of[0])[:, None], sign[:, None] * hue, dark)
+    darker, bluer = (np.nan_to_num(each[:, MIDDLE]).mean(axis=1) for each in (dark, hue))
+    by_hue = limits.HUE_WORTH * np.abs(bluer) > darker  # ink that is lighter than the skin has no other width
+    above = np.where(by_hue[:, None], np.sign(bluer)[:, None] * hue, dark)
     above = np.maximum(np.nan_to_num(above), 0.0)
     top = np.maximum(above[:, MIDDLE].max(axis=1), 1e-6)
     return left, middle, right, above[:, WITHIN].sum(axis=1) * (OFFSETS[1] - OFFSETS[0]) / top
