@@ -1,4 +1,4 @@
-"""Standing or lying, when the scan shows no table."""
+"""Standing or lying, when the scan shows no table, or a plane that may be a table or a wall."""
 
 from pathlib import Path
 
@@ -10,11 +10,15 @@ from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.orientation import best_start
+from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
+from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.fitting.stance import FoundStance, found_stance
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.parameters import rest_parameters
-from breastrig.scan.clean import clean, compact
+from breastrig.rig.similarity import umeyama
+from breastrig.scan.clean import Surface, clean, compact
+from breastrig.scan.landmark_files import read_landmarks
 from breastrig.scan.orient import Frame, propose_frame, table_plane
 from breastrig.scan.read import read_scan
 
@@ -59,3 +63,38 @@ def test_a_table_needs_no_fit() -> None:
     task = FitTask(rig, nothing, rest_parameters(rig), load_recipe("default"), {})
     answer = found_stance(task, frame)
     assert (answer.stance, answer.reason, answer.iterates) == (frame.stance, frame.stance_reason, ())
+
+
+def before_a_plane(stance: str, behind: float) -> Surface:
+    """The packaged example, table cut away, upright in the scanner's axes; a plane ends `behind` (m) its hindmost."""
+    place = EXAMPLE / stance
+    target = prepared(clean(read_scan(place / "scan.ply", None, "auto", texture=False)), "auto").target
+    rig = read_rig(default_rig_path())
+    marks, unit = read_landmarks(place / "landmarks.json")
+    names = tuple(name for name in rig.landmark_names if name in marks)
+    true = {"mm": 1e-3, "m": 1.0}[str(unit)] * np.array([marks[name] for name in names])
+    turn = umeyama(rig.landmark_points(names).positions(rig.template, rig.faces), true).rotation
+    vertices = (target.vertices - true.mean(axis=0)) @ turn
+    low = vertices.min(axis=0)
+    along, up = (array.ravel() for array in np.meshgrid(np.linspace(-0.7, 0.7, 60), np.linspace(-0.6, 0.6, 60)))
+    wall = np.column_stack([along, up, np.full(len(along), low[2] - behind)])
+    corner = (60 * np.arange(59)[:, None] + np.arange(59)).ravel()
+    squares = np.stack([corner, corner + 1, corner + 61, corner, corner + 61, corner + 60], axis=1).reshape(-1, 3)
+    faces = np.concatenate([target.faces, len(vertices) + squares])
+    return Surface(np.concatenate([vertices, wall]), faces, ())
+
+
+@pytest.mark.parametrize("behind", [0.02, 0.06, 0.10])
+def test_a_wall_close_behind_who_stands_is_no_table(behind: float) -> None:
+    ready = prepared(before_a_plane("standing", behind), "auto")
+    assert ready.frame.stance == "supine"  # as the plane alone has it
+    answer = scan_orientation(read_rig(default_rig_path()), ready, load_recipe("default"))[0]
+    assert answer.stance == "standing"
+    assert "a wall. If it is a table, say that she lies." in answer.stance_reason
+
+
+def test_a_table_that_a_scanner_sees_upright_is_a_table() -> None:
+    ready = prepared(before_a_plane("supine", 0.0), "auto")
+    answer = scan_orientation(read_rig(default_rig_path()), ready, load_recipe("default"))[0]
+    assert answer.stance == "supine"
+    assert "a table. If it is a wall, say that she stands." in answer.stance_reason

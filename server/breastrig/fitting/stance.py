@@ -1,10 +1,10 @@
-"""Does the patient stand or lie, when no table is in the scan?
+"""Does the patient stand or lie, when no table is in the scan, or what may be one may be a wall as well?
 
-A table says it all (scan/orient.py).  Without one the model is fitted as if she stood and as if she lay: lying
-breasts are shown with less energy by the shapes of lying breasts, and lying patients are scanned with their arms
-away from the body.  Each alone is ambiguous (full breasts of a standing patient spread a little too, small ones lying
-hardly do), so both are weighed together.  On 24 scans of 11 virtual patients, tables cut away, standing
-ones scored -12.4 to -4.5 and lying ones 2.4 to 24.
+A table says it all (scan/orient.py), unless it may be a wall (starts/wall_behind.py): then the arms decide.  Without
+one the model is fitted as if she stood and as if she lay: lying breasts are shown with less energy by the shapes of
+lying breasts, and lying patients are scanned with their arms away from the body.  Each alone is ambiguous (full breasts
+of a standing patient spread a little too, small ones lying hardly do), so both are weighed together.  On 24 scans of
+11 virtual patients, tables cut away, standing ones scored -12.4 to -4.5 and lying ones 2.4 to 24.
 """
 
 from dataclasses import dataclass, replace
@@ -14,6 +14,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.fitting.body.hollows import energy_without_hollows
 from breastrig.fitting.picks.checked_fit import checked_iterates
+from breastrig.fitting.starts.wall_behind import TABLE, WALL, may_be_wall
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
@@ -47,11 +48,15 @@ def found_stance(task: FitTask, frame: Frame) -> FoundStance:
 
     Whoever fits the task next goes on from the iterates, so that nothing is fitted twice.
     """
-    if frame.stance == "supine" or not any(shape.kind == "gravity" for shape in task.rig.shapes):
+    rule, wall = task.recipe.stance_rule, may_be_wall(task, frame)
+    lies = frame.stance == "supine" and not wall
+    if lies or not any(shape.kind == "gravity" for shape in task.rig.shapes):
         return FoundStance(frame.stance, frame.stance_reason)
-    rule = task.recipe.stance_rule
     standing = tuple(checked_iterates(replace(task, stance="standing")))
     arms = _arm_angles(task.rig, standing[-1].parameters)
+    if wall:  # what a lying back costs on a table would make lying bodies dear: the arms alone decide
+        away = len(arms) and arms.mean() > rule.arms_between
+        return FoundStance("supine", TABLE) if away else FoundStance("standing", WALL, standing)
     if not len(arms) or arms.mean() < rule.arms_hanging:
         return FoundStance("standing", "There is no table in the scan, and the arms hang.", standing)
     supine = tuple(checked_iterates(replace(task, stance="supine")))
