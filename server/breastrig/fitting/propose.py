@@ -13,6 +13,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.fitting.body.hanging import hanging_shifts
+from breastrig.fitting.body.standing import standing_shifts
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
@@ -82,6 +83,7 @@ def propose_landmarks(
     places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))
     posterior = Posterior(ended, fitted)
     places += hanging_shifts(posterior.state, ended, rig.landmark_names)
+    places += standing_shifts(vertices, ended, rig.landmark_names)
     found = match(scan.target, places, normals / np.linalg.norm(normals, axis=1, keepdims=True), ON_SKIN)
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True
@@ -95,12 +97,19 @@ def propose_landmarks(
             proposals[name] = Proposal(each.place, sure, True, HOLDS_90 * each.error, each.reason, areola_of(each))
             continue
         hollow = posterior.relief.get(name)
-        place, on_scan = (hollow.place, True) if hollow is not None and hollow.all_round else (places[k], bool(seen[k]))
+        place, on_scan = places[k], bool(seen[k])
+        if hollow is not None and hollow.all_round:
+            place, on_scan = hollow.place, _is_near(scan, hollow.place)
         radius = None if known is None else known.landmarks[name]
         confidence = confidence_of(UNKNOWN if radius is None else radius / HOLDS_90)
         reason = None if hollow is None else hollow.reason
         proposals[name] = Proposal(place, round(confidence, 2), on_scan, radius, reason)
     return proposals
+
+
+def _is_near(scan: PreparedScan, place: Array) -> bool:
+    """A shoulder's edge tells where its tip is even where the scan ends before it."""
+    return bool(np.isfinite(scan.target.vertex_tree.query(place, distance_upper_bound=ON_SKIN.max_distance)[0]))
 
 
 def _fitted(task: FitTask) -> tuple[FitTask, RigParameters]:

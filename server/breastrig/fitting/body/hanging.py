@@ -58,13 +58,13 @@ def hanging_misfit(state: BodyState, recipe: Recipe, landmark: str) -> tuple[Arr
     known, weight = recipe.landmark_errors(landmark), hanging_weight(state, recipe, landmark)
     if not weight:
         return np.zeros(3), np.zeros((3, 3))
-    axes = _body_axes(state.rig, state.vertices)
+    axes = body_axes(state.rig, state.vertices)
     mirror = OUTWARDS_ON_THE_RIGHT if landmark.endswith("_R") else np.ones(3)
     spread = axes * (weight * np.array(known.hanging))
     return axes @ (weight * mirror * np.array(known.hanging_shift)), spread @ spread.T
 
 
-def _body_axes(rig: Rig, vertices: Array) -> Array:
+def body_axes(rig: Rig, vertices: Array) -> Array:
     """(3, 3) columns: the body's left, up and front in the frame of its (V, 3) m vertices."""
     points = rig.landmark_points()
     return umeyama(points.positions(rig.template, rig.faces), points.positions(vertices, rig.faces)).rotation

@@ -9,16 +9,24 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from breastrig.core.arrays import Array
+from breastrig.core.stances import STANDING
 from breastrig.energies.landmark_observations import LandmarkObservations
+from breastrig.fitting.body.hanging import hangs_by
 from breastrig.fitting.recipe import Stage
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.least_squares.newton import value
 from breastrig.least_squares.problem import ResidualTerm
+from breastrig.relief.limits import relief as relief_limits
 from breastrig.relief.observe import Expected, SeenHollow, seen_hollows
+from breastrig.relief.shoulder import shoulder_tip
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
+
+LEFT_IS_OUTWARDS = np.array([1.0, 1.0, 1.0])
+TIPS = {"acromion_L": LEFT_IS_OUTWARDS, "acromion_R": np.array([-1.0, 1.0, 1.0])}
 
 
 def look_for_hollows(task: FitTask, state: BodyState) -> dict[str, SeenHollow]:
@@ -35,7 +43,27 @@ def look_for_hollows(task: FitTask, state: BodyState) -> dict[str, SeenHollow]:
         for k, name in enumerate(rig.landmark_names)
         if name not in task.landmarks
     }
-    return seen_hollows(task.target, expected, axes)
+    return seen_hollows(task.target, expected, axes) | _tips(task, state, expected, axes)
+
+
+def _tips(task: FitTask, state: BodyState, expected: Mapping[str, Expected], axes: Array) -> dict[str, SeenHollow]:
+    """The tips of the shoulders of who stands, where no person has picked anything: picks say more of all of them."""
+    if task.stance != STANDING or not task.seen.issuperset(task.landmarks):
+        return {}
+    rules, seen = relief_limits().shoulder, {}
+    for name, each in expected.items():
+        if name not in TIPS:
+            continue
+        own = axes * TIPS[name]  # (3, 3) columns: outwards, up, front
+        tip = shoulder_tip(state.vertices @ own, task.rig.faces, each.place @ own, rules)
+        if tip is None:
+            continue
+        places = np.stack([tip.place, tip.edge, tip.front]) @ own.T
+        if np.isfinite(task.target.vertex_tree.query(places[1:], distance_upper_bound=rules.shown)[0]).all():
+            hangs = hangs_by(state, task.recipe, name) > 0.0
+            errors = np.array(rules.errors) * (rules.where_hanging if hangs else 1.0)
+            seen[name] = SeenHollow(places[0], (own * errors**2) @ own.T, rules.reason, all_round=True)
+    return seen
 
 
 def hollow_terms(rig: Rig, relief: Mapping[str, SeenHollow], stage: Stage) -> list[ResidualTerm[BodyState]]:

@@ -1,0 +1,29 @@
+"""Where landmarks of who stands are expected beside the fitted model's, of fits without picks.
+
+A model that slides along a fold has its landmark nearer to the breastbone than bodies have theirs, in every woman
+alike: the fold seen (relief/observe.py) says how high it is, not where along it.  Lying breasts fall to the sides, each
+as it is made, and nothing is common to them.  Mean mm of folds of 40 standing warped bodies without the shift and with
+it: choosing half 10.2 and 8.3, reporting half 12.9 and 10.9.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.core.stances import STANDING
+from breastrig.fitting.body.hanging import OUTWARDS_ON_THE_RIGHT, body_axes
+from breastrig.fitting.task import FitTask
+
+
+def standing_shifts(vertices: Array, task: FitTask, names: Sequence[str]) -> Array:
+    """(L, 3) m from the landmarks of a model with (V, 3) m `vertices` to where they are expected; nothing for picks."""
+    moved = np.zeros((len(names), 3))
+    if task.stance != STANDING:
+        return moved
+    axes = body_axes(task.rig, vertices)
+    for shift, name in zip(moved, names, strict=True):
+        if name not in task.landmarks:
+            mirror = OUTWARDS_ON_THE_RIGHT if name.endswith("_R") else np.ones(3)
+            shift += axes @ (mirror * np.array(task.recipe.landmark_errors(name).standing_shift))
+    return moved
