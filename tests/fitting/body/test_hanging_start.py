@@ -16,7 +16,7 @@ from breastrig.evaluation.virtual.warped.sources import read_sources
 from breastrig.fitting.body.hanging import hanging_shifts
 from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import FitIterate
-from breastrig.fitting.orientation import start_from_scan
+from breastrig.fitting.orientation import start_from_landmarks, start_from_scan
 from breastrig.fitting.picks.checked_fit import checked_iterates, ended
 from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
@@ -41,6 +41,7 @@ from breastrig.scan.orient import Frame
 
 FRONT = np.array([[0.0, 0.0, 1.0]])
 HANGING = replace(Numbers(), nipples_over_folds=(-0.04, -0.04))
+LEVEL = replace(Numbers(), nipples_over_folds=(0.0, 0.0))  # the nipples at the folds' height
 NIPPLES = ("nipple_L", "nipple_R")
 FOLDS = ("inframammary_fold_L", "inframammary_fold_R")
 STANCES = ("standing", "supine")
@@ -152,6 +153,20 @@ def test_of_breasts_that_do_not_hang_folds_are_expected_where_the_model_has_them
         state = BodyState(rig, replace(rest, weights=weights))
         task = FitTask(rig, woman(HANGING)[0], rest, recipe, {})
         assert not hanging_shifts(state, task, rig.landmark_names).any()
+
+
+@pytest.mark.parametrize(("numbers", "seen"), [(Numbers(), {*FOLDS}), (LEVEL, set())])
+def test_the_furrow_below_a_breast_that_hangs_is_not_taken_for_its_fold(
+    rig: Rig, numbers: Numbers, seen: set[str]
+) -> None:
+    """All but the folds is picked; a furrow is there in both scans."""
+    target, places = woman(numbers)
+    given = {name: place for name, place in places.items() if name not in FOLDS}
+    task = FitTask(rig, target, start_from_landmarks(rig, given), load_recipe("default"), given)
+    *_, last = opened_iterates(task)
+    assert set(last.relief or {}) == seen
+    posed = BodyState(rig, last.parameters)
+    assert bool(hanging_shifts(posed, task, FOLDS).any()) == (not seen)
 
 
 def test_a_fit_of_other_breasts_is_what_it_is_without_looking(rig: Rig) -> None:

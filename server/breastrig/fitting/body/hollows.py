@@ -3,6 +3,9 @@
 A fit that has found the form looks once for the hollows near its landmarks (relief/observe.py), and goes on with what
 it has seen as observations of these landmarks, each with its own covariance.  They are no picks: nobody is asked about
 them, and a pick, or what colour shows of the same landmark, is more exact and takes their place.
+
+A breast that hangs covers its fold.  The furrow that the scan shows below it is where breast and belly meet in the
+camera's view, up to 50 mm under the fold, and tells nothing of it (hanging.py says where the fold is expected then).
 """
 
 from collections.abc import Mapping
@@ -12,7 +15,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.stances import STANDING
 from breastrig.energies.landmark_observations import LandmarkObservations
-from breastrig.fitting.body.hanging import hangs_by
+from breastrig.fitting.body.hanging import hanging_shifts, hangs_by
 from breastrig.fitting.recipe import Stage
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.unit_vectors import unit_vectors
@@ -36,12 +39,13 @@ def look_for_hollows(task: FitTask, state: BodyState) -> dict[str, SeenHollow]:
     places = points.positions(state.vertices, rig.faces)
     if len(places) < 3 or not np.isfinite(places).all():
         return {}
+    covered = np.any(hanging_shifts(state, task, rig.landmark_names) != 0.0, axis=1)
     outwards = unit_vectors(points.positions(state.normals, rig.faces))
     axes = umeyama(points.positions(rig.template, rig.faces), places).rotation
     expected = {
         name: Expected(places[k], outwards[k])
         for k, name in enumerate(rig.landmark_names)
-        if name not in task.landmarks
+        if name not in task.landmarks and not covered[k]
     }
     return seen_hollows(task.target, expected, axes) | _tips(task, state, expected, axes)
 
