@@ -12,7 +12,6 @@ from helpers.waiting import until
 
 from breastrig.core.errors import BadScan
 from breastrig.execution.kept_processes import KeptProcesses
-from breastrig.execution.priority import LATER
 from breastrig.execution.processes import Processes
 from breastrig.execution.warm_first import ForKey, WarmFirst
 
@@ -71,25 +70,6 @@ def test_later_tasks_of_a_key_find_what_the_first_has_left_and_nobody_else_does(
     assert seen(warm.schedule(in_worker.remember, ("five",), 30.0)) == ["five"]
     rests(kept, "a")
     assert seen(later(warm, "a", in_worker.remember, "six")) == ["one", "two", "six"]
-
-
-def test_the_first_task_of_a_key_goes_before_all_others(warm: WarmFirst, kept: KeptProcesses) -> None:
-    own = os.nice(0)
-    assert begun(warm, "a", in_worker.niceness).result(30.0) == own
-    for _ in range(2):  # the second is not put back further
-        rests(kept, "a")
-        assert later(warm, "a", in_worker.niceness).result(30.0) == min(own + LATER, 19)
-    assert later(warm, "b", in_worker.niceness).result(30.0) == min(own + LATER, 19)
-    assert warm.schedule(in_worker.niceness, (), 30.0).result(30.0) == min(own + LATER, 19)
-    assert begun(warm, "c", in_worker.niceness).result(30.0) == own
-
-
-def test_an_upload_for_which_no_place_is_free_goes_before_all_others_too(warm: WarmFirst, kept: KeptProcesses) -> None:
-    resting = [begun(warm, key, in_worker.rest, 30.0) for key in ("a", "b")]
-    assert begun(warm, "c", in_worker.niceness).result(30.0) == os.nice(0)
-    assert not any(each.done() for each in resting)
-    kept.drop("a")
-    kept.drop("b")
 
 
 def test_a_task_does_not_wait_for_the_process_of_its_key(warm: WarmFirst, kept: KeptProcesses) -> None:

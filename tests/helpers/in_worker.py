@@ -53,11 +53,6 @@ def burn() -> None:
         pass
 
 
-def niceness() -> int:
-    """Of the thread that works in this process."""
-    return os.nice(0)
-
-
 def rest(seconds: float) -> None:
     time.sleep(seconds)
 

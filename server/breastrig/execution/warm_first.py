@@ -1,8 +1,8 @@
 """Tasks that have a key go to the process that is kept for it, while that rests; all others to a process of their own.
 
 A kept process has read its scan already.  What a task may use is the same in both: the limits of memory and of CPU
-time are set anew for each task.  The first task of a key goes before all others (priority.py).  Whatever ends a task by
-force ends its process, and the next task of that key starts in a process of its own.
+time are set anew for each task.  Whatever ends a task by force ends its process, and the next task of that key starts
+in a process of its own.
 """
 
 import resource
@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from breastrig.execution.kept_processes import KeptProcesses
-from breastrig.execution.priority import giving_way
 from breastrig.execution.processes import Processes
 
 
@@ -55,17 +54,13 @@ class WarmFirst:
         self._kept.stand_ready()
 
     def schedule(self, function: Callable[..., Any], args: tuple[Any, ...], timeout: float) -> "Future[Any]":
-        """As Processes.schedule; what begins no key gives way to what does."""
-        plain, begins = function, False
+        """As Processes.schedule."""
         if isinstance(function, ForKey):
-            plain, begins = function.function, function.begins
-        call = (plain, *args) if begins else (giving_way, plain, *args)
-        if isinstance(function, ForKey):
-            given = (*self._limits, self._within, *call)
-            begun = self._kept.begin(function.key, call_limited, given, timeout, begins)
+            given = (*self._limits, self._within, function.function, *args)
+            begun = self._kept.begin(function.key, call_limited, given, timeout, function.begins)
             if begun is not None:
                 return begun
-        future: Future[Any] = self._cold.schedule(call[0], call[1:], timeout)
+        future: Future[Any] = self._cold.schedule(function, args, timeout)
         return future
 
     def answer(self, wait_s: float) -> bool:
