@@ -1,7 +1,6 @@
 // The one primary button: it says what to do next, and does it.
 import { fit as fitText, result as resultText } from "../fit/text";
 import { pickCount } from "../landmarks/state";
-import { ink as inkText } from "../ink/text";
 import { landmarks as landmarkText, proposals as proposalText, questions } from "../landmarks/text";
 import { scan as scanText } from "../scan/text";
 import { measuredFits } from "../stances/state";
@@ -26,7 +25,7 @@ function wording(next: NextStep, state: NextShown): string {
   if (next.kind === "fit" && next.landmarks > 0) return fitText.with(next.landmarks);
   if (next.kind === "fit") return next.isProposed ? proposalText.fit : fitText.without;
   if (next.kind === "correct") return text.next.correct;
-  if (next.kind === "ink") return inkText.lookAt(next.count, next.on);
+  if (next.kind === "ink") return text.next.ink(next.count, next.on);
   if (next.kind === "draw") return next.isArmed ? text.next.drawing : text.next.draw;
   if (next.kind === "add") return text.next.add(next.stance);
   if (next.kind === "change over") return text.next.changeOver(next.to);

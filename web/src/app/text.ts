@@ -1,5 +1,6 @@
 // The frame of the page: title, steps, top bar, the one button that says what comes next.
 import type { Step, Theme } from "../store/page";
+import { plural } from "../ui/plural";
 
 export * from "./exportText";
 export * from "./helpText";
@@ -23,6 +24,7 @@ export const next = {
   start: (label: string) => `Place ${label}`,
   armed: (label: string) => `Click on ${label}`,
   correct: "Look at the landmarks again",
+  ink: (count: number, on: string | null) => `Look at the ${plural(count, "line", "lines")} found on the ${on === null ? "skin" : `${on} scan`}`,
   draw: "Draw",
   drawing: "Put the pen down",
   add: (stance: string) => `Add the ${stance} scan`,

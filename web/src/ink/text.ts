@@ -28,7 +28,6 @@ export const ink = {
   announceDropped: (name: string) => `${name} dropped.`,
   announceBroughtBack: "The dropped lines are back.",
   announceJoined: (name: string, other: string) => `${name} joined with ${other}.`,
-  lookAt: (count: number, on: string | null) => `Look at the ${lines(count)} found on the ${on === null ? "skin" : `${on} scan`}`,
   add: "Add the other stance",
   addNote: "The accepted lines are carried to it as the same skin.",
   fitBoth: "Fit both scans",
