@@ -36,17 +36,17 @@ def main(make: str, *targets: str) -> int:
     environment = {name: value for name, value in os.environ.items() if name != "MAKELEVEL"}  # says where it is, else
     with ExitStack() as stack:
         running = {}
-        for target in targets:
-            file = stack.enter_context(tempfile.NamedTemporaryFile(prefix="breastrig-make-"))
-            process = subprocess.Popen(
-                ["nice", "-n", str(NICE if target != targets[-1] else 0), make, target],
-                env=environment,
-                stdin=subprocess.DEVNULL,
-                stdout=file,
-                stderr=subprocess.STDOUT,
-            )
-            running[target] = stack.enter_context(process), stack.enter_context(open(file.name, "rb"))
-        try:
+        try:  # Ctrl-C may come while they are being started
+            for target in targets:
+                file = stack.enter_context(tempfile.NamedTemporaryFile(prefix="breastrig-make-"))
+                process = subprocess.Popen(
+                    ["nice", "-n", str(NICE if target != targets[-1] else 0), make, target],
+                    env=environment,
+                    stdin=subprocess.DEVNULL,
+                    stdout=file,
+                    stderr=subprocess.STDOUT,
+                )
+                running[target] = stack.enter_context(process), stack.enter_context(open(file.name, "rb"))
             for target, (process, log) in running.items():
                 show(target, process, log)
         except KeyboardInterrupt:
