@@ -123,9 +123,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _mm(distance: float | None) -> str:
-    return (
-        "no distance" if distance is None else f"{distance:.2f} mm"
-    )  # none where the scan shows no skin near the model
+    """None where the scan shows no skin near the model."""
+    return "no distance" if distance is None else f"{distance:.2f} mm"
 
 
 def summary(result: dict[str, Any]) -> str:

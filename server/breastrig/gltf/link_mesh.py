@@ -46,9 +46,8 @@ def _left(glb: bytes, cuts: Cuts, has_colours: bool) -> bytes:
         stored = {name: values[used] for name, values in stored.items()}
         faces = ours.reshape(-1, 3)
     vertices, normals = stored["POSITION"], stored["NORMAL"]
-    if (
-        not has_colours
-    ):  # where pieces of a texture meet is the texture's matter, and a viewer would draw it as a border
+    if not has_colours:
+        # Where pieces of a texture meet is the texture's matter, and a viewer would draw it as a border.
         joined, faces = welded(vertices, faces)
         return mesh_glb(joined, faces, normals if joined is vertices else None)
     uv: Array | None = None

@@ -36,8 +36,8 @@ function foundInk(state: NextShown): NextStep | null {
   const { other } = state.stances;
   const open = ({ scan, drawn }: Pick<NextShown, "scan" | "drawn">): number =>
     scan ? openLines(state.ink[scan.info.id], drawn.decided, cropsOf(scan)).filter((line) => !isMark(line)).length : 0;
-  const here = state.step === "drawing" ? 0 : open(state); // there they stand above everything else
-  if (here > 0) return { kind: "ink", count: here, on: null };
+  const here = open(state);
+  if (here > 0) return state.step === "drawing" ? null : { kind: "ink", count: here, on: null }; // there they stand above everything else
   const there = other ? open(other) : 0;
   return there > 0 ? { kind: "ink", count: there, on: stanceNames(state)[1] } : null;
 }

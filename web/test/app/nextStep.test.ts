@@ -108,6 +108,8 @@ test("lines found on the skin are looked at before others are drawn, also when t
   for (const step of ["drawing", "result"] as const) {
     expect(nextStep({ ...supine, step, stances: { ...supine.stances, other: workspaceOf(open) } })).toEqual({ kind: "ink", count: 2, on: "standing" });
   }
+  const both = { ...supine, ink: { ...found, s1: found.s0 }, drawn: open.drawn, stances: { ...supine.stances, other: workspaceOf(open) } } as Session;
+  expect(nextStep({ ...both, step: "drawing" }).kind, "nobody is sent to and fro").toBe("draw");
 });
 
 test("nobody is sent on to draw on a fit that is not usable", () => {

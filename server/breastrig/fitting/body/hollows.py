@@ -15,7 +15,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.stances import STANDING
 from breastrig.energies.landmark_observations import LandmarkObservations
-from breastrig.fitting.body.hanging import hanging_shifts, hangs_by
+from breastrig.fitting.body.hanging import OUTWARDS_ON_THE_RIGHT, hanging_shifts, hangs_by
 from breastrig.fitting.recipe import Stage
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.geometry.unit_vectors import unit_vectors
@@ -28,8 +28,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
 
-LEFT_IS_OUTWARDS = np.array([1.0, 1.0, 1.0])
-TIPS = {"acromion_L": LEFT_IS_OUTWARDS, "acromion_R": np.array([-1.0, 1.0, 1.0])}
+TIPS = {"acromion_L": np.ones(3), "acromion_R": OUTWARDS_ON_THE_RIGHT}
 
 
 def look_for_hollows(task: FitTask, state: BodyState) -> dict[str, SeenHollow]:
