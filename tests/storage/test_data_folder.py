@@ -182,6 +182,23 @@ def test_of_servers_that_start_at_once_on_a_new_folder_one_gives_it_its_id(tmp_p
     assert os.listdir(root) == ["installation"]
 
 
+def test_a_folder_that_becomes_ours_while_it_is_looked_at_is_not_taken_for_foreign(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another server writes its marker between two looks of this one."""
+    (tmp_path / data_folder.PART).write_text("1" * 22)
+
+    def others_marker(root: Path) -> str | None:
+        found = installation_id(root)
+        if found is None:
+            os.replace(root / data_folder.PART, root / "installation")
+        return found
+
+    monkeypatch.setattr(data_folder, "installation_id", others_marker)
+    data_folder.claim(tmp_path, lambda: "2" * 22, True)
+    assert installation_id(tmp_path) == "1" * 22
+
+
 @pytest.mark.parametrize("logged", [False, True])
 def test_a_data_folder_of_the_first_version_is_opened_and_marked(logged: bool, tmp_path: Path) -> None:
     """Also when a server that was killed has left its tables in the log alone."""

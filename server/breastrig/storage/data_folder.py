@@ -12,6 +12,7 @@ import os
 import re
 import shutil
 import sqlite3
+import stat
 from collections.abc import Callable
 from contextlib import closing
 from enum import Enum
@@ -146,8 +147,7 @@ def _holds_nothing(root: Path, names: set[str]) -> bool:
     That is nothing, a marker whose writing was interrupted, or the empty folders and the lock of a server that keeps
     rows and files elsewhere and is of a version that wrote no marker.
     """
-    part = root / PART
-    if PART in names and (part.is_symlink() or not part.is_file() or part.stat().st_size > MARKER_BYTES):
+    if PART in names and not _can_be_a_part(root / PART):
         return False
     rest = names - {PART}
     if not rest:
@@ -160,6 +160,15 @@ def _holds_nothing(root: Path, names: set[str]) -> bool:
         return False
     inside = [Path(entry) for name in PLACES for entry in os.scandir(root / name)]
     return all(_is_empty_folder(folder) for folder in (rubbish, *inside))
+
+
+def _can_be_a_part(part: Path) -> bool:
+    """Also when it has gone: then another server has just made it the marker."""
+    try:
+        facts = part.lstat()
+    except FileNotFoundError:
+        return True
+    return stat.S_ISREG(facts.st_mode) and facts.st_size <= MARKER_BYTES
 
 
 def _lacks_marker(marker: Path) -> bool:
