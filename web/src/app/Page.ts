@@ -18,7 +18,6 @@ import { READABLE } from "../scan/actions";
 import { createEmptyState } from "../scan/EmptyState";
 import { createScanPanel } from "../scan/ScanPanel";
 import { empty as emptyText } from "../scan/text";
-import { createShareDialog } from "../share/ShareDialog";
 import { createDrawingCarry } from "../stances/DrawingCarry";
 import { createOtherPane } from "../stances/OtherPane";
 import { createStancesBar } from "../stances/StancesBar";
@@ -102,7 +101,11 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const aside = el("aside", { class: "aside" }, guide.element, numbers.element);
   const timeline = createTimeline(actions.player);
   const help = createHelpDialog(actions);
-  const share = createShareDialog(actions.share, () => dismiss("share"));
+  const share = later(
+    only("problems", "share"),
+    (state: Pick<Session, "problems" | "share">) => state.share.isOpen,
+    async () => (await import("../share/ShareDialog")).createShareDialog(actions.share, () => dismiss("share")),
+  );
   const leave = createLeaveDialog(actions.leaving);
   const deleting = createDeleteDialog(actions.deletion);
   const deleted = createDeletionNotice(actions.deletion);

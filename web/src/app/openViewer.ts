@@ -44,7 +44,7 @@ import { isBeside } from "../viewer/state";
 import { offerTestHook } from "../viewer/testHook";
 import { type Part, Viewer } from "../viewer/Viewer";
 import type { Actions } from "./actions";
-import { exportPicture, type Pane } from "./exportPicture";
+import type { Pane } from "./exportPicture";
 import type { Stages } from "./Page";
 import type { Session } from "./session";
 
@@ -176,7 +176,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     viewer.invalidate();
   });
   const other = openOtherView(store, viewer, stages.other, prefersStill, foundLoose, (error) => store.set((state) => withProblem(state, "stances", messageOf(error))));
-  actions.files.setPicture(() => exportPicture(panesOf(viewer, other.viewer(), store.get()), store.get()));
+  actions.files.setPicture(async () => (await import("./exportPicture")).exportPicture(panesOf(viewer, other.viewer(), store.get()), store.get()));
   offerTestHook(() => ({ ...store.get(), model: null }), viewer, scan, fitted, other);
 }
 
