@@ -8,10 +8,11 @@ import { overlaps, scrolledAway, seriousFindings, smallTargets } from "./audit";
 import { type Link, Owner } from "./shared";
 
 let owner: Owner;
+let scan: Record<string, string>;
 let fit: Record<string, string>;
 test.beforeAll(async () => {
   owner = await Owner.start();
-  ({ fit } = await owner.fitted("standing"));
+  ({ scan, fit } = await owner.fitted("standing"));
 });
 test.afterAll(() => owner.stop());
 
@@ -106,6 +107,22 @@ test("closing ends the credential, also for a copy of it, and leaves an owner in
   await page.reload();
   await expect(page.getByRole("button", { name: /standing/i })).toBeVisible();
   await thief.close();
+});
+
+test("a dialog whose code does not arrive says so, and is tried again", async ({ page }) => {
+  await signIn(page);
+  const id = (links: Record<string, string>): string => links.self!.split("/").at(-1)!;
+  await page.goto(`${owner.base}/#scan=${id(scan)}&fit=${id(fit)}&step=result`);
+  const share = page.getByRole("button", { name: "Share", exact: true });
+  await page.route("**/ShareDialog-*.js", (route) => route.abort());
+  await share.click();
+  await expect(page.getByText("The service does not answer")).toBeVisible();
+  await page.unroute("**/ShareDialog-*.js");
+  const dialog = page.getByRole("dialog", { name: "Share this result" });
+  await expect(async () => {
+    if (await dialog.isHidden()) await share.click({ timeout: 1_000 }); // the list of links may have come first, and have tried
+    await expect(dialog).toBeVisible({ timeout: 3_000 });
+  }).toPass();
 });
 
 test("signing out leaves nothing of patients in the browser", async ({ page }) => {

@@ -1,4 +1,6 @@
 // A panel whose code is loaded when it is wanted for the first time: what the first view does not show it need not wait for.
+import { ApiError } from "../api/client";
+import { noService } from "../api/text";
 import { el } from "./dom";
 import type { Panel } from "./Panel";
 
@@ -15,7 +17,7 @@ export function later<Shown extends object>(select: (state: Shown) => Shown, isW
       element.append(panel.element);
       panel.update(latest);
     } catch {
-      // the service is away, which what the panel asks for says; the next change tries again
+      reportError(new ApiError(noService, 0)); // the page says it; the next change, such as one more click, tries again
     }
     loading = false;
   }
