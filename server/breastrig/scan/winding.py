@@ -1,9 +1,8 @@
 """Triangles that all face outwards: some programs write them inside-out, or every which way.
 
-Neighbours across an edge agree when they run along it in opposite directions.  A breadth-first tree over the
-triangles carries "same as my parent or not" from each piece's root (by pointer doubling: log(depth) rounds of
-array work instead of a loop over triangles); then each piece as a whole is turned so that it faces away from
-the middle of what lies behind it.
+Neighbours across an edge agree when they run along it in opposite directions.  Triangles that agree form patches, of
+which a scan has few; from the first patch of each piece on, every second one is turned.  Then each piece as a whole is
+turned so that it faces away from the middle of what lies behind it.
 """
 
 import numpy as np
@@ -36,40 +35,29 @@ def _neighbours(faces: Integers) -> tuple[Integers, Integers, Booleans]:
 def consistent(faces: Integers) -> tuple[Integers, Integers]:
     """(F, 3) triangles that agree with their neighbours, and the (F,) piece that each belongs to."""
     a, b, differ = _neighbours(faces)
-    count = len(faces)
-    _, piece = components(count, a, b)
+    patches, patch = components(len(faces), a[~differ], b[~differ])
     if not differ.any():
-        return faces, piece
-    parent, flipped = _walk(np.unique(piece, return_index=True)[1], count, a, b, differ)
-    while (parent != parent[parent]).any():
-        flipped = flipped ^ flipped[parent]
-        parent = parent[parent]
-    return np.where(flipped[:, None], faces[:, ::-1], faces), piece
+        return faces, patch
+    first, second = patch[a[differ]], patch[b[differ]]
+    _, piece = components(patches, first, second)
+    turned = _at_odd_depth(np.unique(piece, return_index=True)[1], patches, first, second)[patch]
+    return np.where(turned[:, None], faces[:, ::-1], faces), piece[patch]
 
 
-def _walk(
-    roots: Integers, count: int, first: Integers, second: Integers, differ: Booleans
-) -> tuple[Integers, Booleans]:
-    """Breadth first from the roots over `count` nodes and E edges: (N,) the node from which each was reached (a root
-    from itself), and (N,) whether the edge between them differs."""
-    start, end, apart = np.concatenate([first, second]), np.concatenate([second, first]), np.tile(differ, 2)
-    order = stable_order(start * count + end)
-    end, apart = end[order], apart[order]
-    offsets = np.concatenate([[0], np.cumsum(np.bincount(start, minlength=count))])
-    parent, flipped, reached = np.arange(count), np.zeros(count, np.bool_), np.zeros(count, np.bool_)
-    place = np.zeros(count, dtype=np.int64)
-    front = roots
-    reached[front] = True
+def _at_odd_depth(roots: Integers, count: int, first: Integers, second: Integers) -> Booleans:
+    """(N,) of `count` nodes, joined by E edges: those an odd number of edges from their root, by the shortest way."""
+    start, end = np.concatenate([first, second]), np.concatenate([second, first])
+    end = end[stable_order(start)]
+    sizes = np.bincount(start, minlength=count)
+    offsets = np.cumsum(sizes) - sizes
+    odd, reached = np.zeros(count, np.bool_), np.zeros(count, np.bool_)
+    front, is_odd = roots, False
     while len(front):
-        sizes = offsets[front + 1] - offsets[front]
-        edges = np.repeat(offsets[front] - (np.cumsum(sizes) - sizes), sizes) + np.arange(sizes.sum())
-        edges, origin = edges[~reached[end[edges]]], np.repeat(front, sizes)[~reached[end[edges]]]
-        met = end[edges]
-        place[met[::-1]] = np.arange(len(met))[::-1]  # whoever comes first has it
-        new = place[met] == np.arange(len(met))
-        front = met[new]
-        parent[front], flipped[front], reached[front] = origin[new], apart[edges[new]], True
-    return parent, flipped
+        odd[front], reached[front] = is_odd, True
+        many = sizes[front]
+        met = end[np.repeat(offsets[front] - (np.cumsum(many) - many), many) + np.arange(many.sum())]
+        front, is_odd = np.unique(met[~reached[met]]), not is_odd
+    return odd
 
 
 def outwards(vertices: Array, faces: Integers, crosses: Array | None = None) -> tuple[Integers, int]:
