@@ -64,3 +64,12 @@ def test_landmark_distances_are_named() -> None:
     picked = {"a": np.array([0.0, 0.003, 0.0]), "b": np.array([0.0, 0.0, 0.002])}
     summary = landmark_summary_mm(model, picked)
     assert summary == {"mean": 2.0, "std": 1.0, "max": 3.0, "min": 1.0, "each": {"a": 3.0, "b": 1.0}}
+
+
+@pytest.mark.parametrize("most", [200, 400, 10_000])
+def test_no_more_scan_points_than_meant(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    vertices, faces = sphere(0.1, 3)
+    target = ScanTarget(*sphere(0.102, 3))
+    monkeypatch.setattr(module, "MAX_SCAN_POINTS", most)
+    count = len(surface_distances(target, vertices, faces).scan)
+    assert min(len(target.vertices), most) / 2 < count <= min(len(target.vertices), most)
