@@ -151,13 +151,15 @@ class Scene:
         pixel = view.height / height
         row, column = np.divmod(np.arange(width * height), width)
         x, y = (column + 0.5 - width / 2) * pixel, (height / 2 - row - 0.5) * pixel
-        colour, depth, normal = self._shaded(view, x, y, pixel)
+        seen = (self._vertices - view.centre) @ view.axes.T
+        box = np.stack([seen.min(axis=0), seen.max(axis=0)]) if len(seen) else np.zeros((2, 3))
+        colour, depth, normal = self._shaded(view, box, x, y, pixel)
         if antialias:
             index = np.flatnonzero(_edges(depth.reshape(height, width), normal.reshape(height, width, 3)))
             if len(index):
                 total = np.zeros((len(index), 4))
                 for dx, dy in ((-0.125, -0.375), (0.375, -0.125), (-0.375, 0.125), (0.125, 0.375)):
-                    total += self._shaded(view, x[index] + dx * pixel, y[index] + dy * pixel, pixel)[0]
+                    total += self._shaded(view, box, x[index] + dx * pixel, y[index] + dy * pixel, pixel)[0]
                 colour[index] = total / 4.0
         for line in lines:
             _draw(colour, depth, line, view, size)
@@ -167,14 +169,16 @@ class Scene:
             colour = colour[:, :3] + (1.0 - colour[:, 3:]) * np.asarray(background)
         return np.asarray(np.rint(255.0 * np.clip(colour, 0.0, 1.0)), dtype=np.uint8).reshape(height, width, -1)
 
-    def _shaded(self, view: Camera, x: Array, y: Array, pixel: float) -> tuple[Array, Array, Array]:
-        """(M, 4) colour times alpha, (M,) depth towards the viewer or -inf, (M, 3) normal in the viewer's axes."""
+    def _shaded(self, view: Camera, box: Array, x: Array, y: Array, pixel: float) -> tuple[Array, Array, Array]:
+        """(M, 4) colour times alpha, (M,) depth towards the viewer or -inf, (M, 3) normal in the viewer's axes.
+
+        box: (2, 3) m, the least and most of all vertices in the viewer's axes.
+        """
         count = len(x)
         colour, depth, normal = np.zeros((count, 4)), np.full(count, -np.inf), np.zeros((count, 3))
         if len(self._faces) == 0:
             return colour, depth, normal
-        seen = (self._vertices - view.centre) @ view.axes.T
-        low, high = seen.min(axis=0), seen.max(axis=0)
+        low, high = box
         index = np.flatnonzero(
             (x > low[0] - pixel) & (x < high[0] + pixel) & (y > low[1] - pixel) & (y < high[1] + pixel)
         )
