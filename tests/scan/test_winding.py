@@ -58,6 +58,21 @@ def test_many_pieces_are_each_turned(rng: np.random.Generator) -> None:
     assert same(turned, faces)
 
 
+def test_a_round_scrap_does_not_turn_a_flat_body() -> None:
+    """One side of a body may be flatter than ROUND; a bowl beside it (an armpit's end) is rounder, and hollow."""
+    ball, faces = sphere(0.25)
+    heights = ball[faces][:, :, 2]
+    body, bowl = faces[(heights > 0.0).all(axis=1)], faces[(heights < 0.0).all(axis=1)][:, ::-1]
+    table, cells = plane(0.8, 20)
+    dome, scrap = ball * [1.0, 1.0, 0.05], 0.1 * ball + [0.3, 0.0, 0.1]
+    shown = np.concatenate([body, cells + len(ball)])
+    turned, _ = outwards(
+        np.concatenate([dome, table - [0.0, 0.0, 0.02], scrap]),
+        np.concatenate([shown, bowl + len(ball) + len(table)]),
+    )
+    np.testing.assert_array_equal(turned[: len(shown)], shown)
+
+
 def test_edges_of_three_triangles_do_not_confuse_it() -> None:
     vertices, faces = sphere(0.1)
     fin = np.array([[faces[0, 0], faces[0, 1], len(vertices)]])
