@@ -7,7 +7,8 @@ import pytest
 
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.verdicts.fit_signals import FitSignals
-from breastrig.fitting.verdicts.verdict import UNKNOWN_MODEL, Verdict, verdict, verdict_limits
+from breastrig.fitting.verdicts.repeated import told_by_a_person
+from breastrig.fitting.verdicts.verdict import UNKNOWN_MODEL, Verdict, shows_a_part, verdict, verdict_limits
 from breastrig.least_squares.newton import Status
 
 RIGHT = FitSignals(
@@ -130,3 +131,22 @@ def test_a_part_of_a_body_is_to_be_checked_unless_landmarks_say_where_it_belongs
     assert alone.level == "check"
     assert alone.reasons[0].startswith("The scan shows only 33 % of the body")
     assert verdict(replace(part, clearness=np.nan), Status.CONVERGED, LIMITS, placed=True).level == "good"
+
+
+def test_picks_where_they_were_proposed_tell_nothing() -> None:
+    proposed = {"xiphoid": np.zeros(3), "umbilicus": np.array([0.0, -0.15, 0.0])}
+    picks = {
+        "xiphoid": np.array([0.001, 0.0, 0.0]),
+        "umbilicus": np.array([0.003, -0.15, 0.0]),
+        "nipple_L": np.array([0.1, 0.0, 0.0]),
+    }
+    assert told_by_a_person(picks, proposed) == {"umbilicus", "nipple_L"}
+
+
+def test_repeated_proposals_do_not_place_a_part() -> None:
+    part = replace(RIGHT, seen=0.4)
+    assert shows_a_part(part, LIMITS)
+    assert not shows_a_part(RIGHT, LIMITS)
+    assert verdict(part, Status.CONVERGED, LIMITS, placed=True).level == "good"
+    assert verdict(part, Status.CONVERGED, LIMITS, placed=True, repeated=True).level == "check"
+    assert verdict(RIGHT, Status.CONVERGED, LIMITS, placed=True, repeated=True).level == "good"

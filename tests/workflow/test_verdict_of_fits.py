@@ -12,10 +12,12 @@ from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import FitFailed
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Done
 from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.propose_on_scan import propose_on_scan
 from breastrig.workflow.run_fit import run_fit
 
 EXAMPLE = asset_folder("example")
@@ -99,3 +101,26 @@ def test_the_command_line_says_it_in_one_line_and_fails(tmp_path: Path, capsys: 
     assert said.err.startswith("breastrig: This does not look like a torso: ")
     assert said.err.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_a_part_whose_landmarks_only_repeat_the_proposals_is_to_be_checked(tmp_path: Path) -> None:
+    """One side of the example: true picks place the fit, proposals that somebody nods at tell nothing of their own."""
+    whole = read_scan(EXAMPLE / "standing" / "scan.ply")
+    picks = picks_mm("standing")
+    middle, left = (1e-3 * np.array(picks[name]) for name in ("xiphoid", "acromion_L"))
+    points = whole.vertices * METRES_PER_UNIT[whole.unit]
+    kept = (points - middle) @ (left - middle) > 0.04 * np.linalg.norm(left - middle)
+    mesh = trimesh.Trimesh(points, whole.faces[kept[whole.faces].all(axis=1)], process=False)
+    mesh.remove_unreferenced_vertices()
+    mesh.export(tmp_path / "side.ply")
+    gaps = {n: np.linalg.norm(mesh.vertices - 1e-3 * np.array(p), axis=1).min() for n, p in picks.items()}
+    shown = {name: picks[name] for name, gap in gaps.items() if gap < 0.01}
+    side = read_scan(tmp_path / "side.ply", None, "m")
+    proposed = propose_on_scan(read_rig(default_rig_path()), side)
+    nods = {name: (1e3 * each.point).tolist() for name, each in proposed.items() if each.on_scan}
+    assert len(shown) >= 3
+    assert len(nods) >= 3
+    assert verdict(tmp_path / "side.ply", tmp_path / "picked", shown, "m")["level"] == "good"
+    found = verdict(tmp_path / "side.ply", tmp_path / "nods", nods, "m")
+    assert found["level"] == "check"
+    assert "beyond the proposed ones" in str(found["reasons"])

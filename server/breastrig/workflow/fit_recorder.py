@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from breastrig.core.errors import FitFailed
+from breastrig.core.errors import BreastRigError, FitFailed
 from breastrig.drawings.line_error import with_errors
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.fitting.body.trunk_depth import skin_behind
@@ -22,13 +22,15 @@ from breastrig.fitting.seen.areolae import seen_areolae
 from breastrig.fitting.seen.landmarks import followed
 from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
-from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
+from breastrig.fitting.verdicts.repeated import told_by_a_person
+from breastrig.fitting.verdicts.verdict import shows_a_part, verdict, verdict_limits
 from breastrig.gltf.pose_nodes import node_poses
 from breastrig.least_squares.newton import Status
 from breastrig.report.distances import Comparison
 from breastrig.rig.model import Rig
 from breastrig.workflow.events import Iterated, NodePose
 from breastrig.workflow.fit_outcome import FitOutcome, ModelAlone
+from breastrig.workflow.propose_on_scan import propose_on_scan
 from breastrig.workflow.scan_fit import Clock, ReadyScan
 
 
@@ -54,6 +56,17 @@ class FitRecorder:
         self._recorded.append(RecordedIterate(iterate, _iterated(self.ready.task.rig, iterate)))
         return self._recorded[-1]
 
+    def _only_repeats(self) -> bool:
+        """Whether too few landmarks are a person's own; asks for the proposals once more, for nobody hands them on."""
+        ready = self.ready
+        try:
+            proposed = propose_on_scan(ready.task.rig, ready.scan, ready.orientation)
+        except BreastRigError:
+            return False
+        picks = {name: place for name, place in ready.task.landmarks.items() if name not in ready.task.seen}
+        places = {name: each.point for name, each in proposed.items()}
+        return len(told_by_a_person(picks, places)) < MIN_LANDMARKS
+
     def finish(self, solve_s: float, clock: Clock) -> FitOutcome:
         """Measures the last iterate; FitFailed when this is no torso.
 
@@ -69,7 +82,9 @@ class FitRecorder:
         compared = Comparison(target, vertices, rig.faces)
         signals = fit_signals(rig, last.parameters, compared, ready.clearness)
         placed = len(task.landmarks.keys() - task.seen) >= MIN_LANDMARKS
-        found_verdict = verdict(signals, last.status, verdict_limits(rig.name), placed, doubtful)
+        limits = verdict_limits(rig.name)
+        repeated = placed and shows_a_part(signals, limits) and self._only_repeats()
+        found_verdict = verdict(signals, last.status, limits, placed, doubtful, repeated)
         if not found_verdict.is_torso:
             raise FitFailed(" ".join(explained(task, (found_verdict.refusal,))))
         if found_verdict.level == "unusable":

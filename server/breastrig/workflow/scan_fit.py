@@ -22,7 +22,7 @@ from breastrig.fitting.fit import FitIterate, FitTask
 from breastrig.fitting.picks.mistakes import sides_exchanged
 from breastrig.fitting.propose import expected_error
 from breastrig.fitting.recipe import Recipe, load_recipe
-from breastrig.fitting.scan_orientation import orientation_from
+from breastrig.fitting.scan_orientation import ScanOrientation, orientation_from
 from breastrig.fitting.seen.landmarks import seen_landmarks, with_seen
 from breastrig.fitting.starts.two_openings import opened_iterates
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -111,6 +111,7 @@ class ReadyScan:
     landmarks: dict[str, Array]  # picked, m, in the scan's frame
     exchanged: tuple[Doubt, ...]
     drawing: AskedDrawing | None
+    orientation: ScanOrientation | None  # as the upload has found it
     stance_reason: str
     task: FitTask
     clearness: float | None  # of the start, where the scan alone placed it
@@ -220,6 +221,7 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         landmarks=landmarks,
         exchanged=exchanged,
         drawing=plan.drawing,
+        orientation=orientation,
         stance_reason=stance.reason,
         task=task,
         clearness=clearness,

@@ -84,10 +84,12 @@ def verdict(
     limits: VerdictLimits | None,
     placed: bool = False,
     doubts: Sequence[Doubt] = (),
+    repeated: bool = False,
 ) -> Verdict:
     """`status` is why the fit stopped, `placed` whether a person's landmarks placed it, `doubts` what is asked about.
 
-    Who names landmarks has seen a torso: such a fit is unusable at most.
+    Who names landmarks has seen a torso: such a fit is unusable at most.  `repeated` says that these landmarks only
+    repeat what was proposed (repeated.py), so that the scan alone has placed it.
     """
     stopped = (*(() if status is Status.CONVERGED else (NOT_CONVERGED,)), *_doubt_reasons(doubts))
     if limits is None:
@@ -95,7 +97,7 @@ def verdict(
     found = {
         name: _strength(asdict(signals)[name], limit, signals.hanging > HANGS)
         for name, limit in limits.signals.items()
-        if np.isfinite(asdict(signals)[name]) and not (placed and limit.scan_alone)
+        if np.isfinite(asdict(signals)[name]) and not (placed and not repeated and limit.scan_alone)
     }
     order = sorted((name for name, strength in found.items() if strength > 0.0), key=found.__getitem__, reverse=True)
     reasons = tuple(_reason(asdict(signals)[name], limits.signals[name]) for name in order)
@@ -127,3 +129,11 @@ def _strength(value: float, limit: SignalLimits, hangs: bool) -> float:
 
 def _reason(value: float, limit: SignalLimits) -> str:
     return limit.reason.format(value=PER_UNIT[limit.unit] * value)
+
+
+def shows_a_part(signals: FitSignals, limits: VerdictLimits | None) -> bool:
+    """Whether the scan shows so little that it matters who placed the fit."""
+    return limits is not None and any(
+        limit.scan_alone and _strength(asdict(signals)[name], limit, hangs=False) > 0.0
+        for name, limit in limits.signals.items()
+    )

@@ -20,6 +20,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.task import FitTask
 from breastrig.fitting.verdicts.fit_signals import fit_signals
+from breastrig.fitting.verdicts.repeated import told_by_a_person
 from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
 from breastrig.report.distances import Comparison
 from breastrig.rig.model import Rig
@@ -35,23 +36,31 @@ def verdicts(scene: Scene, rig: Rig, recipe: Recipe) -> dict[str, Any]:
     gaps = np.atleast_1d(scene.target.vertex_tree.query(np.array(list(scene.landmarks.values())))[0])
     shown = {n: place for (n, place), gap in zip(scene.landmarks.items(), gaps, strict=True) if gap < SHOWN}
     found = start_from_scan(rig, scene.target, scene.frame.fronts)
-    fits = {}
-    if len(shown) >= MIN_LANDMARKS:
-        fits["landmarks"], _ = _judged(scene, rig, recipe, scene.start(rig, shown), shown, None)
-    fits["none"], proposed = _judged(scene, rig, recipe, found.parameters, {}, found.margin)
+    fits: dict[str, Any] = {}
+    none, proposed = _judged(scene, rig, recipe, found.parameters, {}, found.margin, {})
     near = scene.target.search.query(np.array(list(proposed.values())))
+    on_skin = dict(zip(proposed, near.points, strict=True))
+    if len(shown) >= MIN_LANDMARKS:
+        fits["landmarks"], _ = _judged(scene, rig, recipe, scene.start(rig, shown), shown, None, on_skin)
+    fits["none"] = none
     nodded = {
         n: at for n, at, gap in zip(proposed, near.points, near.distances, strict=True) if gap < SHOWN
     }  # one picks on skin
     if len(nodded) >= MIN_LANDMARKS:
-        fits["accepted"], _ = _judged(scene, rig, recipe, scene.start(rig, nodded), nodded, None)
-    fits["head_down"], _ = _judged(scene, rig, recipe, _head_down(rig, scene, found.similarity), {}, None)
+        fits["accepted"], _ = _judged(scene, rig, recipe, scene.start(rig, nodded), nodded, None, on_skin)
+    fits["head_down"], _ = _judged(scene, rig, recipe, _head_down(rig, scene, found.similarity), {}, None, {})
     capture = json.loads((scene.case.folder / "case.json").read_text("utf-8")).get("capture", WHOLE[0])
     return {"whole": capture in WHOLE, "fits": fits}
 
 
 def _judged(
-    scene: Scene, rig: Rig, recipe: Recipe, start: RigParameters, picks: dict[str, Array], clearness: float | None
+    scene: Scene,
+    rig: Rig,
+    recipe: Recipe,
+    start: RigParameters,
+    picks: dict[str, Array],
+    clearness: float | None,
+    proposed: dict[str, Array],
 ) -> tuple[dict[str, Any], dict[str, Array]]:
     """What is said of the fit, and where its landmarks are."""
     task = FitTask(rig, scene.target, start, recipe, picks, scene.case.stance)
@@ -60,7 +69,9 @@ def _judged(
     doubts: tuple[Doubt, ...] = (*last.not_followed, *unusual(posterior))
     vertices = posterior.state.vertices
     signals = fit_signals(rig, last.parameters, Comparison(scene.target, vertices, rig.faces), clearness)
-    said = verdict(signals, last.status, verdict_limits(rig.name), len(picks) >= MIN_LANDMARKS, doubts)
+    repeated = len(told_by_a_person(picks, proposed)) < MIN_LANDMARKS
+    placed = len(picks) >= MIN_LANDMARKS
+    said = verdict(signals, last.status, verdict_limits(rig.name), placed, doubts, repeated)
     error = 1e3 * float(scene.landmark_errors(rig, vertices).mean())
     at = rig.landmark_points().positions(vertices, rig.faces)
     answer = {"level": said.level, "error_mm": round(error, 2), "reasons": list(said.reasons)}
