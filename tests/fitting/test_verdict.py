@@ -144,7 +144,7 @@ def test_picks_where_they_were_proposed_tell_nothing() -> None:
 
 
 def test_repeated_proposals_do_not_place_a_part() -> None:
-    part = replace(RIGHT, seen=0.4)
+    part = replace(RIGHT, seen=0.57)
     assert shows_a_part(part, LIMITS)
     assert not shows_a_part(RIGHT, LIMITS)
     assert verdict(part, Status.CONVERGED, LIMITS, placed=True).level == "good"
