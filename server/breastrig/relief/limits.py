@@ -51,6 +51,20 @@ class Shoulder(_Part):
     reason: str  # a few words
 
 
+class LyingShoulder(_Part):
+    """How far a lying shoulder's tip is from the form's; each a constant (m) and what it changes per metre of three
+    lengths from the notch: outwards to the form's tip, frontwards to it, frontwards to the front of the upper arm."""
+
+    outwards: tuple[float, float, float, float]
+    front: tuple[float, float, float, float]
+    shown: Positive  # m, to the nearest vertex of the scan at notch and arm's front
+    errors: tuple[Positive, Positive, Positive]  # m, outwards, up, front
+    midclavicle: Positive  # share of the way outwards from notch to tip, at which it lies
+    midclavicle_error: Positive  # m, outwards
+    farthest: Positive  # m, from the form's tip
+    reason: str  # a few words
+
+
 class Relief(_Part):
     """All of features.toml."""
 
@@ -58,6 +72,7 @@ class Relief(_Part):
     fine: Positive  # m, scale at which the skin's height is read where the landmark is
     reach: Positive  # times the form's error, how far is looked
     shoulder: Shoulder
+    lying_shoulder: LyingShoulder
     hollows: dict[str, Hollow]  # by the landmark's name without its side
 
 

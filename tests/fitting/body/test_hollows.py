@@ -25,6 +25,7 @@ from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import value
+from breastrig.relief.limits import relief as relief_limits
 from breastrig.relief.observe import SeenHollow
 from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
@@ -35,6 +36,7 @@ from breastrig.scan.read import read_scan
 STANDING = asset_folder("example") / "standing"
 HOLLOWS = {"umbilicus", "suprasternal_notch", "inframammary_fold_L", "inframammary_fold_R"}
 TIPS = {"acromion_L", "acromion_R"}
+SHOULDERS = TIPS | {"midclavicle_L", "midclavicle_R"}
 
 
 @pytest.fixture(scope="module")
@@ -72,14 +74,46 @@ def test_hollows_bring_landmarks_nearer_without_bending_the_surface(task: FitTas
     assert with_them.landmark_distance is None  # nobody has picked any
 
 
-def test_tips_of_hanging_shoulders_are_seen_and_those_of_who_lies_are_not(task: FitTask) -> None:
+def test_tips_of_hanging_shoulders_are_seen(task: FitTask) -> None:
     last = end(task)
     assert last.relief is not None
     assert all(last.relief[name].all_round for name in TIPS)
     points = task.rig.landmark_points(tuple(TIPS)).positions(pose(task.rig, last.parameters), task.rig.faces)
     for name, point in zip(TIPS, points, strict=True):  # the fit follows them
         assert np.linalg.norm(point - last.relief[name].place) < last.relief[name].error
-    assert not TIPS & set(end(replace(task, stance="supine")).relief or {})
+
+
+def test_shoulders_of_who_lies_are_seen_by_how_high_the_arms_lie() -> None:
+    scan = read_scan(STANDING.parent / "supine" / "scan.ply", "ply", "auto", texture=False)
+    lying = scan_orientation(read_rig(default_rig_path()), prepared(clean(scan), "auto"), load_recipe("default"))[1]
+    assert lying.stance == "supine"
+    places, unit = read_landmarks(STANDING.parent / "supine" / "landmarks.json")
+    true = {name: {"mm": 1e-3, "m": 1.0}[str(unit)] * np.array(place) for name, place in places.items()}
+    last = end(lying)
+    relief = dict(last.relief or {})
+    assert set(relief) >= SHOULDERS
+    assert not any(relief[name].all_round for name in SHOULDERS)  # proposals stay on the model's skin
+    found = errors(lying, last, true)
+    for name in TIPS:
+        assert found[name] < relief[name].error  # it holds the true place, and the fit follows it
+        assert relief[name].error == pytest.approx(np.linalg.norm(relief_limits().lying_shoulder.errors))
+    picked = replace(lying, landmarks={name: true[name] for name in ("nipple_L", "nipple_R", "xiphoid")})
+    assert not SHOULDERS & set(end(picked).relief or {})  # picks say more of them
+    notch = replace(lying, landmarks={"suprasternal_notch": true["suprasternal_notch"]}, seen=frozenset())
+    assert not SHOULDERS & set(end(notch).relief or {})
+    far = replace(lying, target=without_arms(lying))
+    assert not TIPS & set(end(far).relief or {})
+
+
+def without_arms(task: FitTask) -> ScanTarget:
+    """The lying scan cut off beside the shoulders, where it shows no arm."""
+    last = end(replace(task, relief={}))
+    points = task.rig.landmark_points(("acromion_L", "acromion_R"))
+    left, right = points.positions(pose(task.rig, last.parameters), task.rig.faces)
+    along = (left - right) / np.linalg.norm(left - right)
+    at = (task.target.vertices - 0.5 * (left + right)) @ along
+    kept = np.abs(at) < 0.35 * np.linalg.norm(left - right)
+    return ScanTarget(*compact(task.target.vertices, task.target.faces[kept[task.target.faces].all(axis=1)]))
 
 
 def test_before_the_form_is_found_no_hollow_is_looked_for(task: FitTask) -> None:

@@ -22,13 +22,16 @@ from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.least_squares.newton import value
 from breastrig.least_squares.problem import ResidualTerm
 from breastrig.relief.limits import relief as relief_limits
-from breastrig.relief.observe import Expected, SeenHollow, seen_hollows
+from breastrig.relief.lying_shoulder import lying_tip
+from breastrig.relief.observe import NOT_SHOWN, Expected, SeenHollow, seen_hollows
 from breastrig.relief.shoulder import shoulder_tip
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.rig.state import BodyState
 
-TIPS = {"acromion_L": np.ones(3), "acromion_R": OUTWARDS_ON_THE_RIGHT}
+NOTCH = "suprasternal_notch"
+TIPS = {"acromion_L": (np.ones(3), "upper_arm_L"), "acromion_R": (OUTWARDS_ON_THE_RIGHT, "upper_arm_R")}
+ARM = 0.9  # share of a vertex that moves with the upper arm; with half of it the shoulder itself is in front
 
 
 def look_for_hollows(task: FitTask, state: BodyState) -> dict[str, SeenHollow]:
@@ -46,27 +49,63 @@ def look_for_hollows(task: FitTask, state: BodyState) -> dict[str, SeenHollow]:
         for k, name in enumerate(rig.landmark_names)
         if name not in task.landmarks and not covered[k]
     }
-    return seen_hollows(task.target, expected, axes) | _tips(task, state, expected, axes)
+    tips = _tips if task.stance == STANDING else _lying_tips
+    return seen_hollows(task.target, expected, axes) | tips(task, state, expected, axes)
+
+
+def _lying_tips(
+    task: FitTask, state: BodyState, expected: Mapping[str, Expected], axes: Array
+) -> dict[str, SeenHollow]:
+    """Those of who lies, likewise, and how far out the middles of the collar bones are, which lie half way to them."""
+    rules, seen, rig = relief_limits().lying_shoulder, {}, task.rig
+    if not task.seen.issuperset(task.landmarks) or NOTCH not in expected:
+        return {}
+    for name in expected.keys() & TIPS.keys():
+        mirror, arm = TIPS[name]
+        if arm not in rig.bone_names:
+            continue
+        own = axes * mirror  # (3, 3) columns: outwards, up, front
+        of_arm = state.vertices[rig.skin_weights[:, rig.bone_names.index(arm)] > ARM]
+        if not len(of_arm):
+            continue
+        notch, front = expected[NOTCH].place, of_arm[(of_arm @ own[:, 2]).argmax()]
+        place = lying_tip(notch @ own, expected[name].place @ own, front @ own, rules)
+        if place is None or not _shown(task, np.stack([notch, front]), rules.shown):
+            continue
+        seen[name] = SeenHollow(own @ place, (own * np.array(rules.errors) ** 2) @ own.T, rules.reason, False)
+        middle = "midclavicle" + name[-2:]
+        if middle in expected:
+            far = rules.midclavicle * (place - notch @ own)[0]
+            beside = expected[middle].place @ own
+            beside[0] = (notch @ own)[0] + far
+            errors = np.array([rules.midclavicle_error, NOT_SHOWN, NOT_SHOWN])
+            seen[middle] = SeenHollow(own @ beside, (own * errors**2) @ own.T, rules.reason, False)
+    return seen
 
 
 def _tips(task: FitTask, state: BodyState, expected: Mapping[str, Expected], axes: Array) -> dict[str, SeenHollow]:
     """The tips of the shoulders of who stands, where no person has picked anything: picks say more of all of them."""
-    if task.stance != STANDING or not task.seen.issuperset(task.landmarks):
+    if not task.seen.issuperset(task.landmarks):
         return {}
     rules, seen = relief_limits().shoulder, {}
     for name, each in expected.items():
         if name not in TIPS:
             continue
-        own = axes * TIPS[name]  # (3, 3) columns: outwards, up, front
+        own = axes * TIPS[name][0]  # (3, 3) columns: outwards, up, front
         tip = shoulder_tip(state.vertices @ own, task.rig.faces, each.place @ own, rules)
         if tip is None:
             continue
         places = np.stack([tip.place, tip.edge, tip.front]) @ own.T
-        if np.isfinite(task.target.vertex_tree.query(places[1:], distance_upper_bound=rules.shown)[0]).all():
+        if _shown(task, places[1:], rules.shown):
             hangs = hangs_by(state, task.recipe, name) > 0.0
             errors = np.array(rules.errors) * (rules.where_hanging if hangs else 1.0)
             seen[name] = SeenHollow(places[0], (own * errors**2) @ own.T, rules.reason, all_round=True)
     return seen
+
+
+def _shown(task: FitTask, places: Array, near: float) -> bool:
+    """Whether the scan has a vertex within `near` m of each of the (N, 3) m places."""
+    return bool(np.isfinite(task.target.vertex_tree.query(places, distance_upper_bound=near)[0]).all())
 
 
 def hollow_terms(rig: Rig, relief: Mapping[str, SeenHollow], stage: Stage) -> list[ResidualTerm[BodyState]]:
