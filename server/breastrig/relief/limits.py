@@ -61,6 +61,7 @@ class LyingShoulder(_Part):
     errors: tuple[Positive, Positive, Positive]  # m, outwards, up, front
     midclavicle: Positive  # share of the way outwards from notch to tip, at which it lies
     midclavicle_error: Positive  # m, outwards
+    slack: Positive  # times the errors, in fits
     farthest: Positive  # m, from the form's tip
     reason: str  # a few words
 

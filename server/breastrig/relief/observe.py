@@ -37,6 +37,7 @@ class SeenHollow:
     covariance: Array  # (3, 3) m²; next to no knowledge along a fold
     reason: str  # a few words
     all_round: bool  # known on all axes; False for a fold, which does not say where along it the landmark lies
+    slack: float = 1.0  # times its error, in a fit that follows it
 
     @property
     def error(self) -> float:

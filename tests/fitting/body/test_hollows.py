@@ -92,11 +92,17 @@ def test_shoulders_of_who_lies_are_seen_by_how_high_the_arms_lie() -> None:
     last = end(lying)
     relief = dict(last.relief or {})
     assert set(relief) >= SHOULDERS
-    assert not any(relief[name].all_round for name in SHOULDERS)  # proposals stay on the model's skin
-    found = errors(lying, last, true)
+    found, limits = errors(lying, last, true), relief_limits().lying_shoulder
+    posterior = Posterior(replace(lying, relief=relief), last.parameters)
+    around_place, around_model = radii(posterior, expected=True), radii(posterior)
+    assert around_place is not None
+    assert around_model is not None
     for name in TIPS:
-        assert found[name] < relief[name].error  # it holds the true place, and the fit follows it
-        assert relief[name].error == pytest.approx(np.linalg.norm(relief_limits().lying_shoulder.errors))
+        assert relief[name].error == pytest.approx(np.linalg.norm(limits.errors))
+        assert np.linalg.norm(relief[name].place - true[name]) < around_place.landmarks[name]
+        assert around_place.landmarks[name] == pytest.approx(HOLDS_90 * relief[name].error)
+        assert found[name] < around_model.landmarks[name]  # which follows the place only some of the way
+        assert around_model.landmarks[name] > around_place.landmarks[name]
     picked = replace(lying, landmarks={name: true[name] for name in ("nipple_L", "nipple_R", "xiphoid")})
     assert not SHOULDERS & set(end(picked).relief or {})  # picks say more of them
     notch = replace(lying, landmarks={"suprasternal_notch": true["suprasternal_notch"]}, seen=frozenset())

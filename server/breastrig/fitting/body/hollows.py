@@ -18,6 +18,7 @@ from breastrig.energies.landmark_observations import LandmarkObservations
 from breastrig.fitting.body.hanging import OUTWARDS_ON_THE_RIGHT, hanging_shifts, hangs_by
 from breastrig.fitting.recipe import Stage
 from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.least_squares.newton import value
 from breastrig.least_squares.problem import ResidualTerm
@@ -60,6 +61,7 @@ def _lying_tips(
     rules, seen, rig = relief_limits().lying_shoulder, {}, task.rig
     if not task.seen.issuperset(task.landmarks) or NOTCH not in expected:
         return {}
+    skin = ClosestPointSearch(state.vertices, rig.faces)
     for name in expected.keys() & TIPS.keys():
         mirror, arm = TIPS[name]
         if arm not in rig.bone_names:
@@ -69,17 +71,19 @@ def _lying_tips(
         if not len(of_arm):
             continue
         notch, front = expected[NOTCH].place, of_arm[(of_arm @ own[:, 2]).argmax()]
-        place = lying_tip(notch @ own, expected[name].place @ own, front @ own, rules)
-        if place is None or not _shown(task, np.stack([notch, front]), rules.shown):
+        tip = lying_tip(notch @ own, expected[name].place @ own, front @ own, rules)
+        if tip is None or not _shown(task, np.stack([notch, front]), rules.shown):
             continue
-        seen[name] = SeenHollow(own @ place, (own * np.array(rules.errors) ** 2) @ own.T, rules.reason, False)
+        places = {name: (tip, rules.errors)}
         middle = "midclavicle" + name[-2:]
         if middle in expected:
-            far = rules.midclavicle * (place - notch @ own)[0]
             beside = expected[middle].place @ own
-            beside[0] = (notch @ own)[0] + far
-            errors = np.array([rules.midclavicle_error, NOT_SHOWN, NOT_SHOWN])
-            seen[middle] = SeenHollow(own @ beside, (own * errors**2) @ own.T, rules.reason, False)
+            beside[0] = (1.0 - rules.midclavicle) * (notch @ own)[0] + rules.midclavicle * tip[0]
+            places[middle] = beside, (rules.midclavicle_error, NOT_SHOWN, NOT_SHOWN)
+        for each, (place, errors) in places.items():
+            near = skin.query((own @ place)[None]).points[0]
+            covariance = (own * np.array(errors) ** 2) @ own.T
+            seen[each] = SeenHollow(near, covariance, rules.reason, each == name, rules.slack)
     return seen
 
 
@@ -112,7 +116,7 @@ def hollow_terms(rig: Rig, relief: Mapping[str, SeenHollow], stage: Stage) -> li
     """How hollows that were seen pull in a stage that asks for them; none where none was."""
     if stage.relief is None or not relief:
         return []
-    places, covariances = zip(*((each.place, each.covariance) for each in relief.values()), strict=True)
+    places, covariances = zip(*((each.place, each.slack**2 * each.covariance) for each in relief.values()), strict=True)
     points = rig.landmark_points(tuple(relief))
     return [LandmarkObservations(rig, points, np.array(places), stage.relief**2 * np.array(covariances))]
 

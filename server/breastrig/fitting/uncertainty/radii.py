@@ -51,8 +51,9 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
     scatter, seen = _scatter(posterior, known), seen_vertices(posterior)
     at_landmarks = HOLDS_90 * scatter * np.sqrt(spread + lost**2)
     for k, name in enumerate(names):  # a hollow of the skin says all that is known of its own place, however picks are
-        if name in posterior.relief and posterior.relief[name].all_round:
-            at_landmarks[k] = HOLDS_90 * np.hypot(posterior.relief[name].error, lost)
+        hollow = posterior.relief.get(name)
+        if hollow is not None and hollow.all_round and (expected or hollow.slack == 1.0):  # else the model is beside it
+            at_landmarks[k] = HOLDS_90 * np.hypot(hollow.error, lost)
     at_landmarks = np.hypot(at_landmarks, [_of_hanging(posterior, known, name) for name in names])
     if not expected:
         at_landmarks += MOVED * np.linalg.norm(hanging_shifts(posterior.state, task, names), axis=1)
