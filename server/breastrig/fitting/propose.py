@@ -12,8 +12,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.match import MatchRules, match
-from breastrig.fitting.body.hanging import hanging_shifts
-from breastrig.fitting.body.standing import standing_shifts
+from breastrig.fitting.body.expected_shifts import expected_shifts
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.prepare_scan import PreparedScan
@@ -82,8 +81,9 @@ def propose_landmarks(
     points = rig.landmark_points()
     places, normals = (points.positions(of, rig.faces) for of in (vertices, vertex_normals(vertices, rig.faces)))
     posterior = Posterior(ended, fitted)
-    places += hanging_shifts(posterior.state, ended, rig.landmark_names)
-    places += standing_shifts(vertices, ended, rig.landmark_names)
+    told = {name: each.place for name, each in posterior.relief.items() if each.all_round}
+    told |= {name: each.place for name, each in shown.items()}
+    places += expected_shifts(places, posterior.state, ended, told)
     found = match(scan.target, places, normals / np.linalg.norm(normals, axis=1, keepdims=True), ON_SKIN)
     seen = np.zeros(len(places), dtype=np.bool_)
     seen[found.vertices] = True

@@ -66,6 +66,13 @@ class LyingShoulder(_Part):
     reason: str  # a few words
 
 
+class MidSternum(_Part):
+    """Where the middle of the breast bone is expected between its ends."""
+
+    at: Annotated[float, Field(gt=0.0, lt=1.0)]  # share of the way from notch to xiphoid
+    share: Annotated[float, Field(ge=0.0, le=1.0)]  # of the step there from the model's own place
+
+
 class Relief(_Part):
     """All of features.toml."""
 
@@ -74,6 +81,7 @@ class Relief(_Part):
     reach: Positive  # times the form's error, how far is looked
     shoulder: Shoulder
     lying_shoulder: LyingShoulder
+    mid_sternum: MidSternum
     hollows: dict[str, Hollow]  # by the landmark's name without its side
 
 
