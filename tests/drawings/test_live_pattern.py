@@ -66,7 +66,7 @@ def live(rig: Rig, scans: dict[str, FittedScan]) -> LiveSkin:
 def ordinary(rig: Rig, scan: FittedScan, name: str, parameters: Parameters) -> dict[str, Polyline]:
     """As a plan or a fit draws it, on a skin that nobody has measured before."""
     text = f"{name}:{','.join(f'{key}={value}' for key, value in parameters.items())}" if parameters else name
-    drawing = asked_drawing(rig, text).on_model(rig, scan.vertices)
+    drawing = asked_drawing(rig, text).on_model(rig, scan.vertices, scan.known)
     found = on_scan(rig, scan.vertices, drawing, scan.target)
     return {line.name: line for line in with_errors(rig, scan.search(rig), scan.radii, found)}
 

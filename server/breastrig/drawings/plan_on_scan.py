@@ -89,7 +89,7 @@ def _lines(rig: Rig, scan: FittedScan, item: PlanItem) -> list[tuple[Polyline, s
         return [(replace(line, error=error), "")]
     if isinstance(item, PlanNote):
         return [] if item.point is None else [(_on_skin(item.id, False, NOTE_COLOR, [item.point]), "")]
-    drawing = asked_drawing(rig, drawing_text(item)).on_model(rig, scan.vertices, scan.seen)
+    drawing = asked_drawing(rig, drawing_text(item)).on_model(rig, scan.vertices, scan.known)
     found = with_errors(rig, scan.search(rig), scan.radii, on_scan(rig, scan.vertices, drawing, scan.target))
     return [(line, line.name) for line in found]
 

@@ -101,9 +101,12 @@ class FitRecorder:
         seen = followed(task, ready.shown, {name for doubt in let_go for name in doubt.names})
         if known is not None and seen:
             known = replace(known, landmarks=known.landmarks | {name: each.radius for name, each in seen.items()})
-        drawing = (
-            ready.drawing.on_model(rig, vertices, {n: s.place for n, s in seen.items()}) if ready.drawing else None
-        )
+        doubts = tuple(doubt for doubt in doubtful if not task.certain.issuperset(doubt.names))
+        doubted = {name for doubt in doubts for name in doubt.names}
+        # a pattern begins where measures do: as picked, else as seen, else where the model has it
+        places = {name: each.place for name, each in seen.items()}
+        places |= {name: place for name, place in ready.landmarks.items() if name not in doubted}
+        drawing = ready.drawing.on_model(rig, vertices, places) if ready.drawing else None
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()
         lines = with_errors(rig, compared.search, None if known is None else known.vertices, lines)
         areolae = seen_areolae(rig, vertices, ready.landmarks, ready.scan, ready.shown)
@@ -127,7 +130,7 @@ class FitRecorder:
             distances=compared.distances,
             landmarks=ready.landmarks,
             seen=seen,
-            doubts=tuple(doubt for doubt in doubtful if not task.certain.issuperset(doubt.names)),
+            doubts=doubts,
             drawing=drawing,
             lines=lines,
             radii=known,

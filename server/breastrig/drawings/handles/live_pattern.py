@@ -92,7 +92,7 @@ class LiveSkin:
     def __init__(self, rig: Rig, scan: FittedScan) -> None:
         self._rig = rig
         self._scan = scan
-        self._skin = FittedSkin(rig, scan.vertices, scan.seen)
+        self._skin = FittedSkin(rig, scan.vertices, scan.known)
         self._lines: LastUsed[tuple[str, bytes, bytes], Polyline] = LastUsed(KEPT_LINES)
 
     @cached_property
