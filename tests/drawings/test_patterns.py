@@ -303,3 +303,17 @@ def test_the_commands_own_words_are_the_help_of_the_patterns() -> None:
 def test_the_help_names_every_parameter() -> None:
     for word in ("reduction", "areola_mm", "limb_mm", "limb_angle_deg", "tumour", "clock", "radius_mm"):
         assert word in pattern_help()
+
+
+def test_a_new_nipple_comes_to_the_height_of_the_fold_that_was_picked_however_near_the_fitted_skin_is(
+    torso: Rig, sagging: np.ndarray
+) -> None:
+    own = FittedSkin(torso, sagging)
+    fold = own.at(own.landmark("inframammary_fold_L"))[0]
+    for beside in (np.array([0.0, up, out]) for up, out in ((0.034, 0.0), (0.038, -0.012), (0.04, 0.006))):  # m
+        known = {"inframammary_fold_L": fold + own.axes @ beside}
+        asked = asked_drawing(torso, "reduction:side=L,limb_mm=30")
+        shapes = {shape.name: shape for shape in asked.on_model(torso, sagging, known).shapes}
+        mark = own.at(shapes["new_nipple_L"].points)
+        middle = 0.5 * (mark @ own.axes[:, 1]).min() + 0.5 * (mark @ own.axes[:, 1]).max()
+        assert middle == pytest.approx(float((fold + own.axes @ beside) @ own.axes[:, 1]), abs=0.0006)

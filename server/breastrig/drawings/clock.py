@@ -67,6 +67,11 @@ class FittedSkin:
             return self.nearest(self.known[name][None])
         return self.rig.landmark_points((name,))
 
+    def height(self, name: str) -> float:
+        """m along the body of a landmark's own place: a fold that the breast covers lies beside the fitted skin."""
+        place = self.known.get(name)
+        return float((self.at(self.landmark(name))[0] if place is None else place) @ self.axes[:, 1])
+
     @cached_property
     def axes(self) -> Array:
         """(3, 3): columns are the patient's left, up and front, by all landmarks together."""

@@ -194,8 +194,7 @@ class Reduction(BaseModel):
 
     def _on_meridian(self, skin: FittedSkin, side: str, nipple: SurfacePoints, meridian: Array) -> SurfacePoints:
         heights: Array = meridian @ skin.axes[:, 1]
-        fold = skin.at(skin.landmark(f"inframammary_fold_{side}"))[0] @ skin.axes[:, 1]
-        wanted = fold + 1e-3 * self.nipple_above_fold_mm
+        wanted = skin.height(f"inframammary_fold_{side}") + 1e-3 * self.nipple_above_fold_mm
         if wanted <= heights[-1]:
             return nipple
         above = np.flatnonzero(heights >= wanted)

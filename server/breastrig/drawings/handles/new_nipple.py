@@ -31,7 +31,7 @@ def new_nipple_handle(
 ) -> Handle:
     """`meridian` is (M, 3) m from the collarbone to the nipple; `new` is where the nipple is planned."""
     up, outward = skin.axes[:, 1], skin.axes[:, 0] * (1.0 if side == "L" else -1.0)
-    fold = float(skin.at(skin.landmark(f"inframammary_fold_{side}"))[0] @ up)
+    fold = skin.height(f"inframammary_fold_{side}")
     heights = meridian @ up
     order = np.argsort(heights, kind="stable")
 
