@@ -220,7 +220,7 @@ def test_the_table_has_a_line_for_each_row(tmp_path: Path) -> None:
     head, first, second = (tmp_path / "batch.csv").read_text().splitlines()
     assert head == (
         "name,state,reason,stance,unit,triangles,mean_mm,std_mm,max_mm,p95_mm,coverage,landmark_mean_mm,iterations,"
-        "solve_s,total_s,verdict,model_alone_mean_mm"
+        "solve_s,total_s,verdict,model_alone_mean_mm,drawing_missing"
     )
-    assert first == '"Zoë, 2",failed,It failed; try again.,,,,,,,,,,,,,,'
-    assert second == "b,done,,,,,0.5,,,,,,,,,,"
+    assert first == '"Zoë, 2",failed,It failed; try again.,,,,,,,,,,,,,,,'
+    assert second == "b,done,,,,,0.5,,,,,,,,,,,"

@@ -217,3 +217,21 @@ test("a tab that is looked at again says what was written in another one, and sh
   await second.close();
   expect(troubles).toEqual([]);
 });
+
+test("a fit that was asked for a pattern which does not fit on this breast is kept, and says what to change", async ({ page, base, troubles }) => {
+  await page.route("**/api/fits", async (route) => {
+    const asked = route.request().postDataJSON() as object;
+    await route.continue({ postData: JSON.stringify({ ...asked, drawing: "reduction:limb_mm=80" }) });
+  });
+  await fitted(page, base);
+  expect((await hook.fit(page))!.state).toBe("done");
+  const said = page.getByText('Not drawn: Reduction (Wise pattern). The limbs of 80 mm reach the fold of the left breast; choose shorter limbs');
+  await page.keyboard.press("3");
+  await expect(said).toBeVisible();
+  await page.unrouteAll({ behavior: "wait" });
+  await page.reload();
+  await hook.ready(page);
+  await page.keyboard.press("3");
+  await expect(said, "after a reload").toBeVisible();
+  expect(troubles).toEqual([]);
+});

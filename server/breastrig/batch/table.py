@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.core.private_files import write_private
+from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING
 
 NUMBERS = {  # column -> its place in result.json
     "stance": ("stance",),
@@ -29,7 +30,7 @@ BEFORE = {"verdict": {"level": None}, "model_alone": {"surface_distance_mm": {"m
 
 TIMES = ("solve_s", "total_s")  # all other columns are the same wherever and however often a fit runs
 FIRST = ("name", "state", "reason")
-COLUMNS = (*FIRST, *NUMBERS)
+COLUMNS = (*FIRST, *NUMBERS, DRAWING_MISSING)
 FILE = "batch.csv"
 
 
@@ -44,6 +45,11 @@ class Outcome:
     @property
     def state(self) -> str:
         return "done" if self.reason is None else "failed"
+
+    @property
+    def missing(self) -> str | None:
+        """Why its drawing lacks what was asked for; None: it lacks nothing."""
+        return self.numbers.get(DRAWING_MISSING)
 
 
 def is_table(file: Path) -> bool:
@@ -64,7 +70,7 @@ def numbers_of(result: Mapping[str, Any]) -> dict[str, Any]:
         for key in place:
             value = value[key]
         numbers[column] = value
-    return numbers
+    return numbers | {DRAWING_MISSING: " ".join(result.get(DRAWING_MISSING, ())) or None}
 
 
 def write_table(outcomes: Iterable[Outcome], folder: Path) -> None:

@@ -26,14 +26,14 @@ from breastrig.execution.fork_server import preload, start_fork_server
 from breastrig.execution.limits import FitLimits
 from breastrig.execution.processes import Processes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.workflow.folder.fit_file_names import FIT_FILES
+from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING, FIT_FILES
 from breastrig.workflow.run_fit import run_fit
 
 SHOWN_FAULTS = 20  # a screenful; a table with more has one cause
 
 
 def run(options: argparse.Namespace) -> int:
-    """Fits, writes and counts; 0: all rows are done, 1: some failed, 2: the manifest cannot be used."""
+    """Fits, writes and counts; 0: all is done, 1: rows failed or lack a pattern, 2: a manifest of no use."""
     if options.jobs is not None and options.jobs < 1:
         raise BadSettings("--jobs must be 1 or more.")
     rig = read_rig(default_rig_path())
@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     failed = sum(outcome.reason is not None for outcome in outcomes)
     if sys.stdout.isatty():
         print(f"{len(outcomes) - failed} of {len(outcomes)} fits are done; {options.output / FILE} has the numbers.")
-    return 1 if failed else 0
+    return 1 if failed or any(outcome.missing for outcome in outcomes) else 0
 
 
 def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow]) -> None:
@@ -120,11 +120,11 @@ def _run(batch: Batch, executor: Executor, silent: bool, stop: Event) -> list[Ou
             bar.update()
             if in_lines:
                 line: dict[str, object] = {"name": outcome.name, "state": outcome.state, "reason": outcome.reason}
-                numbers = {name: outcome.numbers.get(name) for name in ("mean_mm", "verdict")}
+                numbers = {name: outcome.numbers.get(name) for name in ("mean_mm", "verdict", DRAWING_MISSING)}
                 line |= {**numbers, "row": row, "of": len(batch.rows)}
                 print(json.dumps(line), flush=True)
-            if outcome.reason is not None:
-                bar.write(f"breastrig: {outcome.name}: {outcome.reason}", file=sys.stderr)
+            if (said := outcome.reason or outcome.missing) is not None:
+                bar.write(f"breastrig: {outcome.name}: {said}", file=sys.stderr)
 
         return run_batch(batch, executor, report, stop)
 

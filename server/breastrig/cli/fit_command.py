@@ -15,7 +15,7 @@ from breastrig.interface.fit_result import Fit
 from breastrig.interface.pair import PAIR_SETS, FitPair, pair_iterates
 from breastrig.interface.run import FitRun, Iterate, iterates
 from breastrig.interface.scan import Scan, read_coloured
-from breastrig.workflow.folder.fit_file_names import fit_set
+from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING, fit_set
 
 SAID = {"good": "a good fit", "check": "a fit to check", "unusable": "not usable"}
 LEVELS = {"check": "check this fit", "unusable": "this fit is not usable"}
@@ -87,7 +87,7 @@ def _to_check(reason: str) -> str:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Fits and writes; returns 0."""
+    """Fits and writes; returns 0, or 2 when all but a pattern that does not fit on this patient was done."""
     files = options.with_landmarks or options.with_cuts
     given = files or options.alike or (options.with_units, options.with_stance) != ("auto", "auto")
     if options.other is None and given:
@@ -117,9 +117,11 @@ def run(options: argparse.Namespace) -> int:
             print(f"breastrig: {scan}{pick['reason']}", file=sys.stderr)
         for pick in result["landmarks_unusual"]:
             print(f"breastrig: {scan}{_to_check(pick['reason'])}", file=sys.stderr)
+        for missing in result.get(DRAWING_MISSING, ()):
+            print(f"breastrig: {scan}{missing}", file=sys.stderr)
         if sys.stdout.isatty():
             print(f"{scan}{summary(result)}; results in {options.output}")
-    return 0
+    return 2 if any(DRAWING_MISSING in result for result in results) else 0
 
 
 def _mm(distance: float | None) -> str:

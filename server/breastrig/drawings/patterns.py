@@ -79,6 +79,23 @@ class AskedDrawing:
             return self.fixed[0]  # the rig's own, of which more is known already
         return self.on_skin(FittedSkin(rig, vertices, landmarks or {}))
 
+    def where_it_fits(
+        self, rig: Rig, vertices: Array, landmarks: Mapping[str, Array]
+    ) -> tuple[ModelDrawing | None, tuple[str, ...]]:
+        """As on_model, without the patterns that do not fit on this patient; of each of those a sentence."""
+        try:
+            return self.on_model(rig, vertices, landmarks), ()
+        except BadDrawing:
+            skin, fitting, missing = FittedSkin(rig, vertices, landmarks), [], []
+        for name, pattern in self.patterns:
+            try:
+                pattern.drawn(skin)
+                fitting.append((name, pattern))
+            except BadDrawing as error:
+                missing.append(f"Not drawn: {LABELS[name]}. {error}")
+        left = replace(self, patterns=tuple(fitting))
+        return left.on_skin(skin) if left.fixed or left.patterns else None, tuple(missing)
+
     def on_skin(self, skin: FittedSkin) -> ModelDrawing:
         """The same on a skin that has been measured before, and remembers it."""
         shapes = [shape for drawing in self.fixed for shape in drawing.shapes]

@@ -26,7 +26,14 @@ from breastrig.interface.one_thread import one_thread
 from breastrig.interface.parameters import Parameters, parameters_by_name
 from breastrig.rig.model import Rig
 from breastrig.workflow.fit_outcome import FitOutcome
-from breastrig.workflow.folder.fit_file_names import FIT_FILES, LANDMARKS_SEEN, RESULT, UNCERTAINTY, fit_set
+from breastrig.workflow.folder.fit_file_names import (
+    DRAWING_MISSING,
+    FIT_FILES,
+    LANDMARKS_SEEN,
+    RESULT,
+    UNCERTAINTY,
+    fit_set,
+)
 from breastrig.workflow.folder.fit_files import fit_file, json_bytes, write_files
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_of_files, read_fit_files
 
@@ -84,6 +91,7 @@ class Fit:
     converged: bool
     stop_reason: str
     iterations: int
+    drawing_missing: tuple[str, ...]  # why a pattern that was asked for is not in the drawing, a text each
     notes: tuple[str, ...]  # what reading and cleaning the scan found, one sentence each
     result: dict[str, Any]  # the document of result.json
     files: FitFiles
@@ -225,6 +233,7 @@ def _fit(files: FitFiles, found: FitFolder, inputs: tuple[Path, ...], shown: str
         converged=result.converged,
         stop_reason=result.stop_reason,
         iterations=result.iterations,
+        drawing_missing=tuple(found.result.get(DRAWING_MISSING, ())),
         notes=result.notes,
         result=found.result,
         files=files,

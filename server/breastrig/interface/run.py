@@ -162,6 +162,7 @@ def fit(
     preset      default, paper, or the path of a TOML file
     drawing     a drawing of the model (lumpectomy, anatomy, mastectomy), a pattern in mm (reduction:areola_mm=42),
                 several joined by +, or None
+                a pattern that does not fit on this patient is left out, and `fit.drawing_missing` says why
     tumours     circles on the skin, in mm: "L:10,45,12" (side: hour, distance from the nipple, radius), or
                 "at:X,Y,Z,RADIUS" around a place in the scan's frame
     refine      a smooth free-form layer follows the skin that the scan shows; the model's own distances stand in

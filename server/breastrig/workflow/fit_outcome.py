@@ -51,6 +51,7 @@ class FitOutcome:
     seen: Mapping[str, SeenLandmark]  # by name, where colours show it and no one has picked any; their radii are theirs
     doubts: tuple[Doubt, ...]  # picks that are asked about
     drawing: ModelDrawing | None
+    drawing_missing: tuple[str, ...]  # of each pattern that does not fit on this patient why, a sentence or two
     lines: tuple[Polyline, ...]
     radii: Radii | None  # None: nothing is known of this model's errors
     notes: tuple[str, ...]

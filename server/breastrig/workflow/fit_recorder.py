@@ -106,7 +106,7 @@ class FitRecorder:
         # a pattern begins where measures do: as picked, else as seen, else where the model has it
         places = {name: each.place for name, each in seen.items()}
         places |= {name: place for name, place in ready.landmarks.items() if name not in doubted}
-        drawing = ready.drawing.on_model(rig, vertices, places) if ready.drawing else None
+        drawing, missing = ready.drawing.where_it_fits(rig, vertices, places) if ready.drawing else (None, ())
         lines = on_scan(rig, vertices, drawing, target) if drawing else ()
         lines = with_errors(rig, compared.search, None if known is None else known.vertices, lines)
         areolae = seen_areolae(rig, vertices, ready.landmarks, ready.scan, ready.shown)
@@ -132,6 +132,7 @@ class FitRecorder:
             seen=seen,
             doubts=doubts,
             drawing=drawing,
+            drawing_missing=missing,
             lines=lines,
             radii=known,
             notes=ready.notes,

@@ -926,6 +926,8 @@ export type ResultFile = {
   /** as given, in the scan's frame and unit */
   landmarks_picked?: Record<string, [number, number, number]>;
   parameters: ResultParameters;
+  /** why a pattern that was asked for is not in the drawing, a sentence or two for each */
+  drawing_missing?: string[];
   notes: string[];
   versions: Record<string, string>;
 };

@@ -63,8 +63,9 @@ export function createFitPanel(actions: FitActions, dismiss: () => void): Panel<
       show(retrying, fit !== null && !fit.isConnected);
       show(cancelled, fit?.state === "cancelled");
       const unfollowed = fit ? openQuestions(state).map((question) => sentenceOf(question, meta?.landmarks ?? [])) : [];
-      show(warnings, unfollowed.length > 0);
-      setText(warnings, unfollowed.join(" "));
+      const toSay = [...unfollowed, ...(fit?.result?.drawing_missing ?? [])];
+      show(warnings, toSay.length > 0);
+      setText(warnings, toSay.join(" "));
       const sentences = [...new Set([fit?.started?.stance_reason ?? "", ...(fit?.started?.notes ?? [])])].filter((each) => each !== "");
       setText(notes, sentences.join(" "));
       wrong.set(state.problems.fit);

@@ -101,6 +101,9 @@ class ResultFile(Document):
     )
     landmarks_picked: dict[str, Three] = Field({}, description="as given, in the scan's frame and unit")
     parameters: ResultParameters
+    drawing_missing: list[str] = Field(
+        [], description="why a pattern that was asked for is not in the drawing, a sentence or two for each"
+    )
     notes: list[str]
     versions: dict[str, str]
 

@@ -51,11 +51,11 @@ def _said(stances: Sequence[Reported], one: Reported, remarks: Sequence[str]) ->
 
 
 def _doubts(one: Reported) -> list[str]:
-    """Why to check the fit, picks that were not followed or are unusual, and what reading the scan found."""
+    """Why to check the fit, unusual picks and those not followed, patterns that do not fit, what reading found."""
     reasons = [str(reason) for reason in (one.result.get("verdict") or {}).get("reasons", ())]
     for picks in ("landmarks_not_followed", "landmarks_unusual"):
         reasons += [str(pick["reason"]) for pick in one.result.get(picks, ())]
-    reasons += [str(note) for note in one.result.get("notes", ())]
+    reasons += [str(note) for notes in ("drawing_missing", "notes") for note in one.result.get(notes, ())]
     unpicked = _unpicked(one)
     return reasons + (["the model's own place was taken for " + ", ".join(_spoken(unpicked)) + "."] if unpicked else [])
 

@@ -8,6 +8,7 @@ RESULT = "result.json"
 UNCERTAINTY = "uncertainty.bin"
 RESULT_SCHEMA = "breastrig/result@1"
 LANDMARKS_SEEN = "landmarks_seen"  # in it
+DRAWING_MISSING = "drawing_missing"  # in it; left out where nothing is
 FIT_FILES = (
     "scan.ply",
     "fitted.ply",

@@ -27,7 +27,14 @@ from breastrig.report.distances import (
 )
 from breastrig.report.files.surface_files import surface_ply
 from breastrig.workflow.fit_outcome import FitOutcome
-from breastrig.workflow.folder.fit_file_names import FIT_FILES, LANDMARKS_SEEN, RESULT, RESULT_SCHEMA, UNCERTAINTY
+from breastrig.workflow.folder.fit_file_names import (
+    DRAWING_MISSING,
+    FIT_FILES,
+    LANDMARKS_SEEN,
+    RESULT,
+    RESULT_SCHEMA,
+    UNCERTAINTY,
+)
 
 
 def _rounded(values: Array, digits: int = 6) -> list[float]:
@@ -116,6 +123,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
             ],
             "blendshapes": dict(zip(rig.shape_names, _rounded(x.weights, 9), strict=True)),
         },
+        **({DRAWING_MISSING: list(outcome.drawing_missing)} if outcome.drawing_missing else {}),
         "notes": list(outcome.notes),
         "versions": {"breastrig": __version__} | library_versions(),
     }
