@@ -270,6 +270,18 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     return { colleague, id, status };
   });
 
+  await test.step("who asks to delete one stance is told what of the plan goes with it, on the other stance too", async () => {
+    await page.locator(".stances-bar .segmented button", { hasText: "Standing" }).click();
+    await expect.poll(async () => (await state(page)).fit!.id).toBe(standing);
+    await page.keyboard.press("1");
+    await page.getByRole("button", { name: "Delete this scan …" }).click();
+    const question = page.getByRole("dialog", { name: "Delete this scan?" });
+    await expect(question).toContainText("Reduction (Wise pattern), Tumour, the note, its fits");
+    await expect(question).toContainText("The other stance stays, without what was drawn on this one and carried there.");
+    await page.keyboard.press("Escape");
+    await expect(question).toBeHidden();
+  });
+
   await test.step("deleting both scans leaves nothing: no fit, no link, no file", async () => {
     const scans = [(await state(page)).scan!.info.id, (await state(page)).stances.other!.scan!.info.id];
     expect(patientFiles(service.data).length).toBeGreaterThan(10);

@@ -1,4 +1,5 @@
 // Asks before a scan is deleted and says what goes with it; afterwards, for ten seconds, the way to take it back.
+import { drawingLabels, readRequest, TUMOUR } from "../fit/requestedDrawing";
 import { pickCount } from "../landmarks/state";
 import { only } from "../store/store";
 import { button } from "../ui/controls";
@@ -10,11 +11,19 @@ import * as text from "./text";
 
 const words = text.deletion;
 
-type Shown = Pick<Session, "isAskingToDelete" | "scan" | "picks" | "drawn" | "fit" | "stances">;
+type Shown = Pick<Session, "isAskingToDelete" | "scan" | "picks" | "drawn" | "drawing" | "fit" | "meta" | "stances">;
+
+/** Patterns, tumour and note that were planned on the scan; a drawing of the model is nobody's work. */
+function planned({ drawing, drawn, meta }: Shown): string[] {
+  const { base, tumour } = readRequest(drawing);
+  const labels = drawingLabels({ meta });
+  const names = [...(meta?.patterns ?? []).filter(({ name }) => name === base), ...(tumour ? [{ name: TUMOUR }] : [])];
+  return [...names.map(({ name }) => labels.get(name) ?? name), ...(drawn.note === "" ? [] : [words.note])];
+}
 
 export function createDeleteDialog(actions: DeletionActions): Panel<Shown> {
   const goes = el("p", {});
-  const other = el("p", {}, words.other);
+  const other = el("p", {});
   const keep = (): void => actions.ask(false);
   const element = el(
     "dialog",
@@ -31,10 +40,14 @@ export function createDeleteDialog(actions: DeletionActions): Panel<Shown> {
   });
   return {
     element,
-    select: only("isAskingToDelete", "scan", "picks", "drawn", "fit", "stances"),
+    select: only("isAskingToDelete", "scan", "picks", "drawn", "drawing", "fit", "meta", "stances"),
     update(state: Shown): void {
       const isOpen = state.isAskingToDelete && state.scan !== null;
-      if (isOpen) setText(goes, words.goes(pickCount(state), state.drawn.lines.present.length, state.fit !== null));
+      if (isOpen) {
+        const [lines, plans] = [state.drawn.lines.present.length, planned(state)];
+        setText(goes, words.goes(pickCount(state), lines, plans, state.fit !== null));
+        setText(other, words.other(lines + plans.length > 0));
+      }
       show(other, state.stances.other !== null);
       if (isOpen && !element.open) element.showModal();
       if (!isOpen && element.open) element.close();

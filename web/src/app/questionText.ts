@@ -12,16 +12,18 @@ export const leaving = {
 
 export const deletion = {
   title: "Delete this scan?",
-  goes(landmarks: number, lines: number, hasFit: boolean): string {
+  goes(landmarks: number, lines: number, planned: readonly string[], hasFit: boolean): string {
     const made = [
       ...(landmarks > 0 ? [plural(landmarks, "landmark", "landmarks")] : []),
       ...(lines > 0 ? [plural(lines, "line of yours", "lines of yours")] : []),
+      ...planned,
       ...(hasFit ? ["its fits with their files and reports, and every link that shows them"] : []),
     ];
     return made.length === 0 ? "The service deletes the scan; nothing was made of it yet." : `The service deletes the scan and all that was made of it: ${made.join(", ")}.`;
   },
   noWay: "There is no copy. You can take it back for ten seconds.",
-  other: "The other stance stays.",
+  note: "the note",
+  other: (isDrawn: boolean) => (isDrawn ? "The other stance stays, without what was drawn on this one and carried there." : "The other stance stays."),
   confirm: "Delete",
   keep: "Keep it",
   soon: (title: string) => `${title} will be deleted in ten seconds.`,
