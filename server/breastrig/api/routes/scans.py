@@ -64,7 +64,7 @@ def show_scan(scan_id: str) -> wire.Scan:
 @scans.output({}, status_code=204)
 @scans.doc(operation_id="deleteScan", responses={500: "Deleted, but files are left; they are tried again"})
 def remove_scan(scan_id: str) -> tuple[str, int]:
-    """Delete a scan with its landmarks, fits and files
+    """Delete a scan with its landmarks, fits, files and what was planned on it
 
     Running fits are stopped.  Deleting what is not there is no error.  204 says that all files are gone.
     """
