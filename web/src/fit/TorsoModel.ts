@@ -5,6 +5,7 @@ import { DoubleSide, FrontSide, type Material, MeshStandardMaterial, type Object
 import type { NodePose } from "../api/types";
 import type { ScanSlice } from "../scan/state";
 import { disposeTree, readGltf } from "../viewer/gltf";
+import { lidMaterial, tintLid, withLids } from "../viewer/openings";
 import { bringNearer, depthMaterial, MODEL_SHARE, ORDER } from "../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../viewer/state";
 import type { VertexAt } from "../viewer/lines/surfacePoints";
@@ -22,6 +23,8 @@ export class TorsoModel implements Part<State> {
   private readonly clay = new MeshStandardMaterial({ roughness: 0.75, metalness: 0, transparent: true, side: FrontSide });
   private readonly depthOnly = depthMaterial(false);
   private readonly trueDepth = depthMaterial(true);
+  private readonly lid = lidMaterial();
+  private lids: { show: (shown: boolean) => void } | null = null;
   private restoring: Object3D | null = null;
   private isOver = false;
 
@@ -49,6 +52,8 @@ export class TorsoModel implements Part<State> {
     this.clay.opacity = isAlone ? 1 : MODEL_SHARE;
     this.clay.side = isAlone ? DoubleSide : FrontSide;
     this.clay.color.copy(this.viewer.palette.clay);
+    tintLid(this.lid, this.viewer.palette.clay);
+    this.lids?.show(isAlone);
     this.viewer.invalidate();
   }
 
@@ -93,6 +98,7 @@ export class TorsoModel implements Part<State> {
     if (!mesh) throw new Error("no skinned mesh");
     if (this.root) disposeTree(this.root);
     const { geometry, skeleton, bindMatrix, morphTargetInfluences } = mesh;
+    this.lids = withLids(geometry);
     const pass = (material: Material): SkinnedMesh => {
       const made = new SkinnedMesh(geometry, material);
       made.bind(skeleton, bindMatrix);
@@ -100,7 +106,7 @@ export class TorsoModel implements Part<State> {
       return made;
     };
     const [depth, restoring] = [pass(this.depthOnly), pass(this.trueDepth)];
-    mesh.material = this.clay;
+    mesh.material = [this.clay, this.lid];
     depth.renderOrder = ORDER.modelDepth;
     mesh.renderOrder = ORDER.model;
     restoring.renderOrder = ORDER.restoreModel;

@@ -48,6 +48,21 @@ test("the linked camera sees the other torso as the first sees its own", () => {
   expect(back.eye.distanceTo(pose.eye)).toBeLessThan(1e-9);
 });
 
+test("from above and below a body that leans otherwise stands on the picture as the first one does", () => {
+  const [a, b] = [torsoFromLandmarks(TORSO)!, torsoFromLandmarks(moved(rigid(0.09, 0, 0.07, [0, 0, 0])))!];
+  const same = { world: new Matrix4(), torso: a };
+  for (const y of [2, -2]) {
+    for (const z of [1e-6, 0.1]) {
+      const pose = { eye: new Vector3(0, y, z), target: new Vector3() };
+      const linked = linkedPose(pose, same, { world: new Matrix4(), torso: b });
+      const gaze = linked.eye.clone().sub(linked.target);
+      expect(gaze.length()).toBeCloseTo(pose.eye.length(), 9);
+      const turned = (Math.atan2(gaze.x, gaze.z) * 180) / Math.PI; // of the picture
+      expect(Math.abs(turned), `${y} ${z}`).toBeLessThan(8); // the body's own turn is 4 degrees
+    }
+  }
+});
+
 test("bodies that stand upright by their frames alone share one pose", () => {
   const frame = { up: [0, 0, 1] as Vector, front: [0, -1, 0] as Vector };
   const torso = torsoFromFrame(frame, [0.1, 0.2, 0.3]);

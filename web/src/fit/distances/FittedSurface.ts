@@ -8,6 +8,7 @@ import type { ScanSlice } from "../../scan/state";
 import { isUnit, metresFromMm, mmFrom } from "../../ui/units";
 import { extent } from "../../viewer/extent";
 import type { Surface } from "../../viewer/picking";
+import { lidMaterial, tintLid, withLids } from "../../viewer/openings";
 import { bringNearer, depthMaterial, MODEL_SHARE, ORDER, pushAway } from "../../viewer/overlaid";
 import { isBeside, type ViewSlice } from "../../viewer/state";
 import { nearestNormal } from "../../viewer/lines/surfacePoints";
@@ -20,11 +21,13 @@ type State = Shown & Pick<ViewSlice & ScanSlice, "overlay" | "scan">;
 const STEPS = 501; // of the lookup; 0.02 mm each
 
 export class FittedSurface implements Part<State>, Surface {
-  mesh: Mesh<BufferGeometry, MeshLambertMaterial> | null = null;
+  mesh: Mesh<BufferGeometry, MeshLambertMaterial[]> | null = null;
   private read: ArrayBuffer | null = null;
   private coloured: Float32Array | null = null;
   private readonly plain = new MeshLambertMaterial({ transparent: true });
   private readonly map = distanceMaterial();
+  private readonly lid = lidMaterial();
+  private lids: { show: (shown: boolean) => void } | null = null;
   private readonly solid = new MeshLambertMaterial({ side: FrontSide });
   private readonly depthOnly = depthMaterial(false);
   private readonly trueDepth = depthMaterial(true);
@@ -60,7 +63,7 @@ export class FittedSurface implements Part<State>, Surface {
     const distances = state.fit?.distances ?? null;
     if (distances && distances !== this.coloured) this.colour(this.mesh.geometry, distances);
     const hasMap = state.showDistances && distances !== null;
-    this.mesh.material = hasMap ? this.map.material : this.plain;
+    this.mesh.material = [hasMap ? this.map.material : this.plain, this.lid];
     this.map.unknown.copy(this.viewer.palette.unknown);
     const isAlone = state.overlay !== "both";
     this.isOver = !isAlone;
@@ -68,6 +71,8 @@ export class FittedSurface implements Part<State>, Surface {
     this.plain.opacity = isAlone ? 1 : MODEL_SHARE;
     this.plain.side = isAlone ? DoubleSide : FrontSide;
     for (const clay of [this.plain, this.solid]) clay.color.copy(this.viewer.palette.clay);
+    tintLid(this.lid, this.viewer.palette.clay);
+    this.lids?.show(isAlone);
     this.mesh.visible = showsFittedSurface(state) && state.overlay !== "scan";
     this.viewer.inHalf(this.mesh, isBeside(state.overlay) ? "model" : null);
     this.viewer.invalidate();
@@ -90,7 +95,8 @@ export class FittedSurface implements Part<State>, Surface {
       geometry.scale(perUnit, perUnit, perUnit);
       geometry.computeVertexNormals();
       geometry.boundsTree = new MeshBVH(geometry, { indirect: true });
-      this.mesh = new Mesh(geometry, this.plain);
+      this.lids = withLids(geometry);
+      this.mesh = new Mesh(geometry, [this.plain, this.lid]);
       this.mesh.name = "fitted";
       this.mesh.renderOrder = ORDER.model;
       this.passes = ([[this.solid, ORDER.farBefore], [this.depthOnly, ORDER.modelDepth], [this.trueDepth, ORDER.restoreModel]] as const).map(([material, order]) => {
