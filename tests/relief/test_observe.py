@@ -8,7 +8,7 @@ import pytest
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.relief.limits import relief
-from breastrig.relief.observe import Expected, SeenHollow, seen_hollows
+from breastrig.relief.observe import Expected, SeenHollow, lies_on_smooth_skin, seen_hollows
 
 SPACING, HALF = 0.005, 0.15  # m, of the scan's vertices, and half its side
 FRONT = np.array([0.0, 0.0, 1.0])
@@ -149,3 +149,19 @@ def test_a_landmark_without_a_hollow_is_not_looked_for() -> None:
 def test_next_to_no_skin_shows_nothing() -> None:
     few = ScanTarget(np.random.default_rng(0).normal(size=(30, 3)), np.arange(30).reshape(10, 3))
     assert seen_hollows(few, {NAVEL: Expected(np.zeros(3), FRONT)}, np.eye(3)) == {}
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_skin_beside_a_dent_is_smooth_and_skin_in_it_is_not(seed: int) -> None:
+    at = (0.005, -0.04)
+    target = skin(lambda x, y: belly(x, y) + dent(x, y, at), seed=seed)
+
+    def smooth(name: str, x: float, y: float) -> bool:
+        place = np.array([x, y, float(belly(np.array(x), np.array(y)))])
+        return lies_on_smooth_skin(target, name, Expected(place, FRONT), np.eye(3))
+
+    assert smooth(NAVEL, 0.005, 0.0)
+    assert smooth(NAVEL, 0.045, -0.04)
+    assert not any(smooth(NAVEL, at[0] + x, at[1] + y) for x, y in ((0.0, 0.0), (0.005, 0.0), (-0.003, -0.004)))
+    assert not smooth(NAVEL, 0.0, 0.3), "where the scan shows nothing, nothing is told"
+    assert not smooth(NOTCH, 0.005, 0.0), "nor of a landmark without a limit"

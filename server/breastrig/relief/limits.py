@@ -15,6 +15,13 @@ class _Part(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+class Smooth(_Part):
+    """Skin on which nothing of a hollow is seen."""
+
+    around: Positive  # m, of a place
+    below: Positive  # logarithm of a chance, as `weight` and `most` make it
+
+
 class Hollow(_Part):
     """One kind of hollow that a landmark lies in."""
 
@@ -33,6 +40,7 @@ class Hollow(_Part):
     floor: Positive  # m, error on each axis of the skin that the chances do not show
     depth: Positive  # m, error along the skin's normal
     reason: str  # a few words
+    smooth: Smooth | None = None  # absent: nobody knows
 
 
 class Shoulder(_Part):

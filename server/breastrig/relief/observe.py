@@ -15,7 +15,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.relief.height_field import HeightField, height_field, smooth_skin
+from breastrig.relief.height_field import HeightField, SmoothSkin, height_field, smooth_skin
 from breastrig.relief.limits import Hollow, Relief, relief
 
 NOT_SHOWN = 1.0  # m, error along a fold: it does not say where
@@ -59,19 +59,45 @@ def seen_hollows(target: ScanTarget, expected: Mapping[str, Expected], axes: Arr
     return seen
 
 
-def _seen(target: ScanTarget, expected: Expected, axes: Array, hollow: Hollow, rules: Relief) -> SeenHollow | None:
-    """One of them; None where the scan says no more than the form."""
+def lies_on_smooth_skin(target: ScanTarget, name: str, place: Expected, axes: Array) -> bool:
+    """Whether the scan shows that nothing of this landmark's hollow is at a place; False also where it shows nothing.
+
+    Of landmarks without a limit for it nothing is told.  axes: as in seen_hollows.
+    """
+    rules = relief()
+    hollow = rules.hollows.get(name.removesuffix("_L").removesuffix("_R"))
+    if hollow is None or hollow.smooth is None:
+        return False
+    found = _evidence(target, place, axes, hollow, (hollow.smooth.around, hollow.smooth.around))
+    if found is None:
+        return False
+    field, skin, evidence = found
+    near = np.hypot(field.right, field.up) < hollow.smooth.around
+    return bool(skin.shown[near].all() and evidence[near].max() < hollow.smooth.below)
+
+
+def _evidence(
+    target: ScanTarget, expected: Expected, axes: Array, hollow: Hollow, sides: tuple[float, float]
+) -> tuple[HeightField, SmoothSkin, Array] | None:
+    """The skin around a place and (N, M), how much of a hollow each pixel says, as the logarithm of a chance."""
     outwards = axes[:, 2] if hollow.view == "front" else _mean_normal(target, expected, hollow.around)
-    sides = (rules.reach * hollow.aside, rules.reach * hollow.up)
     beyond = 2.0 * hollow.scale  # so that the Gaussian meets no edge
-    field = height_field(
-        target, expected.place, outwards, axes[:, 1], (sides[0] + beyond, sides[1] + beyond), rules.pixel
-    )
+    half = (sides[0] + beyond, sides[1] + beyond)
+    field = height_field(target, expected.place, outwards, axes[:, 1], half, relief().pixel)
     if field is None:
         return None
     skin = smooth_skin(field, hollow.scale)
     curvature = hollow.across * skin.across + hollow.along * skin.along
-    evidence = hollow.weight * np.where(skin.shown, np.clip(curvature, 0.0, hollow.most), 0.0)
+    return field, skin, hollow.weight * np.where(skin.shown, np.clip(curvature, 0.0, hollow.most), 0.0)
+
+
+def _seen(target: ScanTarget, expected: Expected, axes: Array, hollow: Hollow, rules: Relief) -> SeenHollow | None:
+    """One of them; None where the scan says no more than the form."""
+    sides = (rules.reach * hollow.aside, rules.reach * hollow.up)
+    around = _evidence(target, expected, axes, hollow, sides)
+    if around is None:
+        return None
+    field, skin, evidence = around
     form = -0.5 * ((field.right / hollow.aside) ** 2 + (field.up / hollow.up) ** 2)
     looked_at = (np.abs(field.right) < sides[0]) & (np.abs(field.up) < sides[1])
     chance = np.where(looked_at, np.exp(evidence - evidence.max() + form), 0.0)

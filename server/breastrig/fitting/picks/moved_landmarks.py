@@ -45,10 +45,10 @@ class FittedScan:
         return last
 
 
-def settled(recipe: Recipe) -> Recipe:
+def settled(recipe: Recipe, iterations: int = ITERATIONS) -> Recipe:
     """The last stage alone, with every range at its end."""
     last = recipe.stages[-1]
     ends = {name: (value[1], value[1]) for name in RANGES if (value := getattr(last, name)) is not None}
-    stage: Stage = last.model_copy(update={**ends, "iterations": ITERATIONS, "tighten": 1})
+    stage: Stage = last.model_copy(update={**ends, "iterations": iterations, "tighten": 1})
     stop = recipe.stop.model_copy(update={"distance_change_m": STILL})
     return recipe.model_copy(update={"stages": (stage,), "stop": stop})

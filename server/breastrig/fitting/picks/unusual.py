@@ -1,6 +1,7 @@
 """Picks that were followed although all else expects them elsewhere: named, so that a person looks once more."""
 
 from breastrig.fitting.doubt import Doubt
+from breastrig.fitting.picks.beside_hollow import beside_hollows
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
@@ -9,14 +10,16 @@ from breastrig.fitting.recipe import Recipe
 def unusual(posterior: Posterior) -> tuple[Doubt, ...]:
     """One doubt each, the strangest first; certain picks are not asked about again.
 
-    A wrong pick pushes its neighbours, so one after the other is taken out of the comparison: each time, of those
-    beyond their limit, the one without which the others agree best.
+    Those whose hollow the scan shows elsewhere are found first (beside_hollow.py).  A wrong pick pushes its neighbours,
+    so one after the other is taken out of the comparison: each time, of those beyond their limit, the one without which
+    the others agree best.
     """
     task = posterior.task
     if posterior.picks is None:
         return ()
     picks, recipe = LeaveOneOut(posterior), task.recipe
-    found: list[str] = []
+    beside = {name: gap for name, (gap, away) in beside_hollows(posterior).items() if away > _limit(recipe, name)}
+    found = [*beside]
     while True:
         deviations = picks.deviations(without=found)
         open_to_doubt = [name for name in picks.names if name not in found and name not in task.certain]
@@ -24,7 +27,7 @@ def unusual(posterior: Posterior) -> tuple[Doubt, ...]:
         if not suspects:
             break
         found.append(min(suspects, key=lambda name: _disagreement(picks, recipe, (*found, name))))
-    gaps = picks.gaps(without=found)
+    gaps = picks.gaps(without=found) | beside
     return tuple(
         Doubt(
             (name,),

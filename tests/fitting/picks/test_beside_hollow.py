@@ -1,0 +1,75 @@
+"""A navel picked beside its dent: the fit follows it, the skin tells."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from breastrig.core.arrays import Array
+from breastrig.core.assets import asset_folder
+from breastrig.fitting.fit import FitTask
+from breastrig.fitting.orientation import start_from_landmarks
+from breastrig.fitting.picks.beside_hollow import beside_hollows
+from breastrig.fitting.picks.checked_fit import checked_iterates, ended
+from breastrig.fitting.picks.unusual import unusual
+from breastrig.fitting.posterior import Posterior
+from breastrig.fitting.prepare_scan import prepared
+from breastrig.fitting.recipe import load_recipe
+from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.scan.clean import clean
+from breastrig.scan.landmark_files import read_landmarks
+from breastrig.scan.read import read_scan
+
+NAVEL = "umbilicus"
+LIMIT = load_recipe("default").landmark_errors(NAVEL).unusual
+
+
+@lru_cache(maxsize=2)
+def example(stance: str) -> FitTask:
+    """The example patient with her true picks."""
+    folder, rig = asset_folder("example") / stance, read_rig(default_rig_path())
+    target = prepared(clean(read_scan(folder / "scan.ply", None, "m", texture=False)), stance).target
+    true = {name: 1e-3 * np.array(place) for name, place in read_landmarks(folder / "landmarks.json")[0].items()}
+    return FitTask(rig, target, start_from_landmarks(rig, true), load_recipe("default"), true, stance)
+
+
+def fitted(task: FitTask, navel: Array) -> Posterior:
+    """The end of the fit with the navel picked there."""
+    moved = replace(task, landmarks=task.landmarks | {NAVEL: navel})
+    *_, last = checked_iterates(moved)
+    return Posterior(ended(moved, last), last.parameters)
+
+
+def beside(task: FitTask, angle: float, distance: float) -> Array:
+    """(3,) m on the skin beside the navel."""
+    across = task.landmarks["acromion_L"] - task.landmarks["acromion_R"]
+    up = task.landmarks["suprasternal_notch"] - task.landmarks[NAVEL]
+    away = np.cos(angle) * across / np.linalg.norm(across) + np.sin(angle) * up / np.linalg.norm(up)
+    return np.asarray(task.target.search.query((task.landmarks[NAVEL] + distance * away)[None]).points[0])
+
+
+@pytest.mark.parametrize("stance", ["standing", "supine"])
+def test_a_right_navel_is_not_asked_about(stance: str) -> None:
+    posterior = fitted(example(stance), example(stance).landmarks[NAVEL])
+    assert beside_hollows(posterior) == {}
+    assert unusual(posterior) == ()
+
+
+@pytest.mark.parametrize("stance", ["standing", "supine"])
+@pytest.mark.parametrize("angle", np.radians([0, 60, 120, 180, 240, 300]))
+def test_a_navel_beside_its_dent_is_named_and_told_how_far_off_it_is(stance: str, angle: float) -> None:
+    task = example(stance)
+    pick = beside(task, angle, 0.05)
+    posterior = fitted(task, pick)
+    gap, deviation = beside_hollows(posterior)[NAVEL]
+    away = float(np.linalg.norm(pick - task.landmarks[NAVEL]))
+    assert gap == pytest.approx(away, abs=0.008), "m; to first order some are half as far"
+    assert LIMIT is not None
+    assert deviation > LIMIT
+    (doubt,) = unusual(posterior)
+    assert doubt.names == (NAVEL,)
+    assert doubt.followed
+    assert f" {1e3 * gap:.0f} mm from where" in doubt.reason
+    certain = replace(posterior.task, certain=frozenset({NAVEL}))
+    assert unusual(Posterior(certain, posterior.state.x)) == ()
