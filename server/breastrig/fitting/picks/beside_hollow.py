@@ -2,9 +2,9 @@
 
 A belly is smooth and soft: its model follows a navel's pick wherever it is, bent so much that what the fit would be
 without the pick is no longer told to first order (leave_one_out.py): sideways it is then 16 mm off (root mean square,
-picks 50 mm off), after two iterations without the pick 8 mm and after five, as in fits that never had it, 4.  There the
-scan is asked for the hollow as if nobody had picked it.  Only picks on skin that shows nothing of their hollow are asked
-about so: who picks in a dent has seen one, and is not doubted for another one near by.
+picks 50 mm off), after two iterations without the pick 8 mm, and after five 4, as in fits that never had it.  There
+the scan is asked for the hollow as if nobody had picked it.  Only picks on skin that shows nothing of their hollow are
+asked about so: who picks in a dent has seen one, and is not doubted for another one near by.
 """
 
 from dataclasses import replace
