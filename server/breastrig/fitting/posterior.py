@@ -41,17 +41,22 @@ class Posterior:
         """(N, P) rows of a Jacobian -> (N, P) whose products with each other are the covariances of what they move."""
         return solve_lower(self._factor, rows.T).T
 
-    def landmark_variances(self, names: tuple[str, ...]) -> Array:
-        """(L,) m², over all three axes, of where the model has these landmarks."""
+    def landmark_covariances(self, names: tuple[str, ...]) -> Array:
+        """(L, 3, 3) m², of where the model has these landmarks."""
         rig = self.task.rig
         points = rig.landmark_points(names)
         corners = rig.faces[points.faces]  # (L, 3)
-        total = np.zeros(len(names))
+        axes = []
         for axis in np.eye(3):
             directions = (points.barycentric[:, :, None] * axis).reshape(-1, 3)
             rows = self.state.posed.rows(corners.ravel(), directions)
-            total += (self.whitened(rows[0::3] + rows[1::3] + rows[2::3]) ** 2).sum(axis=1)
-        return total
+            axes.append(self.whitened(rows[0::3] + rows[1::3] + rows[2::3]))
+        white = np.stack(axes, axis=1)  # (L, 3, P)
+        return np.asarray(white @ white.transpose(0, 2, 1))
+
+    def landmark_variances(self, names: tuple[str, ...]) -> Array:
+        """(L,) m², over all three axes, of where the model has these landmarks."""
+        return np.asarray(np.trace(self.landmark_covariances(names), axis1=1, axis2=2))
 
     def vertex_variances(self) -> Array:
         """(V,) m², over all three axes, of every vertex."""

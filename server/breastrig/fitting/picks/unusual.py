@@ -1,48 +1,73 @@
 """Picks that were followed although all else expects them elsewhere: named, so that a person looks once more."""
 
+import numpy as np
+
 from breastrig.fitting.doubt import Doubt
-from breastrig.fitting.picks.beside_hollow import beside_hollows
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
+from breastrig.fitting.picks.second_look import from_expected, from_hollow, going_on_without, on_smooth_skin
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.task import FitTask
 
 
 def unusual(posterior: Posterior) -> tuple[Doubt, ...]:
     """One doubt each, the strangest first; certain picks are not asked about again.
 
-    Those whose hollow the scan shows elsewhere are found first (beside_hollow.py).  A wrong pick pushes its neighbours,
-    so one after the other is taken out of the comparison: each time, of those beyond their limit, the one without which
-    the others agree best.
+    A wrong pick pushes its neighbours, so one after the other is let go: each time, of those that are beyond their
+    limit to first order, the one without which the others agree best.  It is named if it is beyond its limit also to
+    the fit that goes on without it, and the others are judged by that fit.  Navels on smooth skin come first.
     """
-    task = posterior.task
     if posterior.picks is None:
         return ()
-    picks, recipe = LeaveOneOut(posterior), task.recipe
-    beside = {name: gap for name, (gap, away) in beside_hollows(posterior).items() if away > _limit(recipe, name)}
-    found = [*beside]
-    while True:
-        deviations = picks.deviations(without=found)
-        open_to_doubt = [name for name in picks.names if name not in found and name not in task.certain]
-        suspects = [name for name in open_to_doubt if deviations[name] > _limit(recipe, name)]
-        if not suspects:
-            break
-        found.append(min(suspects, key=lambda name: _disagreement(picks, recipe, (*found, name))))
-    gaps = picks.gaps(without=found) | beside
+    task = posterior.task
+    found: dict[str, float] = {}  # name -> m
+    for name in on_smooth_skin(posterior):
+        without = going_on_without(posterior, (name,))
+        seen = from_hollow(without, name, task.landmarks[name], _click(task, name))
+        if seen is not None and seen[1] > _limit(task.recipe, name):
+            found[name], posterior = seen[0], without
+    cleared: set[str] = set()
+    while (suspect := _most_suspicious(posterior, {*found, *cleared})) is not None:
+        without = going_on_without(posterior, (suspect,))
+        gap, deviation = from_expected(without, suspect, task.landmarks[suspect], _click(task, suspect))
+        if deviation > _limit(task.recipe, suspect):
+            found[suspect], posterior = gap, without
+        else:
+            cleared.add(suspect)
     return tuple(
         Doubt(
             (name,),
-            f"{name} is {1e3 * gaps[name]:.0f} mm from where the scan and the other landmarks expect it; "
+            f"{name} is {1e3 * gap:.0f} mm from where the scan and the other landmarks expect it; "
             "it was followed. Is it right?",
             followed=True,
         )
-        for name in found
+        for name, gap in found.items()
     )
+
+
+def _most_suspicious(posterior: Posterior, judged: set[str]) -> str | None:
+    """Of the picks beyond their limit and not yet judged the one without which the others agree best."""
+    if posterior.picks is None:
+        return None
+    picks, task = LeaveOneOut(posterior), posterior.task
+    deviations = picks.deviations()
+    suspects = [
+        name
+        for name in picks.names
+        if name not in judged | task.certain and deviations[name] > _limit(task.recipe, name)
+    ]
+    return min(suspects, key=lambda name: _disagreement(picks, task.recipe, name), default=None)
 
 
 def _limit(recipe: Recipe, name: str) -> float:
     return recipe.landmark_errors(name).unusual or recipe.outliers.unusual
 
 
-def _disagreement(picks: LeaveOneOut, recipe: Recipe, without: tuple[str, ...]) -> float:
-    deviations = picks.deviations(without=without)
-    return sum((deviations[name] / _limit(recipe, name)) ** 2 for name in picks.names if name not in without)
+def _click(task: FitTask, name: str) -> float:
+    """m on each axis, of the pick."""
+    return float(np.hypot(task.recipe.stages[-1].landmark_sigma[1], task.landmark_errors.get(name, 0.0)))
+
+
+def _disagreement(picks: LeaveOneOut, recipe: Recipe, without: str) -> float:
+    deviations = picks.deviations(without=(without,))
+    return sum((deviations[name] / _limit(recipe, name)) ** 2 for name in picks.names if name != without)
