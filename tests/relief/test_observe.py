@@ -158,7 +158,9 @@ def test_skin_beside_a_dent_is_smooth_and_skin_in_it_is_not(seed: int) -> None:
 
     def smooth(name: str, x: float, y: float) -> bool:
         place = np.array([x, y, float(belly(np.array(x), np.array(y)))])
-        return lies_on_smooth_skin(target, name, Expected(place, FRONT), np.eye(3))
+        hollow = relief().hollow(name)
+        assert hollow is not None
+        return lies_on_smooth_skin(target, hollow, Expected(place, FRONT), np.eye(3))
 
     assert smooth(NAVEL, 0.005, 0.0)
     assert smooth(NAVEL, 0.045, -0.04)

@@ -92,6 +92,10 @@ class Relief(_Part):
     mid_sternum: MidSternum
     hollows: dict[str, Hollow]  # by the landmark's name without its side
 
+    def hollow(self, landmark: str) -> Hollow | None:
+        """That of the landmark; None where it lies in none."""
+        return self.hollows.get(landmark.removesuffix("_L").removesuffix("_R"))
+
 
 @lru_cache(maxsize=1)
 def relief() -> Relief:

@@ -52,21 +52,19 @@ def seen_hollows(target: ScanTarget, expected: Mapping[str, Expected], axes: Arr
     """
     rules, seen = relief(), {}
     for name, each in expected.items():
-        hollow = rules.hollows.get(name.removesuffix("_L").removesuffix("_R"))
+        hollow = rules.hollow(name)
         found = None if hollow is None else _seen(target, each, axes, hollow, rules)
         if found is not None:
             seen[name] = found
     return seen
 
 
-def lies_on_smooth_skin(target: ScanTarget, name: str, place: Expected, axes: Array) -> bool:
-    """Whether the scan shows that nothing of this landmark's hollow is at a place; False also where it shows nothing.
+def lies_on_smooth_skin(target: ScanTarget, hollow: Hollow, place: Expected, axes: Array) -> bool:
+    """Whether the scan shows that nothing of such a hollow is at a place; False also where it shows nothing.
 
-    Of landmarks without a limit for it nothing is told.  axes: as in seen_hollows.
+    Of hollows without a limit for it nothing is told.  axes: as in seen_hollows.
     """
-    rules = relief()
-    hollow = rules.hollows.get(name.removesuffix("_L").removesuffix("_R"))
-    if hollow is None or hollow.smooth is None:
+    if hollow.smooth is None:
         return False
     found = _evidence(target, place, axes, hollow, (hollow.smooth.around, hollow.smooth.around))
     if found is None:

@@ -36,19 +36,19 @@ def example(stance: str) -> FitTask:
     return FitTask(rig, target, start_from_landmarks(rig, true), load_recipe("default"), true, stance)
 
 
-def fitted(task: FitTask, navel: Array) -> Posterior:
-    """The end of the fit with the navel picked there."""
-    moved = replace(task, landmarks=task.landmarks | {NAVEL: navel})
+def fitted(task: FitTask, pick: Array, name: str = NAVEL) -> Posterior:
+    """The end of the fit with the landmark picked there."""
+    moved = replace(task, landmarks=task.landmarks | {name: pick})
     *_, last = checked_iterates(moved)
     return Posterior(ended(moved, last), last.parameters)
 
 
-def beside(task: FitTask, angle: float, distance: float) -> Array:
-    """(3,) m on the skin beside the navel."""
+def beside(task: FitTask, angle: float, distance: float, name: str = NAVEL) -> Array:
+    """(3,) m on the skin beside the landmark; angle: rad from the body's left to up."""
     across = task.landmarks["acromion_L"] - task.landmarks["acromion_R"]
     up = task.landmarks["suprasternal_notch"] - task.landmarks[NAVEL]
     away = np.cos(angle) * across / np.linalg.norm(across) + np.sin(angle) * up / np.linalg.norm(up)
-    return np.asarray(task.target.search.query((task.landmarks[NAVEL] + distance * away)[None]).points[0])
+    return np.asarray(task.target.search.query((task.landmarks[name] + distance * away)[None]).points[0])
 
 
 @pytest.mark.parametrize("stance", ["standing", "supine"])
@@ -99,3 +99,14 @@ def test_a_fit_that_goes_on_without_a_pick_ends_where_one_ends_that_never_had_it
     assert gap == pytest.approx(np.linalg.norm(pick - at), rel=1e-9), "m; nothing hangs here"
     assert LIMIT is not None
     assert deviation > LIMIT
+
+
+@pytest.mark.parametrize(
+    ("name", "angle"),
+    [("inframammary_fold_L", 180), ("inframammary_fold_R", 0), ("nipple_L", 0), ("nipple_R", 180)],
+)
+def test_the_neighbours_of_a_wrong_pick_are_right(name: str, angle: float) -> None:
+    """It bends the lying breast so far that to first order the nipples are beyond their limits as well."""
+    task = example("supine")
+    posterior = fitted(task, beside(task, np.radians(angle), 0.05, name), name)
+    assert [doubt.names for doubt in unusual(posterior)] == [(name,)]

@@ -21,6 +21,7 @@ from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.picks.moved_landmarks import settled
 from breastrig.fitting.posterior import Posterior
 from breastrig.geometry.unit_vectors import unit_vectors
+from breastrig.relief.limits import relief
 from breastrig.relief.observe import Expected, lies_on_smooth_skin
 
 LETTING_GO = 2  # iterations; of 398 picks 50 mm off 393 are named, 388 after one, 393 after three
@@ -32,8 +33,8 @@ def going_on_without(posterior: Posterior, names: Collection[str]) -> Posterior:
     task, x = posterior.task, posterior.state.x
     kept = {name: place for name, place in task.landmarks.items() if name not in names}
     task = replace(task, landmarks=kept, certain=task.certain & frozenset(kept))
-    for iterations, relief in ((LETTING_GO, task.relief or {}), (GOING_ON, None)):
-        going_on = replace(task, start=x, recipe=settled(task.recipe, iterations), relief=relief)
+    for iterations, known in ((LETTING_GO, task.relief or {}), (GOING_ON, None)):
+        going_on = replace(task, start=x, recipe=settled(task.recipe, iterations), relief=known)
         *_, last = fit_iterates(going_on)
         if not last.is_finite:
             return posterior
@@ -65,14 +66,14 @@ def _measured(gap: Array, covariance: Array) -> tuple[float, float]:
 
 def on_smooth_skin(posterior: Posterior) -> tuple[str, ...]:
     """Picks that should lie in a hollow and lie where the scan shows none; certain ones are not among them."""
-    task = posterior.task
+    task, rules = posterior.task, relief()
+    open_to_doubt = [name for name in task.landmarks if name not in task.certain]
+    known = {name: hollow for name in open_to_doubt if (hollow := rules.hollow(name)) is not None and hollow.smooth}
+    if not known:
+        return ()
     axes = body_axes(task.rig, posterior.state.vertices)
-    return tuple(
-        name
-        for name, pick in task.landmarks.items()
-        if name not in task.certain
-        and lies_on_smooth_skin(task.target, name, replace(expected(posterior, name), place=pick), axes)
-    )
+    picked = {name: replace(expected(posterior, name), place=task.landmarks[name]) for name in known}
+    return tuple(name for name, at in picked.items() if lies_on_smooth_skin(task.target, known[name], at, axes))
 
 
 def expected(posterior: Posterior, name: str) -> Expected:
