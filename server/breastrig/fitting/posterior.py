@@ -43,15 +43,11 @@ class Posterior:
 
     def landmark_covariances(self, names: tuple[str, ...]) -> Array:
         """(L, 3, 3) m², of where the model has these landmarks."""
-        rig = self.task.rig
-        points = rig.landmark_points(names)
-        corners = rig.faces[points.faces]  # (L, 3)
-        axes = []
-        for axis in np.eye(3):
-            directions = (points.barycentric[:, :, None] * axis).reshape(-1, 3)
-            rows = self.state.posed.rows(corners.ravel(), directions)
-            axes.append(self.whitened(rows[0::3] + rows[1::3] + rows[2::3]))
-        white = np.stack(axes, axis=1)  # (L, 3, P)
+        points = self.task.rig.landmark_points(names)
+        corners = self.task.rig.faces[points.faces].ravel()  # (3 L,)
+        shares = [(points.barycentric[:, :, None] * axis).reshape(-1, 3) for axis in np.eye(3)]
+        moved = [self.state.posed.rows(corners, share) for share in shares]
+        white = np.stack([self.whitened(rows[0::3] + rows[1::3] + rows[2::3]) for rows in moved], axis=1)  # (L, 3, P)
         return np.asarray(white @ white.transpose(0, 2, 1))
 
     def landmark_variances(self, names: tuple[str, ...]) -> Array:
