@@ -8,12 +8,20 @@ import pytest
 from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
+from breastrig.evaluation.virtual.bodies import VirtualBody
+from breastrig.evaluation.virtual.warped.arms import with_arms_along
+from breastrig.evaluation.virtual.warped.body import WarpedBody
+from breastrig.evaluation.virtual.warped.numbers import draw_numbers
+from breastrig.evaluation.virtual.warped.sources import read_sources
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.orientation import best_start
 from breastrig.fitting.prepare_scan import prepared
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.scan_orientation import scan_orientation
 from breastrig.fitting.stance import FoundStance, found_stance
+from breastrig.fitting.starts import lies_or_stands
+from breastrig.fitting.starts.lies_or_stands import stance_signs
+from breastrig.geometry.normals import face_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.similarity import umeyama
@@ -51,6 +59,29 @@ def test_the_body_tells_when_there_is_no_table(stance: str) -> None:
     assert "no table" in frame.stance_reason
     assert answer.stance == stance
     assert "no table" in answer.reason
+
+
+def test_who_lies_with_the_arms_along_her_sides_is_not_said_to_stand_without_a_doubt() -> None:
+    source = read_sources()[1]
+    lie = source.lying[0]
+    standing = VirtualBody("standing", source.standing, source.landmarks(source.standing), None)
+    supine = VirtualBody("supine", lie.vertices, source.landmarks(lie.vertices), lie.table)
+    random = np.random.default_rng(1)
+    moved = with_arms_along(WarpedBody(source, draw_numbers(random), lie.kind, 1, standing, supine), random)
+    from_above = face_normals(moved.vertices, source.faces)[:, 2] > -0.2
+    shown = source.scanned[source.faces].all(axis=1) & from_above
+    answer, frame = found(ScanTarget(*compact(moved.vertices, source.faces[shown])))
+    assert "no table" in frame.stance_reason
+    assert answer.stance == "supine" or answer.reason.endswith("hardly. If she lies, say that she lies.")
+
+
+def test_where_the_signs_say_little_it_is_said_and_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    never_sure = stance_signs().model_copy(update={"unsure": 100.0})
+    monkeypatch.setattr(lies_or_stands, "stance_signs", lambda: never_sure)
+    answer, _ = found(scan_without_table(EXAMPLE / "supine"))
+    assert answer.stance == "supine"
+    assert "no table" in answer.reason
+    assert answer.reason.endswith("hardly. If she stands, say that she stands.")
 
 
 def test_a_table_needs_no_fit() -> None:

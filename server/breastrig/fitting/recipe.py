@@ -143,7 +143,6 @@ class StanceRule(_Part):
 
     arms_hanging: Positive  # rad from the chest's long axis; nobody lies with the arms this close
     arms_between: Positive  # rad, between standing and lying patients
-    per_radian: Positive  # units of energy that an angle beyond it counts
 
 
 class Hanging(_Part):

@@ -1,0 +1,99 @@
+"""How likely a body lies whose scan shows no table: four signs that a fit as if she stood shows, weighed together.
+
+Arms lie away from who lies and hang beside who stands, but a woman may lay them along her sides.  Her breasts say it
+then: they flatten and fall aside, so that nipples lie less far in front of the breastbone's end and farther from each
+other, measured by her breastbone.  That lying breasts are shown with less energy by the shapes of lying ones is the
+weakest sign, and its outliers are cut off.  The numbers are beside this file; evaluation/stance_signs.py finds them.
+"""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import resources
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+from breastrig.core.arrays import Array
+from breastrig.fitting.body.hanging import body_axes
+from breastrig.fitting.body.hollows import energy_without_hollows
+from breastrig.fitting.task import FitIterate, FitTask
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import pose
+
+MEASURED = ("suprasternal_notch", "xiphoid", "nipple_L", "nipple_R")
+
+
+class Sign(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    between: float  # its value that says nothing
+    weight: float  # of the log odds that she lies, for one unit more
+    most: float | None = None  # farther from `between` it counts no more
+
+
+class StanceSigns(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    unsure: float  # log odds, either way, up to which the answer is doubted
+    signs: dict[str, Sign]
+
+    def log_odds(self, seen: Mapping[str, float]) -> float:
+        """That she lies; what was not seen says nothing."""
+        return sum(self._counted(name, value) for name, value in seen.items())
+
+    def _counted(self, name: str, value: float) -> float:
+        sign, away = self.signs[name], value - self.signs[name].between
+        return sign.weight * (away if sign.most is None else float(np.clip(away, -sign.most, sign.most)))
+
+
+@dataclass(frozen=True)
+class Likely:
+    """Which stance the signs speak for, and whether they do so clearly."""
+
+    lies: bool
+    sure: bool
+
+
+@lru_cache(maxsize=1)
+def stance_signs() -> StanceSigns:
+    file = resources.files("breastrig.fitting") / "starts" / "stance_signs.toml"
+    return StanceSigns.model_validate(tomllib.loads(file.read_text("utf-8")))
+
+
+def arm_angles(rig: Rig, x: RigParameters) -> Array:
+    """(A,) rad between each upper arm and hanging down along its grandparent, the chest."""
+    angles = []
+    for bone, name in zip(rig.bones, rig.bone_names, strict=True):
+        if not name.startswith("upper_arm") or bone.parent is None:
+            continue
+        chest = rig.bones[bone.parent].parent
+        if chest is not None:
+            cosine = x.rotations[rig.bone_names.index(name)][:, 1] @ x.rotations[chest][:, 1]
+            angles.append(float(np.arccos(np.clip(cosine, -1.0, 1.0))))
+    return np.array(angles)
+
+
+def breast_signs(rig: Rig, vertices: Array) -> dict[str, float]:
+    """How (V, 3) m vertices show the breasts, in lengths of the breastbone; nothing of a rig without its landmarks."""
+    if not set(MEASURED) <= set(rig.landmark_names):
+        return {}
+    notch, end, *nipples = rig.landmark_points(MEASURED).positions(vertices, rig.faces) @ body_axes(rig, vertices)
+    bone = float(np.linalg.norm(notch - end))
+    return {
+        "nipples_in_front": float(np.mean(nipples, axis=0)[2] - end[2]) / bone,
+        "nipples_apart": float(nipples[0][0] - nipples[1][0]) / bone,
+    }
+
+
+def seen_signs(task: FitTask, standing: FitIterate, supine: FitIterate) -> dict[str, float]:
+    """What the ends of a task's fits in both stances show, by the signs' names."""
+    less = energy_without_hollows(task, standing) - energy_without_hollows(task, supine)
+    arms = float(arm_angles(task.rig, standing.parameters).mean())
+    return {"arms": arms, "energy_less": less, **breast_signs(task.rig, pose(task.rig, standing.parameters))}
+
+
+def likely_stance(seen: Mapping[str, float]) -> Likely:
+    signs = stance_signs()
+    odds = signs.log_odds(seen)
+    return Likely(odds > 0.0, abs(odds) > signs.unsure)
