@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from breastrig.evaluation.stance_signs import Shown, learnt, table
+from breastrig.evaluation.stance_signs import Shown, answered, learnt, table
 from breastrig.fitting.starts.lies_or_stands import stance_signs
 
 
@@ -39,3 +39,10 @@ def test_the_table_counts_what_is_wrong_and_what_is_doubted() -> None:
     lines = list(table([Shown("", "choose", "a", bool(k % 2), {}) for k in (0, 0, 1, 1)], odds, unsure=1.0))
     assert "standing of   2 wrong  0, wrong and unsure  1, right and unsure  0" in lines[0]
     assert "lying    of   2 wrong  0, wrong and unsure  1, right and unsure  0" in lines[1]
+
+
+def test_who_lets_her_arms_hang_stands_surely_or_not() -> None:
+    signs = {"nipples_in_front": 0.3, "nipples_apart": 1.0, "arms": 0.4, "energy_less": 8.0}
+    flat = signs | {"nipples_in_front": -0.2, "nipples_apart": 1.6}
+    surely, hardly = (answered(Shown("", "choose", "a", False, each), stance_signs()) for each in (signs, flat))
+    assert surely < -stance_signs().unsure < hardly < 0.0

@@ -78,10 +78,11 @@ def test_who_lies_with_the_arms_along_her_sides_is_not_said_to_stand_without_a_d
 def test_where_the_signs_say_little_it_is_said_and_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     never_sure = stance_signs().model_copy(update={"unsure": 100.0})
     monkeypatch.setattr(lies_or_stands, "stance_signs", lambda: never_sure)
-    answer, _ = found(scan_without_table(EXAMPLE / "supine"))
-    assert answer.stance == "supine"
-    assert "no table" in answer.reason
-    assert answer.reason.endswith("hardly. If she stands, say that she stands.")
+    for stance, asked in (("supine", "stands"), ("standing", "lies")):
+        answer, _ = found(scan_without_table(EXAMPLE / stance))
+        assert answer.stance == stance
+        assert "no table" in answer.reason
+        assert answer.reason.endswith(f". If she {asked}, say that she {asked}.")
 
 
 def test_a_table_needs_no_fit() -> None:

@@ -13,7 +13,7 @@ nothing, are left out.
 import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -95,19 +95,24 @@ def scans_without_table(case: Case) -> Iterator[tuple[str, Scene, PreparedScan]]
 
 
 def shown(folder: Path, arms: str, rig: Rig) -> list[Shown]:
-    """All scans of a folder that are placed."""
-    found = []
+    """All scans of a folder that are placed; kept beside it, so that they are fitted once."""
+    file = folder.parent / f"signs_{folder.name}.json"
+    if not file.is_file():
+        file.write_text(json.dumps([asdict(each) for each in _measured(folder, arms, rig)]), "utf-8")
+    return [Shown(**each) for each in json.loads(file.read_text("utf-8"))]
+
+
+def _measured(folder: Path, arms: str, rig: Rig) -> Iterator[Shown]:
+    recipe = load_recipe("default")
     for case in read_cohort(folder):
         told = json.loads((folder / case.patient / "patient.json").read_text("utf-8"))
         for part, scene, ready in scans_without_table(case):
             start = start_from_scan(rig, ready.target, ready.frame.fronts).parameters
-            task = FitTask(rig, ready.target, start, load_recipe("default"), {})
+            task = FitTask(rig, ready.target, start, recipe, {})
             standing, supine = ((*checked_iterates(replace(task, stance=each)),)[-1] for each in STANCES)
             if scene.landmark_errors(rig, pose(rig, standing.parameters)).mean() < ASTRAY:
                 signs = seen_signs(task, standing, supine)
-                kind = f"{arms} {part}".strip()
-                found.append(Shown(kind, told.get("half", ""), told.get("source", ""), case.stance == "supine", signs))
-    return found
+                yield Shown(f"{arms} {part}".strip(), told["half"], told["source"], case.stance == "supine", signs)
 
 
 def weights_of(scans: Sequence[Shown]) -> Array:
@@ -146,6 +151,13 @@ def learnt(scans: Sequence[Shown], kept: StanceSigns) -> StanceSigns:
     return kept.model_copy(update={"signs": signs})
 
 
+def answered(scan: Shown, signs: StanceSigns) -> float:
+    """The log odds that she lies as fitting/stance.py takes them: where the arms hang she stands, surely or not."""
+    if scan.signs["arms"] >= load_recipe("default").stance_rule.arms_hanging:
+        return signs.log_odds(scan.signs)
+    return min(signs.log_odds({name: scan.signs[name] for name in scan.signs if name != "energy_less"}), -1e-9)
+
+
 def table(scans: Sequence[Shown], odds: Array, unsure: float) -> Iterator[str]:
     """A line for each kind and stance."""
     lie: Booleans = np.array([s.lies for s in scans])
@@ -175,11 +187,11 @@ def main(folder: Path, cohort: Path) -> None:
         source: learnt([s for s in choosing if s.source != source], kept) for source in {s.source for s in choosing}
     }
     say(["choosing half, each source by the others"])
-    say(table(choosing, np.array([by_others[s.source].log_odds(s.signs) for s in choosing]), kept.unsure))
+    say(table(choosing, np.array([answered(s, by_others[s.source]) for s in choosing]), kept.unsure))
     for half in ("choose", "report"):
         its = [s for s in scans if s.half == half]
         say([f"the kept numbers, half: {half}"])
-        say(table(its, np.array([kept.log_odds(s.signs) for s in its]), kept.unsure))
+        say(table(its, np.array([answered(s, kept) for s in its]), kept.unsure))
 
 
 if __name__ == "__main__":

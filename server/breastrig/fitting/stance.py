@@ -13,6 +13,10 @@ from breastrig.fitting.starts.wall_behind import TABLE, WALL, may_be_wall
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.scan.orient import Frame
 
+ARMS_HANG = "There is no table in the scan, and the arms hang."
+ARMS_HANG_BUT = (
+    "There is no table in the scan, and the arms hang, but breasts are as in who lies. If she lies, say that she lies."
+)
 LIES = "There is no table in the scan, but breasts and arms are as in a lying patient."
 STANDS = "There is no table in the scan, and breasts and arms are as in a standing patient."
 MAY_LIE = "There is no table in the scan; she looks as if she lies, but hardly. If she stands, say that she stands."
@@ -43,7 +47,8 @@ def found_stance(task: FitTask, frame: Frame) -> FoundStance:
         away = len(arms) and arms.mean() > rule.arms_between
         return FoundStance("supine", TABLE) if away else FoundStance("standing", WALL, standing)
     if not len(arms) or arms.mean() < rule.arms_hanging:
-        return FoundStance("standing", "There is no table in the scan, and the arms hang.", standing)
+        likely = likely_stance(seen_signs(task, standing[-1]))
+        return FoundStance("standing", ARMS_HANG if likely.sure and not likely.lies else ARMS_HANG_BUT, standing)
     supine = tuple(checked_iterates(replace(task, stance="supine")))
     likely = likely_stance(seen_signs(task, standing[-1], supine[-1]))
     if likely.lies:

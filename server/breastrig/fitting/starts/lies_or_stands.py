@@ -86,11 +86,15 @@ def breast_signs(rig: Rig, vertices: Array) -> dict[str, float]:
     }
 
 
-def seen_signs(task: FitTask, standing: FitIterate, supine: FitIterate) -> dict[str, float]:
-    """What the ends of a task's fits in both stances show, by the signs' names."""
-    less = energy_without_hollows(task, standing) - energy_without_hollows(task, supine)
-    arms = float(arm_angles(task.rig, standing.parameters).mean())
-    return {"arms": arms, "energy_less": less, **breast_signs(task.rig, pose(task.rig, standing.parameters))}
+def seen_signs(task: FitTask, standing: FitIterate, supine: FitIterate | None = None) -> dict[str, float]:
+    """What the ends of a task's fits in both stances show, by the signs' names; of one fit no energy."""
+    seen = breast_signs(task.rig, pose(task.rig, standing.parameters))
+    arms = arm_angles(task.rig, standing.parameters)
+    if len(arms):
+        seen["arms"] = float(arms.mean())
+    if supine is not None:
+        seen["energy_less"] = energy_without_hollows(task, standing) - energy_without_hollows(task, supine)
+    return seen
 
 
 def likely_stance(seen: Mapping[str, float]) -> Likely:
