@@ -127,10 +127,12 @@ def weights_of(scans: Sequence[Shown]) -> Array:
 def learnt(scans: Sequence[Shown], kept: StanceSigns) -> StanceSigns:
     """Logistic regression with a ridge over the standardised signs; Newton's method."""
     names, weights = list(kept.signs), weights_of(scans)
-    values = np.array([[s.signs[name] for name in names] for s in scans])
+    values = np.array([[s.signs.get(name, np.nan) for name in names] for s in scans])
     bounds = np.array([MOST.get(name, np.inf) for name in names])
     values, lies = np.clip(values, -bounds, bounds), np.array([s.lies for s in scans])
-    mean = np.average(values, axis=0, weights=weights)
+    known = np.isfinite(values)
+    mean = np.nansum(values * weights[:, None], axis=0) / (known * weights[:, None]).sum(axis=0)
+    values = np.where(known, values, mean)  # says nothing
     deviation = np.sqrt(np.average((values - mean) ** 2, axis=0, weights=weights))
     rows, slopes = np.column_stack([(values - mean) / deviation, np.ones(len(values))]), np.zeros(len(names) + 1)
     ridge = np.diag([RIDGE] * len(names) + [0.0])
@@ -155,7 +157,7 @@ def answered(scan: Shown, signs: StanceSigns) -> float:
     """The log odds that she lies as fitting/stance.py takes them: where the arms hang she stands, surely or not."""
     if scan.signs["arms"] >= load_recipe("default").stance_rule.arms_hanging:
         return signs.log_odds(scan.signs)
-    return min(signs.log_odds({name: scan.signs[name] for name in scan.signs if name != "energy_less"}), -1e-9)
+    return min(signs.log_odds({name: value for name, value in scan.signs.items() if name != "energy_less"}), -1e-9)
 
 
 def table(scans: Sequence[Shown], odds: Array, unsure: float) -> Iterator[str]:

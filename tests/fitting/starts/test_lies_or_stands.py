@@ -6,8 +6,17 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from breastrig.core.arrays import Array
+from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.starts.lies_or_stands import breast_signs, likely_stance, stance_signs
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.rig.model import Rig
+from breastrig.scan.clean import compact
+
+
+def as_scanned(rig: Rig, vertices: Array) -> dict[str, float]:
+    """The signs of vertices (V, 3) m that lie on their scan."""
+    return breast_signs(rig, vertices, ScanTarget(vertices, rig.faces))
 
 
 def in_between() -> dict[str, float]:
@@ -44,8 +53,17 @@ def test_energies_that_are_far_apart_count_no_more_than_those_at_the_limit() -> 
 def test_size_place_and_direction_of_a_body_say_nothing() -> None:
     rig = read_rig(default_rig_path())
     turn = Rotation.from_rotvec([0.4, -1.1, 2.0]).as_matrix()
-    elsewhere = breast_signs(rig, 1.3 * rig.template @ turn.T + [0.2, -3.0, 1.0])
-    assert elsewhere == pytest.approx(breast_signs(rig, rig.template), abs=1e-9)
+    elsewhere = as_scanned(rig, 1.3 * rig.template @ turn.T + [0.2, -3.0, 1.0])
+    assert elsewhere == pytest.approx(as_scanned(rig, rig.template), abs=1e-9)
+
+
+def test_of_half_a_body_it_is_not_seen_how_far_the_nipples_are_apart() -> None:
+    rig = read_rig(default_rig_path())
+    left = rig.faces[(rig.template[:, 0] > 0.0)[rig.faces].all(axis=1)]
+    whole = as_scanned(rig, rig.template)
+    assert breast_signs(rig, rig.template, ScanTarget(*compact(rig.template, left))) == {
+        "nipples_in_front": whole["nipples_in_front"]
+    }
 
 
 def test_nipples_that_move_back_and_outwards_are_seen() -> None:
@@ -55,7 +73,7 @@ def test_nipples_that_move_back_and_outwards_are_seen() -> None:
     for name in ("areola_L", "areola_R"):
         chosen = rig.regions[name]
         moved[chosen] += np.column_stack([0.02 * sides[chosen], np.zeros(len(chosen)), np.full(len(chosen), -0.02)])
-    before, after = breast_signs(rig, rig.template), breast_signs(rig, moved)
+    before, after = as_scanned(rig, rig.template), as_scanned(rig, moved)
     assert after["nipples_apart"] > before["nipples_apart"]
     assert after["nipples_in_front"] < before["nipples_in_front"]
 
@@ -63,4 +81,4 @@ def test_nipples_that_move_back_and_outwards_are_seen() -> None:
 def test_of_a_rig_without_the_landmarks_the_breasts_say_nothing() -> None:
     rig = read_rig(default_rig_path())
     none = replace(rig, landmarks=tuple(each for each in rig.landmarks if each.name != "xiphoid"))
-    assert breast_signs(none, rig.template) == {}
+    assert as_scanned(none, rig.template) == {}

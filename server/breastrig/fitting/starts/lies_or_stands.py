@@ -33,6 +33,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from breastrig.core.arrays import Array
+from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.hanging import body_axes
 from breastrig.fitting.body.hollows import energy_without_hollows
 from breastrig.fitting.task import FitIterate, FitTask
@@ -41,6 +42,7 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 
 MEASURED = ("suprasternal_notch", "xiphoid", "nipple_L", "nipple_R")
+SHOWN = 0.015  # m from the scan
 
 
 class Sign(BaseModel):
@@ -91,21 +93,25 @@ def arm_angles(rig: Rig, x: RigParameters) -> Array:
     return np.array(angles)
 
 
-def breast_signs(rig: Rig, vertices: Array) -> dict[str, float]:
-    """How (V, 3) m vertices show the breasts, in lengths of the breastbone; nothing of a rig without its landmarks."""
+def breast_signs(rig: Rig, vertices: Array, target: ScanTarget) -> dict[str, float]:
+    """How (V, 3) m vertices show the breasts, in lengths of the breastbone; nothing of a rig without its landmarks.
+
+    Where the scan does not show both nipples the model puts the other one too near: how far they are apart is not seen.
+    """
     if not set(MEASURED) <= set(rig.landmark_names):
         return {}
-    notch, end, *nipples = rig.landmark_points(MEASURED).positions(vertices, rig.faces) @ body_axes(rig, vertices)
+    places = rig.landmark_points(MEASURED).positions(vertices, rig.faces)
+    notch, end, *nipples = places @ body_axes(rig, vertices)
     bone = float(np.linalg.norm(notch - end))
-    return {
-        "nipples_in_front": float(np.mean(nipples, axis=0)[2] - end[2]) / bone,
-        "nipples_apart": float(nipples[0][0] - nipples[1][0]) / bone,
-    }
+    seen = {"nipples_in_front": float(np.mean(nipples, axis=0)[2] - end[2]) / bone}
+    if np.isfinite(target.vertex_tree.query(places[2:], distance_upper_bound=SHOWN)[0]).all():
+        seen["nipples_apart"] = float(nipples[0][0] - nipples[1][0]) / bone
+    return seen
 
 
 def seen_signs(task: FitTask, standing: FitIterate, supine: FitIterate | None = None) -> dict[str, float]:
     """What the ends of a task's fits in both stances show, by the signs' names; of one fit no energy."""
-    seen = breast_signs(task.rig, pose(task.rig, standing.parameters))
+    seen = breast_signs(task.rig, pose(task.rig, standing.parameters), task.target)
     arms = arm_angles(task.rig, standing.parameters)
     if len(arms):
         seen["arms"] = float(arms.mean())
