@@ -12,12 +12,12 @@ arms and energy alone, and no word of doubt.  In the choosing half each source b
                                scans  before  wrong  sure      scans  before  wrong  sure
     as usual        standing      50       3      0     0         49       2      1     0
                     lying         50       4      0     0         45       5      3     2
-      left half     standing      43       9      4     2         42       6      0     0
-                    lying         40       2      2     0         27       4      6     3
-    arms away       standing      50      42     32    16         49      36     18     5
-    arms along      lying         50      15     11     4         46      13     13     6
-      left halves   standing      43      36     24     6         43      27     10     3
-                    lying         43      16     20     5         31      12     23     9
+      left half     standing      43       9      3     2         42       6      0     0
+                    lying         40       2      1     0         27       4      5     0
+    arms away       standing      50      42     35    19         49      36     22    11
+    arms along      lying         50      15     11     3         46      13     15     5
+      left halves   standing      43      36     25    12         43      27     15     4
+                    lying         43      16     21     7         31      12     23     4
 
 Tried: how the fold lies below the breastbone's end, how breasts face and the shape weights of the fit tell our bodies
 apart still better, but put dev scans on the wrong side.
