@@ -72,7 +72,7 @@ def test_who_lies_with_the_arms_along_her_sides_is_not_said_to_stand_without_a_d
     shown = source.scanned[source.faces].all(axis=1) & from_above
     answer, frame = found(ScanTarget(*compact(moved.vertices, source.faces[shown])))
     assert "no table" in frame.stance_reason
-    assert answer.stance == "supine" or answer.reason.endswith("hardly. If she lies, say that she lies.")
+    assert answer.stance == "supine" or "not clear" in answer.reason
 
 
 def test_where_the_signs_say_little_it_is_said_and_asked(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -81,7 +81,7 @@ def test_where_the_signs_say_little_it_is_said_and_asked(monkeypatch: pytest.Mon
     for stance, asked in (("supine", "stands"), ("standing", "lies")):
         answer, _ = found(scan_without_table(EXAMPLE / stance))
         assert answer.stance == stance
-        assert "no table" in answer.reason
+        assert answer.reason.startswith("Without a table it is not clear:")
         assert answer.reason.endswith(f". If she {asked}, say that she {asked}.")
 
 

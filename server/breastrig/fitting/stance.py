@@ -15,12 +15,12 @@ from breastrig.scan.orient import Frame
 
 ARMS_HANG = "There is no table in the scan, and the arms hang."
 ARMS_HANG_BUT = (
-    "There is no table in the scan, and the arms hang, but breasts are as in who lies. If she lies, say that she lies."
+    "Without a table it is not clear: the arms hang, but the breasts look as if she lies. If she does, say so."
 )
 LIES = "There is no table in the scan, but breasts and arms are as in a lying patient."
 STANDS = "There is no table in the scan, and breasts and arms are as in a standing patient."
-MAY_LIE = "There is no table in the scan; she looks as if she lies, but hardly. If she stands, say that she stands."
-MAY_STAND = "There is no table in the scan; she looks as if she stands, but hardly. If she lies, say that she lies."
+MAY_LIE = "Without a table it is not clear: she seems to lie. If she stands, say that she stands."
+MAY_STAND = "Without a table it is not clear: she seems to stand. If she lies, say that she lies."
 
 
 @dataclass(frozen=True, eq=False)
