@@ -14,9 +14,7 @@ from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.scan.orient import Frame
 
 ARMS_HANG = "There is no table in the scan, and the arms hang."
-ARMS_HANG_BUT = (
-    "Without a table it is not clear: the arms hang, but the breasts look as if she lies. If she does, say so."
-)
+ARMS_HANG_BUT = "Without a table it is not clear: arms hang, breasts look lying. If she lies, say that she lies."
 LIES = "There is no table in the scan, but breasts and arms are as in a lying patient."
 STANDS = "There is no table in the scan, and breasts and arms are as in a standing patient."
 MAY_LIE = "Without a table it is not clear: she seems to lie. If she stands, say that she stands."
