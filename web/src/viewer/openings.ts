@@ -3,7 +3,7 @@
 // surface's own and are drawn where the model stands alone, not over a scan.
 import { type BufferAttribute, type BufferGeometry, type Color, DoubleSide, MeshLambertMaterial, Triangle } from "three";
 
-const SHADE = 0.86; // of the clay's colour
+const SHADE = 0.86; // of the surface's colour
 
 /** Vertices around each opening, in the order in which the surface's border runs. */
 export function rims(triangles: ArrayLike<number>): number[][] {
@@ -69,4 +69,4 @@ export function withLids(geometry: BufferGeometry): { show: (shown: boolean) => 
 /** Of the lids: flat, whatever the skin's normals at the rim say. */
 export const lidMaterial = (): MeshLambertMaterial => new MeshLambertMaterial({ side: DoubleSide, flatShading: true });
 
-export const tintLid = (material: MeshLambertMaterial, clay: Color): void => void material.color.copy(clay).multiplyScalar(SHADE);
+export const tintLid = (material: MeshLambertMaterial, surface: Color): void => void material.color.copy(surface).multiplyScalar(SHADE);

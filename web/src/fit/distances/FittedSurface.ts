@@ -71,7 +71,7 @@ export class FittedSurface implements Part<State>, Surface {
     this.plain.opacity = isAlone ? 1 : MODEL_SHARE;
     this.plain.side = isAlone ? DoubleSide : FrontSide;
     for (const clay of [this.plain, this.solid]) clay.color.copy(this.viewer.palette.clay);
-    tintLid(this.lid, this.viewer.palette.clay);
+    tintLid(this.lid, hasMap ? this.viewer.palette.unknown : this.viewer.palette.clay); // no distance is known of a lid
     this.lids?.show(isAlone);
     this.mesh.visible = showsFittedSurface(state) && state.overlay !== "scan";
     this.viewer.inHalf(this.mesh, isBeside(state.overlay) ? "model" : null);
