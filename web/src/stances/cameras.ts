@@ -38,6 +38,7 @@ export function torsoOf({ fit, picks }: Pick<Workspace, "fit" | "picks">): Matri
 export const torsoFromFrame = (frame: Frame, middle: Vector): Matrix4 => basis(frame, new Vector3(...middle));
 
 const STEEP = [0.1, 0.35] as const; // sines of the angle between the gaze and the vertical
+const LEAST = 1e-4; // of these: a gaze along the vertical has no upper edge
 
 /**
  * The pose of the second camera.  `world` takes each scan's coordinates to those of its view, `torso` those of its
@@ -60,8 +61,6 @@ export function linkedPose(pose: Pose, from: { world: Matrix4; torso: Matrix4 },
   }
   return { eye, target };
 }
-
-const LEAST = 1e-4; // a gaze along the vertical has no upper edge
 
 /** Unit vector, horizontal; to the front for what is vertical. */
 const level = ({ x, z }: Vector3): Vector3 => (Math.hypot(x, z) < 1e-9 ? new Vector3(0, 0, 1) : new Vector3(x, 0, z).normalize());

@@ -53,6 +53,16 @@ test.each([[0.038, 0.03, 1], [0.03, 0.038, -1]])("a left of %s m on a right of %
   expect(mostMm).toBeLessThan(8.1);
 });
 
+test("what closes the model's openings is none of the breast", () => {
+  const bare = mirroredBreast(chest(0.03, 0.03), result)!;
+  const geometry = chest(0.03, 0.03);
+  const own = [...geometry.index!.array];
+  geometry.setIndex([...own, ...own]); // lids over the whole chest
+  geometry.addGroup(0, own.length, 0);
+  geometry.addGroup(own.length, own.length, 1);
+  expect(mirroredBreast(geometry, result)!.index).toEqual(bare.index);
+});
+
 test("without nipples or pairs there is nothing to mirror", () => {
   const { nipple_L: _gone, ...rest } = result.landmarks;
   expect(mirroredBreast(chest(0.03, 0.03), { ...result, landmarks: rest })).toBeNull();

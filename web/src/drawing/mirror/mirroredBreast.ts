@@ -49,7 +49,8 @@ export function mirroredBreast(fitted: BufferGeometry, result: Pick<Result, "lan
     if (number === undefined) numbers.set(vertex, (number = numbers.size));
     return number;
   };
-  for (let i = 0; i < all.length; i += 3) {
+  const skin = fitted.groups[0]?.count ?? all.length; // the lids come after it, see viewer/openings.ts
+  for (let i = 0; i < skin; i += 3) {
     const [a, b, c] = [all[i]!, all[i + 1]!, all[i + 2]!];
     if (isOfBreast[a] && isOfBreast[b] && isOfBreast[c]) index.push(numberOf(a), numberOf(c), numberOf(b)); // a mirror turns triangles round
   }
