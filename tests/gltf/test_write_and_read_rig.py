@@ -112,6 +112,16 @@ def test_a_new_drawing_is_a_new_file(folder: Path) -> None:
     assert rig.drawing_names == ("lumpectomy", "mine")
 
 
+def test_drawings_come_in_the_side_files_order_and_the_others_after_them_by_name(folder: Path) -> None:
+    first, side = json.loads((folder / "drawings" / "lumpectomy.json").read_text()), folder / "toy.json"
+    for name in ("anatomy", "zigzag", "crosses"):
+        (folder / "drawings" / f"{name}.json").write_text(json.dumps(first | {"name": name}))
+    assert read_rig(folder / "toy.glb").drawing_names == ("lumpectomy", "anatomy", "crosses", "zigzag")
+    side.write_text(json.dumps(json.loads(side.read_text()) | {"drawings": ["zigzag", "sketch"]}))
+    with pytest.raises(BadModel, match='drawing "sketch" that does not exist'):
+        read_rig(folder / "toy.glb")
+
+
 def test_a_rig_without_shapes_landmarks_or_drawings_is_a_rig_too(tmp_path: Path) -> None:
     rig = replace(toy_rig(), shapes=(), blendshapes=np.zeros((0, 204, 3)), landmarks=(), drawings=(), joints=())
     write_rig(rig, tmp_path)

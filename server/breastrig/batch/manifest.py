@@ -21,7 +21,8 @@ from breastrig.drawings.patterns import asked_drawing, tumour_text
 from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
 from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
-from breastrig.workflow.scan_fit import checked_landmarks
+from breastrig.workflow.jobs import FIRST
+from breastrig.workflow.scan_fit import checked_landmarks, named_drawing
 
 COLUMNS = ("scan", "landmarks", "name", "units", "stance", "preset", "drawing", "tumour", "refine")
 YES_NO = {"": True, "no": False, "false": False, "0": False, "yes": True, "true": True, "1": True}
@@ -144,7 +145,7 @@ def _row(
     if preset.endswith(".toml"):
         preset = str(_file(base, preset, "preset"))
     check_preset(preset)
-    drawing = _drawing(cells)
+    drawing = named_drawing(rig, _drawing(cells))
     if drawing is not None:
         asked_drawing(rig, drawing)
     return BatchRow(
@@ -174,7 +175,7 @@ def _one_of(what: str, word: str, known: tuple[str, ...]) -> str:
 
 def _drawing(cells: Mapping[str, str]) -> str | None:
     """The column drawing, and the tumours of the column beside it, split by blanks."""
-    asked = cells.get("drawing") or "lumpectomy"
+    asked = cells.get("drawing") or FIRST
     parts = [] if asked == "none" else [asked]
     return "+".join([*parts, *(tumour_text(short) for short in cells.get("tumour", "").split())]) or None
 

@@ -12,6 +12,7 @@ from breastrig.cli.output_options import add_output_options
 from breastrig.cli.pattern_words import PATTERN_WORDS
 from breastrig.core.stances import STANCES
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.workflow.jobs import FIRST
 
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -40,10 +41,11 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
     parser.add_argument(
         "--drawing",
-        default="lumpectomy",
+        default=FIRST,
         metavar="NAME",
-        help="a drawing of the model (lumpectomy, anatomy, mastectomy), a pattern drawn to the patient's measures "
-        "(reduction:areola_mm=42,limb_mm=50), several joined by +, or none. " + PATTERN_WORDS,
+        help="a drawing of the model (lumpectomy, anatomy, mastectomy; if not said its first: lumpectomy), a pattern "
+        "drawn to the patient's measures (reduction:areola_mm=42,limb_mm=50), several joined by +, or none. "
+        + PATTERN_WORDS,
     )
     parser.add_argument(
         "--tumour",

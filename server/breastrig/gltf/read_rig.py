@@ -69,7 +69,7 @@ def _read(glb: Path, drawing_paths: tuple[Path, ...], _stamps: tuple[tuple[int, 
         mesh = _SkinnedMesh(*split_glb(data["glb"]))
     except (ValueError, KeyError, TypeError, IndexError, AttributeError, MemoryError) as error:
         raise BadModel(f"{glb.name} cannot be used as a model: {_reason(error)}.") from error
-    rig = _assembled(
+    return _assembled(
         side,
         mesh,
         tuple(
@@ -78,7 +78,6 @@ def _read(glb: Path, drawing_paths: tuple[Path, ...], _stamps: tuple[tuple[int, 
         ),
         hashlib.sha256(b"".join([data["glb"], data["json"], *drawings])).hexdigest(),
     )
-    return rig
 
 
 class _SkinnedMesh:
@@ -218,7 +217,7 @@ def _assembled(side: RigFile, mesh: _SkinnedMesh, drawings: tuple[ModelDrawing, 
             )
             for landmark in side.landmarks
         ),
-        drawings=drawings,
+        drawings=_in_order(side.drawings, drawings),
         mirror_vertices=_indices(side.symmetry.vertices, vertices, "symmetry.vertices", vertices),
         regions={name: _indices(chosen, vertices, f"region {name}") for name, chosen in side.regions.items()},
         sha256=sha256,
@@ -265,6 +264,15 @@ def _shape(shapes: dict[str, Any], name: str, names: list[str]) -> Shape:
         mirror=shape.mirror,
         label=shape.label,
     )
+
+
+def _in_order(names: list[str], drawings: tuple[ModelDrawing, ...]) -> tuple[ModelDrawing, ...]:
+    """As the side file names them; those that it does not name follow by name."""
+    known = [drawing.name for drawing in drawings]
+    for name in _unique("drawing", names):
+        _known("drawing", name, known)
+    order = [*names, *sorted(set(known) - set(names))]
+    return tuple(drawings[known.index(name)] for name in order)
 
 
 def _drawing(drawing: DrawingFile, file: str, faces: int) -> ModelDrawing:

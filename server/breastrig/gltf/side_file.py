@@ -83,6 +83,7 @@ class RigFile(FilePart):
     joints: list[JointEntry]
     shapes: list[ShapeEntry]
     landmarks: list[LandmarkEntry]
+    drawings: list[Name] = []  # the first is what a fit draws when it is not asked; those not named follow by name
     regions: dict[str, list[NonNegativeInt]] = {}
     symmetry: Symmetry
     provenance: dict[str, Any] = {}

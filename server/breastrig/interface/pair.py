@@ -20,6 +20,7 @@ from breastrig.interface.run import FitRun, GivenScan, Iterate, Settings, iterat
 from breastrig.interface.scan import Scan, ScanSource
 from breastrig.workflow.folder.fit_file_names import RESULT, fit_set
 from breastrig.workflow.folder.fit_files import json_bytes, write_files
+from breastrig.workflow.jobs import FIRST
 from breastrig.workflow.run_pair import PAIR_SCHEMA, PairOutcome, both_ready, pair_document, pair_steps
 from breastrig.workflow.scan_fit import Clock
 
@@ -79,7 +80,7 @@ def pair_iterates(
     stance: str = "auto",
     second_stance: str = "auto",
     preset: str = "default",
-    drawing: str | None = "lumpectomy",
+    drawing: str | None = FIRST,
     tumours: Sequence[str] = (),
     refine: bool = True,
     alike: bool = False,
@@ -124,7 +125,7 @@ def fit_pair(
     stance: str = "auto",
     second_stance: str = "auto",
     preset: str = "default",
-    drawing: str | None = "lumpectomy",
+    drawing: str | None = FIRST,
     tumours: Sequence[str] = (),
     refine: bool = True,
     alike: bool = False,

@@ -24,7 +24,7 @@ from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 from breastrig.workflow.fit_outcome import FitOutcome
 from breastrig.workflow.fit_recorder import RecordedIterate
-from breastrig.workflow.jobs import FitSettings
+from breastrig.workflow.jobs import FIRST, FitSettings
 from breastrig.workflow.run_fit import fit_steps
 from breastrig.workflow.scan_fit import Clock, FitPlan, ReadyScan, fit_plan, made_ready
 
@@ -105,7 +105,7 @@ def iterates(
     units: str = "auto",
     stance: str = "auto",
     preset: str = "default",
-    drawing: str | None = "lumpectomy",
+    drawing: str | None = FIRST,
     tumours: Sequence[str] = (),
     refine: bool = True,
     model: Model = None,
@@ -146,7 +146,7 @@ def fit(
     units: str = "auto",
     stance: str = "auto",
     preset: str = "default",
-    drawing: str | None = "lumpectomy",
+    drawing: str | None = FIRST,
     tumours: Sequence[str] = (),
     refine: bool = True,
     model: Model = None,
@@ -160,8 +160,8 @@ def fit(
     units       of a path: auto, m, dm, cm, mm, in
     stance      auto, standing or supine
     preset      default, paper, or the path of a TOML file
-    drawing     a drawing of the model (lumpectomy, anatomy, mastectomy), a pattern in mm (reduction:areola_mm=42),
-                several joined by +, or None
+    drawing     first: the model's first drawing, if it has any (the torso's: lumpectomy); one by its name (anatomy,
+                mastectomy), a pattern in mm (reduction:areola_mm=42), several joined by +, or None
                 a pattern that does not fit on this patient is left out, and `fit.drawing_missing` says why
     tumours     circles on the skin, in mm: "L:10,45,12" (side: hour, distance from the nipple, radius), or
                 "at:X,Y,Z,RADIUS" around a place in the scan's frame

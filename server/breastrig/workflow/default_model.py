@@ -49,9 +49,8 @@ def make_ready(rig: Rig) -> None:
             body_terms(rig, recipe.shapes, recipe.scales, recipe.body, stance)
     make_layers_ready(rig.template, rig.faces)
     skinned_document(rig, {})
-    for drawing in rig.drawings:
-        if drawing.name == "lumpectomy":  # what a fit draws unless it is told otherwise
-            ribbons(rig, drawing)
+    for drawing in rig.drawings[:1]:  # what a fit draws when it is not asked
+        ribbons(rig, drawing)
 
 
 with suppress(BadModel):  # whoever needs it is told

@@ -10,6 +10,7 @@ from typing import Any
 from breastrig.core.stances import AUTO
 
 DEFAULT = "default"  # the preset
+FIRST = "first"  # as a drawing: the first one of the rig, none where it has none
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class FitSettings:
 
     stance: str = AUTO
     preset: str = DEFAULT
-    drawing: str | None = "lumpectomy"  # see drawings/patterns.py: names, patterns with parameters, joined by +
+    drawing: str | None = FIRST  # see drawings/patterns.py: names, patterns with parameters, joined by +
     landmark_confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of proposed ones; absent: 1
     certain: tuple[str, ...] = ()  # picks that are followed whatever all else says
     refine: bool = True  # a free-form layer on top, which follows the skin that the scan shows

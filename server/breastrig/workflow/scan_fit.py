@@ -6,7 +6,7 @@ read its scan already.  Everything that can be wrong with the request itself is 
 
 import time
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,7 +34,7 @@ from breastrig.scan.landmark_files import checked_certain
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import DoubtedPick, Started
 from breastrig.workflow.fit_start import with_earlier_start, with_stance, with_start
-from breastrig.workflow.jobs import DEFAULT, FitJob, FitSettings
+from breastrig.workflow.jobs import DEFAULT, FIRST, FitJob, FitSettings
 from breastrig.workflow.kept.kept_scan import prepared_scan
 
 if TYPE_CHECKING:
@@ -138,11 +138,19 @@ def read_model(job: FitJob) -> Rig:
     return read_rig(job.model or default_rig_path())
 
 
+def named_drawing(rig: Rig, text: str | None) -> str | None:
+    """The request with the rig's own name in the place of `first`; None where nothing is left of it."""
+    parts = [] if text is None else text.split("+")
+    names = [name for part in parts for name in (rig.drawing_names[:1] if part == FIRST else [part])]
+    return "+".join(names) or None
+
+
 def fit_plan(settings: FitSettings, rig: Rig, landmarks_mm: dict[str, list[float]]) -> FitPlan:
     """The settings and landmarks (mm, in the scan's frame) checked; a BadInput says what is wrong with them."""
     if settings.stance not in STANCES:
         raise BadSettings(unknown_name("stance", settings.stance, STANCES))
     recipe = load_recipe(settings.preset)
+    settings = replace(settings, drawing=named_drawing(rig, settings.drawing))
     drawing = None if settings.drawing is None else asked_drawing(rig, settings.drawing)
     landmarks = checked_landmarks(rig, landmarks_mm)
     confidence = settings.landmark_confidence
