@@ -20,7 +20,7 @@ from breastrig.storage.rows.fits import NewFit, Once, fit_ids, get_fit
 from breastrig.storage.storage import Storage
 from breastrig.workflow.folder.iteration_file import parameters_of
 
-PERSONAL = "private, no-cache"
+PERSONAL = "no-store"
 
 
 def test_a_fit_is_accepted_executed_and_described(client: FlaskClient, service: Service, scan_id: str) -> None:

@@ -4,6 +4,7 @@ import io
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pypdf
 import pytest
 from flask.testing import FlaskClient
@@ -19,7 +20,7 @@ from breastrig.service.reports import TWO_PATIENTS
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.workflow.further_jobs import ReportJob
-from breastrig.workflow.report import report_files
+from breastrig.workflow.report import report_files, reported
 
 Real = tuple[Service, FlaskClient, dict[str, str], dict[str, str]]
 
@@ -56,50 +57,55 @@ def text_of(content: bytes, stances: int = 1) -> str:
     return "\n".join(page.extract_text() for page in pages)
 
 
-def test_the_report_of_a_fit_is_made_once_and_kept_with_it(real: Real) -> None:
+def jobs_of(service: Service, monkeypatch: pytest.MonkeyPatch) -> list[ReportJob]:
+    """The reports that are made from now on."""
+    jobs, result = [], service.reports._processes.result
+
+    def counted(function: object, args: tuple[ReportJob], timeout: float) -> object:
+        jobs.extend(job for job in args if isinstance(job, ReportJob))
+        return result(function, args, timeout)
+
+    monkeypatch.setattr(service.reports._processes, "result", counted)
+    return jobs
+
+
+def test_the_report_of_a_fit_is_made_once_and_not_kept_on_the_disk(real: Real, monkeypatch: pytest.MonkeyPatch) -> None:
     service, client, _, fits = real
-    kept = service.storage.folders.fit(fits["standing"]) / "report.pdf"
-    assert not kept.exists()
-    first = client.get(f"/api/fits/{fits['standing']}/report.pdf")
-    assert first.status_code == 200
-    assert first.mimetype == "application/pdf"
-    assert first.headers["Cache-Control"] == "private, no-cache"
+    folder = service.storage.folders.fit(fits["standing"])
+    before = sorted(folder.iterdir())
+    jobs = jobs_of(service, monkeypatch)
+    address = f"/api/fits/{fits['standing']}/report.pdf"
+    with ThreadPoolExecutor(6) as pool:
+        answers = list(pool.map(lambda _: client.application.test_client().get(address), range(6)))
+    first = answers[0]
+    assert (first.status_code, first.mimetype, first.headers["Cache-Control"]) == (200, "application/pdf", "no-store")
     assert "Research use only" in text_of(first.data)
-    assert kept.read_bytes() == first.data
-    again = client.get(f"/api/fits/{fits['standing']}/report.pdf")
-    assert again.data == first.data
-    unchanged = client.get(f"/api/fits/{fits['standing']}/report.pdf", headers={"If-None-Match": first.headers["ETag"]})
-    assert unchanged.status_code == 304
+    assert {answer.data for answer in answers} == {first.data} == {client.get(address).data}
+    assert len(jobs) == 1
+    assert sorted(folder.iterdir()) == before
 
 
 @pytest.mark.usefixtures("blank")
-def test_visitors_who_ask_for_the_report_at_once_get_one_that_is_made_once(
-    real: Real, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("name", ["report.pdf", "measures.json"])
+def test_what_is_cut_away_after_the_fit_is_not_in_its_report(
+    real: Real, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    service, client, _, fits = real
-    kept = service.storage.folders.fit(fits["supine"]) / "report.pdf"
-    assert not kept.exists()
-    token = client.post(f"/api/fits/{fits['supine']}/shares", json={"scan": "plain"}).json["url"].removeprefix("/s#")
-    made, make = [], service.reports._made
-
-    def counted(*args: object) -> bytes:
-        made.append(args)
-        return make(*args)
-
-    monkeypatch.setattr(service.reports, "_made", counted)
-
-    def visit(_number: int) -> bytes:
-        visitor = client.application.test_client()
-        link = visitor.post("/api/shared/open", json={"token": token}).json["links"]["report"]
-        with visitor.get(link) as answer:
-            assert (answer.status_code, answer.mimetype) == (200, "application/pdf")
-            return answer.data
-
-    with ThreadPoolExecutor(6) as pool:
-        contents = list(pool.map(visit, range(6)))
-    assert len(made) == 1
-    assert set(contents) == {kept.read_bytes()}
-    kept.unlink()
+    service, client, scans, fits = real
+    address, place = f"/api/fits/{fits['standing']}/{name}", f"/api/scans/{scans['standing']}/cuts"
+    low, high = (client.get(f"/api/scans/{scans['standing']}").json["bounds_m"][end] for end in ("min", "max"))
+    below = low[1] + 0.05 * (high[1] - low[1])  # all that lies lower, as seen from the front
+    cut = {"to_picture": np.eye(4).ravel().tolist(), "lasso": [[-9, -9], [9, -9], [9, below], [-9, below]]}
+    first = client.get(address).data
+    jobs = jobs_of(service, monkeypatch)
+    client.put(place, json={"cuts": [cut]})
+    assert client.get(address).data != b""
+    [job] = jobs
+    [shown] = reported(job)
+    assert shown.stance.scan_vertices[shown.stance.scan_faces].mean(axis=1)[:, 1].min() >= below - 1e-6
+    assert len(shown.stance.scan_vertices) == len(np.unique(shown.stance.scan_faces))
+    client.put(place, json={"cuts": []})
+    assert client.get(address).data == first
+    assert len(jobs) == 1, "the one without the cut is remembered still"
 
 
 @pytest.mark.usefixtures("blank")
@@ -111,17 +117,15 @@ def test_two_stances_in_one_report_which_is_not_kept(real: Real) -> None:
     assert not (service.storage.folders.fit(fits["supine"]) / "report.pdf").exists()
 
 
-def test_the_measures_are_those_of_the_command_and_kept_with_the_fit(
-    real: Real, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_measures_are_those_of_the_command(real: Real, monkeypatch: pytest.MonkeyPatch) -> None:
     service, client, _, fits = real
     place = client.get(f"/api/fits/{fits['standing']}").json["links"]["measures"]
     folder = service.storage.folders.fit(fits["standing"])
     answer = client.get(place)
     assert (answer.status_code, answer.mimetype) == (200, "application/json")
-    assert answer.headers["Cache-Control"] == "private, no-cache"
+    assert answer.headers["Cache-Control"] == "no-store"
     blank_pictures(monkeypatch)
-    assert answer.data == report_files(ReportJob(folder))["report.json"] == (folder / "measures.json").read_bytes()
+    assert answer.data == report_files(ReportJob(folder))["report.json"]
     assert client.get(place, headers={"If-None-Match": answer.headers["ETag"]}).status_code == 304
     document = MeasuresFile.model_validate(answer.json)
     assert [stance.name for stance in document.stances] == ["standing"]
@@ -202,11 +206,6 @@ def test_a_report_with_a_plan_is_remembered_and_not_kept_on_the_disk(real: Real)
     assert all(words in text for words in ("tumour, left", "wants it smaller", "tumour_L lies 15 mm below the skin"))
     assert "sternum upper" not in text  # the plan speaks for the fit's own drawing
     assert client.get(address).data == first
-    token = client.post(f"/api/fits/{fits['standing']}/shares", json={"scan": "plain"}).json["url"].removeprefix("/s#")
-    visitor = client.application.test_client()
-    link = visitor.post("/api/shared/open", json={"token": token}).json["links"]["report"]
-    with visitor.get(link) as answer:
-        assert answer.data == first
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
     client.put(plan, json={"items": []}, headers={"If-Match": stored.headers["ETag"]})
     assert "wants it smaller" not in text_of(client.get(address).data, stances=0)

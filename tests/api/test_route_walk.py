@@ -31,6 +31,11 @@ OPEN_TO_ALL = {  # everything outside of /api: health, the sign-in page, the emp
     "/", "/healthz", "/metrics", "/readyz", "/s", "/s/<share_id>", "/s/share.js", "/sign-in", "/sign-in/style.css",
     "/sign-out",
 }  # fmt: skip
+SHOW_NOBODY = {  # the page and its description, the model: what browsers may keep
+    "/", "/s/share.js", "/sign-in/style.css", "/api/docs", "/api/docs/style.css", "/api/openapi.json",
+    "/api/models/torso.glb", "/api/models/torso.json", "/api/models/<sha256>/torso.bin",
+    "/api/models/<sha256>/drawings/<name>.bin",
+}  # fmt: skip
 NOT_SHOWN = ("mesh.glb", "report.pdf")  # of a share without the scan
 Call = tuple[str, str]  # method, pattern of the route
 Walk = dict[Call, int]
@@ -141,6 +146,10 @@ def walk(visitor: FlaskClient, calls: list[Call], patient: Patient, headers: dic
         sent["headers"] = headers | sent.get("headers", {})
         answer = visitor.open(patient.address(call[1]), method=call[0], **sent)
         found[call] = answer.status_code
+        if answer.headers["Cache-Control"] != "no-store":  # nothing that shows a patient outlives her deletion
+            assert call[1] in SHOW_NOBODY, (call, answer.headers["Cache-Control"])
+        if answer.status_code == 204 and call[1] in ("/api/scans/<scan_id>", "/api/patients/<patient_id>"):
+            assert answer.headers["Clear-Site-Data"] == '"cache"'
         visitor._cookies.clear()  # no call may change who asks the next one
         for cookie in kept.values():
             visitor._cookies[cookie._storage_key] = cookie

@@ -71,12 +71,12 @@ def test_no_word_of_an_upload_is_kept_anywhere(client: FlaskClient, service: Ser
     assert client.delete(answer.json["links"]["self"]).status_code == 204
 
 
-def test_the_mesh_for_display_is_a_glb_that_the_browser_may_keep(client: FlaskClient, scan_id: str) -> None:
+def test_the_mesh_for_display_is_a_glb_that_no_browser_keeps(client: FlaskClient, scan_id: str) -> None:
     answer = client.get(f"/api/scans/{scan_id}/mesh.glb")
     assert answer.status_code == 200
     assert answer.mimetype == "model/gltf-binary"
     assert answer.data[:4] == b"glTF"
-    assert answer.headers["Cache-Control"] == "private, no-cache"
+    assert answer.headers["Cache-Control"] == "no-store"
     again = client.get(f"/api/scans/{scan_id}/mesh.glb", headers={"If-None-Match": answer.headers["ETag"]})
     assert (again.status_code, again.data) == (304, b"")
     part = client.get(f"/api/scans/{scan_id}/mesh.glb", headers={"Range": "bytes=0-3"})

@@ -1,9 +1,7 @@
 """How files are answered: with an ETag, with ranges, and with the caching and compression that fit what they are.
 
-Results never change once they are written, but they show a person's body, and DELETE must not be outlived: only
-the browser that asked may keep them (`private`), and it must ask each time before it shows them again
-(`no-cache`).  Most often the answer is a short 304; after a DELETE it is 404, and the copy is of no use.  The
-model shows nobody and its address holds its hash: it may be kept for ever, by anyone.
+What shows a patient is kept nowhere (`no-store`): DELETE must not be outlived, not even by a copy on the disk of the
+browser that asked.  The model shows nobody and its address holds its hash: it may be kept for ever, by anyone.
 
 The page's own files and the model are compressed for browsers that take it.  They are few and never change while the
 service runs, so each is compressed once and kept.  What shows a patient is not compressed: it is made for one reader,
@@ -21,7 +19,8 @@ from werkzeug.wsgi import wrap_file
 from breastrig.storage.files import OpenedFile
 
 FOR_EVER = "public, max-age=31536000, immutable"
-PERSONAL = "private, no-cache"
+PERSONAL = "no-store"
+FORGET = {"Clear-Site-Data": '"cache"'}  # with a deletion: whatever the browser has kept all the same
 CHECK_AGAIN = "no-cache"
 
 GLB = "model/gltf-binary"

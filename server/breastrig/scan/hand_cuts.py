@@ -53,14 +53,20 @@ def are_cut(places: Array, documents: Sequence[Mapping[str, Any]]) -> Booleans:
 
 def without_hand_cuts(scan: Scan, documents: Sequence[Mapping[str, Any]]) -> Scan:
     """The scan as it is left by these cuts (see HandCut.of).  BadScan where that is next to nothing."""
-    cut = cut_triangles(scan.vertices, scan.faces, [HandCut.of(document) for document in documents])
-    count = int(np.count_nonzero(cut))
+    left = without_cuts(scan.vertices, scan.faces, documents)
+    count = len(scan.faces) - len(left)
     if not count:
         return scan
-    if len(cut) - count < MIN_TRIANGLES:
-        raise BadScan("What was cut away by hand leaves nothing to look at; take one of the cuts back.")
     note = f"{count:,} triangles were cut away by hand." if count > 1 else "One triangle was cut away by hand."
-    return replace(scan, faces=scan.faces[~cut], cut_by_hand=count, notes=(*scan.notes, note))
+    return replace(scan, faces=left, cut_by_hand=count, notes=(*scan.notes, note))
+
+
+def without_cuts(vertices: Array, faces: Integers, documents: Sequence[Mapping[str, Any]]) -> Integers:
+    """The triangles that are left of (V, 3) m vertices and (F, 3) faces.  BadScan where that is next to nothing."""
+    cut = cut_triangles(vertices, faces, [HandCut.of(document) for document in documents])
+    if cut.any() and len(cut) - np.count_nonzero(cut) < MIN_TRIANGLES:
+        raise BadScan("What was cut away by hand leaves nothing to look at; take one of the cuts back.")
+    return faces[~cut]
 
 
 def _within(cut: HandCut, places: Array) -> Integers:

@@ -86,6 +86,7 @@ class ReportJob:
     plans: tuple[PlanLines | None, ...] = ()  # of each fit: its lines, and whether they are all that is wanted
     plan: dict[str, Any] | None = None  # or the plan itself (breastrig/plan@1 or drawing@1), to be laid on each scan
     notes: tuple[str, ...] = ()  # that stand before those of each fit
+    cuts: tuple[tuple[dict[str, Any], ...], ...] = ()  # of each fit's scan, made by hand: what is not shown any more
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from breastrig.report.stance import Stance
 from breastrig.report.table import csv_bytes
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_files import json_bytes
-from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
+from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
 from breastrig.workflow.further_jobs import PlanLines, ReportJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
 
@@ -150,7 +150,8 @@ def reported(job: ReportJob) -> list[Reported]:
     """Reads and measures; BadInput says what is wrong with a folder."""
     rig: Rig = read_rig(job.model or default_rig_path())
     folders = [job.fit] if job.other is None else [job.fit, job.other]
-    fits = [fit_folder_of(folder, rig) for folder in folders]
+    whole = [fit_folder_of(folder, rig) for folder in folders]
+    fits = [still_visible(fit, cuts) for fit, cuts in zip(whole, job.cuts or ((),) * len(whole), strict=True)]
     for folder, fit in zip(folders, fits, strict=True):
         _check_shown(folder, fit.result)
     plans = laid_plan(rig, job.plan, fits) if job.plan is not None else (job.plans or (None,) * len(fits))

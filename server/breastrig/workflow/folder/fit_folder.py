@@ -5,7 +5,7 @@ error of one sentence.
 """
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,7 +22,8 @@ from breastrig.geometry.rotations import rotation_from_quaternion
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters
-from breastrig.scan.clean import Surface
+from breastrig.scan.clean import Surface, compact
+from breastrig.scan.hand_cuts import without_cuts
 from breastrig.scan.limits import FILE_BYTES
 from breastrig.scan.read import read_scan
 from breastrig.workflow.folder.fit_file_names import FIT_FILES, LANDMARKS_SEEN, RESULT, UNCERTAINTY
@@ -121,6 +122,17 @@ def read_fit_files(folder: Path) -> dict[str, bytes]:
             if name not in found and len(content) <= FILE_BYTES:
                 found[name] = content
     return found
+
+
+def still_visible(fit: FitFolder, cuts: Sequence[Mapping[str, Any]]) -> FitFolder:
+    """The fit with what is left of its scan by cuts made by hand (see scan/hand_cuts.py), also by those made since.
+
+    BadScan where that is next to nothing.
+    """
+    left = without_cuts(fit.surface.vertices, fit.surface.faces, cuts)
+    if len(left) == len(fit.surface.faces):
+        return fit
+    return replace(fit, surface=Surface(*compact(fit.surface.vertices, left), fit.surface.notes))
 
 
 def _shown(folder: Path) -> str:
