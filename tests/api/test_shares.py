@@ -99,7 +99,13 @@ def test_a_link_shows_the_result_and_by_default_not_the_scan(
 
 @pytest.mark.parametrize("scan", ["plain", "full"])
 def test_the_scan_is_shown_when_the_owner_says_so(
-    client: FlaskClient, visitor: FlaskClient, service: Service, scan_id: str, fit_id: str, share, scan: str
+    client: FlaskClient,
+    visitor: FlaskClient,
+    service: Service,
+    scan_id: str,
+    share,
+    scan: str,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     lasso = {"to_picture": [1.0] * 16, "lasso": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]}
     assert client.put(f"/api/scans/{scan_id}/cuts", json={"cuts": [lasso]}).status_code == 200
@@ -110,7 +116,7 @@ def test_the_scan_is_shown_when_the_owner_says_so(
     assert (links["mesh"], links["report"]) == tuple(
         f"/api/shared/{made['id']}/{name}" for name in ("mesh.glb", "report.pdf")
     )
-    (service.storage.folders.fit(fit_id) / "report.pdf").write_bytes(b"%PDF as it was kept")
+    monkeypatch.setattr(service.reports, "pdf", lambda *_ids: b"%PDF as it was kept")
     report = visitor.get(links["report"])
     assert (report.data, report.mimetype, report.headers["Cache-Control"]) == (
         b"%PDF as it was kept",

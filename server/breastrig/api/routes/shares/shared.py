@@ -184,7 +184,9 @@ def show_report(share_id: str) -> Response:
     share = visited_share(share_id)
     if share.scan == "none":
         raise refuse(403, "This link does not show the scan, and the report has pictures of it.")
-    return _answer(share, app_context().service.reports.pdf_file(share.fit), PDF, "report.pdf")
+    response = bytes_answer(app_context().service.reports.pdf(share.fit, None), PDF, NO_STORE)
+    response.headers["Content-Disposition"] = "attachment; filename=report.pdf"
+    return response
 
 
 @shared.get("/<share_id>/mesh.glb")
