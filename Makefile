@@ -11,6 +11,8 @@ help:
 	@echo "make serve   build the page and serve it at http://127.0.0.1:$(PORT)   (PORT=... DATA=... to change)"
 	@echo "make test    everything that must hold: check, unit tests of page and package, browser test"
 	@echo "make check   lint and types only"
+	@echo "make room    ROOM=fitting: tests and types of one room of the package, in some seconds"
+	@echo "make docs    build the documentation into dist/docs; warnings are errors"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
 	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: forty times as many as in make test)"
 	@echo "make scale   the service on PostgreSQL, S3 and a Dask cluster as well, a killed server and worker among it"
@@ -34,6 +36,17 @@ check: web-packages $(VENV)/.stamp-test
 	"$(VENV)/bin/lint-imports" --no-cache
 	$(IN_VENV) npm --prefix web run --silent typecheck
 	$(IN_VENV) npm --prefix web run --silent lint
+
+# The inner loop: one room of server/breastrig.
+room: $(VENV)/.stamp-test
+	@[ -d "server/breastrig/$(ROOM)" ] || { echo "error: say which room: make room ROOM=fitting" >&2; exit 2; }
+	"$(VENV)/bin/ruff" check "server/breastrig/$(ROOM)" "tests/$(ROOM)"
+	"$(VENV)/bin/mypy" --package "breastrig.$(ROOM)"
+	"$(VENV)/bin/lint-imports" --no-cache | tail -n 1
+	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest -q -n 2 "tests/$(ROOM)"
+
+docs: $(VENV)/.stamp-docs
+	"$(VENV)/bin/sphinx-build" -W --keep-going -q -b html docs dist/docs
 
 vitest: web-packages
 	$(IN_VENV) npm --prefix web test
@@ -107,6 +120,10 @@ $(VENV)/.stamp-test: $(VENV)/.stamp-venv pyproject.toml
 	$(IN_VENV) "$(VENV)/bin/python" -m pip install -qq --disable-pip-version-check --editable ".[test]"
 	@touch "$@" "$(VENV)/.stamp-serve"
 
+$(VENV)/.stamp-docs: $(VENV)/.stamp-venv pyproject.toml
+	$(IN_VENV) "$(VENV)/bin/python" -m pip install -qq --disable-pip-version-check --editable ".[docs]"
+	@touch "$@"
+
 # Two recipes must not install into the same folder at once, whatever -j says.
 .NOTPARALLEL:
-.PHONY: help serve test check vitest pytest browser fuzz faults scale load routes bench clean page packages programs web-packages
+.PHONY: help serve test check room docs vitest pytest browser fuzz faults scale load routes bench clean page packages programs web-packages

@@ -1,4 +1,4 @@
-"""The service behind a real nginx with the README's configuration, TLS and all; and whom it does not believe."""
+"""The service behind a real nginx with the documented configuration, TLS and all; and whom it does not believe."""
 
 import ssl
 from collections.abc import Callable, Iterator
@@ -36,7 +36,7 @@ def behind(tmp_path_factory: pytest.TempPathFactory, model: Path, repository: Pa
     trust = ssl.create_default_context()
     authority.configure_trust(trust)
     options = ("--trusted-proxy", "127.0.0.1", "--public-host", NAME, "--log-requests", "yes")
-    readme = (repository / "README.md").read_text(encoding="utf-8")
+    readme = (repository / "docs/operations.md").read_text(encoding="utf-8")
     with ExitStack() as stack:
         _, address = stack.enter_context(
             server(folder / "data", model, folder / "log", *options, BREASTRIG_TOKEN=TOKEN)

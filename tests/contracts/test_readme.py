@@ -1,4 +1,4 @@
-"""What the README shows works as printed."""
+"""What the README and the documents show works as printed."""
 
 import re
 import shutil
@@ -11,11 +11,17 @@ import pytest
 from breastrig.cli.main import main
 
 
-def block(readme: str, section: str) -> str:
-    """The first Python block below that heading."""
-    found = re.search(rf"^## {section}\n.*?```python\n(.*?)```", readme, re.DOTALL | re.MULTILINE)
+def python_block(document: Path) -> str:
+    """The document's first Python block."""
+    found = re.search(r"```python\n(.*?)```", document.read_text(), re.DOTALL)
     assert found
     return found[1]
+
+
+@pytest.fixture(scope="module")
+def documents(repository: Path) -> list[Path]:
+    """All that people read before they start."""
+    return [*repository.glob("*.md"), *(repository / "docs").rglob("*.md")]
 
 
 def test_the_lines_in_python_fit_measure_and_carry(repository: Path, tmp_path: Path) -> None:
@@ -23,7 +29,7 @@ def test_the_lines_in_python_fit_measure_and_carry(repository: Path, tmp_path: P
     for stance in ("standing", "supine"):
         shutil.copy(example / stance / "scan.ply", tmp_path / f"{stance}.ply")
     shutil.copy(example / "standing" / "landmarks.json", tmp_path)
-    lines = block((repository / "README.md").read_text(), "In Python") + "assert len(there.lines) == 4\n"
+    lines = python_block(repository / "README.md") + "assert len(there.lines) == 4\n"
     run = subprocess.run(
         [sys.executable, "-W", "error", "-c", lines], cwd=tmp_path, capture_output=True, text=True, timeout=120
     )
@@ -42,9 +48,7 @@ def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) ->
             assert server.stdout is not None
             address = re.search(r"http://[^/\s]+", server.stdout.readline())
             assert address
-            client = block((repository / "README.md").read_text(), "Over HTTP").replace(
-                "http://127.0.0.1:8321", address[0]
-            )
+            client = python_block(repository / "docs/http.md").replace("http://127.0.0.1:8321", address[0])
             run = subprocess.run(
                 [sys.executable, "-W", "error", "-c", client], cwd=tmp_path, capture_output=True, text=True, timeout=120
             )
@@ -59,13 +63,28 @@ def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) ->
     assert "'mean'" in run.stdout.splitlines()[-1]
 
 
-def test_every_command_of_the_readme_exists(repository: Path) -> None:
-    readme = (repository / "README.md").read_text()
-    for command in sorted(set(re.findall(r"^breastrig (\w+(?: (?:info|check))?)", readme, re.MULTILINE))):
+def test_every_command_that_is_printed_exists(documents: list[Path]) -> None:
+    printed = "".join(document.read_text() for document in documents)
+    commands = set(re.findall(r"^breastrig (\w+(?: (?:info|check))?)", printed, re.MULTILINE))
+    assert {"fit", "transfer", "serve", "model info"} <= commands
+    for command in sorted(commands):
         with pytest.raises(SystemExit) as left:
             main([*command.split(), "--help"])
         assert left.value.code == 0, command
-    for target in re.findall(r"^make (\w+)", readme, re.MULTILINE):
-        assert re.search(rf"^{target}:", (repository / "Makefile").read_text(), re.MULTILINE), target
-    for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", readme):
-        assert (repository / picture).is_file(), picture
+
+
+def test_every_target_that_is_printed_exists(repository: Path, documents: list[Path]) -> None:
+    makefile = (repository / "Makefile").read_text()
+    printed = "".join(document.read_text() for document in documents)
+    for target in set(re.findall(r"(?:^|`)make ([a-z]+)", printed, re.MULTILINE)):
+        assert re.search(rf"^{target}:", makefile, re.MULTILINE), target
+
+
+def test_links_and_pictures_lead_somewhere(documents: list[Path]) -> None:
+    for document in documents:
+        for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", document.read_text()):
+            assert target.startswith("https://") or (document.parent / target).exists(), f"{document.name}: {target}"
+
+
+def test_the_readme_stays_a_page(repository: Path) -> None:
+    assert len((repository / "README.md").read_text().splitlines()) <= 100

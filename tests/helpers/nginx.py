@@ -1,4 +1,4 @@
-"""nginx with the README's own configuration, on loopback, in front of a service of the tests' own."""
+"""nginx with the configuration of docs/operations.md, on loopback, in front of a service of the tests' own."""
 
 import os
 import re
@@ -32,16 +32,16 @@ def program() -> str:
 def moved(configuration: str, changes: dict[str, str]) -> str:
     """The configuration with other places in it; each must have been there."""
     for place, other in changes.items():
-        assert place in configuration, f"the README's configuration has no {place}"
+        assert place in configuration, f"the documented configuration has no {place}"
         configuration = configuration.replace(place, other)
     return configuration
 
 
 @contextmanager
 def in_front_of(port: int, readme: str, authority: trustme.CA) -> Iterator[int]:
-    """The port of nginx, which speaks TLS and asks the service at `port`, as the README says."""
+    """The port of nginx, which speaks TLS and asks the service at `port`, as docs/operations.md says."""
     found = re.search(r"```nginx\n(.*?)```", readme, re.DOTALL)
-    assert found, "the README has no configuration for nginx"
+    assert found, "docs/operations.md has no configuration for nginx"
     name = re.search(r"server_name (\S+);", found[1])
     assert name
     with tempfile.TemporaryDirectory(prefix="nginx-", dir="/tmp") as place:
