@@ -8,7 +8,7 @@ PORT ?= 8321
 IN_VENV = PATH="$$(cd "$(VENV)/bin" && pwd):$$PATH"
 
 help:
-	@echo "make serve   build the page and serve it at http://127.0.0.1:$(PORT)   (PORT=... DATA=... to change)"
+	@echo "make serve   build the page and serve it at http://127.0.0.1:$(PORT)/?token=...   (PORT=... DATA=... to change)"
 	@echo "make test    everything that must hold: check, unit tests of page and package, browser test"
 	@echo "make check   lint and types only"
 	@echo "make room    ROOM=fitting: tests and types of one room of the package, in some seconds"

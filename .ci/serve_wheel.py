@@ -8,8 +8,8 @@ that secretly needs Node, or a package that was only installed in the developer'
 
 import json
 import os
+import re
 import shutil
-import socket
 import subprocess
 import sys
 import time
@@ -17,67 +17,70 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
-START_TIMEOUT_S = 60.0
 FIT_TIMEOUT_S = 120.0
 
 
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-def get(url: str, body: object = None) -> bytes:
+def get(url: str, body: object = None, token: str = "") -> bytes:
     """The answer to a GET, or to a POST of `body` as JSON."""
     data = None if body is None else json.dumps(body).encode()
-    request = urllib.request.Request(url, data=data, headers={"Content-Type": "application/json"} if data else {})
-    # No proxy: the address is on this machine.
-    opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+    headers = ({"Content-Type": "application/json"} if data else {}) | (
+        {"Authorization": f"Bearer {token}"} if token else {}
+    )
+    request = urllib.request.Request(url, data=data, headers=headers)
+    # No proxy: the address is on this machine.  Cookies as a browser keeps them, from the redirect to what follows it.
+    opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), urllib.request.HTTPCookieProcessor())
     with opener.open(request, timeout=30) as answer:
         return bytes(answer.read())
 
 
-def wait_until_healthy(base: str, service: subprocess.Popen[bytes]) -> None:
-    deadline = time.monotonic() + START_TIMEOUT_S
-    while time.monotonic() < deadline:
-        if service.poll() is not None:
-            raise SystemExit(f"error: breastrig serve ended with exit code {service.returncode}.")
-        try:
-            if json.loads(get(f"{base}/healthz"))["status"] == "ok":
-                return
-        except (urllib.error.URLError, ConnectionError, TimeoutError):
-            time.sleep(0.2)
-    raise SystemExit(f"error: breastrig serve did not answer within {START_TIMEOUT_S:.0f} s.")
+def ready_address(service: subprocess.Popen[str]) -> tuple[str, str]:
+    """(address, token) that the service prints when it is ready."""
+    assert service.stdout is not None
+    found = re.search(r"(http://\S+)/\?token=(\S+)", service.stdout.readline())
+    if found is None:
+        raise SystemExit("error: breastrig serve printed no address with a token.")
+    return found[1], found[2]
 
 
-def check_answers(base: str) -> None:
+def check_closed(base: str) -> None:
+    """Without the token nothing of a patient is answered."""
+    try:
+        get(f"{base}/api/patients")
+    except urllib.error.HTTPError as error:
+        if error.code == 401:
+            return
+        raise
+    raise SystemExit("error: patients are shown without a token.")
+
+
+def check_answers(base: str, token: str) -> None:
     """The page with what it loads, the model and the notice, all from the wheel."""
-    page = get(f"{base}/").decode()
+    page = get(f"{base}/?token={token}").decode()
     assert "<script" in page, "the page has no script"
     assert "BreastRig" in page, "the page does not carry the program's name"
     for quote in ('src="', 'href="'):
         for reference in (part.split('"')[0] for part in page.split(quote)[1:]):
             if not reference.startswith(("data:", "#")):
                 assert get(f"{base}/{reference.removeprefix('./').removeprefix('/')}"), f"{reference} is empty"
-    meta = json.loads(get(f"{base}/api/meta"))
+    meta = json.loads(get(f"{base}/api/meta", token=token))
     assert "Not a medical device" in meta["notice"], "the limits of use are missing"
-    assert get(f"{base}/api/models/torso.glb")[:4] == b"glTF", "the model is no GLB"
-    examples = json.loads(get(f"{base}/api/examples"))["examples"]
+    assert get(f"{base}/api/models/torso.glb", token=token)[:4] == b"glTF", "the model is no GLB"
+    examples = json.loads(get(f"{base}/api/examples", token=token))["examples"]
     assert {"standing", "supine"} <= {example["name"] for example in examples}, "an example is missing"
     print(f"served: BreastRig {meta['version']}, page of {len(page)} bytes, {meta['model']['vertices']} vertices")
 
 
-def check_fit(base: str) -> None:
+def check_fit(base: str, token: str) -> None:
     """The example patient is fitted: workers, model, example and presets all work from the wheel."""
-    scan = json.loads(get(f"{base}/api/examples/standing", {}))
+    scan = json.loads(get(f"{base}/api/examples/standing", {}, token))
     landmarks = scan["example_landmarks"]["landmarks"]
-    fit = json.loads(get(f"{base}/api/fits", {"scan": scan["id"], "landmarks": landmarks}))
+    fit = json.loads(get(f"{base}/api/fits", {"scan": scan["id"], "landmarks": landmarks}, token))
     deadline = time.monotonic() + FIT_TIMEOUT_S
-    while (state := json.loads(get(f"{base}/api/fits/{fit['id']}")))["state"] in ("queued", "running"):
+    while (state := json.loads(get(f"{base}/api/fits/{fit['id']}", token=token)))["state"] in ("queued", "running"):
         assert time.monotonic() < deadline, "the fit did not end"
         time.sleep(0.2)
     assert state["state"] == "done", state["reason"]
-    result = json.loads(get(f"{base}/api/fits/{fit['id']}/result.json"))
+    result = json.loads(get(f"{base}/api/fits/{fit['id']}/result.json", token=token))
     print(f"fitted: {result['iterations']} iterations, {result['surface_distance_mm']['mean']:.2f} mm from the scan")
 
 
@@ -91,16 +94,18 @@ def main(environment: Path, wheel: Path, data: Path) -> None:
         env=os.environ | {"PATH": str(programs)},
         check=True,
     )
-    port = free_port()
     service = subprocess.Popen(
-        [programs / "breastrig", "serve", "--host", "127.0.0.1", "--port", str(port), "--data", str(data / "data")],
+        [programs / "breastrig", "serve", "--port", "0", "--data", str(data / "data")],
         cwd=data,
         env=bare,
+        stdout=subprocess.PIPE,
+        text=True,
     )
     try:
-        wait_until_healthy(f"http://127.0.0.1:{port}", service)
-        check_answers(f"http://127.0.0.1:{port}")
-        check_fit(f"http://127.0.0.1:{port}")
+        base, token = ready_address(service)
+        check_closed(base)
+        check_answers(base, token)
+        check_fit(base, token)
     finally:
         service.terminate()
         try:

@@ -263,7 +263,12 @@ def test_with_a_token_health_and_the_pages_files_are_open(guarded: FlaskClient) 
 @pytest.mark.parametrize("host", ["localhost", "127.0.0.1", "127.8.8.8", "::1", "LocalHost"])
 def test_this_machine_needs_no_token(host: str) -> None:
     assert is_loopback(host)
-    assert checked_token(host, None) is None
+    tokens = {checked_token(host, None) for _ in range(2)}
+    assert len(tokens) == 2
+    assert all(token is not None and len(token) >= 32 for token in tokens)
+    assert checked_token(host, None, no_token=True) is None
+    with pytest.raises(BadSettings, match="--no-token says that there is none"):
+        checked_token(host, TOKEN, no_token=True)
     assert checked_token(host, TOKEN) == TOKEN
 
 
@@ -273,6 +278,8 @@ def test_any_other_address_needs_one(host: str) -> None:
         checked_token(host, None)
     with pytest.raises(BadSettings, match="too short"):
         checked_token(host, "short")
+    with pytest.raises(BadSettings, match="would show patients"):
+        checked_token(host, None, no_token=True)
     assert checked_token(host, TOKEN) == TOKEN
 
 

@@ -51,6 +51,52 @@ def test_a_browser_is_led_to_the_sign_in_page_and_from_there_to_the_page(browser
     assert "You are signed in" in browser.get("/sign-in").get_data(as_text=True)
 
 
+def test_the_address_with_the_token_lets_a_browser_in_and_leads_to_the_one_without_it(browser: FlaskClient) -> None:
+    wrong = browser.get("/?token=wrong")
+    assert (wrong.status_code, "Set-Cookie" in wrong.headers) == (401, False)
+    assert "This is not the token." in wrong.get_data(as_text=True)
+    problem(browser.get("/api/meta"), 401)
+    answer = browser.get(f"/?token={TOKEN}")
+    assert (answer.status_code, answer.headers["Location"], answer.headers["Cache-Control"]) == (303, "/", "no-store")
+    assert answer.headers["Referrer-Policy"] == "no-referrer"
+    assert TOKEN not in answer.headers["Set-Cookie"]
+    assert b"the page" in browser.get("/").data
+    assert browser.get("/api/meta").status_code == 200
+    for given in (TOKEN, "of the start before"):  # a bookmark of a signed-in browser
+        again = browser.get(f"/?token={given}")
+        assert (again.status_code, again.headers["Location"]) == (303, "/")
+
+
+def test_wrong_tokens_in_the_address_are_limited_as_others_are(browser: FlaskClient) -> None:
+    most = rate_limits.PER_MINUTE["sign-in"].amount
+    assert [browser.get("/?token=wrong").status_code for _ in range(most + 1)] == [401] * most + [429]
+    assert browser.get(f"/?token={TOKEN}").status_code == 303
+
+
+def test_a_page_of_another_site_that_leads_here_is_asked_again_by_our_own(browser: FlaskClient) -> None:
+    """The browser keeps a SameSite=Strict cookie back on the whole way that began elsewhere, redirects included."""
+    foreign = browser.get("/", headers={"Sec-Fetch-Site": "cross-site"})
+    assert (foreign.status_code, foreign.headers["Refresh"], foreign.data) == (200, "0; url=/", b"")
+    assert browser.get("/", headers={"Sec-Fetch-Site": "same-origin"}).status_code == 303
+    sign_in(browser)
+    assert b"the page" in browser.get("/", headers={"Sec-Fetch-Site": "cross-site"}).data
+
+
+def test_services_on_two_ports_of_a_machine_keep_their_sessions_apart(client_for, config: Config) -> None:
+    ports = {"http://localhost:8321": "breastrig_session_8321", "http://localhost:8322": "breastrig_session_8322"}
+    tokens = (TOKEN, TOKEN[::-1])
+    first, second = (client_for(replace(config, token=token)) for token in tokens)
+    kept: dict[str, str] = {}  # a browser's, which sends all of a host's to each port
+    for (address, name), one, token in zip(ports.items(), (first, second), tokens, strict=True):
+        cookie = one.get(f"/?token={token}", base_url=address).headers["Set-Cookie"].partition(";")[0]
+        assert cookie.startswith(f"{name}=")
+        kept[name] = cookie.partition("=")[2]
+    for address, one in zip(ports, (first, second), strict=True):
+        for name, value in kept.items():
+            one.set_cookie(name, value)
+        assert one.get("/api/meta", base_url=address).status_code == 200
+
+
 def test_the_cookie_is_out_of_reach_of_scripts_and_other_sites_and_does_not_hold_the_token(
     browser: FlaskClient,
 ) -> None:
@@ -221,3 +267,5 @@ def test_without_a_token_nobody_signs_in(client: FlaskClient) -> None:
     answer = sign_in(client, "anything")
     assert (answer.status_code, answer.headers["Location"]) == (303, "/")
     assert "Set-Cookie" not in answer.headers
+    answer = client.get("/?token=anything")
+    assert (answer.status_code, answer.headers["Location"]) == (303, "/")

@@ -5,8 +5,9 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
+from queue import Queue
 
 import httpx
 import pytest
@@ -53,6 +54,56 @@ def test_no_process_of_the_service_inherits_its_secrets(tmp_path: Path, model: P
     assert len(environments) > 2  # a fork server, and processes for scans and fits
     assert all(b"PATH=" in environment for environment in environments)
     assert not any(token.encode() in environment for environment in environments)
+
+
+def test_it_makes_a_token_at_each_start_and_prints_the_address_that_lets_a_browser_in(
+    tmp_path: Path, model: Path
+) -> None:
+    tokens = set()
+    for _ in range(2):
+        with server(tmp_path / "data", model, tmp_path / "log", FAKE_TOKEN="made") as (process, printed):
+            address, _, token = printed.partition("?token=")
+            tokens.add(token)
+            assert process.stdout is not None
+            assert process.stdout.readline().startswith("This address lets a browser in;")
+            assert httpx.get(f"{address}api/patients").status_code == 401
+            bearer = {"Authorization": f"Bearer {token}"}
+            assert httpx.get(f"{address}api/patients", headers=bearer).status_code == 200
+            with httpx.Client() as browser:
+                assert browser.get(printed).headers["Location"] == "/"
+                assert browser.get(f"{address}api/patients").status_code == 200
+                [cookie] = browser.cookies
+                assert cookie == f"breastrig_session_{address.rstrip('/').rpartition(':')[2]}"
+    assert len(tokens) == 2
+    assert token not in (tmp_path / "log").read_text()
+
+
+def test_without_a_token_it_says_who_may_read(tmp_path: Path, model: Path) -> None:
+    with server(tmp_path / "data", model, tmp_path / "log", "--no-token") as (process, address):
+        assert process.stdout is not None
+        assert process.stdout.readline().startswith("No token: every user and program of this machine can read")
+        assert httpx.get(f"{address}api/patients").status_code == 200
+
+
+def test_a_browser_is_opened_by_a_file_of_this_user_alone_and_no_command_names_the_token(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    opened: Queue[str] = Queue()
+    monkeypatch.setattr(serve_command.webbrowser, "open", opened.put)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setattr(sys, "platform", "linux")
+    with ExitStack() as stack:
+        serve_command._show("http://127.0.0.1:1/?token=x", stack)
+        monkeypatch.setenv("DISPLAY", ":0")
+        serve_command._show("http://127.0.0.1:1/?token=secret&more", stack)
+        address = opened.get(timeout=10)
+        assert "secret" not in address
+        page = Path(address.removeprefix("file://"))
+        assert "url=http://127.0.0.1:1/?token=secret&amp;more" in page.read_text()
+        assert page.parent.stat().st_mode & 0o077 == 0
+    assert opened.empty()
+    assert not page.parent.exists()
 
 
 @pytest.mark.parametrize(("number", "codes"), [(signal.SIGINT, {130, -signal.SIGINT}), (signal.SIGTERM, {143})])

@@ -46,9 +46,11 @@ def test_the_python_client_does_a_whole_fit(repository: Path, tmp_path: Path) ->
     with subprocess.Popen(serve, stdout=subprocess.PIPE, text=True) as server:
         try:
             assert server.stdout is not None
-            address = re.search(r"http://[^/\s]+", server.stdout.readline())
+            address = re.search(r"http://\S+", server.stdout.readline())
             assert address
-            client = python_block(repository / "docs/http.md").replace("http://127.0.0.1:8321", address[0])
+            block = python_block(repository / "docs/http.md")
+            client = block.replace("http://127.0.0.1:8321/?token=...", address[0])
+            assert client != block
             run = subprocess.run(
                 [sys.executable, "-W", "error", "-c", client], cwd=tmp_path, capture_output=True, text=True, timeout=120
             )

@@ -44,7 +44,7 @@ def run(
         data, log = Path(folder, "data"), Path(folder, "log")
         with log.open("w") as errors:
             server = subprocess.Popen(
-                [sys.executable, "-m", "breastrig.cli.main", "serve", "--port", "0", "--data", str(data)],
+                [sys.executable, "-m", "breastrig.cli.main", "serve", "--no-token", "--port", "0", "--data", str(data)],
                 stdout=subprocess.PIPE,
                 stderr=errors,
                 text=True,

@@ -25,7 +25,7 @@ import trimesh
 
 from breastrig.core.assets import asset_folder
 
-SERVE = ("-m", "breastrig.cli.main", "serve")
+SERVE = ("-m", "breastrig.cli.main", "serve", "--no-token")
 CHUNK = 2**16
 PATIENCE_S = 300.0
 LOOK_EVERY_S = 0.02

@@ -21,7 +21,7 @@ let service: Running;
 test.use({ contextOptions: { reducedMotion: "no-preference" } }); // with its motion, as most people see it
 test.use({ base: async ({}, use) => use(service.base) });
 test.beforeAll(async () => {
-  service = await startService();
+  service = await startService({}, []); // with the token that it makes itself
 });
 test.afterAll(() => service.stop());
 
@@ -73,7 +73,9 @@ async function drag(page: Page, selector: string, dx: number): Promise<void> {
 
 test("both stances, draw, carry, reload, report, share, delete", async ({ page, base, troubles, browser }, info) => {
   test.slow(); // a whole day
-  await page.goto(base);
+  expect((await page.request.get(`${base}/api/patients`)).status(), "another user of this machine").toBe(401);
+  await page.setContent(`<meta http-equiv="refresh" content="0; url=${service.address}">`); // as the file that `serve` opens
+  await page.waitForURL(`${base}/`);
   await page.getByRole("button", { name: /standing/i }).click();
   await hook.ready(page);
   await fitWithExample(page);

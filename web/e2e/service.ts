@@ -1,7 +1,6 @@
 // A real service for browser tests, on a free port with an empty data folder.
 import { spawn } from "node:child_process";
 import { existsSync, mkdtempSync, rmSync } from "node:fs";
-import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { delimiter, join, resolve } from "node:path";
 
@@ -23,37 +22,28 @@ export function helper(name: string): { path: string; env: NodeJS.ProcessEnv } {
   return { path: join(tests, "helpers", name), env: { ...process.env, PYTHONPATH: places } };
 }
 
-function freePort(): Promise<number> {
-  return new Promise((done, failed) => {
-    const probe = createServer().once("error", failed);
-    probe.listen(0, "127.0.0.1", () => {
-      const address = probe.address();
-      probe.close(() => done(typeof address === "object" && address ? address.port : 0));
-    });
-  });
-}
-
-async function untilReady(base: string, hasEnded: () => boolean, said: () => string): Promise<void> {
+/** The address that the service prints when it is ready. */
+async function untilReady(hasEnded: () => boolean, said: () => string): Promise<string> {
   const end = Date.now() + PATIENCE_MS;
   while (Date.now() < end && !hasEnded()) {
-    const answer = await fetch(`${base}/healthz`).catch(() => null);
-    if (answer?.ok) return;
-    await new Promise((later) => setTimeout(later, 200));
+    const printed = /BreastRig is ready: (\S+)/.exec(said())?.[1];
+    if (printed) return printed;
+    await new Promise((later) => setTimeout(later, 50));
   }
   throw new Error(`The service did not start. It said:\n${said()}`);
 }
 
 export interface Running {
-  readonly base: string;
+  readonly base: string; // without a slash at its end
+  readonly address: string; // as it is printed: with the token where one was made
   readonly data: string; // its folder
   readonly stop: () => Promise<void>;
 }
 
-/** Starts the service; `environment` is added to ours. */
-export async function startService(environment: Record<string, string> = {}): Promise<Running> {
+/** Starts the service, without a token unless `environment`, which is added to ours, or `access` says so. */
+export async function startService(environment: Record<string, string> = {}, access = "BREASTRIG_TOKEN" in environment ? [] : ["--no-token"]): Promise<Running> {
   const data = mkdtempSync(join(tmpdir(), "breastrig-e2e-"));
-  const base = `http://127.0.0.1:${await freePort()}`;
-  const options = ["serve", "--host", "127.0.0.1", "--port", new URL(base).port, "--data", data];
+  const options = ["serve", "--port", "0", "--data", data, ...access];
   const { path, env } = helper("serve_browser_tests.py");
   const service = spawn(findPython(), [path, ...options], { env: { ...env, ...environment } });
   let said = "";
@@ -74,10 +64,10 @@ export async function startService(environment: Record<string, string> = {}): Pr
     rmSync(data, { recursive: true, force: true });
   };
   try {
-    await untilReady(base, () => hasEnded, () => said);
+    const address = await untilReady(() => hasEnded, () => said);
+    return { base: new URL(address).origin, address, data, stop };
   } catch (error) {
     await stop();
     throw error;
   }
-  return { base, data, stop };
 }

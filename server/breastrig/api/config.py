@@ -1,6 +1,7 @@
-"""The settings of a service.  Listening beyond this machine needs a token, or it refuses."""
+"""The settings of a service.  Whoever calls needs a token; one is made at each start where none is given."""
 
 import ipaddress
+import secrets
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,7 +19,7 @@ TOKEN_LENGTH = 16  # characters, at least; shorter ones can be guessed
 @dataclass(frozen=True)
 class Config:
     host: str = "127.0.0.1"
-    token: str | None = None  # bearer token that every call below /api must carry; None for none
+    token: str | None = None  # that every call below /api must bring, as bearer or in a session; None for none
     model: Path | None = None  # the rig's .glb; None for the packaged one
     web: Path | None = None  # folder of the built page; None for the packaged one
     examples: Path | None = None  # folder of the example patient; None for the packaged one
@@ -57,10 +58,18 @@ def is_exposed(host: str, proxy: TrustedProxy | None) -> bool:
     return proxy is not None or not is_loopback(host)
 
 
-def checked_token(host: str, token: str | None, proxy: TrustedProxy | None = None) -> str | None:
-    """The bearer token.  Raises BadSettings when it is too short, or one is needed and there is none."""
+def checked_token(
+    host: str, token: str | None, proxy: TrustedProxy | None = None, *, no_token: bool = False
+) -> str | None:
+    """The token that callers must bring: the given one, or for callers on this machine a new one; None for `no_token`.
+
+    Raises BadSettings when it is too short, contradicts `no_token`, or others than this machine can call and none is
+    given.
+    """
     if token is not None and len(token) < TOKEN_LENGTH:
         raise BadSettings(f"{TOKEN_VARIABLE} is too short; give it at least {TOKEN_LENGTH} random characters.")
+    if token is not None and no_token:
+        raise BadSettings(f"A token is given and --no-token says that there is none; leave out {TOKEN_VARIABLE} or it.")
     if token is None and is_exposed(host, proxy):
         opening = f"Listening on {host}" if proxy is None else "Being asked through a proxy"
         other = ", or listen on 127.0.0.1" if proxy is None else ""
@@ -68,4 +77,4 @@ def checked_token(host: str, token: str | None, proxy: TrustedProxy | None = Non
             f"{opening} would show patients' scans to the network; set {TOKEN_VARIABLE} to a secret of at "
             f"least {TOKEN_LENGTH} characters (or write it into a file for --token-file){other}."
         )
-    return token
+    return token if token is not None or no_token else secrets.token_urlsafe(24)

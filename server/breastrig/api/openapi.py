@@ -13,6 +13,7 @@ from breastrig.api.access.session import COOKIE
 from breastrig.api.wire import common as wire
 from breastrig.core.notice import LIMITS_OF_USE
 
+SESSION = "set by the page /sign-in and by /?token=...; its name ends with _PORT where the address has a port"
 REFERENCE = "#/components/schemas/"
 ERROR_STATUS = range(400, 600)
 
@@ -36,7 +37,7 @@ def finish_document(document: dict[str, Any]) -> dict[str, Any]:
                 operation["requestBody"]["required"] = True
     document["components"]["securitySchemes"] = {
         "token": {"type": "http", "scheme": "bearer"},
-        "session": {"type": "apiKey", "in": "cookie", "name": COOKIE, "description": "set by the page /sign-in"},
+        "session": {"type": "apiKey", "in": "cookie", "name": COOKIE, "description": SESSION},
     }
     document["security"] = [{}, {"token": []}, {"session": []}]
     document["info"]["description"] = LIMITS_OF_USE

@@ -25,6 +25,7 @@ PREFIX = "BREASTRIG_"
 FILE_VARIABLE = "BREASTRIG_CONFIG"
 LOG_FORMS = ("auto", "text", "json")
 LOG_REQUESTS = ("auto", "yes", "no")
+YES_OR_NO = {"yes": True, "true": True, "no": False, "false": False}
 
 
 @dataclass(frozen=True)
@@ -107,6 +108,16 @@ def read_log_requests(text: str) -> str:
     return text
 
 
+def read_yes_or_no(text: str) -> bool:
+    if text.lower() not in YES_OR_NO:
+        raise ValueError("is no answer; use yes or no")
+    return YES_OR_NO[text.lower()]
+
+
+def show_yes_or_no(value: bool) -> str:
+    return "yes" if value else "no"
+
+
 def read_folder(text: str) -> Path:
     if not text.strip() or "\0" in text:
         raise ValueError("is no place; give a path")
@@ -170,6 +181,8 @@ SETTINGS: dict[str, Setting] = {
     ),
     "spool_mb": Setting(read_spool_mb, lambda: BodyLimits().total_bytes, lambda size: f"{size // MB}"),
     "token_file": Setting(read_folder, lambda: None, lambda path: "none" if path is None else str(path)),
+    "no_token": Setting(read_yes_or_no, lambda: False, show_yes_or_no),
+    "no_browser": Setting(read_yes_or_no, lambda: False, show_yes_or_no),
 }
 
 

@@ -12,7 +12,8 @@ def run(options: argparse.Namespace) -> int:
     found = service_settings(options)
     token, source = token_source(found, os.environ)
     lines = [(name, one.shown, one.source) for name, one in found.items()]
-    lines.append(("token", "none" if token is None else "set, not shown", source))
+    without = "none" if found["no_token"].value else "made at each start"
+    lines.append(("token", without if token is None else "set, not shown", source))
     widths = [max(len(line[column]) for line in lines) for column in (0, 1)]
     for name, shown, source in lines:
         print(f"{name:<{widths[0]}}  {shown:<{widths[1]}}  {source}")

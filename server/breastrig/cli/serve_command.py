@@ -1,12 +1,17 @@
 """What `breastrig serve` does; its words stand in serve_options.py."""
 
 import argparse
+import html
 import logging
 import os
 import signal
 import sys
+import tempfile
+import threading
+import webbrowser
 from collections.abc import Callable
 from contextlib import ExitStack
+from pathlib import Path
 from types import FrameType
 
 from breastrig.api.app import create_app
@@ -40,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
         os.environ.pop(name, None)
     config = Config(
         host=setting["host"],
-        token=checked_token(setting["host"], given, setting["trusted_proxy"]),
+        token=checked_token(setting["host"], given, setting["trusted_proxy"], no_token=setting["no_token"]),
         trusted_proxy=setting["trusted_proxy"],
         public_hosts=setting["public_host"],
         spool_bytes=setting["spool_mb"],
@@ -79,12 +84,31 @@ def run(options: argparse.Namespace) -> int:
             _stop_on_signals(server.stop)
             raise_if_asked()  # someone may have swallowed an interruption while the service started
             shown = f"[{config.host}]" if ":" in config.host else config.host
-            print(f"BreastRig is ready: http://{shown}:{server.effective_port}/   (Ctrl-C stops it)", flush=True)
-            print(RESEARCH_USE_ONLY, flush=True)
-            if config.token is not None:
-                print(f"Browsers are asked for the token ({token_from}); scripts send it as a bearer.", flush=True)
+            address = f"http://{shown}:{server.effective_port}/"
+            if given is None and config.token is not None:
+                address += f"?token={config.token}"
+                access = "This address lets a browser in; scripts send the token in it as a bearer. Give it to nobody."
+            elif config.token is not None:
+                access = f"Browsers are asked for the token ({token_from}); scripts send it as a bearer."
+            else:
+                access = "No token: every user and program of this machine can read, change and delete all patients."
+            print(f"BreastRig is ready: {address}   (Ctrl-C stops it)\n{access}\n{RESEARCH_USE_ONLY}", flush=True)
+            if sys.stdout.isatty() and not setting["no_browser"]:
+                _show(address, stack)
             server.run()
     return 0
+
+
+def _show(address: str, stack: ExitStack) -> None:
+    """Opens the address in a browser, where there is a display, by way of a file that only this user can read.
+
+    The command line of a browser, which all users of the machine can read, so names no token.
+    """
+    if sys.platform != "darwin" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return
+    page = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="breastrig-open-")), "open.html")
+    page.write_text(f'<!doctype html><meta http-equiv="refresh" content="0; url={html.escape(address)}">')
+    threading.Thread(target=webbrowser.open, args=(page.as_uri(),), daemon=True).start()  # some wait for the browser
 
 
 def _cluster(address: str, limits: FitLimits) -> Executor:

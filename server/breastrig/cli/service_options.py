@@ -77,6 +77,16 @@ def add_service_options(parser: argparse.ArgumentParser) -> None:
         help="how much of uploads may be on its way in at once (default 1300); one client may have half of it",
     )
     parser.add_argument("--token-file", metavar="FILE", help=f"file that holds the token, instead of {TOKEN_VARIABLE}")
+    parser.add_argument(
+        "--no-token",
+        action="store_const",
+        const="yes",
+        help="for scripts: any user and program of this machine may read and change all patients (default: a token is "
+        "made at each start, and stands in the printed address)",
+    )
+    parser.add_argument(
+        "--no-browser", action="store_const", const="yes", help="open no browser when started on a terminal"
+    )
     parser.add_argument("--config", type=Path, metavar="FILE", help=f"settings file, TOML (or {FILE_VARIABLE})")
     parser.epilog = (
         "Each option may also stand in the settings file (keep_days = 30), or in the environment "

@@ -1,5 +1,7 @@
 """The cookie of a browser that has signed in: a signed random number with its time.
 
+Cookies ignore ports; so that two services on one machine keep theirs apart, its name ends with the port in the address.
+
 It is good until it is too old, the token is another, or its browser has signed out.  The last is noted in the
 database, so that a copy of the cookie is worth nothing after it, nor after a restart.
 
@@ -8,6 +10,7 @@ nobody but the server can sign them; by more they are too old, so that none outl
 """
 
 import hashlib
+import re
 import secrets
 from datetime import timedelta
 
@@ -28,7 +31,7 @@ def start_session(response: Response, token: str) -> None:
     """Scripts cannot read the cookie, other sites' pages cannot make the browser send it."""
     value = _signer(token).dumps(secrets.token_urlsafe(16))
     response.set_cookie(
-        COOKIE, value, max_age=LASTS_S, path="/", secure=request.is_secure, httponly=True, samesite="Strict"
+        cookie_name(), value, max_age=LASTS_S, path="/", secure=request.is_secure, httponly=True, samesite="Strict"
     )
 
 
@@ -38,7 +41,7 @@ def end_session(response: Response, token: str | None, storage: Storage) -> None
     if session is not None:
         now = wall_clock.now()
         add_ended_session(storage, session, iso_utc(now), iso_utc(now - timedelta(seconds=FORGET_S)))
-    response.delete_cookie(COOKIE, path="/", secure=request.is_secure, httponly=True, samesite="Strict")
+    response.delete_cookie(cookie_name(), path="/", secure=request.is_secure, httponly=True, samesite="Strict")
 
 
 def in_session(token: str, storage: Storage) -> bool:
@@ -47,9 +50,15 @@ def in_session(token: str, storage: Storage) -> bool:
     return session is not None and not has_ended(storage, session)
 
 
+def cookie_name() -> str:
+    """For the address that the request at hand called us by; without its port where that is the scheme's own."""
+    port = re.search(r":(\d{1,5})$", request.host)
+    return f"{COOKIE}_{port[1]}" if port else COOKIE
+
+
 def _session(token: str) -> str | None:
     """What names the request's session in the database; None without a cookie that was signed and is not too old."""
-    value = request.cookies.get(COOKIE)
+    value = request.cookies.get(cookie_name())
     if value is None:
         return None
     try:

@@ -5,7 +5,7 @@ import re
 from os.path import isfile
 from pathlib import Path
 
-from flask import Blueprint, Response, abort
+from flask import Blueprint, Response, abort, request
 from werkzeug.routing import BaseConverter
 from werkzeug.security import safe_join
 
@@ -13,6 +13,7 @@ from breastrig.api.access.security import DECODER_POLICY
 from breastrig.api.access.session import in_session
 from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, public_answer
 from breastrig.api.app_context import app_context
+from breastrig.api.routes.sign_in import sign_in_with
 from breastrig.core.assets import asset_folder
 
 page = Blueprint("page", __name__)
@@ -40,11 +41,20 @@ NOT_BUILT = """<!doctype html>
 def index() -> Response:
     """The page; its address never changes, so the browser asks each time.
 
-    Without a session it could show nothing but errors: then the sign-in page comes first.
+    With the token in it, the address begins a session.  Without a session the page could show nothing but errors: then
+    the sign-in page comes first.
     """
     context = app_context()
-    token = context.config.token
-    if token is not None and not in_session(token, context.service.storage):
+    token, given = context.config.token, request.args.get("token")
+    has_session = token is None or in_session(token, context.service.storage)
+    if given is not None and not has_session:
+        return sign_in_with(given)
+    if given is not None:
+        return Response(status=303, headers={"Location": "/", "Cache-Control": "no-store"})
+    if not has_session and request.headers.get("Sec-Fetch-Site") == "cross-site":
+        # A link or file led here: the browser sends our cookie only when our own page asks.
+        return Response(mimetype="text/html", headers={"Refresh": "0; url=/", "Cache-Control": "no-store"})
+    if not has_session:
         return Response(status=303, headers={"Location": "/sign-in", "Cache-Control": "no-store"})
     folder = _folder()
     if not (folder / "index.html").is_file():

@@ -1,4 +1,5 @@
-"""The page on which a person gives the token, so that the browser may ask for the rest.  Plain HTML, no script.
+"""Where a person gives the token, so that the browser may ask for the rest: a page, plain HTML without script, or the
+address with the token in it that `breastrig serve` prints.
 
 A hospital has one address for all, so whoever guesses there must not keep colleagues out: the right token opens
 however many wrong ones came before it, as it does in the Authorization header.  Wrong ones are refused beyond a small
@@ -18,7 +19,7 @@ sign_in = Blueprint("sign_in", __name__, template_folder="templates")
 
 # Under "no-referrer", which all else has, browsers say "Origin: null" for a form: it would look foreign.
 PAGE_HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "same-origin"}
-WRONG = "This is not the token. Whoever started the service knows it."
+WRONG = "This is not the token. It may be another one since the service was started again."
 NOT_NEEDED = "This service needs no token."
 
 
@@ -29,7 +30,11 @@ def ask() -> Response:
 
 @sign_in.post("/sign-in")
 def answer() -> Response:
-    """Sets the cookie and leads to the page, or asks again."""
+    return sign_in_with(request.form.get("token", "").strip())
+
+
+def sign_in_with(given: str) -> Response:
+    """Sets the cookie and leads to the page's own address, or asks again."""
     context = app_context()
     token = context.config.token
     if token is None:
@@ -37,7 +42,6 @@ def answer() -> Response:
     seconds = context.rates.wait_s("sign-in tried")
     if seconds:
         return _too_many(seconds)
-    given = request.form.get("token", "").strip()
     if not hmac.compare_digest(given.encode("utf-8", "replace"), token.encode()):
         seconds = context.rates.wait_s("sign-in")
         return _too_many(seconds) if seconds else _page(WRONG, 401)
