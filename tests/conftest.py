@@ -82,7 +82,6 @@ LONGEST = (
     "service/test_proposals.py",
     "scan/test_fuzz_inside.py",
     "api/test_fits.py",
-    "core/test_scipy_parts.py",
     "api/test_transfers.py",
     "report/test_measures.py",
     "scan/test_table.py",

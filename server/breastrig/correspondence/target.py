@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import VertexNormals, face_normals

@@ -36,7 +36,6 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadDrawing
-from breastrig.core.scipy_parts import cholesky, solve_lower
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
@@ -44,6 +43,7 @@ from breastrig.drawings.skin_maps.settings import SkinMapSettings, skin_map_sett
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.least_squares.cholesky import cholesky, solve_lower
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 

@@ -19,9 +19,9 @@ true skin to the model 2.67 2.63, of which inwards 0.64 0.46.
 from functools import lru_cache
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.fitting.recipe import Observations
 from breastrig.geometry.normals import face_areas
 from breastrig.rig.model import Rig

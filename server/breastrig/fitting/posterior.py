@@ -9,10 +9,10 @@ count (body/mirrored_landmarks.py): it is no further observation, and a wrong pi
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.core.scipy_parts import cholesky, solve_lower
 from breastrig.energies.landmarks import Landmarks
 from breastrig.fitting.problem import ScanProblem
 from breastrig.fitting.task import FitTask
+from breastrig.least_squares.cholesky import cholesky, solve_lower
 from breastrig.least_squares.problem import HARD
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.state import BodyState

@@ -16,14 +16,17 @@ layer is held back until it does not.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import solveh_banded
+from scipy.sparse import coo_array, csc_array, csr_array, diags_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+from scipy.sparse.linalg import splu
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.core.scipy_parts import cKDTree, coo_array, csc_array, diags_array, symmetric_factor
 from breastrig.correspondence.match import MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.normals import VertexNormals, face_normals
 from breastrig.geometry.turned_triangles import turned_triangles
-from breastrig.least_squares.banded_cholesky import banded_cholesky
 
 ROUNDS = 2  # renewals of the matches; a third gains nothing
 RULES = MatchRules(method="rays", max_distance=0.015, max_angle=0.87)  # as the fit's last stage
@@ -39,6 +42,7 @@ ALONE = 4  # power of the share of matched neighbours that a match counts with: 
 HELD = 0.25  # of the weight of a match, with which a turned triangle is held at the model; HOLDING_TRIES times
 HELD_MORE = 10.0  # by which it grows each time
 HOLDING_TRIES = 5
+BAND_WORK = 3e9  # multiplications of a banded factor; beyond them (about 10,000 vertices) a sparse one is faster
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +92,12 @@ class _Systems:
         places = bending.indices + count * np.repeat(np.arange(count), np.diff(bending.indptr))  # column after column
         apart = edges[0] != edges[1]
         self._bending, self._count = bending, count
-        self._banded = banded_cholesky(bending.indptr, bending.indices)
+        self._order = reverse_cuthill_mckee(csr_array(bending), symmetric_mode=True)
+        place = np.argsort(self._order)
+        rows, columns = place[bending.indices], place[np.repeat(np.arange(count), np.diff(bending.indptr))]
+        self._lower = np.flatnonzero(rows >= columns)
+        self._band_places = (rows - columns)[self._lower], columns[self._lower]
+        self._band_width = int(np.max(self._band_places[0], initial=0))
         self._i, self._j, self._stiffness = edges[0][apart], edges[1][apart], stiffness.data[apart]
         self._edge = np.searchsorted(places, self._i + count * self._j)
         self._diagonal = np.searchsorted(places, (count + 1) * np.arange(count))
@@ -105,9 +114,13 @@ class _Systems:
     def solved(self, weight: Array, flat: Array, right: Array) -> Array:
         """(V,) displacements with `system` times them = (V,) right."""
         matrix = self.system(weight, flat)
-        return (
-            self._banded.solved(matrix.data, right) if self._banded.is_narrow else symmetric_factor(matrix).solve(right)
-        )
+        if self._count * self._band_width**2 > BAND_WORK:
+            return np.asarray(splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right))
+        band = np.zeros((self._band_width + 1, self._count), order="F")
+        band[self._band_places] = matrix.data[self._lower]
+        result = np.zeros(self._count)
+        result[self._order] = solveh_banded(band, right[self._order], lower=True, overwrite_ab=True, check_finite=False)
+        return result
 
 
 def make_ready(vertices: Array, faces: Integers) -> None:

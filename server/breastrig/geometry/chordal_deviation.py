@@ -11,9 +11,9 @@ vertices instead of integrating it over the triangles (fitting/observation_weigh
 """
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.core.scipy_parts import csr_array
 from breastrig.geometry.normals import face_areas
 
 

@@ -1,9 +1,9 @@
 """The mean of a mesh vertex's neighbours, for all vertices at once."""
 
 import numpy as np
+from scipy.sparse import coo_array, csr_array, diags_array
 
 from breastrig.core.arrays import Integers
-from breastrig.core.scipy_parts import coo_array, csr_array, diags_array
 
 
 def neighbours(triangles: Integers, count: int) -> csr_array:

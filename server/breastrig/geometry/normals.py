@@ -7,9 +7,9 @@ inner loop; the sum is then one sparse product (0.45 ms for 2,200 vertices).
 """
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.core.scipy_parts import csr_array
 
 
 def face_crosses(vertices: Array, faces: Integers) -> Array:

@@ -7,9 +7,9 @@ than their neighbours' the nearest are not all; a fitted model has none.
 """
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.geometry.neighbours import neighbours
 
 ROUNDS = 40  # an armpit needs four

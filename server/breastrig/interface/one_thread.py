@@ -4,9 +4,8 @@ from contextlib import AbstractContextManager
 from functools import cache
 from typing import Any
 
+import scipy.linalg  # noqa: F401  loads SciPy's own BLAS, so that the controller finds it too
 from threadpoolctl import ThreadpoolController
-
-import breastrig.core.scipy_parts  # noqa: F401  loads SciPy's own BLAS, so that the controller finds it too
 
 
 def one_thread() -> AbstractContextManager[Any]:

@@ -16,9 +16,9 @@ from enum import Enum
 from typing import Generic, Protocol, Self, TypeVar
 
 import numpy as np
+from numpy.linalg import LinAlgError
 
 from breastrig.core.arrays import Array, Booleans
-from breastrig.core.scipy_parts import LinAlgError
 from breastrig.least_squares.problem import HARD, Constraint, ResidualTerm, StructuredTerm
 from breastrig.least_squares.quadratic_program import Bounds, minimiser
 

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 
 import daqp
 import numpy as np
+from numpy.linalg import LinAlgError
 
 from breastrig.core.arrays import Array
-from breastrig.core.scipy_parts import LinAlgError, cholesky, solve_lower
+from breastrig.least_squares.cholesky import cholesky, solve_lower
 
 TOLERANCE = 1e-11  # of a bound or row, where the Hessian's diagonal is scaled to 1: far above rounding, far below 1e-9
 INEQUALITY, EQUALITY = 0, 5  # daqp's kinds of rows

@@ -11,9 +11,9 @@ So rows are one small product each, formed and multiplied group by group of vert
 """
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.core.scipy_parts import csr_array
 from breastrig.geometry.rotations import hat
 from breastrig.least_squares.problem import NormalEquations
 from breastrig.rig.parameters import BONE_DOFS

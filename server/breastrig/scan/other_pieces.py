@@ -12,9 +12,9 @@ for another person's; a fit of the trunk hardly misses it.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.geometry.boundary import boundary_vertices
 from breastrig.geometry.components import triangle_components
 from breastrig.geometry.normals import face_areas, face_crosses, vertex_normals

@@ -11,10 +11,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from breastrig.colour.skin_texture import lab
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.geometry.normals import face_crosses, face_normals
 from breastrig.geometry.rays import RayCaster
 from breastrig.scan.formats.texture import pixels_of

@@ -8,9 +8,9 @@ scanner's texture nor those between our pictures matter.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.scipy_parts import cKDTree
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,11 +8,11 @@ found, they are none of a plan.
 from enum import Enum
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.colour.ink import limits
 from breastrig.colour.ink.strokes import Stroke
 from breastrig.core.arrays import Array, Booleans
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.geometry.components import components
 
 

@@ -13,13 +13,14 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
 
 from breastrig.colour.ink import limits
 from breastrig.colour.ink.chains import neighbours_joined
 from breastrig.colour.ink.ridges import DENSITY, OFFSETS, RidgePoints, darkening, hue_of, profiles
 from breastrig.colour.skin_texture import SkinTexture
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.scipy_parts import cKDTree, csr_array
 
 MIDDLE = np.abs(OFFSETS) < 0.8e-3
 LEFT, RIGHT = OFFSETS < -2.8e-3, OFFSETS > 2.8e-3

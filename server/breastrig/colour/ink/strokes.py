@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
+from scipy.spatial import cKDTree
 
 from breastrig.colour.ink import limits
 from breastrig.colour.ink.chains import Joints, chosen, walked
 from breastrig.colour.ink.pieces import Ink, Piece, ink_of
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.geometry.curves import resampled
 
 OFF_SKIN = 4.0e-3  # m from the middle of a gap to the nearest vertex; triangles have edges of some 5 mm

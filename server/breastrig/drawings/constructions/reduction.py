@@ -17,10 +17,10 @@ from typing import Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.drawings.clock import SIDES, FittedSkin, circle_around, on_clock
 from breastrig.drawings.constructions.new_fold import fold_line
 from breastrig.geometry.curves import resampled

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from PIL import Image
+from scipy.spatial import cKDTree
 
 from breastrig.colour.ink.find_ink import find_ink
 from breastrig.core.arrays import Array
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.evaluation.page.pictures import PAPER, SCAN_GREY
 from breastrig.evaluation.page.section import Section, mm
 from breastrig.evaluation.studies.case import Scene, read_scene

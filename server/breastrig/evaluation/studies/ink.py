@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.colour.ink.find_ink import InkLine, find_ink
 from breastrig.core.arrays import Array, Booleans
 from breastrig.core.errors import BadInput
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.transfer import points_carried
 from breastrig.evaluation.cohort import Case

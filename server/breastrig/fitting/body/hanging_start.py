@@ -13,9 +13,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.recipe import Hanging, Recipe, Stage
 from breastrig.geometry.normals import vertex_normals

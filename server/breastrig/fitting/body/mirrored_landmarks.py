@@ -25,10 +25,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.core.scipy_parts import cholesky, solve_lower
 from breastrig.energies.landmark_observations import LandmarkObservations
 from breastrig.energies.landmarks import Landmarks
 from breastrig.fitting.task import FitTask
+from breastrig.least_squares.cholesky import cholesky, solve_lower
 from breastrig.least_squares.newton import System
 from breastrig.least_squares.problem import HARD
 from breastrig.rig.model import Rig

@@ -17,9 +17,9 @@ Of 38 partial scans of warped bodies (evaluation/virtual/warped) the right place
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.correspondence.nearest_points import NearestPoints
 from breastrig.correspondence.target import ScanTarget
 from breastrig.geometry.boundary import boundary_vertices

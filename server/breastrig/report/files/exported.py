@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.geometry.caps import Closed, closed
 from breastrig.geometry.normals import face_crosses
 from breastrig.geometry.polyline import Polyline

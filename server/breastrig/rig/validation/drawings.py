@@ -3,9 +3,9 @@
 import re
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array
-from breastrig.core.scipy_parts import cKDTree
 from breastrig.rig.model import DrawnShape, ModelDrawing, Rig
 from breastrig.rig.validation.finding import Finding, named
 from breastrig.rig.validation.symmetry import FLIP, is_symmetric, other_side
