@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from breastrig.rig.model import Rig
+from breastrig.rig.model import Length, Rig
 from steps.breast import Breast, breast_fields
 from steps.breast_shapes import BREAST_SHAPES
 from steps.drawings import drawings
@@ -76,4 +76,5 @@ def build_rig(source: Source, recipe: dict[str, Any]) -> Rig:
         mirror_vertices=template.mirror,
         regions=regions(template, breast, weights, names, recipe),
         sha256="",
+        lengths=tuple(Length(each["name"], each["label"], each["from"], each["to"]) for each in recipe["lengths"]),
     )

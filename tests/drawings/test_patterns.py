@@ -205,7 +205,7 @@ def test_without_ptosis_the_nipple_stays(torso: Rig) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("wise", '"wise" is not a drawing of this model; known are: anatomy, lumpectomy,'),
+        ("wise", '"wise" is not a drawing of this model; known are: lumpectomy, anatomy,'),
         ("", '"" is not a drawing'),
         ("lumpectomy:limb_mm=3", 'The drawing "lumpectomy" is a fixed one of the model and has no parameters.'),
         ("reduction:limbs=50", '"limbs" is not a parameter of reduction; known are: side, areola_mm, limb_mm,'),

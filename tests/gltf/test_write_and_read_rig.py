@@ -123,7 +123,9 @@ def test_drawings_come_in_the_side_files_order_and_the_others_after_them_by_name
 
 
 def test_a_rig_without_shapes_landmarks_or_drawings_is_a_rig_too(tmp_path: Path) -> None:
-    rig = replace(toy_rig(), shapes=(), blendshapes=np.zeros((0, 204, 3)), landmarks=(), drawings=(), joints=())
+    rig = replace(
+        toy_rig(), shapes=(), blendshapes=np.zeros((0, 204, 3)), landmarks=(), drawings=(), joints=(), lengths=()
+    )
     write_rig(rig, tmp_path)
     assert equal(read_rig(tmp_path / "toy.glb"), rig, tolerance=2 * FLOAT32)
 

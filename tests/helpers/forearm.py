@@ -12,7 +12,7 @@ import numpy as np
 
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.write_rig import write_rig
-from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, ModelDrawing, Rig, Shape
+from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, Length, ModelDrawing, Rig, Shape
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.rig.skinning import pose
 from helpers.subdivide import subdivided
@@ -77,6 +77,7 @@ def forearm_rig(name: str = "forearm") -> Rig:
         mirror_vertices=np.arange(len(template)),
         regions={"wrist": np.flatnonzero(np.abs(template[:, 1] - WRIST) < 0.03)},
         sha256="",
+        lengths=(Length("radius", "Length of the radius", "elbow_crease", "radial_styloid"),),
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from breastrig.geometry.rotations import exp_so3
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, ModelDrawing, Rig, Shape
+from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, Length, ModelDrawing, Rig, Shape
 
 SEGMENTS, RINGS = 12, 17
 HEIGHT = 0.5  # m
@@ -71,6 +71,7 @@ def toy_rig() -> Rig:
             "breast_R": np.flatnonzero(bump["R"] > 0.3).astype(np.int64),
         },
         sha256="0" * 64,
+        lengths=(Length("notch_nipple", "Notch to nipple", "suprasternal_notch", "nipple"),),
     )
 
 

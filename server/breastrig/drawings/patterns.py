@@ -113,8 +113,7 @@ def known_drawings(rig: Rig) -> tuple[str, ...]:
 def able_patterns(rig: Rig) -> tuple[str, ...]:
     """Names of the patterns for which this rig has the landmarks and lines."""
     lines = {shape.name for drawing in rig.drawings for shape in drawing.shapes}
-    sided = {mark for mark in NEEDED_MARKS["reduction"] if {f"{mark}_L", f"{mark}_R"} <= {*rig.landmark_names}}
-    able = {name for name, marks in NEEDED_MARKS.items() if marks <= sided}
+    able = {name for name, marks in NEEDED_MARKS.items() if rig.has_landmarks(marks)}
     if not {"inframammary_fold_L", "inframammary_fold_R"} <= lines:
         able.discard("reduction")
     return tuple(name for name in PATTERNS if name in able and name not in rig.drawing_names)

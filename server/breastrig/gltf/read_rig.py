@@ -24,7 +24,7 @@ from breastrig.core.gltf_arrays import GltfArrays, entry
 from breastrig.core.private_files import read_ordinary, shown
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.gltf.side_file import DrawingFile, FilePart, RigFile, SurfacePointEntry
-from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, ModelDrawing, Rig, Shape
+from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, Length, ModelDrawing, Rig, Shape
 
 TRIANGLES = 4
 MODEL_BYTES = 500_000_000  # the torso has 2.5 million
@@ -181,6 +181,11 @@ def _assembled(side: RigFile, mesh: _SkinnedMesh, drawings: tuple[ModelDrawing, 
     columns = [mesh.bone_names.index(name) for name in names]
     shapes = {shape.name: shape for shape in side.shapes}
     landmark_names = [landmark.name for landmark in side.landmarks]
+    stems = {name.removesuffix("_L").removesuffix("_R") for name in landmark_names}
+    _unique("length", [length.name for length in side.lengths])
+    for length in side.lengths:
+        for end in (length.start, length.end):
+            _known("landmark", end, [*landmark_names, *sorted(stems - set(landmark_names))])
     for landmark in side.landmarks:
         _check_point(landmark, faces, f'Landmark "{landmark.name}"')
         _known("landmark", landmark.mirror, landmark_names)
@@ -221,6 +226,7 @@ def _assembled(side: RigFile, mesh: _SkinnedMesh, drawings: tuple[ModelDrawing, 
         mirror_vertices=_indices(side.symmetry.vertices, vertices, "symmetry.vertices", vertices),
         regions={name: _indices(chosen, vertices, f"region {name}") for name, chosen in side.regions.items()},
         sha256=sha256,
+        lengths=tuple(Length(length.name, length.label, length.start, length.end) for length in side.lengths),
     )
 
 

@@ -66,6 +66,13 @@ class LandmarkEntry(SurfacePointEntry):
     mirror: Name
 
 
+class LengthEntry(FilePart):
+    name: Name
+    label: str
+    start: Name = Field(alias="from")  # a landmark, without its side where there are two
+    end: Name = Field(alias="to")
+
+
 class Symmetry(FilePart):
     vertices: list[NonNegativeInt]
 
@@ -83,6 +90,7 @@ class RigFile(FilePart):
     joints: list[JointEntry]
     shapes: list[ShapeEntry]
     landmarks: list[LandmarkEntry]
+    lengths: list[LengthEntry] = []
     drawings: list[Name] = []  # the first is what a fit draws when it is not asked; those not named follow by name
     regions: dict[str, list[NonNegativeInt]] = {}
     symmetry: Symmetry

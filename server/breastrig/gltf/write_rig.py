@@ -88,6 +88,10 @@ def _side_file(rig: Rig, license: str, provenance: Mapping[str, Any]) -> dict[st
             }
             for landmark in rig.landmarks
         ],
+        "lengths": [
+            {"name": length.name, "label": length.label, "from": length.start, "to": length.end}
+            for length in rig.lengths
+        ],
         "drawings": list(rig.drawing_names),
         "regions": {name: vertices.tolist() for name, vertices in sorted(rig.regions.items())},
         "symmetry": {"vertices": rig.mirror_vertices.tolist()},

@@ -36,12 +36,13 @@ class BodyFrame:
 
 
 def trunk(rig: Rig) -> Integers:
-    """The vertices that are neither arm nor breast."""
+    """The vertices that are neither arm nor breast; all of a rig that has no others."""
     kept = np.ones(len(rig.template), dtype=np.bool_)
     for name, members in rig.regions.items():
         if name.startswith(NOT_TRUNK):
             kept[members] = False
-    return np.flatnonzero(kept & kept[rig.mirror_vertices])
+    kept &= kept[rig.mirror_vertices]
+    return np.flatnonzero(kept if kept.any() else np.ones_like(kept))
 
 
 def body_frame(rig: Rig, vertices: Array) -> BodyFrame:

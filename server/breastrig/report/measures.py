@@ -13,7 +13,8 @@ A pick is first put on it.  The tape is exact on the mesh (geometry/geodesic.py)
 Every row has the lines that were measured, so that they can be shown on the body.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -31,16 +32,11 @@ from breastrig.report.symmetry import symmetry
 from breastrig.report.table import Row, Value
 from breastrig.report.volume import METHOD as VOLUME_METHOD
 from breastrig.report.volume import breast_outline, breast_volume
-from breastrig.rig.model import DrawnShape
+from breastrig.rig.model import DrawnShape, Length
 
 SIDES = ("L", "R")
 STRAIGHT, ALONG_SKIN = "straight", "along the skin"
 SPACING = 0.002  # m between points of a line to which a distance is taken
-LENGTHS = (  # from one landmark to another, on each side
-    ("notch_nipple", "Notch to nipple", "suprasternal_notch", "nipple"),
-    ("midclavicle_nipple", "Midclavicle to nipple", "midclavicle", "nipple"),
-    ("nipple_fold", "Nipple to fold", "nipple", "inframammary_fold"),
-)
 NAMES = {"L": "left", "R": "right"}
 OUTLINE = "breast base outline (model)"
 BORDER = "areola's border (colour)"
@@ -54,9 +50,7 @@ TAPE = "shortest way on the fitted model's skin"
 def measures(stance: Stance) -> tuple[Row, ...]:
     """All rows that the rig's landmarks and drawings allow."""
     table = _Table(stance)
-    sorted_by_name = sorted(symmetry(stance, table.frame, table.places), key=lambda row: row.measure)
-    hanging = ptosis(stance, table.frame, table.places)
-    return (*table.lengths(), *hanging, *_areolae(stance), *_volumes(stance), *sorted_by_name)
+    return tuple(row for part in PARTS if stance.rig.has_landmarks(part.needs) for row in part.rows(table))
 
 
 class _Table:
@@ -67,14 +61,21 @@ class _Table:
         self.places = places(stance)
         self.frame: BodyFrame = body_frame(stance.rig, stance.vertices)
         self._skin = Geodesics(stance.vertices, stance.rig.faces)
+        self._asked = [each for each in stance.rig.lengths if stance.rig.has_landmarks((each.start, each.end))]
 
     def lengths(self) -> Iterator[Row]:
-        """The rows in mm."""
+        """Those that the rig asks for."""
         self._look_for_all_ways()
-        for name, label, first, second in LENGTHS:
-            ends = {side: [self._place(part, side) for part in (first, second)] for side in SIDES}
-            yield from self._sided(name, label, ends, partial(self._between, ends), self._halves(ends))
-        nipples = {side: [self._place("nipple", side)] for side in SIDES}
+        for asked in self._asked:
+            ends = {side: self._ends(asked, side) for side in SIDES}
+            if ends["L"] == ends["R"]:
+                yield from self._one(asked.name, asked.label, ends["L"])
+            else:
+                yield from self._sided(asked.name, asked.label, ends, partial(self._between, ends))
+
+    def between_nipples(self) -> Iterator[Row]:
+        """From each to the midline, where the rig draws one, and from one to the other."""
+        nipples = {side: [self.places[f"nipple_{side}"]] for side in SIDES}
         midline = self.stance.shape("midline")
         if midline is not None:
             yield from self._sided(
@@ -82,15 +83,12 @@ class _Table:
                 "Nipple to midline",
                 nipples,
                 lambda side: self._to_midline(nipples[side][0], midline),
-                self._halves(nipples),
                 ("at right angles to the fitted model's median plane", f"{TAPE} to its midline"),
             )
-        both = [self._place("nipple", side) for side in SIDES]
-        if all(place is not None for place in both):
-            half = half_width([place.radius for place in both if place is not None])
-            for kind, line, method in zip((STRAIGHT, ALONG_SKIN), self._apart(both), (CHORD, TAPE), strict=True):
-                row = ("nipple_nipple", "Nipple to nipple", kind, "mm", None, None, _mm(length(line), half))
-                yield Row(*row, _named(both), method, {"value": line})
+        yield from self._one("nipple_nipple", "Nipple to nipple", [*nipples["L"], *nipples["R"]])
+
+    def base_widths(self) -> Iterator[Row]:
+        """None of a rig without outlines of the breasts, and none lying."""
         widths = [self._base_width(breast_outline(self.stance.rig, side)) for side in SIDES]
         if all(width is not None for width in widths) and self.stance.name == STANDING:
             (left, across_left), (right, across_right) = (width for width in widths if width is not None)
@@ -99,30 +97,38 @@ class _Table:
 
     def _look_for_all_ways(self) -> None:
         """On the skin, together, which takes a third of the time; each is asked for later, and is known then."""
-        nipples = [place for side in SIDES if (place := self._place("nipple", side)) is not None]
+        nipples = [self.places[name] for side in SIDES if (name := f"nipple_{side}") in self.places]
         if nipples and self.stance.shape("midline") is not None:
             self._skin.look_from(joined([self._on_skin(place.point) for place in nipples]), np.inf)
-        pairs = [(self._place(a, side), self._place(b, side)) for _, _, a, b in LENGTHS for side in SIDES]
-        ways = [(a.point, b.point) for a, b in [*pairs, tuple(nipples)] if a is not None and b is not None]
+        pairs = [self._ends(asked, side) for asked in self._asked for side in SIDES] + (
+            [nipples] if len(nipples) == 2 else []
+        )
+        ways = [(a.point, b.point) for a, b in pairs]
         if ways:
             starts, goals = (joined([self._on_skin(point) for point in ends]) for ends in zip(*ways, strict=True))
             self._skin.paths(starts, goals)
 
-    def _place(self, part: str, side: str) -> Place | None:
-        return self.places.get(part) or self.places.get(f"{part}_{side}")
+    def _ends(self, asked: Length, side: str) -> list[Place]:
+        """Of a length, on this side where they have sides."""
+        return [self.places[end if end in self.places else f"{end}_{side}"] for end in (asked.start, asked.end)]
+
+    def _one(self, name: str, label: str, ends: Sequence[Place]) -> Iterator[Row]:
+        """Two rows of a length without sides, straight and along the skin."""
+        half, landmarks = half_width([place.radius for place in ends]), _named(ends)
+        for kind, line, method in zip((STRAIGHT, ALONG_SKIN), self._apart(ends), (CHORD, TAPE), strict=True):
+            value = _mm(length(line), half)
+            yield Row(name, label, kind, "mm", None, None, value, landmarks, method, {"value": line})
 
     def _sided(
         self,
         name: str,
         label: str,
-        ends: dict[str, list[Place | None]],
+        ends: Mapping[str, Sequence[Place]],
         measured: Callable[[str], tuple[Array, Array]],
-        halves: Mapping[str, float | None],
         methods: tuple[str, str] = (CHORD, TAPE),
     ) -> Iterator[Row]:
-        """Two rows, straight and along the skin; none where a landmark is missing on the rig."""
-        if any(place is None for side in SIDES for place in ends[side]):
-            return
+        """Two rows, straight and along the skin."""
+        halves = {side: half_width([place.radius for place in ends[side]]) for side in SIDES}
         lines = {side: measured(side) for side in SIDES}
         landmarks = _named([place for side in SIDES for place in ends[side]])
         for index, kind in enumerate((STRAIGHT, ALONG_SKIN)):
@@ -130,16 +136,15 @@ class _Table:
             paths = {"left": lines["L"][index], "right": lines["R"][index]}
             yield Row(name, label, kind, "mm", left, right, None, landmarks, methods[index], paths)
 
-    def _between(self, ends: dict[str, list[Place | None]], side: str) -> tuple[Array, Array]:
+    def _between(self, ends: Mapping[str, Sequence[Place]], side: str) -> tuple[Array, Array]:
         return self._apart(ends[side])
 
-    def _apart(self, ends: Sequence[Place | None]) -> tuple[Array, Array]:
+    def _apart(self, ends: Sequence[Place]) -> tuple[Array, Array]:
         """(M, 3) m each: straight and along the skin."""
-        a, b = (place.point for place in ends if place is not None)
+        a, b = (place.point for place in ends)
         return np.stack([a, b]), self._skin.path(self._on_skin(a), self._on_skin(b))
 
-    def _to_midline(self, nipple: Place | None, midline: DrawnShape) -> tuple[Array, Array]:
-        assert nipple is not None
+    def _to_midline(self, nipple: Place, midline: DrawnShape) -> tuple[Array, Array]:
         rig, vertices = self.stance.rig, self.stance.vertices
         start = self._on_skin(nipple.point)
         line = resampled(midline.points.positions(vertices, rig.faces), SPACING, midline.closed)
@@ -148,10 +153,6 @@ class _Table:
         nearest = int(on.positions(far[:, None], rig.faces)[:, 0].argmin())
         goal = SurfacePoints(on.faces[[nearest]], on.barycentric[[nearest]])
         return np.stack([nipple.point, self.frame.on_plane(nipple.point)]), self._skin.path(start, goal)
-
-    def _halves(self, ends: Mapping[str, Sequence[Place | None]]) -> dict[str, float | None]:
-        """m, of each side's band."""
-        return {side: half_width([place.radius for place in ends[side] if place is not None]) for side in SIDES}
 
     def _base_width(self, outline: DrawnShape | None) -> tuple[Value, Array] | None:
         """Across from the outline's inner to its outer end, and the (2, 3) m line: callipers are held upright in front
@@ -210,6 +211,28 @@ def _mm(metres: float, half: float | None) -> Value:
     return banded(1e3 * metres, None if half is None else 1e3 * half)
 
 
-def _named(found: Sequence[Place | None]) -> tuple[str, ...]:
+def _named(found: Sequence[Place]) -> tuple[str, ...]:
     """Each landmark once, with its source."""
-    return tuple(dict.fromkeys(str(place) for place in found if place is not None))
+    return tuple(dict.fromkeys(map(str, found)))
+
+
+@dataclass(frozen=True)
+class Part:
+    """Rows of the table, with the landmarks that a rig must have for them."""
+
+    needs: tuple[str, ...]  # without sides where there are two
+    rows: Callable[[_Table], Iterable[Row]]
+
+
+PARTS = (
+    Part((), _Table.lengths),
+    Part(("nipple",), _Table.between_nipples),
+    Part(("nipple",), _Table.base_widths),
+    Part(("nipple", "inframammary_fold"), lambda table: ptosis(table.stance, table.frame, table.places)),
+    Part(("nipple",), lambda table: _areolae(table.stance)),
+    Part(("nipple",), lambda table: _volumes(table.stance)),
+    Part(
+        ("nipple",),
+        lambda table: sorted(symmetry(table.stance, table.frame, table.places), key=lambda row: row.measure),
+    ),
+)

@@ -11,7 +11,7 @@ from breastrig.report.pages.page_of_words import GAP, Layout, draw_words, fits_b
 from breastrig.report.pages.sentences import sections, warning_of
 from breastrig.report.tape import TapePoint, tape_points
 
-TITLE = "Breast measures from a 3D scan"
+TITLE = "Measures from a 3D scan"
 
 
 def report_pdf(stances: Sequence[Reported]) -> bytes:

@@ -24,9 +24,7 @@ MODEL_PART = "model inside its breast base outline"
 
 
 def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> Iterator[Row]:
-    """The rows that the rig allows: none without both nipples, M2, M4, M5, M6 only with outlines of the breasts."""
-    if not {"nipple_L", "nipple_R"} <= known.keys():
-        return
+    """The rows of a rig with nipples; M2, M4, M5, M6 only with outlines of the breasts."""
     nipples = [known["nipple_L"], known["nipple_R"]]
     across = np.abs([float(frame.lateral(place.point)) for place in nipples])
     heights = np.array([float(frame.height(place.point)) for place in nipples])

@@ -102,7 +102,8 @@ def _flat(stance: str, row: Row) -> dict[str, Cell]:
     def cut(number: float | None) -> float | None:
         return None if number is None else round(float(number), digits) + 0.0  # no minus zero
 
-    cells: dict[str, Cell] = {"stance": stance, "measure": row.measure, "kind": row.kind, "unit": row.unit}
+    cells: dict[str, Cell] = {"stance": stance, "measure": row.measure, "label": row.label}
+    cells |= {"kind": row.kind, "unit": row.unit}
     for side, value in (("left", row.left), ("right", row.right), ("value", row.value)):
         cells[side] = cut(value.value) if value else None
         cells[f"{side}_low"] = cut(value.low) if value else None

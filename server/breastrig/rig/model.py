@@ -12,6 +12,7 @@ with the bone's absolute rotation R_j, translation T_j and local scale S_j = dia
 R_j = Q_j, T_j = o_j, s_j = 1, which is the identity.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -75,6 +76,16 @@ class Landmark:
     barycentric: Array  # (3,)
 
 
+@dataclass(frozen=True)
+class Length:
+    """A distance that is measured on every body: between two landmarks, on both sides where one of them has sides."""
+
+    name: str
+    label: str  # for people
+    start: str  # a landmark, without its side where there are two
+    end: str
+
+
 @dataclass(frozen=True, eq=False)
 class DrawnShape:
     """One polyline that lies on the model."""
@@ -114,6 +125,7 @@ class Rig:
     mirror_vertices: Integers  # (V,) vertex on the other side
     regions: dict[str, Integers]  # named vertex sets, for instance breast_L
     sha256: str  # of the .glb and its side file
+    lengths: tuple[Length, ...] = ()
 
     def __post_init__(self) -> None:
         for field in ("template", "uv", "blendshapes", "skin_weights"):
@@ -172,6 +184,11 @@ class Rig:
     def chordal_deviation_at(self) -> ChordalDeviation:
         """Takes (V, 3) m vertices and their normals to how far the triangles around each lie below the skin, (V,) m."""
         return ChordalDeviation(self.template, self.faces)
+
+    def has_landmarks(self, names: Iterable[str]) -> bool:
+        """Whether it has each of these, as it is called or on both sides."""
+        known = {*self.landmark_names}
+        return all(name in known or {f"{name}_L", f"{name}_R"} <= known for name in names)
 
     def landmark_points(self, names: tuple[str, ...] | None = None) -> SurfacePoints:
         """The surface points of the named landmarks (all by default), in the given order."""

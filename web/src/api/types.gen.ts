@@ -431,7 +431,10 @@ export type Limits = {
 export type Measure = {
   /** name of the stance; `second - first` for a change */
   stance: string;
+  /** name for programs */
   measure: string;
+  /** for people */
+  label: string;
   /** straight, along the skin, in height, ratio, volume, grade */
   kind: string;
   /** grade: 0 none, 1 to 3 as Regnault's I to III, 4 glandular (pseudoptosis) */

@@ -102,7 +102,7 @@ function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, stri
   const unit = UNITS[line.unit];
   const list = el("dl", {}, ...facts.flatMap(([fact, value]) => [el("dt", {}, fact), el("dd", {}, value)]));
   const more = el("tr", { class: "facts", hidden: true }, el("td", { colspan: 1 + groups * COLUMNS.length }, list));
-  const label = el("span", {}, words.names[line.measure] ?? line.measure, el("span", { class: "unit" }, ` ${line.kind}${unit === "" ? "" : `, ${unit}`}`));
+  const label = el("span", {}, line.label, el("span", { class: "unit" }, ` ${line.kind}${unit === "" ? "" : `, ${unit}`}`));
   const open = el(
     "button",
     {

@@ -11,6 +11,7 @@ export interface Cell {
 export interface MeasureLine {
   readonly key: string;
   readonly measure: string;
+  readonly label: string;
   readonly kind: string;
   readonly unit: Measure["unit"];
   /** for each stance and then the change: the cells that the columns name */
@@ -43,6 +44,7 @@ export function measuresTable(file: Pick<MeasuresFile, "measures" | "stances">):
     return {
       key,
       measure: first.measure,
+      label: first.label,
       kind: first.kind,
       unit: first.unit,
       groups: rows.map((row) =>

@@ -73,7 +73,7 @@ test("bodies that stand upright by their frames alone share one pose", () => {
 });
 
 const row = (stance: string, part: Partial<Measure>): Measure => ({
-  stance, measure: "notch to nipple", kind: "along the skin", unit: "mm", left: null, left_low: null, left_high: null, right: null, right_low: null,
+  stance, measure: "notch to nipple", label: "Notch to nipple", kind: "along the skin", unit: "mm", left: null, left_low: null, left_high: null, right: null, right_low: null,
   right_high: null, difference: null, value: null, value_low: null, value_high: null, landmarks: "", method: "geodesic", ...part,
 });
 

@@ -135,7 +135,8 @@ class Measure(Document):
     """One measure of one stance, or its change from the first stance to the second; sided, or one value for both."""
 
     stance: str = Field(description="name of the stance; `second - first` for a change")
-    measure: str
+    measure: str = Field(description="name for programs")
+    label: str = Field(description="for people")
     kind: str = Field(description="straight, along the skin, in height, ratio, volume, grade")
     unit: Literal["mm", "ml", "1", "grade"] = Field(
         description="grade: 0 none, 1 to 3 as Regnault's I to III, 4 glandular (pseudoptosis)"

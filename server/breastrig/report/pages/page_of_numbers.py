@@ -20,10 +20,8 @@ def numbers_page(sheet: Sheet, stances: Sequence[Reported], top: float) -> float
     """Draws the page; the y below its tables."""
     y = top
     for kind in ("straight", "along the skin"):
-        y = _lengths(sheet, stances, kind, y) + GAP
-    left = _volumes(sheet, stances, y)
-    right = _ratios(sheet, stances, y)
-    y = max(left, right) + GAP
+        y = _lengths(sheet, stances, kind, y)
+    y = max(_volumes(sheet, stances, y), _ratios(sheet, stances, y))
     y = landmark_table(sheet, stances, y, GAP)
     return _settings(sheet, stances, y) + GAP
 
@@ -36,6 +34,9 @@ def _groups(stances: Sequence[Reported]) -> list[tuple[str, Sequence[Row]]]:
 
 
 def _lengths(sheet: Sheet, stances: Sequence[Reported], kind: str, y: float) -> float:
+    shown = [row for row in stances[0].rows if row.kind == kind]
+    if not shown:
+        return y
     y = sheet.heading(MARGIN, y, f"Lengths, {kind} (mm, ± holds the true one nine times of ten)")
     groups = _groups(stances)
     width = (WIDTH - NAME) / len(groups)
@@ -51,7 +52,6 @@ def _lengths(sheet: Sheet, stances: Sequence[Reported], kind: str, y: float) -> 
     if len(groups) > 1:
         y = sheet.row(y, names, size=7.5, height=4.8)
     y = sheet.row(y, sides, size=7.0, shade=QUIET, height=4.4)
-    shown = [row for row in stances[0].rows if row.kind == kind]
     for place, first in enumerate(shown):
         cells: list[Cell] = [(MARGIN + 1.0, NAME, first.label, "L")]
         for index, (_, rows) in enumerate(groups):
@@ -59,7 +59,7 @@ def _lengths(sheet: Sheet, stances: Sequence[Reported], kind: str, y: float) -> 
             row = next((r for r in rows if (r.measure, r.kind) == (first.measure, kind)), None)
             cells += _length_cells(row, x, column, signed=index == 2)
         y = sheet.row(y, cells, band=(MARGIN, WIDTH) if place % 2 else None, height=ROW)
-    return y
+    return y + GAP
 
 
 def _length_cells(row: Row | None, x: float, column: float, signed: bool) -> list[Cell]:
@@ -77,10 +77,10 @@ def _length_cells(row: Row | None, x: float, column: float, signed: bool) -> lis
 
 
 def _volumes(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
-    y = sheet.heading(MARGIN, y, "Volume (ml), with its band", HALF)
     found = [(one.name, row) for one in stances for row in one.rows if row.kind == "volume"]
     if not found:
-        return sheet.row(y, [(MARGIN + 1.0, HALF, "this model has no outline of the breasts", "L")], shade=QUIET)
+        return y
+    y = sheet.heading(MARGIN, y, "Volume (ml), with its band", HALF)
     column = (HALF - 20.0) / 2
     xs = [MARGIN + 20.0 + k * column for k in range(2)]
     y = sheet.row(
@@ -101,11 +101,14 @@ def _volumes(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
             (xs[k], column - 1.0, number(v, "ml", signed=True), "R") for k, v in enumerate((change.left, change.right))
         ]
         y = sheet.row(y, cells, height=ROW)
-    return y
+    return y + GAP
 
 
 def _ratios(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
     x = MARGIN + HALF + 8.0
+    shown = [row for row in stances[0].rows if row.kind == "ratio"]
+    if not shown:
+        return y
     y = sheet.heading(x, y, "Symmetry (1 = symmetric)", HALF)
     column = 18.0
     xs = [x + HALF - (len(stances) - k) * column for k in range(len(stances))]
@@ -116,14 +119,13 @@ def _ratios(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:
         shade=QUIET,
         height=4.4,
     )
-    shown = [row for row in stances[0].rows if row.kind == "ratio"]
     for place, first in enumerate(shown):
         cells: list[Cell] = [(x + 1.0, HALF - column * len(stances), first.label, "L")]
         for at, one in zip(xs, stances, strict=True):
             row = next((r for r in one.rows if r.measure == first.measure), None)
             cells.append((at, column - 1.0, number(row.value if row else None, "1"), "R"))
         y = sheet.row(y, cells, band=(x, HALF) if place % 2 else None, height=ROW)
-    return y
+    return y + GAP
 
 
 def _settings(sheet: Sheet, stances: Sequence[Reported], y: float) -> float:

@@ -15,7 +15,7 @@ LARGE = (0.5 * (WIDTH - GAP), 92.0)  # mm
 SMALL = (0.25 * (WIDTH - 3 * GAP), 48.0)  # mm
 PIXELS_PER_MM = 7.0  # 180 to the inch: sharp on paper, and half a megabyte
 NOT_MEASURED = ("-", "-", "-")  # the width of a lying breast's base
-GLANCE = (
+GLANCE = (  # of breasts; of a rig without them its first
     ("notch_nipple", "along the skin"),
     ("nipple_fold", "along the skin"),
     ("nipple_midline", "straight"),
@@ -93,6 +93,10 @@ def _colour_bar(sheet: Sheet, y: float) -> float:
 
 def _at_a_glance(sheet: Sheet, stances: Sequence[Reported], y: float) -> None:
     """The numbers that are asked for first."""
+    known = [{(row.measure, row.kind): row for row in each.rows} for each in stances]
+    shown = [key for key in GLANCE if any(key in rows for rows in known)] or list(known[0])[: len(GLANCE)]
+    if not shown:
+        return
     y = sheet.heading(MARGIN, y, "At a glance")
     column = (WIDTH - 62.0) / (3 * len(stances))
     headings: list[Cell] = [(MARGIN, 62.0, "", "L")]
@@ -101,8 +105,6 @@ def _at_a_glance(sheet: Sheet, stances: Sequence[Reported], y: float) -> None:
             name = f"{each.name}, {side}" if k < 2 else side
             headings.append((MARGIN + 62.0 + (3 * index + k) * column, column - 2.0, name, "R"))
     y = sheet.row(y, headings, size=7.0, shade=QUIET, height=5.0)
-    known = [{(row.measure, row.kind): row for row in each.rows} for each in stances]
-    shown = [key for key in GLANCE if any(key in rows for rows in known)]
     for place, key in enumerate(shown):
         first = next(rows[key] for rows in known if key in rows)
         label = first.label if key[0] == "volume" else f"{first.label}, {first.kind}"
@@ -117,5 +119,7 @@ def _at_a_glance(sheet: Sheet, stances: Sequence[Reported], y: float) -> None:
 
 
 def _three(row: Row) -> tuple[str, str, str]:
+    if row.value is not None:
+        return number(row.value, row.unit), "", ""
     difference = None if row.difference is None else Value(row.difference)
     return number(row.left, row.unit), number(row.right, row.unit), number(difference, row.unit, signed=True)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from breastrig.report.pages.page import FOOT, HEADING, MARGIN, TOP, WIDTH, Sheet, line_height
-from breastrig.report.pages.sentences import METHODS, Section
+from breastrig.report.pages.sentences import HOW, Section
 
 GAP = 3.6  # mm between two paragraphs
 LAST = FOOT - 2.0  # mm, where words end
@@ -54,7 +54,7 @@ def laid_out(sheet: Sheet, sections: Sequence[Section], y: float) -> Layout:
 def fits_below(words: Layout, y: float) -> bool:
     """Whether all that stands on pages of its own is how it was measured, and has room on another page below y."""
     paragraphs = [paragraph for page in words.pages for paragraph in page]
-    if any(one.section.text != METHODS for one in paragraphs):
+    if any(one.section.heading != HOW for one in paragraphs):
         return False  # doubts and the plan are looked for where the numbers end
     return y + sum(HEADING + len(one.lines) * line_height(one.section.size) + GAP for one in paragraphs) <= LAST
 

@@ -6,15 +6,23 @@ from dataclasses import dataclass
 from breastrig.report.document import Reported
 from breastrig.report.measures import OUTLINE
 
-METHODS = (
-    "Straight: distance in space. Along the skin: shortest way on the fitted model's skin, holes of the scan bridged. "
-    "Landmarks as picked, else of the model (each named in report.json). Nipple to midline: at right angles to the "
-    "median plane of the model; along the skin to its midline. Base width: between the most medial and most lateral "
-    "point of the model's breast outline. Volume: between the skin inside that outline and a smooth chest wall (a "
-    "thin-plate spline through the skin on, 10 and 20 mm outside it); its band holds the outline moved 5 mm in and out "
-    "and the distance between fit and scan; a change within the bands says nothing. M1 to M6: ratios of left and "
-    "right, 1 = symmetric (Reddy et al. 2017); every woman has some asymmetry."
+METHODS = (  # a sentence, and the measure that it is about; none for what holds of all
+    ("Straight: distance in space. Along the skin: shortest way on the fitted model's skin, holes bridged.", None),
+    ("Landmarks as picked, else of the model (each named in report.json).", None),
+    (
+        "Nipple to midline: at right angles to the model's median plane; along the skin to its midline.",
+        "nipple_midline",
+    ),
+    ("Base width: between the most medial and most lateral point of the model's breast outline.", "base_width"),
+    (
+        "Volume: between the skin inside that outline and a smooth chest wall (a thin-plate spline through the skin "
+        "on, 10 and 20 mm outside it); its band holds the outline moved 5 mm in and out and the distance between fit "
+        "and scan; a change within the bands says nothing.",
+        "volume",
+    ),
+    ("M1 to M6: ratios of left and right, 1 = symmetric (Reddy et al. 2017); every woman has some asymmetry.", "M1"),
 )
+HOW = "How it was measured"
 WARNINGS = {"check": "CHECK THIS FIT: see doubts and notes", "unusable": "NOT USABLE: see doubts and notes"}
 
 
@@ -40,8 +48,14 @@ def sections(stances: Sequence[Reported]) -> list[Section]:
     return [
         Section("Doubts and notes", "  ".join(doubted) or none, 7.5),
         *([Section("The plan in words", "  ".join(planned), 7.5)] if planned else []),
-        Section("How it was measured", METHODS, 6.5),
+        Section(HOW, methods(stances), 6.5),
     ]
+
+
+def methods(stances: Sequence[Reported]) -> str:
+    """How what stands in the tables was measured."""
+    measured = {None, *(row.measure for one in stances for row in one.rows)}
+    return " ".join(sentence for sentence, measure in METHODS if measure in measured)
 
 
 def _said(stances: Sequence[Reported], one: Reported, remarks: Sequence[str]) -> list[str]:
