@@ -24,7 +24,7 @@ def test_two_folders_of_a_fit_and_what_they_share(tmp_path: Path) -> None:
     assert {file.name for file in (tmp_path / "out").iterdir()} == {"first", "second", "pair.json"}
     pair = json.loads((tmp_path / "out" / "pair.json").read_text())
     assert pair["results"] == {"first": "first/result.json", "second": "second/result.json"}
-    assert pair["bodies"] == "one"
+    assert (pair["bodies"], pair["shared"]) == ("alike", None)
     results = [json.loads((tmp_path / "out" / name).read_text()) for name in pair["results"].values()]
     assert [result["stance"] for result in results] == pair["stances"] == ["standing", "supine"]
     assert results[1]["stance_reason"] == "As asked for."
@@ -32,8 +32,9 @@ def test_two_folders_of_a_fit_and_what_they_share(tmp_path: Path) -> None:
         assert result["surface_distance_mm"]["mean"] < surface
         assert result["landmark_distance_mm"]["mean"] < landmarks
         assert len(result["landmark_distance_mm"]["each"]) == 12
-        for bone in result["parameters"]["bones"]:
-            assert bone["scale"] == pair["shared"]["bone_scales"][bone["name"]]
+    scales = [[bone["scale"] for bone in result["parameters"]["bones"]] for result in results]
+    assert scales[0] != scales[1]
+    assert all(abs(a - b) < 0.11 for one, two in zip(*scales, strict=True) for a, b in zip(one, two, strict=True))
 
 
 def test_without_landmarks_each_scan_finds_its_own_start(tmp_path: Path) -> None:
@@ -45,16 +46,15 @@ def test_without_landmarks_each_scan_finds_its_own_start(tmp_path: Path) -> None
         assert result["surface_distance_mm"]["mean"] < surface
 
 
-def test_bodies_held_alike_are_near_each_other_and_not_said_to_be_one(tmp_path: Path) -> None:
+def test_one_body_is_shared_where_it_is_asked_for(tmp_path: Path) -> None:
     scans = [str(STANDING / "scan.ply"), "--landmarks", str(STANDING / "landmarks.json")]
     scans += ["--with", str(SUPINE / "scan.ply"), "--with-landmarks", str(SUPINE / "landmarks.json")]
-    assert main(["fit", *scans, "--alike", "-o", str(tmp_path / "out")]) == 0
+    assert main(["fit", *scans, "--no-alike", "-o", str(tmp_path / "out")]) == 0
     pair = json.loads((tmp_path / "out" / "pair.json").read_text())
-    assert (pair["bodies"], pair["shared"]) == ("alike", None)
     results = [json.loads((tmp_path / "out" / name).read_text()) for name in pair["results"].values()]
-    scales = [[bone["scale"] for bone in result["parameters"]["bones"]] for result in results]
-    assert scales[0] != scales[1]
-    assert all(abs(a - b) < 0.11 for one, two in zip(*scales, strict=True) for a, b in zip(one, two, strict=True))
+    assert pair["bodies"] == "one"
+    for bone in (bone for result in results for bone in result["parameters"]["bones"]):
+        assert bone["scale"] == pair["shared"]["bone_scales"][bone["name"]]
 
 
 @pytest.mark.parametrize(
@@ -63,7 +63,7 @@ def test_bodies_held_alike_are_near_each_other_and_not_said_to_be_one(tmp_path: 
         (["--with", str(STANDING / "scan.ply")], "same file"),
         (["--with", "nowhere.ply"], "no scan file nowhere.ply"),
         (["--with-stance", "supine"], "need --with SCAN_B"),
-        (["--alike"], "need --with SCAN_B"),
+        (["--no-alike"], "need --with SCAN_B"),
         (["--with-landmarks", str(SUPINE / "landmarks.json")], "need --with SCAN_B"),
     ],
 )

@@ -95,7 +95,7 @@ def assert_one_body(iterate: PairIterate, rig: Rig) -> None:
 def test_two_scans_of_one_body_come_back_vertex_by_vertex(seed: int, torso: Rig) -> None:
     recipe = for_scans_without_noise(load_recipe("default"))
     (first, true_first), (second, true_second) = (task_of(torso, x, recipe) for x in two_stances(torso, seed))
-    iterates = list(fit_pair_iterates(first, second))
+    iterates = list(fit_pair_iterates(first, second, ONE_BODY))
     assert iterates[-1].status is Status.CONVERGED
     assert_one_body(iterates[-1], torso)
     for iterate, truth in ((iterates[-1].first, true_first), (iterates[-1].second, true_second)):
@@ -107,7 +107,7 @@ def test_the_body_is_the_same_to_the_last_bit_in_every_iterate_whatever_the_cons
         recipe = load_recipe("default")
         recipe = recipe.model_copy(update={"shapes": recipe.shapes.model_copy(update={"constraint": constraint})})
         (first, _), (second, _) = (task_of(torso, x, recipe) for x in two_stances(torso, 5))
-        iterates = list(fit_pair_iterates(first, replace(second, stance="supine")))
+        iterates = list(fit_pair_iterates(first, replace(second, stance="supine"), ONE_BODY))
         assert [iterate.iteration for iterate in iterates] == list(range(len(iterates)))
         for iterate in iterates:
             assert_one_body(iterate, torso)
@@ -123,7 +123,7 @@ def test_the_body_is_the_same_to_the_last_bit_in_every_iterate_whatever_the_cons
 def test_the_same_scan_twice_is_fitted_as_once(torso: Rig) -> None:
     task, _ = task_of(torso, two_stances(torso, 3)[0], load_recipe("default"))
     alone = list(fit_iterates(task))
-    twice = list(fit_pair_iterates(task, task))
+    twice = list(fit_pair_iterates(task, task, ONE_BODY))
     assert len(alone) == len(twice)
     for single, both in zip(alone, twice, strict=True):
         expected = pose(torso, single.parameters)
@@ -199,7 +199,7 @@ def test_a_scan_without_landmarks_starts_by_itself(torso: Rig) -> None:
     blind = replace(
         second, landmarks={}, start=best_start(torso, second.target, {}, lambda: np.array([[0.0, 0.0, 1.0]]))
     )
-    last = list(fit_pair_iterates(first, blind))[-1]
+    last = list(fit_pair_iterates(first, blind, ONE_BODY))[-1]
     assert last.status is Status.CONVERGED
     assert last.second.landmark_distance is None
     assert last.first.landmark_distance is not None

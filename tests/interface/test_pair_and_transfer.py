@@ -39,10 +39,10 @@ def document(file: Path) -> dict:
 
 
 def test_a_pair_is_saved_as_the_command_writes_it_and_loaded_again(tmp_path: Path) -> None:
-    pair = breastrig.fit_pair(*SCANS, *PICKS, alike=True, drawing=None)
+    pair = breastrig.fit_pair(*SCANS, *PICKS, drawing=None)
     pair.save(tmp_path / "ours")
     command = ["fit", str(SCANS[0]), "--landmarks", str(PICKS[0]), "--with", str(SCANS[1])]
-    command += ["--with-landmarks", str(PICKS[1]), "--alike", "--drawing", "none", "-o", str(tmp_path / "theirs")]
+    command += ["--with-landmarks", str(PICKS[1]), "--drawing", "none", "-o", str(tmp_path / "theirs")]
     assert main(command) == 0
     assert_same_files(tmp_path / "ours", tmp_path / "theirs")
     found = breastrig.FitPair.load(tmp_path / "ours")

@@ -8,6 +8,7 @@ import pytest
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.fitting.two_stances import ONE_BODY
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.workflow.events import Done, Event, Iterated, Started
 from breastrig.workflow.jobs import FitJob
@@ -27,7 +28,8 @@ def job(stance: str, out: Path) -> FitJob:
 @pytest.fixture(scope="module")
 def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[tuple[int, Event]]]:
     folder = tmp_path_factory.mktemp("pair")
-    events = list(run_pair(job("standing", folder / "a"), job("supine", folder / "b"), folder / "pair.json"))
+    jobs = job("standing", folder / "a"), job("supine", folder / "b")
+    events = list(run_pair(*jobs, folder / "pair.json", ONE_BODY))
     return folder, events
 
 

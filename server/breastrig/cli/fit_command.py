@@ -89,9 +89,9 @@ def _to_check(reason: str) -> str:
 def run(options: argparse.Namespace) -> int:
     """Fits and writes; returns 0, or 2 when all but a pattern that does not fit on this patient was done."""
     files = options.with_landmarks or options.with_cuts
-    given = files or options.alike or (options.with_units, options.with_stance) != ("auto", "auto")
+    given = files or not options.alike or (options.with_units, options.with_stance) != ("auto", "auto")
     if options.other is None and given:
-        names = "--with-landmarks, --with-cuts, --with-units, --with-stance and --alike"
+        names = "--with-landmarks, --with-cuts, --with-units, --with-stance and --no-alike"
         raise BadSettings(f"{names} need --with SCAN_B.")
     quiet = options.no_progress or not sys.stderr.isatty()
     with all_or_nothing(_output(options)) as out, progress_bar(shown=not quiet) as bar:

@@ -1,7 +1,7 @@
-"""`breastrig fit SCAN -o OUT`: one scan in, seven files out.
+"""`breastrig fit SCAN -o OUT`: one scan in, eight files out.
 
-With `--with SCAN_B` two stances of one patient are fitted together, with one body: OUT/first and OUT/second get the
-seven files each, OUT/pair.json says what they share.
+With `--with SCAN_B` two stances of one patient are fitted together, their bodies held alike: OUT/first and
+OUT/second get the eight files each, OUT/pair.json says what they have in common.
 """
 
 import argparse
@@ -35,7 +35,10 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument("--with-units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of SCAN_B")
     parser.add_argument("--with-stance", default="auto", choices=STANCES, help="stance of SCAN_B")
     parser.add_argument(
-        "--alike", action="store_true", help="with SCAN_B: bodies held alike instead of one body, as chests flatten"
+        "--alike",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="with SCAN_B: bodies held alike, as chests flatten; --no-alike: one body",
     )
     parser.add_argument("--preset", default="default", metavar="NAME", help="default, paper, or a TOML file")
     parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")

@@ -1,4 +1,4 @@
-"""One patient in two stances, fitted together: one body, two poses.
+"""One patient in two stances, fitted together: two poses of bodies that are held alike, or of one body.
 
 Each stance builds its matches and terms as in a fit of its own; their normal equations are added up in one
 system, and one damped Gauss-Newton step moves both.  Loop, stages, stop rule and priors are the single fit's (fit.py).
@@ -27,8 +27,8 @@ first four from standing to supine, where apart gave 7.5 / 8.4 (an earlier prese
 outline apart 11.1 / 11.8, all shapes of breast and thorax apart and soft shapes alike 7.8 / 8.6, scales apart and
 breast outline alike 8.1 / 8.8, everything alike to half a sigma 7.0 / 7.8, alike by the strain between the stances
 7.0 / 7.9; and where apart gave 7.0 / 8.2: body alike to 1 and soft to 0.5 sigma (ALIKE) 6.8 / 7.7, body to 0.5 and
-soft to 1 sigma 7.3 / 8.3, scales to 0.05 instead of 0.1 7.2 / 8.1.  What is left is sliding along the skin, which
-drawings/skin_map.py mends: 3.3 / 5.1 over the first four, whatever the coupling.
+soft to 1 sigma 7.3 / 8.3, scales to 0.05 instead of 0.1 7.2 / 8.1.  So ALIKE is the default.  What is left is sliding
+along the skin, which drawings/skin_map.py mends: 3.3 / 5.1 over the first four, whatever the coupling.
 """
 
 from collections.abc import Iterator, Sequence
@@ -270,7 +270,7 @@ class PairIterate:
     status: Status  # RUNNING on all but the last
 
 
-def fit_pair_iterates(first: FitTask, second: FitTask, coupling: Coupling = ONE_BODY) -> Iterator[PairIterate]:
+def fit_pair_iterates(first: FitTask, second: FitTask, coupling: Coupling = ALIKE) -> Iterator[PairIterate]:
     """Yields the start as iteration 0, then one iterate a step; the last one's status says why it stopped.
 
     Raises BadSettings when the tasks differ in model or preset.

@@ -1,4 +1,4 @@
-"""Two stances of one patient fitted together, with one body: as a stream of iterates, or at once."""
+"""Two stances of one patient fitted together, with bodies held alike: as a stream of iterates, or at once."""
 
 import json
 from collections.abc import Generator, Sequence
@@ -83,7 +83,7 @@ def pair_iterates(
     drawing: str | None = FIRST,
     tumours: Sequence[str] = (),
     refine: bool = True,
-    alike: bool = False,
+    alike: bool = True,
     model: Model = None,
 ) -> FitRun[tuple[Iterate, Iterate], FitPair]:
     """As `fit_pair`, as an iterator of two `Iterate`s at a time, each in its scan's unit and frame; see `iterates`."""
@@ -128,13 +128,14 @@ def fit_pair(
     drawing: str | None = FIRST,
     tumours: Sequence[str] = (),
     refine: bool = True,
-    alike: bool = False,
+    alike: bool = True,
     model: Model = None,
 ) -> FitPair:
     """Fits two scans of one patient in two stances together; each `Fit` is in its own scan's unit and frame.
 
-    Both share one body: the bones' scales and the body's shapes.  `alike=True` holds two bodies alike instead, as
-    chests flatten when lying.  The other arguments are those of `fit`; those called second_... are of the second scan,
+    Their bodies (the bones' scales, the shapes) are held alike, for chests flatten when lying.  `alike=False` gives
+    both one body instead, which is better only where the body keeps its shape (fitting/two_stances.py has figures).
+    The other arguments are those of `fit`; those called second_... are of the second scan,
     drawing, tumours, preset and model of both.  Nothing is written.
 
     Raises what `fit` raises, and BadScan when both scans are the same file.

@@ -12,7 +12,7 @@ from typing import Any
 from breastrig.core.errors import BadScan, BadSettings
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.fitting.picks.checked_fit import agreeing_picks
-from breastrig.fitting.two_stances import ONE_BODY, Coupling, SharedBody, fit_pair_iterates
+from breastrig.fitting.two_stances import ALIKE, Coupling, SharedBody, fit_pair_iterates
 from breastrig.rig.model import Rig
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Done, Event
@@ -73,7 +73,7 @@ def pair_steps(
 
 
 def run_pair(
-    first: FitJob, second: FitJob, pair_file: Path | None = None, coupling: Coupling = ONE_BODY
+    first: FitJob, second: FitJob, pair_file: Path | None = None, coupling: Coupling = ALIKE
 ) -> Generator[tuple[int, Event], None, None]:
     """(0 or 1 for the stance, its event): each stance's Started, Iterated …, Done; a BreastRigError ends both.
 

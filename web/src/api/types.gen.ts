@@ -274,7 +274,7 @@ export type FitRequest = {
   refine?: boolean;
   /** id of a fit of the same scan that is done: this one goes on from there, with its landmarks where they are now, in fewer iterations */
   start_from?: string | null;
-  /** another scan of the same patient: both are fitted together, sharing the body; preset, drawing and refine hold for both */
+  /** another scan of the same patient: both are fitted together, bodies held alike; preset, drawing and refine hold for both */
   with?: OtherStance | null;
 };
 

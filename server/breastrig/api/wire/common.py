@@ -219,7 +219,7 @@ class FitRequest(Wire):
     with_: "OtherStance | None" = Field(
         None,
         alias="with",
-        description="another scan of the same patient: both are fitted together, sharing the body; preset, drawing "
+        description="another scan of the same patient: both are fitted together, bodies held alike; preset, drawing "
         "and refine hold for both",
     )
 
