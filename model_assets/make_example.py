@@ -23,13 +23,13 @@ from virtual_patient.skin import SHEET, photographed, skin_colours
 from virtual_patient.true_landmarks import true_landmarks
 
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.evaluation.virtual.depth_camera import DepthCamera, View, look_at, take
-from breastrig.evaluation.virtual.depth_fusion import fuse, without_small_pieces
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rendering.picture import Layer, Line, Scene, camera, contact_sheet, save_png
+from breastrig_studies.virtual.depth_camera import DepthCamera, View, look_at, take
+from breastrig_studies.virtual.depth_fusion import fuse, without_small_pieces
 
 HERE = Path(__file__).resolve().parent
 Array = np.ndarray

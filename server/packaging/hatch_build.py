@@ -1,4 +1,4 @@
-"""The build hook of the wheel and the sdist: a complete BreastRig holds the page, the model, example and cohort.
+"""The build hook of the wheel and the sdist: a complete BreastRig holds the page, the model and the example.
 
 What is forced in, and why by hand: git ignores `web/dist`, so hatchling would drop it, and the others stand
 outside the package.  An editable install skips all of it (the service finds the folders of the checkout).
@@ -19,7 +19,6 @@ ASSETS = {
     "web/dist": ("web", "index.html"),
     "model_assets/built": ("model", "torso.glb"),
     "model_assets/example": ("example", "standing/scan.ply"),
-    "model_assets/cohort": ("cohort", "bodies.npz"),
 }
 
 

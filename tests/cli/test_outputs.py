@@ -16,10 +16,10 @@ from helpers.remembered_measures import measured_once
 from breastrig.cli import fit_command, landmarks_command, report_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
-from breastrig.evaluation.page import publish
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow import report
 from breastrig.workflow.folder.fit_files import FIT_FILES
+from breastrig_studies.page import publish
 
 EXAMPLE = asset_folder("example")
 PICKS = ["--landmarks", str(EXAMPLE / "standing" / "landmarks.json")]

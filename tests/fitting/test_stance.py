@@ -8,11 +8,6 @@ import pytest
 from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
-from breastrig.evaluation.virtual.bodies import VirtualBody
-from breastrig.evaluation.virtual.warped.arms import with_arms_along
-from breastrig.evaluation.virtual.warped.body import WarpedBody
-from breastrig.evaluation.virtual.warped.numbers import draw_numbers
-from breastrig.evaluation.virtual.warped.sources import read_sources
 from breastrig.fitting.fit import FitTask
 from breastrig.fitting.orientation import best_start
 from breastrig.fitting.prepare_scan import prepared
@@ -29,6 +24,11 @@ from breastrig.scan.clean import Surface, clean, compact
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.scan.orient import Frame, propose_frame, table_plane
 from breastrig.scan.read import read_scan
+from breastrig_studies.virtual.bodies import VirtualBody
+from breastrig_studies.virtual.warped.arms import with_arms_along
+from breastrig_studies.virtual.warped.body import WarpedBody
+from breastrig_studies.virtual.warped.numbers import draw_numbers
+from breastrig_studies.virtual.warped.sources import read_sources
 
 EXAMPLE = asset_folder("example")
 

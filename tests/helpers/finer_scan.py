@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from breastrig.evaluation.virtual.depth_camera import DepthCamera, look_at, take
-from breastrig.evaluation.virtual.depth_fusion import fuse, without_small_pieces
 from breastrig.scan.clean import clean
 from breastrig.scan.read import read_scan
+from breastrig_studies.virtual.depth_camera import DepthCamera, look_at, take
+from breastrig_studies.virtual.depth_fusion import fuse, without_small_pieces
 
 UP = np.array([0.0, 1.0, 0.0])  # case.json of the standing example
 HEIGHTS = (-0.25, -0.05, 0.15, 0.35, 0.55)  # m, of the camera over the middle of the scan

@@ -6,14 +6,14 @@ from functools import lru_cache
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.evaluation.virtual.bodies import Bodies, VirtualBody, read_bodies
-from breastrig.evaluation.virtual.painted.files import scan_zip
-from breastrig.evaluation.virtual.painted.make import PaintedScan, PaintedSkin, draw_skin, painted_scan
-from breastrig.evaluation.virtual.scan import SimulatedScan
 from breastrig.geometry.fields.level_sets import part_above
 from breastrig.scan.clean import compact
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
+from breastrig_studies.virtual.bodies import Bodies, VirtualBody, read_bodies
+from breastrig_studies.virtual.painted.files import scan_zip
+from breastrig_studies.virtual.painted.make import PaintedScan, PaintedSkin, draw_skin, painted_scan
+from breastrig_studies.virtual.scan import SimulatedScan
 
 NOISE = 0.0004  # m, of the scan
 

@@ -10,12 +10,11 @@ from virtual_patient.size import girth
 from virtual_patient.woman import AVERAGE, OLDEST, YOUNGEST, figure
 from virtual_patient.women import WOMEN
 
-from breastrig.core.assets import asset_folder
-from breastrig.evaluation.virtual.bodies import Bodies, VirtualBody, VirtualPatient, closed, read_bodies
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_normals, vertex_normals
 from breastrig.geometry.rays import RayCaster
 from breastrig.rig.validation.torso import LANDMARKS
+from breastrig_studies.virtual.bodies import Bodies, VirtualBody, VirtualPatient, closed, cohort_folder, read_bodies
 
 SKIN_TO_SKIN = 2e-4  # m, where a ray from the skin begins, so that it does not hit its own triangle
 
@@ -94,7 +93,7 @@ def test_the_tape_finds_the_band_on_the_stored_skin(bodies: Bodies) -> None:
 
 
 def test_the_files_are_small() -> None:
-    assert (asset_folder("cohort") / "bodies.npz").stat().st_size < 1_000_000
+    assert (cohort_folder() / "bodies.npz").stat().st_size < 1_000_000
 
 
 def each(bodies: Bodies) -> list[tuple[VirtualPatient, VirtualBody]]:
@@ -190,5 +189,5 @@ def test_a_lid_closes_every_opening_and_moves_no_skin(bodies: Bodies) -> None:
 def test_the_readme_names_the_files_that_are_there(model_assets: Path) -> None:
     said = (model_assets / "README.md").read_text("utf-8")
     for name in ("bodies.npz", "patients.json"):
-        found = hashlib.sha256((asset_folder("cohort") / name).read_bytes()).hexdigest()
+        found = hashlib.sha256((cohort_folder() / name).read_bytes()).hexdigest()
         assert f"| `cohort/{name}` | `{found}` |" in said

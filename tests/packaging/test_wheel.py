@@ -26,8 +26,6 @@ NEEDED = {
     "breastrig/assets/example/standing/landmarks.json",
     "breastrig/assets/example/supine/scan.ply",
     "breastrig/assets/example/supine/landmarks.json",
-    "breastrig/assets/cohort/bodies.npz",
-    "breastrig/assets/cohort/patients.json",
     "breastrig/fitting/presets/default.toml",
     "breastrig/fitting/presets/paper.toml",
     "breastrig/api/openapi.json",
@@ -63,6 +61,20 @@ def names_in_the_wheel(built: dict[str, Path]) -> list[str]:
 
 def test_the_wheel_holds_page_model_example_presets_and_api(names_in_the_wheel: list[str]) -> None:
     assert not NEEDED - set(names_in_the_wheel)
+
+
+def test_the_studies_have_a_wheel_of_their_own(repository: Path, tmp_path: Path) -> None:
+    """With the cohort; the program's wheel has neither."""
+    project = repository / "server/breastrig_studies"
+    subprocess.run(
+        [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", tmp_path, project],
+        check=True,
+        capture_output=True,
+    )
+    with zipfile.ZipFile(next(tmp_path.glob("breastrig_studies-*.whl"))) as wheel:
+        names = set(wheel.namelist())
+    held = {f"breastrig_studies/{file.relative_to(project).as_posix()}" for file in project.rglob("*.py")}
+    assert held | {"breastrig_studies/page/page.html", "breastrig_studies/assets/cohort/bodies.npz"} <= names
 
 
 def test_the_wheel_holds_each_file_once(names_in_the_wheel: list[str]) -> None:

@@ -10,8 +10,8 @@ from helpers.painted_body import PaintedBody, painted_body
 
 import breastrig
 from breastrig.core.errors import BadInput
-from breastrig.evaluation.virtual.painted.files import scan_zip
 from breastrig.report.areolae import SeenAreola, areolae_document, areolae_of
+from breastrig_studies.virtual.painted.files import scan_zip
 
 
 def disc(radius: float) -> np.ndarray:

@@ -6,8 +6,6 @@ from helpers.surfaces import plane, sphere
 
 from breastrig.core.assets import asset_folder
 from breastrig.core.stances import AUTO
-from breastrig.evaluation.virtual.bodies import read_bodies
-from breastrig.evaluation.virtual.scan import scan_body
 from breastrig.fitting.prepare_scan import PreparedScan, prepared
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_areas
@@ -16,6 +14,8 @@ from breastrig.scan.orient import propose_frame
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 from breastrig.scan.table import found_table
+from breastrig_studies.virtual.bodies import read_bodies
+from breastrig_studies.virtual.scan import scan_body
 
 Mesh = tuple[np.ndarray, np.ndarray]
 

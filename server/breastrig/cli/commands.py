@@ -1,4 +1,14 @@
-"""The commands and what each of them is for, in one line; nothing else is needed to list them."""
+"""The commands and what each of them is for, in one line; nothing else is needed to list them.
+
+Other packages add commands by the entry points `breastrig.commands`: modules with HELP, add_parser and run.
+"""
+
+from importlib.metadata import entry_points
+from typing import Any
+
+from breastrig.core.errors import BadInput
+
+GROUP = "breastrig.commands"
 
 COMMANDS = {
     "fit": "fit the model to one scan",
@@ -9,10 +19,25 @@ COMMANDS = {
     "landmarks": "propose the landmarks on one scan",
     "ink": "find lines that were drawn on the skin of one scan",
     "batch": "fit the model to many scans",
-    "evaluate": "measure the fit on a folder of patients",
     "model": "describe, check or build the model",
     "serve": "serve the page and the HTTP API",
     "worker": "carry out fits for a Dask scheduler",
     "config": "show the settings of the service",
     "purge": "delete stored scans and all that was made of them",
 }
+
+
+def further_commands() -> dict[str, str]:
+    """Those of other packages that are installed, with what each is for."""
+    return {each.name: f"of the package {each.module.partition('.')[0]}" for each in entry_points(group=GROUP)}
+
+
+def further_module(command: str) -> Any:
+    """The module of one of them; BadInput when the package that has it is not there."""
+    entry = next(iter(entry_points(group=GROUP, name=command)))
+    try:
+        return entry.load()
+    except ModuleNotFoundError as error:
+        raise BadInput(
+            f"`breastrig {command}` needs {error.name}, which is not installed: see server/ in its repository."
+        ) from error

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 
 from breastrig import __version__
 from breastrig.cli import interruption
-from breastrig.cli.commands import COMMANDS
+from breastrig.cli.commands import COMMANDS, further_commands, further_module
 from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.notice import LIMITS_OF_USE, RESEARCH_USE_ONLY
 from breastrig.core.private_files import shown
@@ -29,10 +29,12 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
     )
     root.add_argument("--version", action="version", version=f"BreastRig {__version__}. {RESEARCH_USE_ONLY}")
     parsers = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    if command is not None:
+    if command in COMMANDS:
         importlib.import_module(f"breastrig.cli.{command}_options").add_parser(parsers)
+    elif command is not None:
+        further_module(command).add_parser(parsers)
     else:
-        for name, what in COMMANDS.items():
+        for name, what in (COMMANDS | further_commands()).items():
             parsers.add_parser(name, help=what)
     return root
 
@@ -59,9 +61,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else arguments
     before = os.umask(0o077)  # results show patients: whatever a command writes is for its user alone
     try:
-        options = parser(words[0] if words and words[0] in COMMANDS else None).parse_args(words)
+        named = words[0] if words else ""
+        known = named in COMMANDS or (not named.startswith("-") and named in further_commands())
+        options = parser(named if known else None).parse_args(words)
         with _no_garbage(for_good=arguments is None):
-            command = importlib.import_module(f"breastrig.cli.{options.command}_command")
+            if options.command in COMMANDS:
+                command = importlib.import_module(f"breastrig.cli.{options.command}_command")
+            else:
+                command = further_module(options.command)
         interruption.work_begins()
         return int(command.run(options))
     except BreastRigError as error:

@@ -3,7 +3,6 @@
     name      wheel                        checkout
     model     breastrig/assets/model       model_assets/built
     example   breastrig/assets/example     model_assets/example
-    cohort    breastrig/assets/cohort      model_assets/cohort
     web       breastrig/assets/web         web/dist
 
 The wheel's folder wins where it is there; the checkout's path is returned otherwise, whether it is there or not,
@@ -17,12 +16,11 @@ PACKAGE = Path(__file__).resolve().parent.parent
 CHECKOUT = {
     "model": "model_assets/built",
     "example": "model_assets/example",
-    "cohort": "model_assets/cohort",
     "web": "web/dist",
 }
 
 
-def asset_folder(name: Literal["model", "example", "cohort", "web"]) -> Path:
+def asset_folder(name: Literal["model", "example", "web"]) -> Path:
     """The folder of that name; it may be missing when it has not been built."""
     packaged = PACKAGE / "assets" / name
     return packaged if packaged.is_dir() else PACKAGE.parent.parent / CHECKOUT[name]

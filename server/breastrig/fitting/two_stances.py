@@ -14,7 +14,7 @@ and muscle that lying down flattens and spreads can then differ a little.  Pose 
 "gravity" belong to each stance.
 
 Mean error in mm of points carried by the fitted models alone, there and back, over chest and breasts
-(evaluation/studies/two_stances.py; exact landmarks / landmarks clicked 5 mm off):
+(breastrig_studies/studies/two_stances.py; exact landmarks / landmarks clicked 5 mm off):
 
                                               apart         ONE_BODY       ALIKE
     two independent virtual patients          7.4 /  7.6    13.5 / 13.8    6.9 / 6.8

@@ -10,9 +10,6 @@ import pytest
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.evaluation.virtual.warped.body import warped_body
-from breastrig.evaluation.virtual.warped.numbers import Numbers
-from breastrig.evaluation.virtual.warped.sources import read_sources
 from breastrig.fitting.body.hanging import hanging_shifts
 from breastrig.fitting.body.hanging_start import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import FitIterate
@@ -38,6 +35,9 @@ from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
 from breastrig.scan.clean import Surface, compact
 from breastrig.scan.orient import Frame
+from breastrig_studies.virtual.warped.body import warped_body
+from breastrig_studies.virtual.warped.numbers import Numbers
+from breastrig_studies.virtual.warped.sources import read_sources
 
 FRONT = np.array([[0.0, 0.0, 1.0]])
 HANGING = replace(Numbers(), nipples_over_folds=(-0.04, -0.04))

@@ -7,12 +7,12 @@ import pytest
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.evaluation.hidden_skin import about_the_back, agreed_form, learnt
 from breastrig.fitting.body.hidden_skin import HiddenSkin, hidden_skin
 from breastrig.fitting.refine import refined
 from breastrig.geometry.normals import vertex_normals
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig_studies.hidden_skin import about_the_back, agreed_form, learnt
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,6 @@ import trimesh
 from breastrig.core.arrays import Array
 from breastrig.core.assets import asset_folder
 from breastrig.correspondence.target import ScanTarget
-from breastrig.evaluation.virtual.bodies import read_bodies
-from breastrig.evaluation.virtual.warped.mastectomy import breast_region, filled
 from breastrig.fitting.body.hollows import energy_without_hollows, hollow_terms
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.orientation import start_from_landmarks
@@ -32,6 +30,8 @@ from breastrig.rig.state import BodyState
 from breastrig.scan.clean import clean, compact
 from breastrig.scan.landmark_files import read_landmarks
 from breastrig.scan.read import read_scan
+from breastrig_studies.virtual.bodies import read_bodies
+from breastrig_studies.virtual.warped.mastectomy import breast_region, filled
 
 STANDING = asset_folder("example") / "standing"
 HOLLOWS = {"umbilicus", "suprasternal_notch", "inframammary_fold_L", "inframammary_fold_R"}

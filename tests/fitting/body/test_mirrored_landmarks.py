@@ -10,7 +10,6 @@ from helpers.example_patient import silent
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.landmarks import Landmarks
-from breastrig.evaluation.virtual.bodies import read_bodies
 from breastrig.fitting.body.mirrored_landmarks import MirroredLandmark, mirrored_landmarks, mirrored_terms
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.orientation import start_from_landmarks
@@ -25,6 +24,7 @@ from breastrig.rig.similarity import umeyama
 from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
 from breastrig.scan.clean import compact
+from breastrig_studies.virtual.bodies import read_bodies
 
 PICKED = ("suprasternal_notch", "xiphoid", "midclavicle_R", "acromion_L", "nipple_R", "inframammary_fold_L")
 PARTNERS = {"midclavicle_L", "acromion_R", "nipple_L", "inframammary_fold_R"}

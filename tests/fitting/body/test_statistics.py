@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from breastrig.evaluation.body_statistics import mirrored, statistics
-from breastrig.evaluation.studies.sensitivity import with_shapes
 from breastrig.fitting.body.statistics import body_statistics
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
+from breastrig_studies.body_statistics import mirrored, statistics
+from breastrig_studies.studies.sensitivity import with_shapes
 
 
 @pytest.fixture(scope="module")

@@ -7,13 +7,13 @@ import pytest
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.evaluation.trunk_depth import Body, learnt
 from breastrig.fitting.body.hidden_skin import hidden_skin
 from breastrig.fitting.body.trunk_depth import TrunkDepth, skin_behind, trunk_depth
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.plane import Plane
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig_studies.trunk_depth import Body, learnt
 
 FORWARD = np.array([0.0, 0.0, 1.0])
 

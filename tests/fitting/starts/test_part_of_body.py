@@ -5,7 +5,6 @@ import pytest
 
 from breastrig.core.arrays import Array, Booleans
 from breastrig.correspondence.target import ScanTarget
-from breastrig.evaluation.virtual.bodies import Bodies, VirtualBody, read_bodies
 from breastrig.fitting.fit import fit_iterates
 from breastrig.fitting.orientation import start_from_scan
 from breastrig.fitting.recipe import load_recipe
@@ -14,6 +13,7 @@ from breastrig.fitting.task import FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.skinning import pose
 from breastrig.scan.clean import compact
+from breastrig_studies.virtual.bodies import Bodies, VirtualBody, read_bodies
 
 FRONT = np.array([[0.0, 0.0, 1.0]])
 

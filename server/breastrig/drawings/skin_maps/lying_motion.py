@@ -2,7 +2,7 @@
 
 The arms go up and the breasts sink outwards in everybody, and where no landmark is picked (the outer side, the upper
 pole) nothing else tells.  The data are of virtual bodies whose skin is known in both stances, of two ways of computing
-how a body lies down (evaluation/lying_motion.py writes the file): no person's body is in them.  They stand at places of
+how a body lies down (breastrig_studies/lying_motion.py): no person's body is in them.  They stand at places of
 the torso's template, so that any number of vertices will do; rigs without such a file expect no motion.  All of these
 bodies lie with their arms out (54 to 79 degrees from the trunk); of women who lie with hanging arms nothing is known.
 """

@@ -2,7 +2,7 @@
 
 The front of a standing woman leaves the depth of her back open, and the model answers with what its scales and shapes
 have in common; where that is off in everybody, the layer over the model (fitting/refine.py) takes it up.  The data are
-of virtual bodies whose whole skin is known (evaluation/hidden_skin.py writes the file): no person's body is in them.
+of virtual bodies whose whole skin is known (breastrig_studies/hidden_skin.py): no person's body is in them.
 Mean / 95 % in mm over hidden skin, no landmark given, without it and with it:
 
                    choosing half               reporting half              dev bodies

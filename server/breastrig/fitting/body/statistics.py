@@ -1,7 +1,8 @@
 """Mean and covariance of bone scales and shape weights over bodies, kept as data beside this file.
 
-They are of virtual bodies whose whole skin is known, fitted with all of it (evaluation/body_statistics.py writes the
-file): no person's body, and no scan, is in them.  Rigs without such a file keep the two plain priors.
+They are of virtual bodies whose whole skin is known, fitted with all of it
+(breastrig_studies/body_statistics.py): no person's body, and no scan, is in them.  Rigs without such a file keep the
+two plain priors.
 """
 
 import json

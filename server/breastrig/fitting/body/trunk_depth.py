@@ -6,7 +6,7 @@ certain height times a slope of each place is added to what is expected of hidde
 down to the table.  Of trunks that are not so deep nothing is said: our ways of computing how bodies lie down disagree
 about which of them lie higher and which lower.  The landmarks and all that is seen stay where the fit has them.
 
-The data, beside this file, are of virtual bodies (evaluation/trunk_depth.py writes them): no person's body is in them.
+The data, beside this file, are of virtual bodies (breastrig_studies/trunk_depth.py): no person's body is in them.
 Mean / 95 % in mm over hidden skin of lying bodies, women alike, without it and with what the other women tell:
 
                             choosing half              reporting half             dev bodies

@@ -3,7 +3,7 @@
 Arms lie away from who lies and hang beside who stands, but a woman may lay them along her sides.  Her breasts say it
 then: they flatten and fall aside, so that nipples lie less far in front of the breastbone's end and farther from each
 other, measured by her breastbone.  That lying breasts are shown with less energy by the shapes of lying ones is the
-weakest sign, and its outliers are cut off.  The numbers are beside this file; evaluation/stance_signs.py finds them.
+weakest sign, and its outliers are cut off.  The numbers are beside this file; see breastrig_studies/stance_signs.py.
 
 Wrong answers, and of these those that are not said to be unsure, of warped bodies without their tables; before:
 arms and energy alone, and no word of doubt.  In the choosing half each source by the others:

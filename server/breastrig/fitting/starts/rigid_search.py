@@ -11,7 +11,7 @@ A scan that leaves much of the model without skin shows a part of a body: then t
 degrees wrong and the middle of the scan is not the body's, so tries are made to both sides too.  A scan that shows all
 sides has no known front; then all six directions of its axes are tried.
 
-Of 38 partial scans of warped bodies (evaluation/virtual/warped) the right place comes first in 36, turned at random.
+Of 38 partial scans of warped bodies the right place comes first in 36, turned at random.
 """
 
 from dataclasses import dataclass

@@ -1,0 +1,105 @@
+"""What an evaluation leaves behind: CSV tables, figures as PNG, one page that shows both, and a record."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+from breastrig import __version__
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.gltf.read_rig import read_rig
+from breastrig_studies.evaluate import WORK, Results, all_tables
+from breastrig_studies.page.charts import DARK, LIGHT, as_png, have_plots
+from breastrig_studies.page.figures import all_figures
+from breastrig_studies.page.ink_section import ink_pictures
+from breastrig_studies.page.page import Circumstances, page
+from breastrig_studies.page.pictures import fit_pictures
+from breastrig_studies.page.study_sections import all_sections
+from breastrig_studies.page.unseen_sections import unseen_pictures
+
+NO_PLOTS = "The figures need matplotlib: pip install breastrig[plots]; tables and page are written without them."
+TABLES = (
+    "table1",
+    "refined",
+    "presets",
+    "landmarks",
+    "turns",
+    "clicks",
+    "wrong_picks",
+    "blendshapes",
+    "blendshape_order",
+    "compliances",
+    "peers",
+    "two_stances",
+    "transfer",
+    "transfer_lines",
+    "other_patient",
+    "unseen",
+    "certainty",
+    "reliability",
+    "believed",
+    "measures",
+    "ptosis",
+    "verdicts",
+    "colour_landmarks",
+    "areolae",
+    "ink",
+    "ink_transfer",
+    "failures",
+)
+PAGE, RECORD, SCHEMA = "index.html", "evaluation.json", "breastrig/evaluation@1"
+
+
+def possible_files(folder: Path) -> tuple[str, ...]:
+    """What `published` may write into the folder, as far as it can be known before: figures that are there count."""
+    figures = sorted(f"figures/{file.name}" for file in (folder / "figures").glob("*.png"))
+    return (*(f"{name}.csv" for name in TABLES), *figures, PAGE, RECORD)
+
+
+def is_of_an_evaluation(folder: Path) -> bool:
+    """Whether an evaluation of a version that kept no record was made there: then its answers are still there."""
+    for file in (folder / WORK).glob("*.json"):
+        try:
+            kept = json.loads(file.read_bytes())
+        except (OSError, ValueError):
+            continue
+        return isinstance(kept, dict) and {"question", "answer", "failed"} <= set(kept)
+    return False
+
+
+def published(results: Results, about: Circumstances, folder: Path, progress: Callable[[str], None]) -> list[Path]:
+    """Writes everything into the empty folder and returns the files; `progress` is called with what is being made."""
+    rig = read_rig(results.plan.model)
+    tables = {table.name: table for table in all_tables(results)}
+    files = []
+
+    def write(name: str, data: bytes) -> None:
+        file = folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(data)
+        files.append(file)
+
+    for table in tables.values():
+        write(f"{table.name}.csv", table.csv().encode())
+    figures = {}
+    for name, chart in all_figures(results, tables).items() if have_plots() else ():
+        progress(f"figure {name}")
+        figures[name] = (as_png(chart, LIGHT), as_png(chart, DARK))
+        write(f"figures/{name}.png", figures[name][0])
+    if "unseen" in tables:
+        progress("pictures of cut scans")
+        for name, png in unseen_pictures(results.records, rig, results.plan.recipes[0].name).items():
+            figures[name] = (png, png)
+            write(f"figures/{name}.png", png)
+    if "ink" in tables:
+        progress("pictures of ink")
+        for name, png in ink_pictures(results.records).items():
+            figures[name] = (png, png)
+            write(f"figures/{name}.png", png)
+    pictures = fit_pictures(results.records, rig, results.plan.recipes[0].name, progress)
+    for picture in pictures:
+        write(f"figures/fit_{picture.family}_{picture.place}.png", picture.png)
+    html = page(results, rig, about, all_sections(results, tables), tables, figures, pictures)
+    write(PAGE, html.encode())
+    record = {"schema": SCHEMA, "notice": LIMITS_OF_USE, "breastrig": __version__, "command": about.command}
+    write(RECORD, (json.dumps(record, indent=1) + "\n").encode())
+    return files

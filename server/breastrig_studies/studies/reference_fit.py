@@ -1,0 +1,45 @@
+"""Where each model vertex truly is: the model fitted to a case's whole true surface, with all true landmarks.
+
+It is no measurement of the program, which never sees that surface, but what unseen parts, and the statistics of
+bodies, are compared with: its skin lies on the true one, and along the skin it is as good as landmarks and shapes are.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from breastrig.core.arrays import Array
+from breastrig.correspondence.target import ScanTarget
+from breastrig.fitting.fit import FitTask
+from breastrig.fitting.picks.checked_fit import checked_iterates
+from breastrig.fitting.recipe import Recipe
+from breastrig.fitting.refine import refined
+from breastrig.rig.model import Rig
+from breastrig.rig.parameters import RigParameters
+from breastrig.rig.skinning import pose
+from breastrig_studies.studies.case import Scene, ready
+
+SIGMA = 0.002  # m; a true surface has no noise, only what the model cannot show
+REACH = 0.03  # m; nothing else is near, so the back may be far at first
+
+
+@dataclass(frozen=True, eq=False)
+class ReferenceFit:
+    """In the scan's frame (m)."""
+
+    parameters: RigParameters
+    vertices: Array  # (V, 3), moved onto the true skin
+
+
+def reference_fit(scene: Scene, rig: Rig, recipe: Recipe) -> ReferenceFit | None:
+    """None where no true surface is known."""
+    if scene.truth is None:
+        return None
+    target = ready(ScanTarget(scene.truth.vertices, np.asarray(scene.truth.triangles)))
+    close = {"data_sigma": (SIGMA, SIGMA), "max_distance": (REACH, REACH)}
+    stages = (*recipe.stages[:-1], recipe.stages[-1].model_copy(update=close))
+    start = scene.start(rig, scene.landmarks)
+    known = recipe.model_copy(update={"stages": stages, "body": None})  # what is learnt from it must not be in it
+    *_, last = checked_iterates(FitTask(rig, target, start, known, scene.landmarks, scene.case.stance))
+    vertices = refined(target, pose(rig, last.parameters), rig.faces).vertices
+    return ReferenceFit(last.parameters, vertices)

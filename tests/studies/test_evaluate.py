@@ -1,0 +1,344 @@
+"""`breastrig evaluate`: what is measured is kept, resumed, measured anew when its input changes, and tabulated."""
+
+import csv
+import html
+import json
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from functools import partial, wraps
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from helpers.cohort import FEW, write_patient
+from PIL import Image
+
+from breastrig.cli.main import main
+from breastrig.fitting.recipe import load_recipe
+from breastrig.geometry.normals import vertex_normals
+from breastrig.gltf.read_rig import default_rig_path
+from breastrig.rig.model import Rig
+from breastrig.scan.landmark_files import read_landmarks
+from breastrig_studies import command as evaluate_command
+from breastrig_studies.cohort import Case, read_cohort
+from breastrig_studies.page import publish
+from breastrig_studies.page.pictures import signed_distances_mm
+from breastrig_studies.studies import accuracy, landmarks, plan
+from breastrig_studies.studies import result_cache as work
+from breastrig_studies.studies.case import read_scene
+from breastrig_studies.studies.sensitivity import TERMS
+from breastrig_studies.tables import studies
+
+WHOLE = ["--rotations", "0", "--jobs", "1", "--preset", "default"]
+QUICK = ["--quick", "--rotations", "1", "--jobs", "1", "--preset", "default"]
+FACTORS = (0.01, 1.0, 100.0)
+MEASURED = ("accuracy", "random_turns")  # by the tests of --quick; the other answers are stood in for
+
+
+@pytest.fixture(scope="module", autouse=True)
+def fewer_fits() -> Iterator[None]:
+    """Larger steps, fewer clickings, a free-form peer that stops early: the same questions, in a third of the time."""
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plan, "COUNT_STEP", 28)
+        for module in (plan, studies):
+            patch.setattr(module, "FACTORS", FACTORS)
+        patch.setattr(landmarks, "CLICKERS", 2)
+        patch.setattr(accuracy, "REPEATS", 1)
+        free_form = partial(trimesh.registration.nricp_amberg, steps=[[0.01, 10, 0.5, 2], [0.01, 0, 0.0, 2]])
+        patch.setattr(trimesh.registration, "nricp_amberg", free_form)
+        yield
+
+
+def rows(file: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(file.read_text().splitlines()))
+
+
+def kept(out: Path) -> dict[str, dict[str, Any]]:
+    return {file.name: json.loads(file.read_text()) for file in (out / "work").glob("*.json")}
+
+
+@pytest.fixture
+def tables_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No figures and pictures, which other tests look at."""
+    monkeypatch.setattr(publish, "have_plots", lambda: False)
+    monkeypatch.setattr(publish, "fit_pictures", lambda *_: [])
+
+
+@pytest.fixture
+def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The labels of the units that are really measured."""
+    labels: list[str] = []
+    original = work.answered
+
+    def counting(unit: work.Unit) -> dict[str, Any]:
+        labels.append(unit.label)
+        return original(unit)
+
+    monkeypatch.setattr(work, "answered", counting)
+    return labels
+
+
+StandIn = Callable[[str, dict[str, Any]], None]
+
+
+@pytest.fixture
+def stand_in(whole: Path, monkeypatch: pytest.MonkeyPatch) -> StandIn:
+    """Gives questions an answer without measuring; at first all but MEASURED have the answers of another patient."""
+
+    def stand_in(question: str, answer: dict[str, Any]) -> None:
+        @wraps(work.ANSWERS[question])
+        def answering(cases: tuple[Case, ...], *_: Any, **__: Any) -> dict[str, Any]:
+            read_scene(cases[0])  # a scan that cannot be read fails as ever
+            return answer
+
+        monkeypatch.setitem(work.ANSWERS, question, answering)
+
+    for record in kept(whole).values():
+        if record["question"] not in MEASURED:
+            stand_in(record["question"], record["answer"])
+    return stand_in
+
+
+@pytest.mark.usefixtures("tables_only")
+def test_finished_work_is_kept_and_a_changed_input_is_measured_anew(
+    cohort: Path, tmp_path: Path, counted: list[str], stand_in: StandIn, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    command = ["evaluate", str(cohort), *QUICK, "-o", str(out)]
+    assert main(command) == 0
+    assert "MakeHuman, supine" in capsys.readouterr().out
+    questions = {"accuracy", "halves", "no_landmarks", "clicks", "one_wrong", "exchanged_sides", "random_turns"}
+    assert sorted(counted) == sorted(f"patient_x-{s}-{q}" for s in ("standing", "supine") for q in questions)
+    first = kept(out)
+    tables = {file.name: file.read_text() for file in out.glob("*.csv")}
+
+    counted.clear()  # nothing changed: nothing is fitted, everything is the same
+    assert main(command) == 0
+    assert counted == []
+    assert kept(out) == first
+    assert {file.name: file.read_text() for file in out.glob("*.csv")} == tables
+
+    next((out / "work").glob("*standing-halves*")).write_text('{"half')  # as after a crash: only this one is missing
+    assert main(command) == 0
+    assert counted == ["patient_x-standing-halves"]
+    assert kept(out) == first
+
+    known = {(r["case"], r["question"]): r["answer"] for r in first.values()}
+    stand_in("random_turns", known["supine", "random_turns"])
+    stand_in("halves", known["supine", "halves"] | {"landmarks_mm": 1.0 + known["supine", "halves"]["landmarks_mm"]})
+    counted.clear()  # another landmark: all of that case, and nothing of the other
+    landmarks = json.loads((cohort / "patient_x/supine/landmarks.json").read_text())
+    landmarks["landmarks"]["umbilicus"][1] += 0.002
+    (cohort / "patient_x/supine/landmarks.json").write_text(json.dumps(landmarks))
+    assert main(command) == 0
+    assert sorted(counted) == sorted(f"patient_x-supine-{question}" for question in questions)
+
+    anew = [record for name, record in kept(out).items() if name not in first]
+    numbers = known | {(r["case"], r["question"]): r["answer"] for r in anew}
+    for row in rows(out / "table1.csv"):
+        if row["note"] != "mean":
+            answer = numbers[row["setting"], "accuracy"]
+            assert float(row["truth_mean_mm"]) == pytest.approx(answer["truth_mm"]["mean"], rel=1e-4)
+            assert float(row["landmarks_max_mm"]) == pytest.approx(answer["landmark_mm"]["max"], rel=1e-4)
+            assert float(row["surface_mean_mm"]) < 1.0  # the model's own shape
+    for row in rows(out / "landmarks.csv"):
+        if row["note"] != "mean":
+            expected = numbers[row["setting"], "halves"]["landmarks_mm"]
+            assert float(row["half_given_landmarks_mm"]) == pytest.approx(expected, rel=1e-4)
+    means = [row for row in rows(out / "turns.csv") if row["note"] == "mean"]
+    assert {(row["setting"], row["scan"]) for row in means} == {
+        ("standing", "as scanned"),
+        ("supine", "as scanned"),
+        ("supine", "without table"),
+    }
+
+
+@pytest.mark.usefixtures("tables_only")
+def test_a_failed_fit_is_told_and_the_others_go_on(
+    whole: Path, cohort: Path, tmp_path: Path, stand_in: StandIn
+) -> None:
+    (measured,) = (r["answer"] for r in kept(whole).values() if r["question"] == "accuracy")
+    stand_in("accuracy", measured)
+    place = cohort / "patient_x" / "supine"
+    (place / "scan.ply").write_text("ply\nformat ascii 1.0\nend_header\n")  # nothing in it
+    out = tmp_path / "out"
+    assert main(["evaluate", str(cohort), *QUICK, "--rotations", "0", "-o", str(out)]) == 0
+    by_setting = {row["setting"]: row for row in rows(out / "table1.csv") if row["note"] != "mean"}
+    assert float(by_setting["standing"]["truth_mean_mm"]) == pytest.approx(measured["truth_mm"]["mean"], rel=1e-4)
+    assert by_setting["supine"]["truth_mean_mm"] == ""
+    sentence = by_setting["supine"]["note"]
+    assert sentence.endswith(".")
+    assert {row["sentence"] for row in rows(out / "failures.csv")} == {sentence}
+    assert len(rows(out / "failures.csv")) == 6  # questions
+    failed = [record for record in kept(out).values() if record["failed"]]
+    assert {record["case"] for record in failed} == {"supine"}
+    assert sentence in html.unescape((out / "index.html").read_text())
+
+    (cohort / "patient_x" / "standing" / "scan.ply").write_text((place / "scan.ply").read_text())  # now all fail
+    assert main(["evaluate", str(cohort), *QUICK, "--rotations", "0", "-o", str(out)]) == 0
+    assert {row["truth_mean_mm"] for row in rows(out / "table1.csv")} == {""}
+    assert "12 fits were not possible" in (out / "index.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere"], "holds no scans"),
+        ([], "COHORT"),
+        (["nowhere", "--virtual"], "not both"),
+        (["nowhere", "--painted"], "--painted alone"),
+        (["--painted", "--warped", "3"], "--painted alone"),
+        (["--virtual", "--half", "choose"], "--half"),
+        (["--virtual", "--hanging", "1"], "--hanging is a share"),
+        (["--warped", "1", "--hanging", "2"], "--hanging is a share"),
+        (["nowhere", "--preset", "fast"], "fast"),
+        (["nowhere", "--jobs", "0"], "--jobs"),
+        (["nowhere", "--rotations", "-1"], "--rotations"),
+        (["nowhere", "--preset", "default", "--preset", "default"], "same name"),
+    ],
+)
+def test_bad_input_is_one_sentence(
+    arguments: list[str], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = [str(tmp_path / word) if word == "nowhere" else word for word in arguments]
+    assert main(["evaluate", *asked, "-o", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+
+
+def test_a_pick_along_the_skin_is_on_the_skin_and_as_far_as_asked(cohort: Path, rng: np.random.Generator) -> None:
+    scene = read_scene(read_cohort(cohort)[0])
+    for name in read_landmarks(cohort / "patient_x/standing/landmarks.json")[0]:
+        moved = scene.along_the_skin(scene.landmarks[name], 0.005, rng)
+        assert scene.target.search.query(moved[None]).distances[0] < 1e-6
+        assert np.linalg.norm(moved - scene.landmarks[name]) == pytest.approx(0.005, abs=0.001)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory, rig: Rig) -> Path:
+    """A run with all studies on one scan, and its folder."""
+    folder = tmp_path_factory.mktemp("whole")
+    write_patient(folder / "cohort" / "patient_y", rig, 2, "somebody else's", stances=("standing",), names=FEW)
+    assert main(["evaluate", str(folder / "cohort"), *WHOLE, "-o", str(folder / "out")]) == 0
+    return folder / "out"
+
+
+def test_the_page_stands_alone_and_answers_every_question(whole: Path) -> None:
+    page = (whole / "index.html").read_text()
+    words = re.sub(r'"data:[^"]*"', '""', page)
+    for word in ("Virtual patients", "Research use only", "Independent bodies", "breastrig evaluate cohort"):
+        assert word in page
+    assert "MakeHuman bodies" not in page  # none are in this cohort
+    anchors = ("surface", "pictures", "landmarks", "clicks", "wrong-picks", "blendshapes", "compliances", "presets")
+    for anchor in (*anchors, "peers", "unseen", "refined", "failures"):
+        assert f'<section id="{anchor}">' in page
+        assert f'href="#{anchor}"' in page
+    assert "<script" not in page
+    assert "http" not in words
+    addresses = re.findall(r'(?:src|srcset|href)="([^"]*)"', page)
+    assert len(addresses) > 20
+    assert all(address.startswith(("data:image/", "#")) for address in addresses)
+    assert str(whole.parent) not in words  # a page that is handed on tells no paths
+    assert not re.search(r"\b(None|nan|inf)\b", words)
+
+
+def test_the_tables_of_the_studies_hold_what_was_measured(whole: Path) -> None:
+    found = list(kept(whole).values())
+    compliances = {
+        (row["compliance"], float(row["factor"])): float(row["surface_mm"]) for row in rows(whole / "compliances.csv")
+    }
+    for record in (record for record in found if record["question"] == "compliance"):
+        term, factor = record["settings"]["term"], record["settings"]["factor"]
+        terms = {name for name, _ in compliances} if factor == 1.0 else {term}
+        for name in terms:
+            assert compliances[name, factor] == pytest.approx(record["answer"]["surface_mm"], rel=1e-4)
+    assert len(compliances) == len(FACTORS) * len(TERMS)
+
+    shapes = {(row["order"], int(row["shapes"])): row for row in rows(whole / "blendshapes.csv")}
+    assert [count for order, count in shapes if order == "rig"] == [0, 28, 55]
+    by_count = {len(r["settings"]["names"]): r["answer"] for r in found if r["question"] == "shape_count"}
+    for order in ("rig", "usefulness"):
+        for count in (0, 55):  # the same shapes in both orders
+            assert float(shapes[order, count]["surface_mm"]) == pytest.approx(by_count[count]["surface_mm"], rel=1e-4)
+    assert by_count[55]["surface_mm"] < by_count[0]["surface_mm"]  # the scan was made with them
+    order = rows(whole / "blendshape_order.csv")
+    moved = [float(row["standing_moved_mm"]) for row in order]
+    assert moved == sorted(moved, reverse=True)
+    assert len({row["standing_shape"] for row in order}) == 55
+
+    methods = {row["method"]: row for row in rows(whole / "peers.csv")}
+    assert set(methods) == {"BreastRig, default", "rigid closest points", "free-form (nricp_amberg)"}
+    surfaces = {method: float(row["surface_mm"]) for method, row in methods.items()}
+    assert surfaces["BreastRig, default"] < surfaces["rigid closest points"]
+
+
+def test_figures_are_pictures_in_two_looks(whole: Path) -> None:
+    names = {file.stem for file in (whole / "figures").glob("*.png")}
+    assert names >= {"table1", "landmarks", "clicks", "wrong_picks", "blendshapes", "compliances_default", "peers"}
+    assert "fit_independent_best" in names
+    with Image.open(whole / "figures" / "fit_independent_best.png") as picture:
+        colours = np.asarray(picture.convert("RGB"), dtype=float)
+    assert colours.shape[1] > 1000
+    warmth = colours[..., 0] - colours[..., 2]
+    for shown in (warmth > 30, warmth < -30):  # orange and blue, each in its half of the colour bar
+        assert shown.mean() > 0.003  # this model is all but on its scan, and the bar is pale up to 2 mm
+    page = (whole / "index.html").read_text()
+    charts = [name for name in names if not name.startswith("fit_")]
+    assert page.count('(prefers-color-scheme: dark)"><img') == len(charts)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "hanging"),
+    [(None, None), ({}, None), ({"nipples_over_folds": None}, False), ({"nipples_over_folds": [0, 0]}, True)],
+)
+def test_of_warped_bodies_it_is_known_whether_their_breasts_hang(
+    cohort: Path, numbers: dict[str, Any] | None, hanging: bool | None
+) -> None:
+    about = {"family": "makehuman"} | ({} if numbers is None else {"numbers": numbers})
+    (cohort / "patient_x" / "patient.json").write_text(json.dumps(about))
+    assert {case.hanging for case in read_cohort(cohort)} == {hanging}
+
+
+def test_signed_distances_tell_outside_from_inside(cohort: Path, rig: Rig) -> None:
+    scene = read_scene(read_cohort(cohort)[0])
+    assert scene.truth is not None
+    skin = scene.truth.vertices  # a vertex for each of the model's
+    normals = vertex_normals(skin, rig.faces)
+    for moved_mm in (2.0, -2.0):
+        found = signed_distances_mm(scene, rig, skin + 1e-3 * moved_mm * normals)
+        assert np.nanmedian(found) == pytest.approx(moved_mm, abs=0.05)
+
+
+def test_without_matplotlib_tables_and_page_are_still_written(
+    whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = shutil.copytree(whole, tmp_path / "out")  # its answers hold for the same files in any folder
+    for module in (publish, evaluate_command):
+        monkeypatch.setattr(module, "have_plots", lambda: False)
+    assert main(["evaluate", str(whole.parent / "cohort"), *WHOLE, "-o", str(out)]) == 0
+    assert "pip install breastrig[plots]" in capsys.readouterr().err
+    assert kept(out) == kept(whole)
+    assert {file.name: file.read_text() for file in out.glob("*.csv")} == {
+        file.name: file.read_text() for file in whole.glob("*.csv")
+    }
+    assert {file.stem for file in (out / "figures").glob("*.png")} == {"fit_independent_best"}
+    assert "<picture>" not in (out / "index.html").read_text()
+
+
+def test_worker_processes_give_the_same_answers(cohort: Path, tmp_path: Path) -> None:
+    case = read_cohort(cohort)[0]
+    units = [
+        work.Unit((case,), "compliance", load_recipe("default"), default_rig_path(), {"term": "data", "factor": factor})
+        for factor in (1.0, 100.0)
+    ]
+    told: list[str] = []
+    alone = work.records(units, tmp_path / "alone", 1, False, told.append)
+    together = work.records(units, tmp_path / "together", 2, False, told.append)
+    assert [record.answer for record in together] == [record.answer for record in alone]
+    assert alone[1].answer["surface_mm"] > alone[0].answer["surface_mm"]  # the data counted for less
+    assert told == 4 * ["patient_x-standing-compliance"]

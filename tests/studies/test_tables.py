@@ -1,0 +1,158 @@
+"""Tables: families and stances apart, means without what failed or is not known, the same numbers in file and page."""
+
+import csv
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from breastrig.fitting.recipe import load_recipe
+from breastrig.gltf.read_rig import default_rig_path
+from breastrig.rig.model import Rig
+from breastrig_studies.cohort import Case
+from breastrig_studies.evaluate import Results, possible_tables
+from breastrig_studies.page.publish import TABLES
+from breastrig_studies.studies.plan import Plan, counts, first_shapes, shape_effects
+from breastrig_studies.studies.result_cache import Record, Unit
+from breastrig_studies.tables.accuracy import console, groups, landmarks_table, turn_numbers, turns_table
+from breastrig_studies.tables.breasts import by_breasts, of_all
+from breastrig_studies.tables.certainty import believed_table, certainty_table
+from breastrig_studies.tables.table import Column, Row, Table, mean_row
+from breastrig_studies.tables.verdicts import verdicts_table
+
+
+def record(
+    family: str,
+    name: str,
+    answer: dict[str, Any],
+    failed: str | None = None,
+    question: str = "random_turns",
+    hanging: bool | None = None,
+) -> Record:
+    stance = name.partition("_")[0]
+    case = Case("p", name, stance, family, "m", Path(f"/{family}/{name}"), hanging)
+    return Record(Unit((case,), question, load_recipe("default"), Path("rig.glb")), answer, failed)
+
+
+def test_families_and_kinds_of_lying_stay_apart() -> None:
+    records = [
+        record("makehuman", "standing", {}),
+        record("makehuman", "supine", {}),
+        record("independent", "supine_physics", {}),
+        record("independent", "supine", {}),
+    ]
+    assert [(family, setting) for family, setting, _ in groups(records)] == [
+        ("independent", "supine"),
+        ("independent", "supine_physics"),
+        ("makehuman", "standing"),
+        ("makehuman", "supine"),
+    ]
+
+
+def test_a_mean_leaves_out_what_failed_and_what_is_not_known() -> None:
+    rows = [Row(("a", 1.0, None)), Row(("b", 3.0, 5.0)), Row(("c", None, None), note="It failed.")]
+    assert mean_row(("mean",), rows).cells == ("mean", 2.0, 5.0)
+    table = Table("t", "", (Column("who", key=True), Column("x", digits=1), Column("y")), rows)
+    written = list(csv.reader(table.csv().splitlines()))
+    assert written[1:] == [["a", "1", "", ""], ["b", "3", "5", ""], ["c", "", "", "It failed."]]
+    assert table.shown(rows[0]) == [("a", False), ("1.0", True), ("–", True)]
+
+
+def test_wrong_turns_are_counted_one_by_one() -> None:
+    def trial(**wrong: bool) -> dict[str, Any]:
+        right = {"up": False, "facing": False, "sides": False}
+        numbers = {"surface_mm": 1.0, "truth_mm": None, "landmarks_mm": 10.0}
+        return right | wrong | numbers | {"variant": "as_scanned", "failed": None, "stance": "standing"}
+
+    failed = {"variant": "as_scanned", "failed": "No skin."}
+    trials = [trial(), trial(up=True, sides=True), trial(facing=True), failed]
+    assert turn_numbers(trials, "supine") == [4, 1, 1, 1, 1, 3, 1.0, None, 10.0]
+    table = turns_table(
+        [record("independent", "supine", {"trials": trials}), record("makehuman", "standing", {}, "Bad.")]
+    )
+    assert [row.note for row in table.rows] == ["", "", "Bad.", ""]
+    assert table.rows[1].mean
+    assert table.rows[1].cells[4:] == table.rows[0].cells[4:]
+
+
+def test_tables_are_split_by_whether_breasts_hang() -> None:
+    def believed(picks: int, unusual: int) -> dict[str, Any]:
+        return {
+            "exact": {"picks": picks, "dropped": 0, "unusual": unusual, "landmarks": {"nipple": [1, 2]}, "skin": {}}
+        }
+
+    def of(hanging: bool | None, *numbers: int, failed: str | None = None) -> Record:
+        return record("makehuman", "standing", believed(*numbers), failed, "certainty", hanging)
+
+    records = [of(True, 10, 3), of(False, 20, 1), of(False, 5, 0), of(True, 7, 7, failed="No skin."), of(None, 1, 0)]
+    split = by_breasts(believed_table, records)
+    assert [column.name for column in split.columns] == ["breasts", "family", "kind", "picks", "dropped", "unusual"]
+    numbers = [(row.cells[0], *row.cells[3:]) for row in split.rows]
+    assert numbers == [("all", 36, 0, 4), ("hanging", 10, 0, 3), ("not hanging", 25, 0, 1)]
+    assert of_all(split) == believed_table(records)
+    assert [row.cells[:4] for row in by_breasts(certainty_table, records).rows] == [
+        *(
+            (breasts, "landmark", place, n)
+            for breasts, n in (("all", 8), ("hanging", 2), ("not hanging", 4))
+            for place in ("all", "nipple")
+        ),
+    ]
+
+
+def test_where_nobody_says_whether_breasts_hang_a_table_stays_as_it_is() -> None:
+    records = [record("makehuman", "standing", {"fits": {"none": {"error_mm": 1.0, "level": "good"}}, "whole": True})]
+    for each in (records, [replace(r, unit=replace(r.unit, question="verdicts")) for r in records]):
+        assert by_breasts(verdicts_table, each) == verdicts_table(each)
+        assert of_all(verdicts_table(each)) == verdicts_table(each)
+
+
+def test_of_landmarks_only_the_means_are_split_and_the_terminal_shows_them() -> None:
+    def fits(name: str, landmarks: float, hanging: bool | None) -> list[Record]:
+        three = {"surface_mm": {"mean": 1.0}, "landmark_mm": {"mean": landmarks}, "truth_mm": {"mean": None}}
+        two = {"surface_mm": 2.0, "landmarks_mm": 3.0 * landmarks, "truth_mm": None}
+        answers = {"accuracy": three, "halves": {"landmarks_mm": 2.0 * landmarks}, "no_landmarks": two}
+        return [record("independent", name, answer, None, q, hanging) for q, answer in answers.items()]
+
+    records = [*fits("standing", 2.0, True), *fits("supine", 4.0, False), *fits("supine", 6.0, True)]
+    table = by_breasts(partial(landmarks_table, preset="default"), records, means=True)
+    place = [column.name for column in table.columns].index("all_given_landmarks_mm")
+    assert [(row.cells[0], row.cells[2], row.mean, row.cells[place]) for row in table.rows] == [
+        ("all", "standing", False, 2.0),
+        ("all", "standing", True, 2.0),
+        ("all", "supine", False, 4.0),
+        ("all", "supine", False, 6.0),
+        ("all", "supine", True, 5.0),
+        ("hanging", "standing", True, 2.0),
+        ("hanging", "supine", True, 6.0),
+        ("not hanging", "supine", True, 4.0),
+    ]
+    lines = [line.split() for line in console(records, "default").splitlines()]
+    assert ["independent,", "supine,", "hanging", "1.00", "-", "6.00", "12.00", "18.00"] in lines
+    assert ["independent,", "supine", "1.00", "-", "5.00", "10.00", "15.00"] in lines
+    unknown = [replace(r, unit=replace(r.unit, cases=(replace(r.case, hanging=None),))) for r in records]
+    assert "hanging" not in console(unknown, "default")
+
+
+def test_useful_shapes_come_first_and_every_count_has_as_many(rig: Rig) -> None:
+    names = rig.shape_names
+    effect = {name: float(k % 7) for k, name in enumerate(names)}
+    other = dict.fromkeys(names, 0.0) | {names[3]: 14.0}
+    fits = [
+        record("makehuman", "supine", {"shape_effect_mm": effects}, None, "accuracy") for effects in (effect, other)
+    ]
+    useful = shape_effects(fits, rig)["supine"]
+    assert next(iter(useful)) == names[3]
+    assert useful[names[3]] == pytest.approx((3.0 + 14.0) / 2)
+    for count in counts(len(names)):
+        for order in ("usefulness", "rig"):
+            assert len(first_shapes(rig, list(useful), order, count)) == count
+    assert first_shapes(rig, list(useful), "rig", 5) == names[:5]
+    assert first_shapes(rig, list(useful), "usefulness", 1) == (names[3],)
+
+
+def test_an_evaluation_knows_each_of_its_tables_as_a_file_of_its_own() -> None:
+    plan = Plan((), (load_recipe("default"),), default_rig_path(), rotations=1, quick=False)
+    made = [table.name for table in possible_tables(Results(plan, [], {}))]
+    assert sorted(made) == sorted({*TABLES} - {"blendshape_order"})  # that one only where the plan has a scan

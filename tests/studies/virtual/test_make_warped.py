@@ -1,0 +1,146 @@
+"""Warped bodies as files: read as a cohort, byte for byte the same again, independent of each other, parts cut."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from breastrig.cli.main import main
+from breastrig.core.errors import BadInput
+from breastrig_studies.cohort import read_cohort
+from breastrig_studies.virtual.bodies import VirtualBody
+from breastrig_studies.virtual.case_files import write_case, write_json
+from breastrig_studies.virtual.scan import SimulatedScan
+from breastrig_studies.virtual.warped import captures as captures_module
+from breastrig_studies.virtual.warped import make as make_module
+from breastrig_studies.virtual.warped import make_warped
+from breastrig_studies.virtual.warped.captures import scan_captured
+from breastrig_studies.virtual.warped.make import names_of
+from breastrig_studies.virtual.warped.sources import Source, read_sources
+
+FILES = ("scan.ply", "truth.ply", "landmarks.json", "case.json")
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Few views and large voxels: the files are looked at here, not the scan."""
+    monkeypatch.setattr(captures_module, "EVERY", 12)
+    monkeypatch.setattr(captures_module, "VOXEL", 0.015)
+    monkeypatch.setattr(captures_module, "POOR_VOXEL", 0.018)
+
+
+@pytest.mark.usefixtures("quick")
+def test_a_body_is_the_same_alone_and_again_and_then_stays(tmp_path: Path) -> None:
+    said: list[str] = []
+    make_warped(tmp_path / "both", said.append, bodies=2)
+    make_warped(tmp_path / "report", said.append, bodies=2, half="report")
+    assert len(said) == 6
+    cases = read_cohort(tmp_path / "both")
+    assert [case.patient for case in cases] == ["warped_000_choose"] * 2 + ["warped_001_report"] * 2
+    assert {case.unit for case in cases} == {"m", "mm"}
+    assert {case.family for case in cases} == {"makehuman"}
+    (name,) = names_of(2, "report")
+    assert [each.name for each in (tmp_path / "report").iterdir()] == [name]
+    for file in ("patient.json", *(f"{stance}/{file}" for stance in ("standing", "supine") for file in FILES)):
+        assert (tmp_path / "both" / name / file).read_bytes() == (tmp_path / "report" / name / file).read_bytes()
+    about = json.loads((tmp_path / "both" / name / "patient.json").read_text("utf-8"))
+    assert (about["half"], about["family"], about["virtual"]) == ("report", "makehuman", True)
+    assert about["numbers"]["bumps"]
+    assert {case.hanging for case in cases if case.patient == name} == {
+        about["numbers"]["nipples_over_folds"] is not None
+    }
+    case = json.loads((tmp_path / "both" / name / "supine" / "case.json").read_text("utf-8"))
+    assert (case["half"], case["capture"]) == (about["half"], about["capture"])
+    assert set(case["landmark_gap_mm"]) == set(
+        json.loads((tmp_path / "both" / name / "supine" / "landmarks.json").read_text("utf-8"))["landmarks"]
+    )
+    make_warped(tmp_path / "both", said.append, bodies=2)
+    assert len(said) == 6
+    about["made_by"]["warped"] = -1
+    (tmp_path / "both" / name / "patient.json").write_text(json.dumps(about))
+    make_warped(tmp_path / "both", said.append, bodies=2)
+    assert len(said) == 8
+
+
+def test_poor_sensors_are_coarse_and_parts_are_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    source = read_sources()[0]
+    body = _standing(source)
+    monkeypatch.setattr(captures_module, "EVERY", 4)
+    scans = {
+        capture: scan_captured(body, source.faces, source.scanned, capture, np.random.default_rng(4))
+        for capture in ("ordinary", "poor_sensor", "large_holes", "below_nipples")
+    }
+    whole = scans["ordinary"]
+    assert _edge(scans["poor_sensor"]) > 1.25 * _edge(whole)  # 8 mm to 5.5 mm, but for the ragged borders
+    assert scans["poor_sensor"].error > 1.1 * whole.error
+    assert len(scans["large_holes"].faces) < 0.985 * len(whole.faces)
+    assert scans["below_nipples"].vertices[:, 1].max() < body.landmarks["nipple_L"][1] + 0.01
+    below = whole.vertices[:, 1] < min(body.landmarks[f"nipple_{side}"][1] for side in "LR") - 0.01
+    assert len(scans["below_nipples"].vertices) > 0.95 * below.sum()
+
+
+def _standing(source: Source) -> VirtualBody:
+    return VirtualBody("standing", source.standing, source.landmarks(source.standing), None)
+
+
+def _edge(scan: SimulatedScan) -> float:
+    ends = scan.vertices[scan.faces]
+    return float(np.median(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)))
+
+
+def test_two_of_five_bodies_of_each_half_are_independent_where_there_are_such_sources() -> None:
+    sources = read_sources()
+    sources = (*sources, *(replace(s, name="other_" + s.name, family="independent") for s in sources[:2]))
+    for half in (0, 1):
+        drawn = [make_module.source_of(sources, n, np.random.default_rng(n)) for n in range(half, 100, 2)]
+        assert sum(source.family == "independent" for source in drawn) == 20
+        assert {source.half for source in drawn} == {("choose", "report")[half]}
+
+
+def test_a_patients_folder_is_read_back_into_body_coordinates(tmp_path: Path, rng: np.random.Generator) -> None:
+    """A cohort's woman written as another's case: turned, shifted, in mm and m, and with the independent family."""
+    source = read_sources()[1]
+    lying = source.lying[0]
+    away = np.array([0.0, 0.9, -0.1])  # body coordinates of others begin elsewhere
+    for stance, vertices, unit in (("standing", source.standing, "mm"), ("supine", lying.vertices, "m")):
+        places = {name: at + away for name, at in source.landmarks(vertices).items()}
+        body = VirtualBody(stance, vertices + away, places, None)
+        scan = SimulatedScan(vertices[:100], source.faces[:0], 0.0)
+        write_case(tmp_path / "patient_c" / stance, body, source.faces, scan, unit, rng, {})
+    write_json(tmp_path / "patient_c" / "patient.json", {"family": "vitruvian", "origin": "elsewhere"})
+    found = read_sources(tmp_path)[-1]
+    assert (found.name, found.half, found.family) == ("patient_c", "choose", "independent")
+    np.testing.assert_allclose(found.standing, source.standing, atol=2e-6)
+    np.testing.assert_allclose(found.lying[0].vertices, lying.vertices, atol=2e-6)
+    assert found.lying[0].table == pytest.approx(lying.table, abs=0.003)
+    places = source.landmarks(source.standing)
+    for name, place in found.landmarks(found.standing).items():
+        np.testing.assert_allclose(place, places[name], atol=3e-6)
+    assert 0.85 < found.scanned.mean() < 0.99
+    assert np.abs(found.standing[~found.scanned, 0]).min() > 0.18  # only the arms' ends
+
+
+def test_a_folder_without_known_patients_is_refused_with_a_sentence(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match="patient_a"):
+        make_warped(tmp_path / "out", lambda _: None, tmp_path, bodies=1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--warped", "0"], "--warped must be"),
+        (["--warped", "3", "--virtual"], "not both"),
+        (["--half", "choose"], "--warped N"),
+        (["nowhere", "--warped", "1"], "patient_a"),
+    ],
+)
+def test_wrong_options_are_one_sentence(
+    arguments: list[str], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = [str(tmp_path / word) if word == "nowhere" else word for word in arguments]
+    assert main(["evaluate", *asked, "-o", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
