@@ -16,6 +16,7 @@ from breastrig.interface.pair import PAIR_SETS, FitPair, pair_iterates
 from breastrig.interface.run import FitRun, Iterate, iterates
 from breastrig.interface.scan import Scan, read_coloured
 from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING, fit_set
+from breastrig.workflow.folder.patient import write_patient
 
 SAID = {"good": "a good fit", "check": "a fit to check", "unusable": "not usable"}
 LEVELS = {"check": "check this fit", "unusable": "this fit is not usable"}
@@ -105,6 +106,8 @@ def run(options: argparse.Namespace) -> int:
         found = fitting.result()
         raise_if_asked()
         found.write(out)
+        folders = [out] if isinstance(found, Fit) else [out / "first", out / "second"]
+        code = write_patient(folders, options.code, [options.scanned, options.with_scanned][: len(folders)])
     results = [found.result] if isinstance(found, Fit) else [found.first.result, found.second.result]
     for which, result in enumerate(results):
         scan = f"{(options.scan, options.other)[which]}: " if len(results) > 1 else ""
@@ -120,7 +123,7 @@ def run(options: argparse.Namespace) -> int:
         for missing in result.get(DRAWING_MISSING, ()):
             print(f"breastrig: {scan}{missing}", file=sys.stderr)
         if sys.stdout.isatty():
-            print(f"{scan}{summary(result)}; results in {options.output}")
+            print(f"{scan}{summary(result)}; patient {code}, results in {options.output}")
     return 2 if any(DRAWING_MISSING in result for result in results) else 0
 
 

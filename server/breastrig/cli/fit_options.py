@@ -5,6 +5,7 @@ OUT/second get the eight files each, OUT/pair.json says what they have in common
 """
 
 import argparse
+from datetime import date
 from pathlib import Path
 
 from breastrig.cli.commands import COMMANDS
@@ -65,5 +66,12 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
         default=True,
         help="a smooth free-form layer follows the skin that the scan shows; --no-refine: the model alone",
     )
+    parser.add_argument(
+        "--code", default="", metavar="CODE", help="the patient's code, never a name; by default a random one"
+    )
+    parser.add_argument(
+        "--scanned", type=date.fromisoformat, metavar="DATE", help="day of SCAN, as 2026-11-25; stands in reports"
+    )
+    parser.add_argument("--with-scanned", type=date.fromisoformat, metavar="DATE", help="day of SCAN_B")
     parser.add_argument("--no-progress", action="store_true", help="no progress bar")
     add_output_options(parser, "OUT", "folder for the results")

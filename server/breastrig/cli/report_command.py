@@ -6,22 +6,34 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from breastrig.cli.output_options import files_of_fit, files_of_model, output_folder
+from breastrig.core import wall_clock
+from breastrig.core.identity import SAYS_NOTHING, Identity, file_name, random_code
 from breastrig.core.output_record import OutputSet
 from breastrig.core.staged_output import all_or_nothing
 from breastrig.report.document import SCHEMA
+from breastrig.workflow.folder.patient import patient_of
 from breastrig.workflow.further_jobs import ReportJob
 from breastrig.workflow.lines.transfer import drawing_document
-from breastrig.workflow.report import REPORT_FILES, REPORT_RECORD, write_report
+from breastrig.workflow.report import MEASURES_TABLE, REPORT_RECORD, write_report
 
 
 def run(options: argparse.Namespace) -> int:
-    """Writes report.json, measures.csv and report.pdf; returns 0."""
+    """Writes report.json, measures.csv and the PDF under the patient's code; returns 0."""
     fit, other = _stances(options)
     inputs = [options.plan, *files_of_fit(fit), *files_of_fit(other), *files_of_model(options.model)]
-    files = OutputSet(Path(), REPORT_FILES, REPORT_RECORD, SCHEMA)
+    plan = None if options.plan is None else drawing_document(options.plan)
+    known = [patient_of(folder) for folder in (fit, other) if folder is not None]
+    code = options.code or next((each.code for each in known if each.given), known[0].code) or random_code()
+    scanned = tuple(each.scanned for each in known)
+    version = 0 if plan is None else plan.get("version", 0)
+    identity = Identity(code, wall_clock.now(), scanned, plan_version=version if isinstance(version, int) else 0)
+    codes = {each.code for each in known if each.given}
+    notes = (f"The fits carry two codes ({', '.join(sorted(codes))}); {SAYS_NOTHING}",) if len(codes) > 1 else ()
+    pdf = file_name(code, " ".join(each.stance for each in known), identity.day, "report.pdf")
+    files = OutputSet(Path(), (MEASURES_TABLE, pdf, REPORT_RECORD), REPORT_RECORD, SCHEMA, varying=True)
     with threadpool_limits(1), all_or_nothing(output_folder(options, [files], inputs)) as out:
-        plan = None if options.plan is None else drawing_document(options.plan)
-        write_report(ReportJob(fit, other, options.model, plan=plan), out)
+        job = ReportJob(fit, other, options.model, plan=plan, identity=identity, notes=notes)
+        write_report(job, out, pdf)
     return 0
 
 

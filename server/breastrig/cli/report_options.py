@@ -18,5 +18,11 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument(
         "--plan", type=Path, metavar="FILE", help="plan or drawing that is shown instead of the fit's own drawing"
     )
+    parser.add_argument(
+        "--code",
+        default="",
+        metavar="CODE",
+        help="the patient's code, never a name, on every page and in the PDF's name; by default that of the fit",
+    )
     parser.add_argument("--model", type=Path, metavar="GLB", help="the rig that the fits were made with")
     add_output_options(parser, "DIR", "folder for the three files")

@@ -19,6 +19,16 @@ FROM_RESULT = (
 SIGNS = "difference is left less right; a row of two stances is the second less the first; sides are the patient's"
 
 
+@dataclass(frozen=True)
+class PlannedItem:
+    """One item of the plan in words."""
+
+    id: str
+    name: str  # Reduction (Wise pattern), both sides
+    values: tuple[tuple[str, str], ...] = ()  # (New areola, 44 mm)
+    text: str = ""  # of a note, or why it cannot be shown
+
+
 @dataclass(frozen=True, eq=False)
 class Reported:
     """One stance of the report."""
@@ -27,6 +37,7 @@ class Reported:
     stance: Stance
     result: dict[str, Any]  # its result.json
     rows: tuple[Row, ...]
+    plan: tuple[PlannedItem, ...] = ()
 
 
 def stance_names(kinds: Sequence[str]) -> list[str]:

@@ -1,51 +1,255 @@
-"""The pages: what was seen, what was measured, what to know about it, and where the drawing lies by the tape."""
+"""report.pdf: what stands on its pages as JSON, which the Typst template report.typ sets.
 
-from collections.abc import Sequence
+The first page shows the scan with the plan and the plan's numbers; then come measures, landmarks, settings and notes;
+then a tape sheet of each stance.  The same stances and the same identity give the same bytes.
+"""
 
-from breastrig.report.document import Reported
-from breastrig.report.pages.page import FOOT, TOP, Sheet
-from breastrig.report.pages.page_of_numbers import numbers_page
-from breastrig.report.pages.page_of_pictures import pictures_page
-from breastrig.report.pages.page_of_tape import draw_tape, tape_pages
-from breastrig.report.pages.page_of_words import GAP, Layout, draw_words, fits_below, laid_out
-from breastrig.report.pages.sentences import sections, warning_of
-from breastrig.report.tape import TapePoint, tape_points
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from importlib import resources
+from typing import Any
 
-TITLE = "Measures from a 3D scan"
+import typst
+
+from breastrig import __version__
+from breastrig.core.identity import UNNAMED, Identity
+from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.report.document import PlannedItem, Reported
+from breastrig.report.measures import OUTLINE
+from breastrig.report.names import spoken, spoken_together
+from breastrig.report.pictures import (
+    LEAST_SURE_MM,
+    colour_bar,
+    jpeg,
+    scan_pictures,
+    uncertainty_pictures,
+    views_of,
+)
+from breastrig.report.stance import places
+from breastrig.report.table import Row, Value, changes, number, with_band, with_margin
+from breastrig.report.tape_sheet import tape_sheet
+
+TITLE = "Plan and measures from a 3D scan"
+KINDS = {  # of rows, in this order
+    "along the skin": "Along the skin (mm)",
+    "straight": "Straight (mm)",
+    "in height": "Ptosis (heights in mm)",
+    "grade": "Ptosis (heights in mm)",
+    "volume": "Volume (ml)",
+    "ratio": "Symmetry (1 = equal)",
+}
+VERDICTS = {"good": "good", "check": "check: see doubts and notes", "unusable": "unusable: see doubts and notes"}
+WARNINGS = {"check": "CHECK THIS FIT: see doubts and notes", "unusable": "NOT USABLE: see doubts and notes"}
+METHODS = (
+    "Left and right are the patient's; ± is the larger side of a band that contains the true value in nine of ten "
+    "cases. Straight: distance in space. Along the skin: shortest path on the fitted model's skin, holes of the scan "
+    "bridged. Landmarks as picked, else as seen in the scan's colours, else of the model. Nipple to midline: at right "
+    "angles to the median plane of the model; along the skin to its midline. Base width: between the most medial and "
+    "the most lateral point of the model's breast outline. Volume: between the skin inside that outline and a smooth "
+    "chest wall (a thin-plate spline through the skin on, 10 and 20 mm outside it); its band contains the outline "
+    "moved 5 mm in and out and the distance between fit and scan. Changes within the bands mean nothing. M1 to M6: "
+    "ratios of left and right (Reddy et al. 2017); every woman has some asymmetry. Ptosis I: nipple at the fold or up "
+    "to 10 mm below; II: up to 30 mm; III: more, or at the lowest contour; glandular: only the lowest point hangs, "
+    "20 mm and more below the fold."
+)
+PIXELS_PER_MM = 7.0  # 180 to the inch
+LARGE = (88.0, 92.0)  # mm, the scan with the plan
+SMALL = (42.0, 44.0)  # mm, the map of uncertainty
+
+Table = dict[str, Any]
 
 
-def report_pdf(stances: Sequence[Reported]) -> bytes:
-    """The report of one or two stances; the same bytes for the same fits."""
-    names = " and ".join(one.name for one in stances)
-    points = [tape_points(one.stance) for one in stances]
-    draft = Sheet("", 1)
-    words = _words(draft, stances)
-    below_tape = _draw_tape(draft, stances, points) + GAP
-    own = () if fits_below(words, below_tape) else words.pages
-    warning = " · ".join(f"{warning_of(one)} ({one.name})" for one in stances if warning_of(one))
-    sheet = Sheet("BreastRig report", 2 + len(own) + sum(tape_pages(len(each)) for each in points), warning)
-    sheet.titled(TITLE, names, "Scan, drawing and fit")
-    pictures_page(sheet, stances, TOP)
-    sheet.titled(TITLE, names, "Measures and settings")
-    draw_words(sheet, words.below, numbers_page(sheet, stances, TOP))
-    for page in own:
-        sheet.titled(TITLE, names, "Doubts, notes and methods")
-        draw_words(sheet, page, TOP)
-    _draw_tape(sheet, stances, points)
-    for page in () if own else words.pages:
-        draw_words(sheet, page, below_tape)
-    return sheet.finished()
+def report_pdf(stances: Sequence[Reported], identity: Identity = UNNAMED) -> bytes:
+    """The pages of one or two stances."""
+    template = resources.files("breastrig.report").joinpath("report.typ").read_bytes()
+    content = json.dumps(report_content(stances, identity), allow_nan=False).encode()
+    made: bytes = typst.compile({"main.typ": template, "data.json": content}, ignore_system_fonts=True)
+    return made
 
 
-def _draw_tape(sheet: Sheet, stances: Sequence[Reported], points: Sequence[Sequence[TapePoint]]) -> float:
-    """The y below the last page; FOOT where the last stance has none."""
-    y = FOOT
-    for one, each in zip(stances, points, strict=True):
-        y = draw_tape(sheet, one, each)
-    return y
+def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str, Any]:
+    """All that the template shows."""
+    made = identity.made
+    levels = [(one.result.get("verdict") or {}).get("level", "good") for one in stances]
+    warned = [
+        f"{WARNINGS[level]} ({one.name})" for one, level in zip(stances, levels, strict=True) if level in WARNINGS
+    ]
+    return {
+        "title": TITLE,
+        "made": None if made is None else [made.year, made.month, made.day, made.hour, made.minute, made.second],
+        "code": identity.code,
+        "facts": _facts(stances, identity),
+        "program": f"BreastRig {__version__}",
+        "limits": LIMITS_OF_USE,
+        "warning": " · ".join(warned),
+        "pictures": _large_pictures(stances),
+        "plan": _plan(stances),
+        "measures": _measures(stances),
+        "landmarks": _landmarks(stances),
+        "uncertainty": _uncertainty(stances),
+        "settings": _settings(stances),
+        "doubts": [remark for one in stances for remark in _said(stances, one, _doubts(one))],
+        "methods": METHODS,
+        "tape": [sheet for one in stances if (sheet := tape_sheet(one.name, one.stance)) is not None],
+    }
 
 
-def _words(draft: Sheet, stances: Sequence[Reported]) -> Layout:
-    """The first page's footer says how many there are: so the numbers are drawn once before, to see what is left."""
-    draft.add_page()
-    return laid_out(draft, sections(stances), numbers_page(draft, stances, TOP))
+def _facts(stances: Sequence[Reported], identity: Identity) -> list[list[str]]:
+    """(what, day or the empty text where it is to be filled in) of each scan and of the plan."""
+    days = identity.scanned or ("",) * len(stances)
+    word = "scan received" if identity.received else "scanned"
+    facts = [[f"{one.name}, {word}", day] for one, day in zip(stances, days, strict=True)]
+    if identity.plan_version:
+        facts.append([f"plan, version {identity.plan_version}", identity.planned])
+    elif any(one.plan for one in stances):
+        facts.append(["plan", identity.planned])
+    return facts
+
+
+def _large_pictures(stances: Sequence[Reported]) -> list[Table]:
+    """Of one stance two views, of two stances the front of each, in one scale."""
+    views = ("front", "three_quarter") if len(stances) == 1 else ("front",)
+    aspect = LARGE[0] / LARGE[1]
+    height = max(view.height for one in stances for view in views_of(one.stance, views, aspect))
+    found = []
+    for one in stances:
+        cameras = views_of(one.stance, views, aspect, height)
+        for name, picture in zip(views, scan_pictures(one.stance, cameras, _pixels(LARGE)), strict=True):
+            what = "scan with the plan" if one.stance.lines else "scan"
+            title = f"{one.name.capitalize()}, {name.replace('_', ' ')}"
+            found.append({"title": f"{title}: {what}", "jpeg": list(jpeg(picture))})
+    return found
+
+
+def _pixels(size: tuple[float, float]) -> tuple[int, int]:
+    return round(PIXELS_PER_MM * size[0]), round(PIXELS_PER_MM * size[1])
+
+
+def _plan(stances: Sequence[Reported]) -> list[Table]:
+    """Each item once, also where both stances show it; lines that are no item of a plan by their names."""
+    items: dict[str, PlannedItem] = {}
+    for item in (item for one in stances for item in one.plan):
+        known = items.get(item.id, item)
+        text = " ".join(dict.fromkeys(filter(None, (known.text, item.text))))
+        items[item.id] = replace(max(known, item, key=lambda each: len(each.values)), text=text)
+    names = () if items else dict.fromkeys(spoken(line.name) for one in stances for line in one.stance.lines)
+    return [asdict(item) for item in (*items.values(), *(PlannedItem("", name) for name in names))]
+
+
+def _measures(stances: Sequence[Reported]) -> Table:
+    """Groups of rows, each with the cells of left, right and L - R for every stance and for their change."""
+    columns: list[tuple[str, Sequence[Row], bool]] = [(one.name, one.rows, False) for one in stances]
+    if len(stances) == 2:
+        change = changes(stances[0].rows, stances[1].rows)
+        columns.append((f"change, {stances[0].name} to {stances[1].name}", change, True))
+    rows = {(row.measure, row.kind): row for one in reversed(stances) for row in one.rows}
+    by_column = [({(row.measure, row.kind): row for row in found}, is_change) for _, found, is_change in columns]
+    groups: dict[str, list[Any]] = {}
+    for kind, title in KINDS.items():
+        for key in (each for each in rows if each[1] == kind):
+            cells = [_cells(found.get(key), change) for found, change in by_column]
+            groups.setdefault(title, []).append([rows[key].label, cells])
+    return {
+        "columns": [name for name, _, _ in columns],
+        "groups": [{"title": title, "rows": found} for title, found in groups.items()],
+    }
+
+
+def _cells(row: Row | None, is_change: bool) -> list[str]:
+    """Left, right and their difference; or one text for both breasts."""
+    if row is None:
+        return ["", "", ""]
+
+    def text(value: Value | None) -> str:
+        if is_change:
+            return number(value, row.unit, signed=True)
+        return with_band(value, row.unit) if row.unit == "grade" else with_margin(value, row.unit)
+
+    if row.value is not None:
+        return [text(row.value)]
+    difference = "" if row.difference is None else number(Value(row.difference), row.unit, signed=True)
+    return [text(row.left), text(row.right), difference]
+
+
+def _landmarks(stances: Sequence[Reported]) -> Table:
+    """Of each landmark and stance: who placed it, model to pick, radius of the true place."""
+    placed = [places(one.stance) for one in stances]
+    names = list(dict.fromkeys(name for found in placed for name in found))
+    rows = []
+    for name in names:
+        cells = []
+        for one, found in zip(stances, placed, strict=True):
+            gap = one.result["landmark_distance_mm"]["each"].get(name)
+            radius = one.result.get("landmark_uncertainty_mm", {}).get(name)
+            texts = ["-" if gap is None else f"{gap:.1f}", "-" if radius is None else f"±{radius:.1f}"]
+            cells.append([found[name].source if name in found else "-", *texts])
+        rows.append([spoken(name), cells])
+    return {"columns": [one.name for one in stances], "rows": rows}
+
+
+def _uncertainty(stances: Sequence[Reported]) -> Table | None:
+    """Maps of how far off the fitted skin may be along the body; None where no fit knows that."""
+    pictures = []
+    for one in stances:
+        if one.stance.radii is not None:
+            cameras = views_of(one.stance, ("front", "left"), SMALL[0] / SMALL[1])
+            pictures += [list(jpeg(each)) for each in uncertainty_pictures(one.stance, cameras, _pixels(SMALL))]
+    if not pictures:
+        return None
+    return {"pictures": pictures, "bar": list(jpeg(colour_bar(600, 24))), "most": f"{LEAST_SURE_MM:.0f} mm and more"}
+
+
+def _settings(stances: Sequence[Reported]) -> Table:
+    said = [_making(one.result) for one in stances]
+    return {
+        "columns": [one.name for one in stances],
+        "rows": [[name, [each[name] for each in said]] for name in said[0]],
+    }
+
+
+def _making(result: Mapping[str, Any]) -> dict[str, str]:
+    """How the fit was made."""
+    scan, model, landmarks = result["scan"], result["model"], result["landmark_distance_mm"]
+    mean, most, count = landmarks["mean"], landmarks["max"], len(landmarks["each"])
+    picked = "no landmarks were picked" if mean is None else f"mean {mean:.1f} mm, largest {most:.1f} mm, of {count}"
+    alone = result.get("model_alone", result)["surface_distance_mm"]
+    return {
+        "Verdict": VERDICTS.get((result.get("verdict") or {}).get("level", ""), "not known"),
+        "Model to picked landmarks": picked,
+        "Model to scan": _distances(result["surface_distance_mm"]),
+        "Without the free-form layer": _distances(alone) if result.get("refined") else "the same",
+        "Scan to model": _distances(result["scan_to_model_mm"]),
+        "End of the fit": f"{result['stop_reason'].rstrip('.')}; {result['iterations']} steps",
+        "Preset": f"{result['preset']}{', on the skin' if result.get('refined') else ''}",
+        "Scan": f"{scan['vertices']:,} points, {scan['triangles']:,} triangles, {scan['unit']}; {scan['sha256'][:12]}",
+        "Model": f"{model['name']}, {model['bones']} bones, {model['blendshapes']} shapes; {model['sha256'][:12]}",
+        "Versions": ", ".join(f"{name} {version}" for name, version in result["versions"].items()),
+    }
+
+
+def _distances(found: Mapping[str, float | None]) -> str:
+    if found["mean"] is None:
+        return "none: the scan shows no skin near the model"
+    words = f"mean {found['mean']:.2f} mm, 95 % {found['p95']:.2f} mm, largest {found['max']:.1f} mm"
+    coverage = found.get("coverage")
+    return words if coverage is None else f"{words}; {100 * coverage:.0f} % seen"
+
+
+def _said(stances: Sequence[Reported], one: Reported, remarks: Sequence[str]) -> list[str]:
+    """Each remark with its stance, where there are two."""
+    prefix = f"{one.name.capitalize()}: " if len(stances) > 1 else ""
+    return [prefix + remark for remark in remarks]
+
+
+def _doubts(one: Reported) -> list[str]:
+    """Why to check the fit, unusual picks and those not followed, patterns that do not fit, what reading found."""
+    reasons = [str(reason) for reason in (one.result.get("verdict") or {}).get("reasons", ())]
+    for picks in ("landmarks_not_followed", "landmarks_unusual"):
+        reasons += [str(pick["reason"]) for pick in one.result.get(picks, ())]
+    reasons += [str(note) for notes in ("drawing_missing", "notes") for note in one.result.get(notes, ())]
+    named = dict.fromkeys(name for row in one.rows for name in row.landmarks)
+    unpicked = [name.removesuffix(" (model)") for name in named if name.endswith(" (model)") and name != OUTLINE]
+    if unpicked:
+        reasons.append(f"Measured from the model's own place: {', '.join(spoken_together(unpicked))}.")
+    return reasons

@@ -1,4 +1,4 @@
-"""The report's pictures: the scan with its drawing, and the model coloured by its signed distance to the scan."""
+"""The report's pictures: the scan with its drawing, and the model coloured by how far off its places may be."""
 
 import io
 from collections.abc import Sequence
@@ -8,11 +8,14 @@ from PIL import Image
 
 from breastrig.core.arrays import Array
 from breastrig.geometry.polyline import Polyline
-from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera, diverging_colours
+from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera
 from breastrig.report.body_frame import body_frame
 from breastrig.report.stance import Stance
 
-LIMIT_MM = 5.0  # ends of the colours; the same in every report, so that reports compare
+LEAST_SURE_MM = 20.0  # end of the colours; the same in every report, so that reports compare
+SURE: Colour = (0.97, 0.95, 0.90)
+UNSURE: Colour = (0.45, 0.20, 0.50)
+UNKNOWN: Colour = (0.60, 0.60, 0.60)
 SCAN_GREY: Colour = (0.80, 0.78, 0.76)
 PALE: Colour = (0.93, 0.93, 0.93)  # what is not her trunk: table, forearms
 BODY_REACH = (0.015, 0.04)  # m from the model, where grey begins to turn pale and has done so
@@ -46,17 +49,24 @@ def scan_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, in
     return [scene.render(view, size, lines) for view in cameras]
 
 
-def distance_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
-    """The model in the colours of its distance to the scan: blue inside the scan's skin, orange outside."""
-    colours = diverging_colours(1e3 * stance.distances, LIMIT_MM)
-    scene = Scene([Layer(stance.vertices, stance.rig.faces, colours)])
+def uncertainty_pictures(stance: Stance, cameras: Sequence[Camera], size: tuple[int, int]) -> list[Picture]:
+    """The model, the darker the farther off its places may be; grey where that is not known."""
+    assert stance.radii is not None
+    scene = Scene([Layer(stance.vertices, stance.rig.faces, _uncertain(1e3 * stance.radii))])
     return [scene.render(view, size) for view in cameras]
 
 
 def colour_bar(width: int, height: int) -> Picture:
-    """(height, width, 3): from -LIMIT_MM at the left to +LIMIT_MM at the right."""
-    colours = diverging_colours(np.linspace(-LIMIT_MM, LIMIT_MM, width), LIMIT_MM)
+    """(height, width, 3): from 0 at the left to LEAST_SURE_MM at the right."""
+    colours = _uncertain(np.linspace(0.0, LEAST_SURE_MM, width))
     return np.rint(255.0 * np.broadcast_to(colours, (height, width, 3))).astype(np.uint8)
+
+
+def _uncertain(radii_mm: Array) -> Array:
+    """(M, 3), pale at 0 to dark at LEAST_SURE_MM."""
+    share = np.clip(np.nan_to_num(radii_mm) / LEAST_SURE_MM, 0.0, 1.0)[..., None]
+    colours = (1.0 - share) * np.asarray(SURE) + share * np.asarray(UNSURE)
+    return np.where(np.isnan(radii_mm)[..., None], UNKNOWN, colours)
 
 
 def jpeg(picture: Picture) -> bytes:

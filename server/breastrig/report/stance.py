@@ -31,7 +31,6 @@ class Stance:
     picked: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that were picked and not doubted
     seen: dict[str, Array] = field(default_factory=dict)  # (3,) m, landmarks that the scan's colours show
     lines: tuple[Polyline, ...] = ()  # on the scan
-    remarks: tuple[str, ...] = ()  # what the plan says in words
     landmark_radii: Mapping[str, float] = field(default_factory=dict)  # m; 90 % of true places are within
     areolae: Mapping[str, SeenAreola | None] = field(default_factory=dict)  # by side; None: not seen
     radii: Array | None = None  # (V,) m, likewise of the vertices; None: not known

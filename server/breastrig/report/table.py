@@ -150,8 +150,9 @@ def with_band(value: Value | None, unit: str) -> str:
 
 
 def with_margin(value: Value | None, unit: str) -> str:
-    """201.3 ±4: the larger side of its band, in whole units."""
+    """201.3 ±4: the larger side of its band, in whole units; of a ratio 0.98 ±0.05."""
     text = number(value, unit)
     if value is None or value.low is None or value.high is None or unit == "grade":
         return text
-    return f"{text} ±{max(value.high - value.value, value.value - value.low):.0f}"
+    margin = max(value.high - value.value, value.value - value.low)
+    return f"{text} ±{margin:.{2 if unit == '1' else 0}f}"

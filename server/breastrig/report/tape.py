@@ -1,11 +1,13 @@
-"""The tape sheet: where the drawing's key points lie, so that it can be drawn again with a tape measure and no screen.
+"""The tape sheet: where the plan's key points lie, so that it can be drawn again with a tape measure and no screen.
 
 Of each key point stand its distances along the skin from three landmarks that are easily found.  Two arcs on the skin
-meet in two places, a third says in which; so landmarks are near, and look at the point from different sides.
+meet in two places, a third says in which.  Of all triples that one is taken which leaves the point least uncertain:
+each landmark may be off by its own radius, and each length is read off along one direction of the skin (the linearised
+error of trilateration, as dilution of precision in geodesy).  Picked landmarks come first.
 """
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -13,53 +15,106 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.geometry.geodesic import Geodesics, length
+from breastrig.geometry.normals import face_normals
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.geometry.unit_vectors import unit_vectors
 from breastrig.report.body_frame import BodyFrame, body_frame
-from breastrig.report.stance import Stance, places
+from breastrig.report.stance import Place, Stance, places
 
 FOUND = (  # by eye or finger on anybody; folds and shoulders are long, the middle of the breastbone is measured itself
     "suprasternal_notch", "midclavicle_L", "midclavicle_R", "xiphoid", "nipple_L", "nipple_R", "umbilicus",
 )  # fmt: skip
 THREE = 3
 NEAREST = 0.02  # m; nearer the tape is as long as the error of the landmark
-APART = np.cos(np.radians(25.0))  # of the directions to two landmarks: closer together their arcs nearly touch
+SAME = 0.003  # m; what is as near is one point, as a tape is read
+ROUND = 0.12  # standard deviation over mean of the distances to its centre, up to which a closed line is a circle
+LARGEST = 0.05  # m, of a circle that is drawn around its centre
+ASSUMED = {"model": 0.015}  # m, radius of a landmark of which none is known, only to choose by; picked ones PICKED
+PICKED = 0.005
+READ, LAID = 0.002, 0.01  # m, and share of its length, by which a tape is read and laid wrongly; nobody measured it
+NINE_OF_TEN = float(np.sqrt(-2.0 * np.log(0.1)))  # radius over standard deviation, of a normal spread on a plane
 ARM = 0.008  # m to both sides of a point, over which it is seen how sharply the line turns there
 SHARP = 40.0  # degrees; a keyhole of 42 mm turns by 22 over two arms
-NEAR = 5  # of the landmarks that are looked at
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TapePoint:
     """A key point of a line."""
 
     line: str
-    point: str  # upper, lower, medial, lateral, start, end ...
+    point: str  # upper, lower, medial, lateral, start, end, centre ...
+    at: Array  # (3,) m
     lengths_mm: tuple[tuple[str, float], ...]  # (landmark, along the skin), the nearest first; none where the skin ends
     error_mm: float | None  # radius that holds the true place with 90 %
+    radius_mm: float | None = None  # of a circle, along the skin
+    around: str = ""  # the landmark that is a circle's centre
 
 
 def tape_points(stance: Stance) -> list[TapePoint]:
-    """Of all lines, in their order."""
+    """Of all lines, in their order; a place that several lines share once."""
     frame = body_frame(stance.rig, stance.vertices)
-    asked = [(line, name, k) for line in stance.lines for name, k in key_points(line, frame)]
-    known = [place for name, place in places(stance).items() if name in FOUND]
-    if not asked or len(known) < THREE:
+    known = {name: place for name, place in places(stance).items() if name in FOUND}
+    picked = {name: place for name, place in known.items() if place.source != "model"}
+    starts = picked if len(picked) >= THREE else known
+    if not stance.lines or len(known) < THREE:
         return []
-    at = np.array([line.points[k] for line, _, k in asked])
-    on_skin, marks = stance.on_model(at), stance.on_model(np.array([place.point for place in known]))
-    chosen = [_triple(point, np.array([place.point for place in known])) for point in at]
-    lengths = _lengths(stance, on_skin, marks, chosen)
-    return [
-        TapePoint(
-            line.name,
-            name,
-            tuple((known[mark].name, 1e3 * found[mark]) for mark in sorted(found, key=lambda mark: found[mark])),
-            _error(stance, line, k),
-        )
-        for (line, name, k), found in zip(asked, lengths, strict=True)
+    geodesics = Geodesics(stance.vertices, stance.rig.faces)
+    asked: list[TapePoint] = []
+    for line in stance.lines:
+        for point in _of_line(stance, line, frame, geodesics, known):
+            if all(np.linalg.norm(point.at - other.at) > SAME or point.radius_mm for other in asked):
+                asked.append(point)
+    on_skin = stance.on_model(np.array([point.at for point in asked]))
+    normals = face_normals(stance.vertices, stance.rig.faces)[on_skin.faces]
+    chosen = [
+        () if point.around else _triple(point.at, normal, starts) for point, normal in zip(asked, normals, strict=True)
     ]
+    lengths = _lengths(stance, geodesics, on_skin, starts, chosen)
+    return [
+        replace(
+            point,
+            lengths_mm=tuple(sorted(((n, 1e3 * far) for n, far in found.items()), key=lambda each: each[1])),
+            error_mm=_error(point, normal, [starts[name] for name in found]) if found else point.error_mm,
+        )
+        for point, normal, found in zip(asked, normals, lengths, strict=True)
+    ]
+
+
+def _of_line(
+    stance: Stance, line: Polyline, frame: BodyFrame, geodesics: Geodesics, known: Mapping[str, Place]
+) -> list[TapePoint]:
+    """Its key points with the line's own errors; of a circle its centre alone."""
+    key = key_points(line, frame)
+    centre = _centre(line)
+    if centre is None:
+        return [TapePoint(line.name, name, line.points[k], (), _own(line, [k])) for name, k in key]
+    error = _own(line, range(len(line.points)))
+    rim = stance.on_model(line.points[[k for _, k in key]])
+    near = min(known.values(), key=lambda place: float(np.linalg.norm(place.point - centre)))
+    radii = _radii(stance, geodesics, near.point, rim)
+    if np.ptp(radii) < SAME:
+        return [TapePoint(line.name, "centre", near.point, (), error, 1e3 * float(np.median(radii)), near.name)]
+    radius = 1e3 * float(np.median(_radii(stance, geodesics, centre, rim)))
+    return [TapePoint(line.name, "centre", stance.search.query(centre[None]).points[0], (), error, radius)]
+
+
+def _radii(stance: Stance, geodesics: Geodesics, centre: Array, rim: SurfacePoints) -> Array:
+    """(P,) m along the skin from a (3,) m place to the rim; infinite where the skin ends between them."""
+    start = stance.on_model(np.repeat(centre[None], len(rim.faces), axis=0))
+    try:
+        return np.array([length(way) for way in geodesics.paths(start, rim)])
+    except BadDrawing:
+        return np.full(len(rim.faces), np.inf)
+
+
+def _centre(line: Polyline) -> Array | None:
+    """(3,) m of a circle on the skin; None of other lines."""
+    if not line.closed or len(line.points) < 2 * THREE:
+        return None
+    centre = np.asarray(line.points.mean(axis=0))
+    far = np.linalg.norm(line.points - centre, axis=1)
+    return centre if far.mean() < LARGEST and far.std() < ROUND * far.mean() else None
 
 
 def key_points(line: Polyline, frame: BodyFrame) -> list[tuple[str, int]]:
@@ -101,43 +156,66 @@ def sharp_turns(points: Array) -> list[int]:
     return sorted(found)
 
 
-def _triple(point: Array, marks: Array) -> list[int]:
-    """Three of the (L, 3) m landmarks: near, and not behind each other as seen from the point."""
-    way = marks - point
+def _triple(point: Array, normal: Array, starts: Mapping[str, Place]) -> tuple[str, ...]:
+    """The three landmarks, not too near, from which the tape leaves the point least uncertain."""
+    far = [name for name, place in starts.items() if np.linalg.norm(place.point - point) > NEAREST]
+    triples = combinations(far, THREE) if len(far) > THREE else [tuple(far)]
+    return min(triples, key=lambda three: _spread(point, normal, [starts[name] for name in three]))
+
+
+def _spread(point: Array, normal: Array, marks: Sequence[Place]) -> float:
+    """m, radius that holds the point with 90 %, as the landmarks' own radii leave it; infinite where the arcs touch."""
+    way = np.array([mark.point for mark in marks]) - point
     far = np.linalg.norm(way, axis=1)
-    order = [int(k) for k in np.argsort(far) if far[k] > NEAREST][:NEAR]
-    unit = way / np.maximum(far, 1e-9)[:, None]
+    flat = unit_vectors(way - (way @ normal)[:, None] * normal)
+    off = [ASSUMED.get(mark.source, PICKED) if mark.radius is None else mark.radius for mark in marks]
+    variances = (np.square(off) + np.square(READ + LAID * far)) / NINE_OF_TEN**2
+    information = flat.T @ (flat / variances[:, None]) + np.outer(normal, normal)  # the point stays on the skin
+    if np.linalg.det(information * variances.min()) < 1e-6:
+        return float("inf")
+    return NINE_OF_TEN * float(np.sqrt(0.5 * (np.trace(np.linalg.inv(information)) - 1.0)))
 
-    def cost(three: Iterable[int]) -> tuple[bool, float]:
-        chosen = list(three)
-        same = any(float(unit[a] @ unit[b]) > APART for a, b in combinations(chosen, 2))
-        return same, float(far[chosen].sum())
 
-    return list(min(combinations(order, THREE), key=cost)) if len(order) >= THREE else order
+def _error(point: TapePoint, normal: Array, marks: Sequence[Place]) -> float | None:
+    """mm: what the landmarks leave, and what the line itself is off; None where a landmark's radius is not known."""
+    spread = _spread(point.at, normal, marks)
+    if not np.isfinite(spread) or any(mark.radius is None for mark in marks):
+        return None
+    return float(np.hypot(1e3 * spread, point.error_mm or 0.0))
 
 
 def _lengths(
-    stance: Stance, points: SurfacePoints, marks: SurfacePoints, chosen: Sequence[Sequence[int]]
-) -> list[dict[int, float]]:
+    stance: Stance,
+    geodesics: Geodesics,
+    points: SurfacePoints,
+    starts: Mapping[str, Place],
+    chosen: Sequence[Sequence[str]],
+) -> list[dict[str, float]]:
     """For each point {landmark: m along the skin}."""
-    geodesics = Geodesics(stance.vertices, stance.rig.faces)
-    pairs = [(k, mark) for k, three in enumerate(chosen) for mark in three]
-    found: list[dict[int, float]] = [{} for _ in chosen]
+    names = list(starts)
+    marks = stance.on_model(np.array([place.point for place in starts.values()]))
+    pairs = [(k, names.index(name)) for k, three in enumerate(chosen) for name in three]
+    found: list[dict[str, float]] = [{} for _ in chosen]
     together = [pairs]  # takes a third of the time of one landmark after the other
     while together:
         asked = together.pop()
+        if not asked:
+            continue
         at, to = [k for k, _ in asked], [mark for _, mark in asked]
         start = SurfacePoints(marks.faces[to], marks.barycentric[to])
         goal = SurfacePoints(points.faces[at], points.barycentric[at])
         try:
             for (k, mark), way in zip(asked, geodesics.paths(start, goal), strict=True):
-                found[k][mark] = length(way)
+                found[k][names[mark]] = length(way)
         except BadDrawing:  # the skin ends between two of them
             together += [[pair] for pair in asked] if len(asked) > 1 else []
     return found
 
 
-def _error(stance: Stance, line: Polyline, k: int) -> float | None:
-    if line.error is not None:
-        return 1e3 * float(line.error[k]) if np.isfinite(line.error[k]) else None
-    return None
+def _own(line: Polyline, where: Sequence[int]) -> float | None:
+    """mm, how far off the line itself may be there; None where that is not known, or where it was drawn."""
+    if line.error is None:
+        return None
+    known = line.error[list(where)]
+    known = known[np.isfinite(known)]
+    return 1e3 * float(known.mean()) if len(known) else None

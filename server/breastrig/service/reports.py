@@ -1,14 +1,18 @@
 """The service's reports: each made in a process of its own and remembered in memory only.
 
 Nothing of a report is kept on the disk: it may hold what was carried from another scan, and would outlive its deletion.
-What is shown depends on the plan and on what is cut away by hand now, so both are part of what it is remembered by.
+What is shown depends on the plan, on what is cut away by hand now and on the patient's code, so all are part of what
+it is remembered by.
 """
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
+from breastrig.core import wall_clock
 from breastrig.core.errors import NotFound
+from breastrig.core.identity import SAYS_NOTHING, Identity, file_name
 from breastrig.execution.fair_processes import FairProcesses
 from breastrig.service.failed_tasks import explained
 from breastrig.service.plans import Plans
@@ -16,8 +20,9 @@ from breastrig.service.remembered import Remembered
 from breastrig.service.single_flight import SingleFlight
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts
-from breastrig.storage.rows.fits import get_fit
-from breastrig.storage.rows.patients import patient_of_scan
+from breastrig.storage.rows.fits import FitRow, get_fit
+from breastrig.storage.rows.patients import PatientRow, get_patient, get_plan, patient_of_scan
+from breastrig.storage.rows.scans import get_scan
 from breastrig.storage.storage import Storage
 from breastrig.workflow.further_jobs import ReportJob
 from breastrig.workflow.tasks import measures_json_of, report_pdf_of
@@ -25,10 +30,8 @@ from breastrig.workflow.tasks import measures_json_of, report_pdf_of
 MAKERS: dict[str, Callable[[ReportJob], bytes]] = {"report.pdf": report_pdf_of, "measures.json": measures_json_of}
 PLANNED = ("report.pdf",)  # what shows the plan; measures are those of the body
 REMEMBERED = 32  # of half a megabyte
-TWO_PATIENTS = (
-    "The two scans are filed as those of two patients: what changes between them says something only if both are hers; "
-    "file them under one patient then."
-)
+TWO_PATIENTS = f"The two scans are filed as those of two patients; {SAYS_NOTHING}"
+DAY = len("2026-11-25")  # of a time as ISO 8601
 WALL_S = 60.0  # two stances take about four seconds; a slow machine with huge scans may take many
 
 
@@ -54,6 +57,12 @@ class Reports:
         """The same numbers as JSON, the document breastrig/report@1.  Raises likewise."""
         return self._remembered_or_made("measures.json", fit_id, other_id)
 
+    def file_name(self, what: str, *fit_ids: str) -> str:
+        """What a file of these fits is called: the patient's code, the stances, the day of the first scan, `what`."""
+        fits = [get_fit(self._storage, one) for one in fit_ids]
+        identity = self._identity(fits)
+        return file_name(identity.code, " ".join(fit.stance for fit in fits), identity.day, what)
+
     def forget(self) -> None:
         """Nothing is remembered any more: a scan is deleted."""
         self._remembered.forget()
@@ -75,18 +84,34 @@ class Reports:
         return content
 
     def _key(self, name: str, fit_id: str, cuts: Cuts) -> Hashable:
-        patient = patient_of_scan(self._storage, get_fit(self._storage, fit_id).scan)
-        planned = self._plans.of_fit(fit_id).key if name in PLANNED else patient
-        return fit_id, cuts_digest(cuts), planned
+        patient = self._patient(get_fit(self._storage, fit_id))
+        shown = (self._plans.of_fit(fit_id).key, patient.code) if name in PLANNED else patient.id
+        return fit_id, cuts_digest(cuts), shown
+
+    def _patient(self, fit: FitRow) -> PatientRow:
+        return get_patient(self._storage, patient_of_scan(self._storage, fit.scan))
+
+    def _identity(self, fits: Sequence[FitRow]) -> Identity:
+        """What stands on the pages; the plan is that of the first fit's patient."""
+        patient = self._patient(fits[0])
+        plan = get_plan(self._storage, patient.id)
+        received = tuple(get_scan(self._storage, fit.scan).created_at[:DAY] for fit in fits)
+        return Identity(patient.code, wall_clock.now(), received, True, plan.written_at[:DAY], plan.version)
 
     def _made(self, name: str, ids: list[str], cuts: tuple[Cuts, ...]) -> bytes:
         with explained("This report", WALL_S, "fit a smaller scan", self._storage, ids), ExitStack() as stack:
             folders = [stack.enter_context(self._storage.files.reading(fit_place(one))) for one in ids]
-            plans = tuple(self._plans.lines_on_fit(one) for one in (ids if name in PLANNED else ()))
-            patients = {patient_of_scan(self._storage, get_fit(self._storage, one).scan) for one in ids}
-            notes = () if len(patients) == 1 else (TWO_PATIENTS,)
+            fits = [get_fit(self._storage, one) for one in ids]
             job = ReportJob(
-                folders[0], None if len(ids) == 1 else folders[1], self._model, plans, notes=notes, cuts=cuts
+                folders[0],
+                None if len(ids) == 1 else folders[1],
+                self._model,
+                identity=self._identity(fits),
+                notes=() if len({self._patient(fit).id for fit in fits}) == 1 else (TWO_PATIENTS,),
+                cuts=cuts,
             )
+            if name in PLANNED:
+                plans = tuple(self._plans.lines_on_fit(one) for one in ids)
+                job = replace(job, plans=plans, items=self._plans.of_fit(ids[0]).plan.items)
             content: bytes = self._processes.result(MAKERS[name], (job,), WALL_S)
         return content

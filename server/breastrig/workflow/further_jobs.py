@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from breastrig.core.identity import UNNAMED, Identity
 from breastrig.workflow.jobs import FitJob
 
 
@@ -85,6 +86,8 @@ class ReportJob:
     model: Path | None = None  # None: the torso of the package
     plans: tuple[PlanLines | None, ...] = ()  # of each fit: its lines, and whether they are all that is wanted
     plan: dict[str, Any] | None = None  # or the plan itself (breastrig/plan@1 or drawing@1), to be laid on each scan
+    items: tuple[dict[str, Any], ...] = ()  # of the plan of which `plans` are the lines
+    identity: Identity = UNNAMED
     notes: tuple[str, ...] = ()  # that stand before those of each fit
     cuts: tuple[tuple[dict[str, Any], ...], ...] = ()  # of each fit's scan, made by hand: what is not shown any more
 

@@ -2,19 +2,21 @@
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import BaseModel, FiniteFloat, ValidationError
 
 from breastrig.core.errors import BadDrawing, BadInput
+from breastrig.core.identity import Identity
 from breastrig.core.private_files import private_folder, read_ordinary, write_private
 from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan
-from breastrig.drawings.plan_schema import checked_plan
+from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.areolae import areolae_of
-from breastrig.report.document import Reported, report_document, stance_names
+from breastrig.report.document import PlannedItem, Reported, report_document, stance_names
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
 from breastrig.report.table import csv_bytes
@@ -23,9 +25,10 @@ from breastrig.workflow.folder.fit_files import json_bytes
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
 from breastrig.workflow.further_jobs import PlanLines, ReportJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
+from breastrig.workflow.lines.plan_words import planned_items
 
 REPORT_RECORD = "report.json"
-REPORT_FILES = ("measures.csv", "report.pdf", REPORT_RECORD)
+MEASURES_TABLE = "measures.csv"
 
 
 class _Distances(BaseModel):
@@ -111,21 +114,26 @@ def planned_lines(folder: Path, unit: str, plan: PlanLines | None) -> tuple[Poly
     if plan is None:
         return drawn_lines(folder, unit)
     document, is_whole = plan
-    planned = lines_on_scan(document, unit)
+    planned = _without_own_errors(lines_on_scan(document, unit), document)
     if is_whole:
         return planned
     named = {line.name for line in planned}
     return (*(line for line in drawn_lines(folder, unit) if line.name not in named), *planned)
 
 
-def _remarks(document: dict[str, Any]) -> tuple[str, ...]:
-    """Depths of tumours and notes, a sentence each, and what cannot be shown on this scan."""
-    depths = {shape["name"]: shape["depth_mm"] for shape in document["shapes"] if shape.get("depth_mm") is not None}
-    return (
-        *(f"{name} lies {depth:.0f} mm below the skin." for name, depth in depths.items()),
-        *(f"Note: {note['text']}" for note in document.get("notes", ())),
-        *(str(missing["reason"]) for missing in document.get("missing", ())),
-    )
+def _without_own_errors(lines: tuple[Polyline, ...], document: dict[str, Any]) -> tuple[Polyline, ...]:
+    """What was planned on this very scan is where it was put: only what is carried has an error here."""
+    here = {shape["name"] for shape in document["shapes"] if not shape.get("carried", True)}
+    return tuple(replace(line, error=None) if line.name in here else line for line in lines)
+
+
+def _in_words(job: ReportJob, plan: PlanLines | None, fit: FitFolder) -> tuple[PlannedItem, ...]:
+    """The plan's items; none where there is no plan."""
+    if plan is None:
+        return ()
+    document = job.plan or {"schema": PLAN_SCHEMA, "unit": "mm", "items": list(job.items)}
+    missing = {each["item"]: str(each["reason"]) for each in plan[0].get("missing", ())}
+    return planned_items(checked_plan(document).items, plan[0]["shapes"], missing, fit)
 
 
 def stance_of(folder: Path, fit: FitFolder, plan: PlanLines | None = None) -> Stance:
@@ -139,7 +147,6 @@ def stance_of(folder: Path, fit: FitFolder, plan: PlanLines | None = None) -> St
         picked=fit.landmarks,
         seen=fit.seen,
         lines=planned_lines(folder, fit.unit, plan),
-        remarks=() if plan is None else _remarks(plan[0]),
         landmark_radii={n: 1e-3 * radius for n, radius in fit.result.get("landmark_uncertainty_mm", {}).items()},
         areolae=areolae_of(fit.result, fit.metres_per_unit),
         radii=fit.radii,
@@ -158,8 +165,14 @@ def reported(job: ReportJob) -> list[Reported]:
     stances = [stance_of(folder, fit, plan) for folder, fit, plan in zip(folders, fits, plans, strict=True)]
     names = stance_names([stance.name for stance in stances])
     return [
-        Reported(name, stance, {**fit.result, "notes": [*job.notes, *fit.result["notes"]]}, measures(stance))
-        for name, stance, fit in zip(names, stances, fits, strict=True)
+        Reported(
+            name,
+            stance,
+            {**fit.result, "notes": [*job.notes, *fit.result["notes"]]},
+            measures(stance),
+            _in_words(job, plan, fit),
+        )
+        for name, stance, fit, plan in zip(names, stances, fits, plans, strict=True)
     ]
 
 
@@ -172,29 +185,29 @@ def _check_shown(folder: Path, result: dict[str, Any]) -> None:
         raise BadInput(f"{shown} is damaged or of another version ({where}); fit the scan again.") from error
 
 
-def _pdf(stances: list[Reported]) -> bytes:
-    from breastrig.report.pdf import report_pdf  # fonts and all take 0.4 s to load; the server makes no PDF itself
+def _pdf(stances: list[Reported], identity: Identity) -> bytes:
+    from breastrig.report.pdf import report_pdf  # the typesetter is 80 MB, and the server makes no PDF itself
 
-    return report_pdf(stances)
+    return report_pdf(stances, identity)
 
 
-def report_files(job: ReportJob) -> dict[str, bytes]:
-    """report.json, measures.csv and report.pdf."""
+def report_files(job: ReportJob, pdf_name: str = "report.pdf") -> dict[str, bytes]:
+    """report.json, measures.csv and the PDF."""
     stances = reported(job)
     document = report_document(stances)
     rows: Any = document["measures"]
     return {
-        "report.json": json_bytes(document),
-        "measures.csv": csv_bytes(
+        REPORT_RECORD: json_bytes(document),
+        MEASURES_TABLE: csv_bytes(
             rows, {each.name: (each.result.get("verdict") or {}).get("level", "") for each in stances}
         ),
-        "report.pdf": _pdf(stances),
+        pdf_name: _pdf(stances, job.identity),
     }
 
 
-def write_report(job: ReportJob, folder: Path) -> None:
+def write_report(job: ReportJob, folder: Path, pdf_name: str) -> None:
     """Writes the three files; BadInput when the folder cannot be written."""
-    write_all(report_files(job), folder)
+    write_all(report_files(job, pdf_name), folder)
 
 
 def write_all(files: dict[str, bytes], folder: Path) -> None:
@@ -209,7 +222,7 @@ def write_all(files: dict[str, bytes], folder: Path) -> None:
 
 def report_pdf_of(job: ReportJob) -> bytes:
     """The PDF alone: what the service's worker makes."""
-    return _within_memory(lambda: _pdf(reported(job)))
+    return _within_memory(lambda: _pdf(reported(job), job.identity))
 
 
 def measures_json_of(job: ReportJob) -> bytes:

@@ -218,7 +218,8 @@ def show_fitted_glb(fit_id: str) -> Response:
     if planned is None:
         return _result_file(fit_id, "fitted.glb")
     response = bytes_answer(planned, GLB, PERSONAL)
-    response.headers["Content-Disposition"] = "attachment; filename=fitted.glb"
+    name = app_context().service.reports.file_name("fitted.glb", fit_id)
+    response.headers["Content-Disposition"] = f"attachment; filename={name}"
     return response
 
 
@@ -288,7 +289,8 @@ def _result_file(fit_id: str, name: str) -> Response:
     file = storage.files.find(fit_place(fit_id), name)
     if file is None:
         raise NotFound(f"This fit has no {name}.")
-    return file_answer(file, MEDIA_TYPES[name], PERSONAL, download_as=name)
+    download_as = app_context().service.reports.file_name(name, fit_id)
+    return file_answer(file, MEDIA_TYPES[name], PERSONAL, download_as=download_as)
 
 
 def fit_links(fit_id: str) -> wire.FitLinks:

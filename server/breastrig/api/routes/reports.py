@@ -36,8 +36,9 @@ def show_report(fit_id: str, query_data: ReportQuery) -> Response:
     With `with` both stances of one patient and the changes between them.
     """
     _check_done(fit_id, query_data.with_)
-    response = bytes_answer(app_context().service.reports.pdf(fit_id, query_data.with_), PDF, PERSONAL)
-    response.headers["Content-Disposition"] = "attachment; filename=report.pdf"
+    made, ids = app_context().service.reports, [one for one in (fit_id, query_data.with_) if one is not None]
+    response = bytes_answer(made.pdf(fit_id, query_data.with_), PDF, PERSONAL)
+    response.headers["Content-Disposition"] = f"attachment; filename={made.file_name('report.pdf', *ids)}"
     return response
 
 

@@ -12,10 +12,11 @@ from typing import Any, Literal
 from sqlalchemy import ColumnElement, Connection, delete, exists, func, insert, select, update
 
 from breastrig.core.errors import NotFound
+from breastrig.core.identity import random_code
 from breastrig.storage import schema
 from breastrig.storage.rows.paging import by_key, newest_first
 from breastrig.storage.rows.sorting import code_key
-from breastrig.storage.storage import Storage
+from breastrig.storage.storage import Storage, utc_now
 
 VERSIONS = 50  # of a plan that are kept; nobody undoes more
 
@@ -36,12 +37,15 @@ class PlanRow:
     version: int
     items: tuple[Document, ...] = ()  # as breastrig/plan@1 has them
     is_whole: bool = False  # somebody has written it as a whole: what it does not name is not wanted
+    written_at: str = ""  # ISO 8601, UTC; empty in plans of earlier versions
 
 
 def put_scan(connection: Connection, scan_id: str, patient_id: str | None, new_id: str, now: str) -> None:
     """Says whose scan it is: that patient's, or one who is new with it.  Raises NotFound."""
     if patient_id is None:
-        connection.execute(insert(schema.patients).values(id=new_id, created_at=now))
+        code = _new_code(connection)
+        new = insert(schema.patients).values(id=new_id, created_at=now, code=code, code_key=code_key(code))
+        connection.execute(new)
     elif not _is_there(connection, patient_id):
         raise _no_patient()
     patient = new_id if patient_id is None else patient_id
@@ -129,9 +133,10 @@ def _first_scan_at() -> ColumnElement[str]:
 
 
 def rename_patient(storage: Storage, patient_id: str, code: str) -> None:
-    """Raises NotFound."""
+    """An empty code is replaced by a new random one.  Raises NotFound."""
     table = schema.patients
     with storage.database.writing() as connection:
+        code = code or _new_code(connection)
         named = update(table).where(table.c.id == patient_id).values(code=code, code_key=code_key(code))
         if connection.execute(named).rowcount == 0:
             raise _no_patient()
@@ -193,7 +198,7 @@ def _forget_scan(connection: Connection, patient_id: str, scan_id: str) -> None:
         plan = _plan_row(row.version, row.json)
         kept = [item for item in plan.items if item.get("scan") != scan_id]
         if len(kept) != len(plan.items):
-            changed = _text(kept, plan.is_whole)
+            changed = _text(kept, plan.is_whole, plan.written_at)
             connection.execute(update(plans).where(plans.c.position == row.position).values(json=changed))
     after = _plan(connection, patient_id)
     if after != before:  # who has seen the one before must not write it again
@@ -202,12 +207,12 @@ def _forget_scan(connection: Connection, patient_id: str, scan_id: str) -> None:
 
 def _write(connection: Connection, patient_id: str, items: Sequence[Document], is_whole: bool) -> PlanRow:
     plans, patients = schema.plans, schema.patients
-    version = _version(connection, patient_id) + 1
-    connection.execute(insert(plans).values(patient=patient_id, version=version, json=_text(items, is_whole)))
+    version, now = _version(connection, patient_id) + 1, utc_now()
+    connection.execute(insert(plans).values(patient=patient_id, version=version, json=_text(items, is_whole, now)))
     connection.execute(update(patients).where(patients.c.id == patient_id).values(version=version))
     old = plans.c.version <= version - VERSIONS
     connection.execute(delete(plans).where(plans.c.patient == patient_id, old))
-    return PlanRow(version, tuple(items), is_whole)
+    return PlanRow(version, tuple(items), is_whole, now)
 
 
 def _plan(connection: Connection, patient_id: str) -> PlanRow:
@@ -219,7 +224,7 @@ def _plan(connection: Connection, patient_id: str) -> PlanRow:
 
 def _plan_row(version: int, text: str) -> PlanRow:
     plan = json.loads(text)
-    return PlanRow(version, tuple(plan["items"]), plan.get("whole", False))
+    return PlanRow(version, tuple(plan["items"]), plan.get("whole", False), plan.get("written_at", ""))
 
 
 def _renamed(item: Document, taken: set[str]) -> Document:
@@ -231,8 +236,9 @@ def _renamed(item: Document, taken: set[str]) -> Document:
     return item
 
 
-def _text(items: Sequence[Document], is_whole: bool) -> str:
-    plan = {"schema": "breastrig/plan@1", "unit": "mm", "items": list(items), "whole": is_whole}
+def _text(items: Sequence[Document], is_whole: bool, written_at: str) -> str:
+    kept = {"items": list(items), "whole": is_whole, "written_at": written_at}
+    plan = {"schema": "breastrig/plan@1", "unit": "mm"} | kept
     return json.dumps(plan, separators=(",", ":"))
 
 
@@ -240,6 +246,14 @@ def _version(connection: Connection, patient_id: str) -> int:
     return int(
         connection.execute(select(schema.patients.c.version).where(schema.patients.c.id == patient_id)).scalar_one()
     )
+
+
+def _new_code(connection: Connection) -> str:
+    """A random one that no patient here has."""
+    code, table = random_code(), schema.patients
+    while connection.execute(select(exists().where(table.c.code == code))).scalar_one():
+        code = random_code()
+    return code
 
 
 def _patient_of(connection: Connection, scan_id: str) -> str:

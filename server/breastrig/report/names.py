@@ -1,0 +1,40 @@
+"""Names of lines and landmarks as people say them."""
+
+from collections.abc import Sequence
+
+LINES = {  # lines of the patterns, and of the plan, without their side
+    "wise": "Wise pattern",
+    "wise_fold": "New fold",
+    "areola": "Areola to keep",
+    "new_nipple": "New nipple",
+    "tumour": "Tumour",
+    "vertical": "Vertical pattern",
+    "periareolar": "Outer ring",
+    "mastectomy": "Mastectomy ellipse",
+}
+SIDES = {"_L": "left", "_R": "right"}
+
+
+def sided(name: str) -> tuple[str, str]:
+    """wise_fold_L: (wise_fold, left); xiphoid: (xiphoid, "")."""
+    stem, dot, more = name.partition(" ")  # "tumour_L 2", "cut (standing)"
+    side = SIDES.get(stem[-2:], "")
+    return (stem[:-2] if side else stem) + dot + more, side
+
+
+def spoken(name: str) -> str:
+    """tumour_L: Tumour, left; suprasternal_notch: Suprasternal notch."""
+    stem, side = sided(name)
+    head, space, more = stem.partition(" ")
+    words = LINES.get(head) or head.replace("_", " ")
+    words = words[:1].upper() + words[1:] + space + more
+    return f"{words}, {side}" if side else words
+
+
+def spoken_together(names: Sequence[str]) -> list[str]:
+    """nipple_L and nipple_R: nipple on both sides."""
+    sides: dict[str, list[str]] = {}
+    for name in names:
+        stem, side = sided(name)
+        sides.setdefault(stem.replace("_", " "), []).append(side)
+    return [stem + (" on both sides" if len(found) > 1 else f" {found[0]}".rstrip()) for stem, found in sides.items()]
