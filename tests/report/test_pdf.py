@@ -1,18 +1,20 @@
-"""The two pages for rigs and results that are not the usual ones."""
+"""The pages for rigs and results that are not the usual ones, and what stands on each of them."""
 
-import dataclasses
 import io
+from dataclasses import replace
+from datetime import UTC, datetime
 
 import numpy as np
 import pypdf
 import pytest
 
+from breastrig.core.identity import Identity
+from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.report.document import Reported, report_document, stance_names
+from breastrig.report.document import PlannedItem, Reported, report_document, stance_names
 from breastrig.report.measures import measures
-from breastrig.report.pages.page import latin
-from breastrig.report.pages.sentences import methods
+from breastrig.report.names import spoken, spoken_together
 from breastrig.report.pdf import report_pdf
 from breastrig.report.stance import Stance
 from breastrig.rig.model import Rig
@@ -49,88 +51,118 @@ def pages(content: bytes) -> list[str]:
     return [page.extract_text() for page in pypdf.PdfReader(io.BytesIO(content)).pages]
 
 
+def words(content: bytes) -> str:
+    return " ".join(" ".join(pages(content)).split())
+
+
+def shown(stance: Stance, name: str = "standing", **changes: object) -> Reported:
+    return Reported(name, stance, result(**changes), measures(stance))
+
+
 def test_a_rig_without_breasts_and_a_fit_without_landmarks(toy_stance: Stance) -> None:
-    texts = pages(report_pdf([Reported("standing", toy_stance, result(), measures(toy_stance))]))
-    assert len(texts) == 2
-    assert "the scan shows no skin near the model" in texts[0]
-    assert "Volume" not in texts[1]
-    assert "Base width" not in texts[1]
-    assert "no landmarks were picked" in texts[1]
-    assert "the model's own place was taken for" in texts[1]
-    assert "taken for suprasternal notch, nipple on both sides" in texts[1]
+    text = words(report_pdf([shown(toy_stance)]))
+    assert "Nothing is planned on this scan." in text
+    assert "none: the scan shows no skin near the model" in text
+    assert "no landmarks were picked" in text
+    assert "Measured from the model's own place: suprasternal notch, nipple on both sides." in text
+    assert "Volume" not in text.partition("How it was measured")[0]
 
 
-def test_no_doubt_of_a_long_list_is_left_out_and_all_is_in_letters_that_can_be_printed(toy_stance: Stance) -> None:
-    doubts = [
-        {"names": ["nipple_L"], "reason": f"nipple_L № {k} lies “far” – 12 mm − from the rest."} for k in range(99)
-    ]
-    verdict = {"level": "unusable", "reasons": ["It lies elsewhere."]}
-    shown = Reported(
-        "standing", toy_stance, result(landmarks_not_followed=doubts, verdict=verdict), measures(toy_stance)
+def test_every_page_says_whose_it_is_of_when_and_has_room_for_a_signature(toy_stance: Stance) -> None:
+    made = datetime(2026, 11, 25, 14, 30, 5, tzinfo=UTC)
+    identity = Identity("K7M-4QX", made, ("2026-11-20", "2026-11-21"), True, "2026-11-24", 3)
+    content = report_pdf(
+        [shown(toy_stance, notes=[f"Remark {k}." for k in range(99)]), shown(toy_stance, "supine")], identity
     )
-    texts = pages(report_pdf([shown, dataclasses.replace(shown, name="supine", result=result())]))
-    words = " ".join(" ".join(texts).split())
-    assert all(words.count(f'nipple_L ? {k} lies "far" - 12 mm - from the rest.') >= 1 for k in range(99))
-    assert methods([shown]) in words
-    assert "..." not in words
-    assert [f"page {k + 1} of {len(texts)}" in text for k, text in enumerate(texts)] == [True] * len(texts)
-    warned = "NOT USABLE: see doubts and notes (standing)"  # on every page: each may be printed alone
-    assert [text.count(warned) for text in texts] == [1] * len(texts)
-    assert "(supine)" not in " ".join(text.partition(warned)[2] for text in texts)
+    assert content == report_pdf(
+        [shown(toy_stance, notes=[f"Remark {k}." for k in range(99)]), shown(toy_stance, "supine")], identity
+    )
+    texts = [" ".join(page.split()) for page in pages(content)]
+    assert len(texts) > 2
+    for number, text in enumerate(texts, 1):
+        for said in (
+            "Patient K7M-4QX",
+            "made 2026-11-25",
+            "standing, scan received 2026-11-20",
+            "supine, scan received 2026-11-21",
+            "plan, version 3 2026-11-24",
+            "signature",
+            LIMITS_OF_USE,
+            f"page {number} of {len(texts)}",
+        ):
+            assert text.count(said) == 1, said
+    assert all(f"Remark {k}." in " ".join(texts) for k in range(99))
+    reader = pypdf.PdfReader(io.BytesIO(content))
+    assert reader.metadata is not None
+    assert reader.metadata.creation_date == made
 
 
-def test_a_short_report_has_its_words_below_the_numbers(toy_stance: Stance) -> None:
-    shown = Reported("standing", toy_stance, result(), measures(toy_stance))
-    texts = pages(report_pdf([shown]))
-    assert len(texts) == 2
-    assert methods([shown]) in " ".join(texts[1].split())
+def test_what_is_not_known_of_the_identity_is_left_to_be_filled_in(toy_stance: Stance) -> None:
+    content = report_pdf([shown(toy_stance)])
+    assert "standing, scanned" in words(content)
+    metadata = pypdf.PdfReader(io.BytesIO(content)).metadata
+    assert metadata is None or metadata.creation_date is None
 
 
-def test_words_that_the_numbers_leave_no_room_for_stand_below_the_tape_sheet_and_take_no_page_of_their_own() -> None:
+def test_a_fit_to_be_checked_is_marked_as_such_on_every_page_in_whatever_letters(toy_stance: Stance) -> None:
+    doubts = [{"names": ["nipple_L"], "reason": f"Place № {k} lies “far” – 12 mm − #[off] *it*."} for k in range(80)]
+    verdict = {"level": "unusable", "reasons": ["It lies elsewhere."]}
+    bad = shown(toy_stance, landmarks_not_followed=doubts, verdict=verdict)
+    content = report_pdf([bad, shown(toy_stance, "supine")])
+    text = words(content)
+    assert all(f"Place № {k} lies “far” – 12 mm − #[off] *it*." in text for k in range(80))
+    warned = "NOT USABLE: see doubts and notes (standing)"  # each page may be printed alone
+    assert [text.count(warned) for text in pages(content)] == [1] * len(pages(content))
+    assert "(supine)" not in text
+
+
+def test_the_plan_stands_on_the_first_page_in_words_and_numbers_each_item_once(toy_stance: Stance) -> None:
+    tumour = PlannedItem("t", "Tumour, left breast", (("Hour", "10:30"), ("From the nipple", "45 mm")))
+    note = PlannedItem("n", "Note", text="Keep the scar.")
+    both = [replace(shown(toy_stance, name), plan=(tumour, note)) for name in ("standing", "supine")]
+    text = " ".join(pages(report_pdf(both))[0].split())
+    assert text.count("Tumour, left breast Hour 10:30 From the nipple 45 mm") == 1
+    assert text.count("Keep the scar.") == 1
+    both[1] = replace(both[1], plan=(replace(tumour, text="It could not be carried."), note))
+    assert "45 mm It could not be carried." in " ".join(pages(report_pdf(both))[0].split())
+
+
+def test_lines_that_are_no_item_of_a_plan_have_their_names_and_no_raw_ids() -> None:
     rig = read_rig(default_rig_path())
     marks = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
-    line = Polyline("cut", False, "#000000", marks["mid_sternum"][None], np.zeros(1, np.bool_))
-    notes = [f"Remark {k} of a scan that has much to be said of." for k in range(55)]
-    plain = Stance(rig, rig.template, rig.template, rig.faces, "standing")
-    without = Reported("standing", plain, result(notes=notes), measures(plain))
-    assert methods([without]) in " ".join(pages(report_pdf([without]))[2].split()), "here it needs a page of its own"
-    tape = Reported("standing", dataclasses.replace(plain, lines=(line,)), result(notes=notes), measures(plain))
-    texts = pages(report_pdf([tape]))
-    assert len(texts) == 3
-    assert "Tape sheet" in texts[2]
-    assert methods([tape]) in " ".join(texts[2].split())
-    assert [f"page {k + 1} of 3" in text for k, text in enumerate(texts)] == [True] * 3
-    more = Reported("standing", tape.stance, result(notes=3 * notes), tape.rows)
-    texts = pages(report_pdf([more]))
-    assert "Tape sheet" in texts[-1]
-    assert "Remark 54" not in texts[-1], "doubts stand before it"
-
-
-def test_what_the_plan_says_stands_there_also_where_nothing_is_measured_by_the_tape(toy_stance: Stance) -> None:
-    remarks = ("Note: keep the scar.", "tumour lies 12 mm below the skin.", "wise_L could not be carried.")
-    planned = dataclasses.replace(toy_stance, remarks=remarks)
-    texts = pages(report_pdf([Reported("standing", planned, result(), measures(planned))]))
-    assert all(remark in " ".join(texts[1].split()) for remark in remarks)
+    line = Polyline("wise_fold_L", False, "#000000", marks["mid_sternum"][None], np.zeros(1, np.bool_))
+    stance = Stance(rig, rig.template, rig.template, rig.faces, "standing", lines=(line,))
+    texts = pages(report_pdf([shown(stance)]))
+    assert "New fold, left" in texts[0]
+    assert texts[-1].count("New fold, left") == 1
+    assert "Tape sheet, standing" in texts[-1]
+    assert "_L" not in " ".join(texts)
 
 
 def test_unusual_picks_stand_among_the_doubts(toy_stance: Stance) -> None:
     unusual = [{"names": ["nipple_L"], "reason": "nipple_L is unusual: 30 mm from where others have it."}]
-    shown = Reported("standing", toy_stance, result(landmarks_unusual=unusual), measures(toy_stance))
-    assert unusual[0]["reason"] in pages(report_pdf([shown]))[1].replace("\n", " ")
-    assert report_document([shown])["stances"][0]["landmarks_unusual"] == unusual
+    one = shown(toy_stance, landmarks_unusual=unusual)
+    assert unusual[0]["reason"] in words(report_pdf([one]))
+    assert report_document([one])["stances"][0]["landmarks_unusual"] == unusual
 
 
-def test_each_landmark_has_its_distance_and_the_radius_that_holds_its_true_place(toy_stance: Stance) -> None:
+def test_each_landmark_has_its_source_its_distance_and_the_radius_that_holds_its_true_place(toy_stance: Stance) -> None:
     radii = {"suprasternal_notch": 4.25, "nipple_L": 12.5}
     distances = NONE | {"each": {"suprasternal_notch": 3.1, "nipple_R": 0.7}}
-    known = result(landmark_uncertainty_mm=radii, landmark_distance_mm=distances)
-    shown = Reported("standing", toy_stance, known, measures(toy_stance))
-    _, text = pages(report_pdf([shown]))
-    assert "holds the true place with 90 %" in text
-    assert "standing 3.1 ± 4.2 ± 12.5 0.7" in text
-    assert report_document([shown])["stances"][0]["landmark_uncertainty_mm"] == radii
-    plain = Reported("standing", toy_stance, result(landmark_distance_mm=distances), measures(toy_stance))
-    assert "90 %" not in pages(report_pdf([plain]))[1]
+    one = shown(toy_stance, landmark_uncertainty_mm=radii, landmark_distance_mm=distances)
+    text = words(report_pdf([one]))
+    for row in ("Suprasternal notch model 3.1 ±4.2", "Nipple, left model - ±12.5", "Nipple, right model 0.7 -"):
+        assert row in text
+    assert report_document([one])["stances"][0]["landmark_uncertainty_mm"] == radii
+
+
+def test_names_as_people_say_them() -> None:
+    assert [spoken(name) for name in ("tumour_L", "tumour_R 2", "wise_L", "my_scar", "cut (standing)")] == [
+        "Tumour, left", "Tumour 2, right", "Wise pattern, left", "My scar", "Cut (standing)",
+    ]  # fmt: skip
+    assert spoken_together(["nipple_L", "xiphoid", "nipple_R", "acromion_L"]) == [
+        "nipple on both sides", "xiphoid", "acromion left",
+    ]  # fmt: skip
 
 
 def test_the_document_keeps_no_times_and_no_landmark_of_the_patient(toy_stance: Stance) -> None:
@@ -143,7 +175,3 @@ def test_stances_are_told_apart() -> None:
     assert stance_names(["standing"]) == ["standing"]
     assert stance_names(["standing", "supine"]) == ["standing", "supine"]
     assert stance_names(["supine", "supine"]) == ["supine A", "supine B"]
-
-
-def test_letters_that_the_fonts_lack_are_replaced() -> None:
-    assert latin("a − b – “c”\n d … 漢 ±") == 'a - b - "c" d ... ? ±'

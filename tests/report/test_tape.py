@@ -4,12 +4,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
+from breastrig.drawings.clock import FittedSkin, circle_around, on_clock
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.body_frame import body_frame
-from breastrig.report.stance import Stance
-from breastrig.report.tape import FOUND, key_points, sharp_turns, tape_points
+from breastrig.report.stance import Place, Stance
+from breastrig.report.tape import (
+    FOUND,
+    LAID,
+    NINE_OF_TEN,
+    READ,
+    _spread,
+    key_points,
+    sharp_turns,
+    tape_points,
+)
 from breastrig.rig.model import Rig
 
 
@@ -32,7 +43,8 @@ def test_a_point_on_the_way_between_two_landmarks_is_as_far_from_both_as_they_ar
     marks = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
     middle = marks["mid_sternum"]
     (point,) = tape_points(stance_with(torso, line(middle[None], error=0.004)))
-    assert (point.line, point.point, point.error_mm) == ("cut", "place", 4.0)
+    assert (point.line, point.point) == ("cut", "place")
+    assert point.error_mm is None, "nobody knows how far off the landmarks are"
     lengths = dict(point.lengths_mm)
     assert len(lengths) == 3
     assert {*lengths} <= {*FOUND}
@@ -82,6 +94,64 @@ def test_a_closed_line_has_four_key_points_and_an_open_one_its_ends_and_corners(
     assert sharp_turns(way) == [19]
     assert [name for name, _ in key_points(line(way), frame)] == ["start", "end", "corner 1"]
     assert [name for name, _ in key_points(line(way[:15]), frame)] == ["start", "end", "middle"]
+
+
+def known(torso: Rig, radius: float, picked: tuple[str, ...], *lines: Polyline) -> Stance:
+    marks = dict(zip(torso.landmark_names, torso.landmark_points().positions(torso.template, torso.faces), strict=True))
+    radii = {name: 0.004 if name in picked else radius for name in marks}
+    return replace(stance_with(torso, *lines), picked={name: marks[name] for name in picked}, landmark_radii=radii)
+
+
+def test_the_tape_starts_from_picked_landmarks_and_says_how_far_off_those_of_the_model_may_be(torso: Rig) -> None:
+    at = line(torso.template[torso.regions["breast_L"][:1]])
+    picked = ("suprasternal_notch", "nipple_R", "umbilicus")
+    (point,) = tape_points(known(torso, 0.014, picked, at))
+    assert {name for name, _ in point.lengths_mm} == {*picked}, "though others are nearer"
+    (by_the_model,) = tape_points(known(torso, 0.014, (), at))
+    assert point.error_mm is not None
+    assert by_the_model.error_mm is not None
+    assert 2.0 < point.error_mm < 8.0 < by_the_model.error_mm
+
+
+def test_what_carrying_a_line_adds_stands_in_the_sheet(torso: Rig) -> None:
+    place = torso.template[torso.regions["breast_L"][:1]]
+    here, carried = (tape_points(known(torso, 0.01, FOUND, line(place, error=error)))[0] for error in (None, 0.012))
+    assert here.error_mm is not None
+    assert carried.error_mm == pytest.approx(np.hypot(here.error_mm, 12.0))
+
+
+def test_the_error_holds_nine_of_ten_points_that_are_found_by_three_arcs() -> None:
+    """Flat skin: landmarks are off by as much as their radii say, the tape by what it is read wrongly."""
+    random = np.random.default_rng(5)
+    marks = np.array([[0.12, 0.02, 0.0], [-0.05, 0.1, 0.0], [0.02, -0.15, 0.0]])
+    radii = np.array([0.004, 0.009, 0.006])
+    sources = [Place(f"mark {k}", marks[k], "picked", radii[k]) for k in range(3)]
+    radius = _spread(np.zeros(3), np.array([0.0, 0.0, 1.0]), sources)
+    far = np.linalg.norm(marks, axis=1)
+    off = []
+    for _ in range(2000):
+        true = marks[:, :2] + random.normal(size=(3, 2)) * radii[:, None] / NINE_OF_TEN
+        tape = far + random.normal(size=3) * (READ + LAID * far) / NINE_OF_TEN
+        weights = NINE_OF_TEN / np.hypot(radii, READ + LAID * far)
+        found = least_squares(lambda p, m=true, d=tape, w=weights: w * (np.linalg.norm(m - p, axis=1) - d), np.zeros(2))
+        off.append(float(np.linalg.norm(found.x)))
+    assert np.mean(np.array(off) < radius) == pytest.approx(0.9, abs=0.03)
+
+
+def test_a_circle_is_one_centre_with_its_radius_and_a_shared_end_is_one_point(torso: Rig) -> None:
+    skin = FittedSkin(torso, torso.template, {})
+    nipple = skin.landmark("nipple_L")
+    aside = on_clock(skin, nipple, 0.05, np.array([1.2]))
+    rings = [skin.at(circle_around(skin, centre, 0.02)) for centre in (nipple, aside)]
+    ends = skin.at(aside)[0] + np.array([[0.0, 0.03, 0.0], [0.0, 0.05, 0.0], [0.0, 0.07, 0.01]])
+    lines = (*(line(ring, closed=True) for ring in rings), line(ends[:2]), line(ends[[0, 2]]))
+    kept, moved, *others = tape_points(known(torso, 0.01, FOUND, *lines))
+    assert (kept.point, kept.around, kept.lengths_mm) == ("centre", "nipple_L", ())
+    assert kept.radius_mm == pytest.approx(20.0, abs=0.5)
+    assert (moved.point, moved.around) == ("centre", "")
+    assert moved.radius_mm == pytest.approx(20.0, abs=1.0)
+    assert np.linalg.norm(moved.at - skin.at(aside)[0]) < 0.003
+    assert [point.point for point in others] == ["start", "end", "end"]
 
 
 def test_a_drawing_of_nothing_and_a_rig_with_few_landmarks_have_no_sheet(torso: Rig, toy_rig: Rig) -> None:

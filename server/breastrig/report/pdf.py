@@ -63,9 +63,8 @@ Table = dict[str, Any]
 def report_pdf(stances: Sequence[Reported], identity: Identity = UNNAMED) -> bytes:
     """The pages of one or two stances."""
     template = resources.files("breastrig.report").joinpath("report.typ").read_bytes()
-    content = json.dumps(report_content(stances, identity), allow_nan=False).encode()
-    made: bytes = typst.compile({"main.typ": template, "data.json": content}, ignore_system_fonts=True)
-    return made
+    content = json.dumps(report_content(stances, identity), allow_nan=False)
+    return typst.compile(template, sys_inputs={"data": content}, ignore_system_fonts=True)
 
 
 def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str, Any]:

@@ -4,7 +4,7 @@ import json
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -23,7 +23,7 @@ class _Part(BaseModel):
 
 
 class _Patient(_Part):
-    code: str = Field("", max_length=CODE_CHARACTERS)
+    code: Annotated[str, Field(max_length=CODE_CHARACTERS)] = ""
     given: bool = False  # by a person; otherwise it is random
     scanned: date | None = None
 
