@@ -1,6 +1,7 @@
 """Patients: whose scan a scan is, the list to work through, and plans that nobody overwrites unseen."""
 
 import io
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,6 +11,7 @@ from helpers.on_disk import bytes_below
 from helpers.problems import problem
 from PIL import Image
 
+from breastrig.core.identity import LETTERS
 from breastrig.service.service import Service
 
 LINE = {"kind": "line", "name": "incision", "closed": False, "color": "#b83280", "points": [[70.0, 350.0, 120.0]]}
@@ -51,7 +53,11 @@ def test_each_scan_is_of_a_patient_and_a_second_one_can_be_of_the_same(client: F
     assert second["patient"] == first["patient"] != other["patient"]
     patient = client.get(first["links"]["patient"]).json
     assert [scan["id"] for scan in patient["scans"]] == [first["id"], second["id"]]
-    assert (patient["code"], patient["plan_version"]) == ("", 0)
+    assert patient["plan_version"] == 0
+    assert re.fullmatch(rf"[{LETTERS}]{{3}}-[{LETTERS}]{{3}}", patient["code"]), "a random one"
+    renamed = client.patch(patient["links"]["self"], json={"code": "  "}).json["code"]
+    assert renamed != patient["code"]
+    assert re.fullmatch(rf"[{LETTERS}]{{3}}-[{LETTERS}]{{3}}", renamed), "no patient is without a code"
     assert all(scan["delete_at"] > scan["created_at"] for scan in patient["scans"])
 
 
@@ -234,7 +240,7 @@ def test_the_list_is_sorted_by_the_service_over_all_its_pages(client: FlaskClien
     ordered = [each["code"] for each in pages("sort=code&search=zz")]
     assert ordered == ["zz", "ZZ 9", "zz 9 b", "zz 010", "zz 10"]
     everybody = pages("sort=code")
-    assert everybody[-1]["code"] == ""
+    assert all(each["code"] for each in everybody)
     assert without in [each["id"] for each in everybody]
     assert len({each["id"] for each in everybody}) == len(everybody)
     soonest = [each["scans"][0]["delete_at"] for each in pages("sort=deletion")]

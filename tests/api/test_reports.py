@@ -18,7 +18,7 @@ from breastrig.api.wire.files import MeasuresFile
 from breastrig.execution.limits import FitLimits
 from breastrig.service.reports import TWO_PATIENTS
 from breastrig.service.service import Service
-from breastrig.storage.storage import Storage
+from breastrig.storage.storage import Storage, utc_now
 from breastrig.workflow.further_jobs import ReportJob
 from breastrig.workflow.report import report_files, reported
 
@@ -51,10 +51,9 @@ def blank(monkeypatch: pytest.MonkeyPatch) -> None:
     blank_pictures_in_reports(monkeypatch)
 
 
-def text_of(content: bytes, stances: int = 1) -> str:
-    pages = pypdf.PdfReader(io.BytesIO(content)).pages
-    assert len(pages) == 2 + stances  # a tape sheet each
-    return "\n".join(page.extract_text() for page in pages)
+def text_of(content: bytes) -> str:
+    pages = [page.extract_text() for page in pypdf.PdfReader(io.BytesIO(content)).pages]
+    return " ".join(" ".join(pages).split())
 
 
 def jobs_of(service: Service, monkeypatch: pytest.MonkeyPatch) -> list[ReportJob]:
@@ -85,6 +84,39 @@ def test_the_report_of_a_fit_is_made_once_and_not_kept_on_the_disk(real: Real, m
     assert sorted(folder.iterdir()) == before
 
 
+def code_of(client: FlaskClient, scan: str) -> str:
+    link = client.get(f"/api/scans/{scan}").json["links"]["patient"]
+    return str(client.get(link).json["code"])
+
+
+def test_the_report_names_the_patient_by_her_code_and_so_does_its_file(real: Real) -> None:
+    service, client, scans, fits = real
+    address = f"/api/fits/{fits['standing']}/report.pdf"
+    first = client.get(address)
+    assert first.status_code == 200
+    assert first.mimetype == "application/pdf"
+    assert first.headers["Cache-Control"] == "no-store"
+    code, day = code_of(client, scans["standing"]), utc_now()[:10]
+    assert f"filename={code}_standing_{day}_report.pdf" in first.headers["Content-Disposition"]
+    text = text_of(first.data)
+    assert "Research use only" in text
+    assert f"Patient {code}" in text
+    assert f"standing, scan received {day}" in text
+    again = client.get(address)
+    assert again.data == first.data
+    unchanged = client.get(address, headers={"If-None-Match": first.headers["ETag"]})
+    assert unchanged.status_code == 304
+    assert not (service.storage.folders.fit(fits["standing"]) / "report.pdf").exists()
+    patient = client.get(f"/api/scans/{scans['standing']}").json["links"]["patient"]
+    client.patch(patient, json={"code": "K7M-4QX"})
+    renamed = client.get(address)
+    assert "Patient K7M-4QX" in text_of(renamed.data)
+    assert code not in text_of(renamed.data)
+    for name in ("fitted.glb", "drawing.json", "result.json"):
+        with client.get(f"/api/fits/{fits['standing']}/{name}") as answer:
+            assert answer.headers["Content-Disposition"] == f"attachment; filename=K7M-4QX_standing_{day}_{name}"
+
+
 @pytest.mark.usefixtures("blank")
 @pytest.mark.parametrize("name", ["report.pdf", "measures.json"])
 def test_what_is_cut_away_after_the_fit_is_not_in_its_report(
@@ -113,7 +145,7 @@ def test_two_stances_in_one_report_which_is_not_kept(real: Real) -> None:
     service, client, _, fits = real
     answer = client.get(f"/api/fits/{fits['supine']}/report.pdf?with={fits['standing']}")
     assert answer.status_code == 200
-    assert "change, supine to standing" in text_of(answer.data, stances=2)
+    assert "change, supine to standing" in text_of(answer.data)
     assert not (service.storage.folders.fit(fits["supine"]) / "report.pdf").exists()
 
 
@@ -203,12 +235,13 @@ def test_a_report_with_a_plan_is_remembered_and_not_kept_on_the_disk(real: Real)
     address = f"/api/fits/{fits['standing']}/report.pdf"
     first = client.get(address).data
     text = text_of(first)
-    assert all(words in text for words in ("tumour, left", "wants it smaller", "tumour_L lies 15 mm below the skin"))
-    assert "sternum upper" not in text  # the plan speaks for the fit's own drawing
+    assert all(words in text for words in ("Tumour, left", "wants it smaller", "Hour 3:00", "Below the skin 15 mm"))
+    assert f"plan, version 1 {utc_now()[:10]}" in text
+    assert "Sternum upper" not in text  # the plan speaks for the fit's own drawing
     assert client.get(address).data == first
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
     client.put(plan, json={"items": []}, headers={"If-Match": stored.headers["ETag"]})
-    assert "wants it smaller" not in text_of(client.get(address).data, stances=0)
+    assert "wants it smaller" not in text_of(client.get(address).data)
 
 
 @pytest.mark.usefixtures("blank")
