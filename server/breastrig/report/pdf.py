@@ -41,17 +41,27 @@ KINDS = {  # of rows, in this order
 }
 VERDICTS = {"good": "good", "check": "check: see doubts and notes", "unusable": "unusable: see doubts and notes"}
 WARNINGS = {"check": "CHECK THIS FIT: see doubts and notes", "unusable": "NOT USABLE: see doubts and notes"}
-METHODS = (
-    "Left and right are the patient's; ± is the larger side of a band that contains the true value in nine of ten "
-    "cases. Straight: distance in space. Along the skin: shortest path on the fitted model's skin, holes of the scan "
-    "bridged. Landmarks as picked, else as seen in the scan's colours, else of the model. Nipple to midline: at right "
-    "angles to the median plane of the model; along the skin to its midline. Base width: between the most medial and "
-    "the most lateral point of the model's breast outline. Volume: between the skin inside that outline and a smooth "
-    "chest wall (a thin-plate spline through the skin on, 10 and 20 mm outside it); its band contains the outline "
-    "moved 5 mm in and out and the distance between fit and scan. Changes within the bands mean nothing. M1 to M6: "
-    "ratios of left and right (Reddy et al. 2017); every woman has some asymmetry. Ptosis I: nipple at the fold or up "
-    "to 10 mm below; II: up to 30 mm; III: more, or at the lowest contour; glandular: only the lowest point hangs, "
-    "20 mm and more below the fold."
+METHODS = (  # a sentence, and the measure that it is about; none for what holds of all
+    ("Left and right are the patient's; ± is the larger side of a band that contains nine of ten true values.", None),
+    ("Straight: distance in space. Along the skin: shortest path on the fitted model's skin, holes bridged.", None),
+    ("Landmarks as picked, else as seen in the scan's colours, else of the model.", None),
+    (
+        "Nipple to midline: at right angles to the model's median plane; along the skin to its midline.",
+        "nipple_midline",
+    ),
+    ("Base width: between the most medial and most lateral point of the model's breast outline.", "base_width"),
+    (
+        "Volume: between the skin inside that outline and a smooth chest wall (a thin-plate spline through the skin "
+        "on, 10 and 20 mm outside it); its band contains the outline moved 5 mm in and out and the distance between "
+        "fit and scan; a change within the bands says nothing.",
+        "volume",
+    ),
+    ("M1 to M6: ratios of left and right (Reddy et al. 2017); every woman has some asymmetry.", "M1"),
+    (
+        "Ptosis I: nipple at the fold or up to 10 mm below; II: up to 30 mm; III: more, or at the lowest contour; "
+        "glandular: only the lowest point hangs, 20 mm and more below the fold.",
+        "ptosis",
+    ),
 )
 PIXELS_PER_MM = 7.0  # 180 to the inch
 LARGE = (88.0, 92.0)  # mm, the scan with the plan
@@ -89,9 +99,15 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
         "uncertainty": _uncertainty(stances),
         "settings": _settings(stances),
         "doubts": [remark for one in stances for remark in _said(stances, one, _doubts(one))],
-        "methods": METHODS,
+        "methods": methods(stances),
         "tape": [sheet for one in stances if (sheet := tape_sheet(one.name, one.stance)) is not None],
     }
+
+
+def methods(stances: Sequence[Reported]) -> str:
+    """How what stands in the tables was measured."""
+    measured = {None, *(row.measure for one in stances for row in one.rows)}
+    return " ".join(sentence for sentence, measure in METHODS if measure in measured)
 
 
 def _facts(stances: Sequence[Reported], identity: Identity) -> list[list[str]]:
