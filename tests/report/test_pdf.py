@@ -14,8 +14,8 @@ from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.document import PlannedItem, Reported, report_document, stance_names
 from breastrig.report.measures import measures
-from breastrig.report.names import spoken, spoken_together
-from breastrig.report.pdf import report_pdf
+from breastrig.report.pages.names import spoken, spoken_together
+from breastrig.report.pages.pdf import report_pdf
 from breastrig.report.stance import Stance
 from breastrig.rig.model import Rig
 

@@ -10,8 +10,7 @@ from breastrig.drawings.clock import FittedSkin, circle_around, on_clock
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.body_frame import body_frame
-from breastrig.report.stance import Place, Stance
-from breastrig.report.tape import (
+from breastrig.report.pages.tape import (
     FOUND,
     LAID,
     NINE_OF_TEN,
@@ -21,6 +20,7 @@ from breastrig.report.tape import (
     sharp_turns,
     tape_points,
 )
+from breastrig.report.stance import Place, Stance
 from breastrig.rig.model import Rig
 
 

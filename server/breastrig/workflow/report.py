@@ -186,7 +186,7 @@ def _check_shown(folder: Path, result: dict[str, Any]) -> None:
 
 
 def _pdf(stances: list[Reported], identity: Identity) -> bytes:
-    from breastrig.report.pdf import report_pdf  # the typesetter is 80 MB, and the server makes no PDF itself
+    from breastrig.report.pages.pdf import report_pdf  # the typesetter is 80 MB, and the server makes no PDF itself
 
     return report_pdf(stances, identity)
 

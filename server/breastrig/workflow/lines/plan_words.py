@@ -7,7 +7,7 @@ from breastrig.drawings.pattern_parameters import Parameter, parameters_of
 from breastrig.drawings.patterns import LABELS, PATTERNS, asked_drawing
 from breastrig.drawings.plan_schema import PlanItem, PlanLine, PlanNote, PlanPattern, PlanTumour, drawing_text
 from breastrig.report.document import PlannedItem
-from breastrig.report.names import spoken
+from breastrig.report.pages.names import spoken
 from breastrig.workflow.folder.fit_folder import FitFolder
 
 SIDES = {"L": "left breast", "R": "right breast", "both": "both breasts"}

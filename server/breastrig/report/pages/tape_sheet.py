@@ -7,10 +7,10 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.rendering.picture import Camera, camera
 from breastrig.report.body_frame import body_frame
-from breastrig.report.names import spoken
+from breastrig.report.pages.names import spoken
+from breastrig.report.pages.tape import TapePoint, tape_points
 from breastrig.report.pictures import jpeg, scan_pictures
 from breastrig.report.stance import Stance, places
-from breastrig.report.tape import TapePoint, tape_points
 
 SIZE = (180.0, 105.0)  # mm of the picture
 PIXELS_PER_MM = 6.0

@@ -17,7 +17,8 @@ from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.report.document import PlannedItem, Reported
 from breastrig.report.measures import OUTLINE
-from breastrig.report.names import spoken, spoken_together
+from breastrig.report.pages.names import spoken, spoken_together
+from breastrig.report.pages.tape_sheet import tape_sheet
 from breastrig.report.pictures import (
     LEAST_SURE_MM,
     colour_bar,
@@ -28,7 +29,6 @@ from breastrig.report.pictures import (
 )
 from breastrig.report.stance import places
 from breastrig.report.table import Row, Value, changes, number, with_band, with_margin
-from breastrig.report.tape_sheet import tape_sheet
 
 TITLE = "Plan and measures from a 3D scan"
 KINDS = {  # of rows, in this order
@@ -72,7 +72,7 @@ Table = dict[str, Any]
 
 def report_pdf(stances: Sequence[Reported], identity: Identity = UNNAMED) -> bytes:
     """The pages of one or two stances."""
-    template = resources.files("breastrig.report").joinpath("report.typ").read_bytes()
+    template = resources.files("breastrig.report.pages").joinpath("report.typ").read_bytes()
     content = json.dumps(report_content(stances, identity), allow_nan=False)
     return typst.compile(template, sys_inputs={"data": content}, ignore_system_fonts=True)
 
