@@ -3,24 +3,26 @@
 import re
 
 from breastrig.core.errors import BadScan
+from breastrig.scan.point_clouds.point_table import is_point_table
 
-FILE_TYPES = ("ply", "obj", "stl", "glb", "zip", "pcd", "xyz", "usd")
+FILE_TYPES = ("ply", "obj", "stl", "glb", "gltf", "zip", "pcd", "xyz", "usd")
+POINT_TABLES = ("xyz", "asc", "pts", "txt", "csv", "xyzn", "xyzrgb")
+ENDINGS = ("ply", "obj", "stl", "glb", "gltf", "zip", "pcd", "usdz", "usd", "usda", "usdc", *POINT_TABLES)  # of names
 USD_LAYERS = (".usd", ".usda", ".usdc")
 USD_STARTS = (b"PXR-USDC", b"#usda")
 BINARY_STL_HEADER = 84  # bytes: a title and the number of triangles
 BINARY_STL_TRIANGLE = 50  # bytes
 LOOKED_AT = 4096  # bytes in which a text file shows what it is
 PCD_START = re.compile(rb"^(?:\s*#[^\n]*\n|\s*\n)*\s*(?:VERSION|FIELDS|COLUMNS)\s", re.IGNORECASE)
-ROWS = 20  # lines in which a file shows that it is nothing but numbers
-COLUMNS = 12  # at most: place, normal, colour, and what a scanner adds
+UTF_8_MARK, UTF_16_MARKS = b"\xef\xbb\xbf", (b"\xff\xfe", b"\xfe\xff")
 EXPORT = "export the scan as PLY, OBJ, STL or GLB"
 
 
 def file_type_of(data: bytes, named: str | None = None) -> str:
     """One of FILE_TYPES; BadScan with a sentence when the bytes are none of them.
 
-    `named` is the file name's ending.  It decides only for a binary STL of the wrong length (which has no mark
-    of its own) so that the sentence can say that it is cut off.
+    `named` is the file name's ending.  It decides only for a binary STL of the wrong length, which has no mark of its
+    own, and words the errors.
     """
     start = data[:LOOKED_AT]
     named = (named or "").lower().lstrip(".")
@@ -34,50 +36,57 @@ def file_type_of(data: bytes, named: str | None = None) -> str:
         return "usd"
     if start.startswith((b"PK\x03\x04", b"PK\x05\x06")):
         return "zip"
-    if is_binary_stl(data) or (re.match(rb"\s*solid\b", start, re.IGNORECASE) and b"facet" in start):
+    if is_binary_stl(data) or is_text_stl(data):
         return "stl"
     if PCD_START.match(start):
         return "pcd"
+    if re.match(rb"\s*\{", start) and b'"asset"' in data:
+        return "gltf"
     if b"\0" not in start and re.search(rb"(?:^|[\r\n])[ \t]*v[ \t]+[-+.\d]", data):
         return "obj"
-    if b"\0" not in start and is_point_text(start):
+    if b"\0" not in start and is_point_table(start):
         return "xyz"
-    if re.match(rb"\s*\{", start) and b'"asset"' in data:
-        raise BadScan("This is a .gltf, which keeps its data in other files; export the scan as one .glb.")
-    if named == "stl" and b"\0" in start:
-        raise BadScan("This STL file is cut off or damaged: its length does not fit its triangles; export it again.")
+    if b"\0" in start and (named == "stl" or _is_nearly_binary_stl(data)):
+        return "stl"
     if named in FILE_TYPES:
         raise BadScan(f"This file is named .{named} but holds no {named.upper()} data; {EXPORT}.")
     raise BadScan(f"This is not a PLY, OBJ, STL, GLB, PCD or zip file; {EXPORT}.")
 
 
+def plain_text(data: bytes) -> bytes:
+    """Text in UTF-8 without a mark before it, of a file that begins with one; all other bytes as they are."""
+    if data.startswith(UTF_8_MARK):
+        return data[len(UTF_8_MARK) :]
+    if data.startswith(UTF_16_MARKS):
+        return data.decode("utf-16", "replace").encode()
+    return data
+
+
+def is_text_stl(data: bytes) -> bool:
+    """Whether it begins with a solid and its facets; a binary one may have the word in its title."""
+    start = data[:LOOKED_AT]
+    return bool(re.match(rb"\s*solid\b", start, re.IGNORECASE)) and b"facet" in start.lower() and b"\0" not in start
+
+
 def is_binary_stl(data: bytes) -> bool:
     """Whether the length is just what the number of triangles asks for."""
+    return _bytes_over_binary_stl(data) == 0
+
+
+def _is_nearly_binary_stl(data: bytes) -> bool:
+    """Whether a few bytes follow the triangles."""
+    return 0 <= _bytes_over_binary_stl(data) < BINARY_STL_TRIANGLE < len(data) - BINARY_STL_HEADER
+
+
+def _bytes_over_binary_stl(data: bytes) -> int:
+    """So many bytes more than the number of triangles asks for; negative where it has no such number or fewer."""
+    if len(data) < BINARY_STL_HEADER:
+        return -1
     count = int.from_bytes(data[BINARY_STL_HEADER - 4 : BINARY_STL_HEADER], "little")
-    return len(data) == BINARY_STL_HEADER + BINARY_STL_TRIANGLE * count and len(data) >= BINARY_STL_HEADER
+    return len(data) - BINARY_STL_HEADER - BINARY_STL_TRIANGLE * count
 
 
 def _is_usdz(start: bytes) -> bool:
     """Whether a zip's first file is a layer of USD, as the format of its packages wants it."""
     length = int.from_bytes(start[26:28], "little")
     return start.startswith(b"PK\x03\x04") and start[30 : 30 + length].decode("latin-1").lower().endswith(USD_LAYERS)
-
-
-def is_point_text(start: bytes) -> bool:
-    """Whether a file that starts so holds rows of three or more numbers, perhaps after one with their count."""
-    lines = number_rows(start)[:ROWS]
-    if len(lines) > 1 and len(lines[0].split()) == 1:
-        lines = lines[1:]
-    if len(lines) < 3:
-        return False
-    try:
-        widths = {len([float(word) for word in line.split()]) for line in lines[:-1]}
-    except ValueError:
-        return False
-    return len(widths) == 1 and 3 <= widths.pop() <= COLUMNS
-
-
-def number_rows(data: bytes) -> list[bytes]:
-    """With anything in them but a remark, commas and semicolons as spaces."""
-    plain = data.replace(b",", b" ").replace(b";", b" ").replace(b"\t", b" ")
-    return [line for line in plain.splitlines() if line.strip() and not line.lstrip().startswith((b"#", b"//"))]

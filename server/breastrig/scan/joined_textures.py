@@ -8,7 +8,6 @@ A part without a picture, as scanner apps leave what the camera did not see, is 
 """
 
 import io
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -17,9 +16,9 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan
-from breastrig.scan.formats.texture import FORMATS, pixels_of
+from breastrig.scan.formats.texture import opened, pixels_of
 from breastrig.scan.limits import IMAGE_PIXELS, TEXTURE_SIDE
-from breastrig.scan.piece import Piece
+from breastrig.scan.piece import UNCOLOURED, Piece
 
 BORDER = 2  # pixels around each picture; mixing neighbours needs one
 QUALITY = 95  # JPEG with whole colours: thin lines of ink stay what they are
@@ -31,7 +30,6 @@ TOO_MANY = (
 REPEATED = "The scan has several textures, some laid out as repeated tiles, and is shown without them."
 DAMAGED = "One of the textures of this scan is damaged, and all were left out."
 UNPAINTED = "Parts of this scan have no texture and are shown in one colour."
-GREY = 190  # of what has no colour at all: neither skin nor ink
 
 
 @dataclass(frozen=True)
@@ -79,10 +77,10 @@ def joined_textures(pieces: Sequence[Piece]) -> tuple[bytes | None, Array, str |
 
 
 def _in_one_colour(piece: Piece) -> Piece:
-    """With a picture of one pixel: the mean colour of its vertices, or grey."""
+    """With a picture of one pixel: the mean colour of its vertices, that of its material, or grey."""
     from PIL import Image  # as below
 
-    colour = (GREY, GREY, GREY)
+    colour = piece.tint or (UNCOLOURED, UNCOLOURED, UNCOLOURED)
     if piece.colours is not None and len(piece.colours):
         red, green, blue = (round(float(each)) for each in piece.colours.mean(axis=0))
         colour = (red, green, blue)
@@ -92,15 +90,8 @@ def _in_one_colour(piece: Piece) -> Piece:
 
 
 def _size(picture: bytes) -> tuple[int, int]:
-    from PIL import Image  # it takes longer to load than a scan to read
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(io.BytesIO(picture), formats=FORMATS) as opened:
-                return opened.size
-    except Exception as error:  # whatever a broken picture does to its decoder
-        raise BadScan(DAMAGED) from error
+    with opened(picture) as found:
+        return found.size
 
 
 def _laid_out(sizes: Sequence[tuple[int, int]]) -> tuple[list[_Cell], tuple[int, int], int]:

@@ -1,13 +1,16 @@
 """One mesh of a scan file, before all of them become one scan: scanner apps split what they write by picture."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
 from numpy import uint8
 from numpy.typing import NDArray
 
-from breastrig.core.arrays import Array, Integers
+from breastrig.core.arrays import Array, Booleans, Integers
 
 SEVERAL = "The scan has several textures and is shown without them."
+PARTLY_COLOURED = "Parts of this scan have no colour and are shown in grey."
+UNCOLOURED = 190  # grey of what has no colour beside what has one: neither skin nor ink
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,7 +21,22 @@ class Piece:
     faces: Integers  # (F, 3)
     colours: NDArray[uint8] | None = None  # (V, 3) sRGB
     uv: Array | None = None  # (V, 2) origin at the lower left of the picture
-    picture: bytes | None = None  # JPEG or PNG, as it is in the file
+    picture: bytes | None = None  # JPEG or PNG
+    tint: tuple[int, int, int] | None = None  # sRGB of its material where nothing else colours it
+
+
+def part(piece: Piece, chosen: Booleans) -> Piece:
+    """Some of the (F,) triangles, with the vertices that they use."""
+    faces = piece.faces[chosen]
+    used = np.zeros(len(piece.vertices), np.bool_)
+    used[faces] = True
+    return replace(
+        piece,
+        vertices=piece.vertices[used],
+        faces=(np.cumsum(used) - 1)[faces],
+        colours=None if piece.colours is None else piece.colours[used],
+        uv=None if piece.uv is None else piece.uv[used],
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,3 +57,5 @@ class Pieces:
     has_points: bool = False  # beside the triangles, or instead of them
     notes: tuple[str, ...] = ()  # one sentence each
     cloud: PointCloud | None = None  # where there are points and no triangles at all
+    unit: str | None = None  # that the file names
+    unit_by_default: bool = False  # that its format means where a file names none

@@ -7,32 +7,37 @@ sentence.  What comes out is checked again, whatever file it came in.
 
 import hashlib
 import stat
-from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.core.errors import BadScan, TooLarge
+from breastrig.core.errors import BadInput, BadScan, TooLarge
 from breastrig.core.single_precision import EXACT_WITHIN
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.clean import MIN_TRIANGLES
-from breastrig.scan.file_type import file_type_of
-from breastrig.scan.formats.archive import COMPANIONS, unpacked
+from breastrig.scan.companions import Companions, beside
+from breastrig.scan.file_type import file_type_of, plain_text
+from breastrig.scan.formats.archive import unpacked
 from breastrig.scan.formats.glb import glb_pieces
+from breastrig.scan.formats.obj import read_obj
+from breastrig.scan.formats.ply import read_ply
+from breastrig.scan.formats.stl import read_stl
 from breastrig.scan.formats.texture import written_anew
 from breastrig.scan.formats.usd_process import usd_pieces
 from breastrig.scan.joined_textures import UNPAINTED, joined_textures
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
-from breastrig.scan.piece import Piece, Pieces, PointCloud
+from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, Piece, Pieces, PointCloud, part
 from breastrig.scan.point_clouds.pcd import pcd_points
-from breastrig.scan.point_clouds.point_text import text_points
+from breastrig.scan.point_clouds.point_table import table_points
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
 
 BEYOND = 1e30  # no unit has such numbers; their squares are beyond single precision
+BROKEN = 0.05  # share of the triangles that may have such corners
 FARTHEST = 1e7  # m from the origin; coordinates of the Earth reach 6.4e6 m, and double precision is 2e-9 m there
 STRAY = 1e3  # m from the scan's middle; no scanner sees so far, and single precision begins to matter
 SHOWN_NAME = 60  # characters of a file's name in a sentence
@@ -45,7 +50,7 @@ def read_scan(
     texture: bool = True,
     for_display: bool = True,
 ) -> Scan:
-    """Reads PLY, OBJ, STL, GLB, PCD, rows of points, or a zip of one of them with its MTL and pictures.
+    """Reads PLY, OBJ, STL, GLB, glTF, USD, PCD, a table of points, or a zip of one of them with what it names.
 
     `file_type` is the name's ending, only used to word errors, or STORED for a file that `write_stored` wrote;
     `units` is auto or m, dm, cm, mm, in, ft; `texture=False` saves the time of decoding the pictures,
@@ -59,30 +64,19 @@ def read_scan(
         vertices = scan.vertices if unit == scan.unit else scan.vertices * (metres / scan.metres_per_unit)
         return replace(scan, vertices=vertices, unit=unit, metres_per_unit=metres, unit_reason=reason)
     data = _bytes(source)
-    siblings: Mapping[str, bytes] = {}
-    sorting: tuple[str, ...] = ()
     if file_type is None and isinstance(source, Path):
         file_type = source.suffix
-    found = file_type_of(data, file_type)
-    mesh = data
+    mesh, files, sorting = plain_text(data), Companions(), tuple[str, ...]()
+    found = file_type_of(mesh, file_type)
     if found == "zip":
         packed = unpacked(data)
-        mesh, siblings, sorting = packed.mesh, packed.companions, packed.notes
+        mesh, files, sorting = plain_text(packed.mesh), packed.companions, packed.notes
         found = file_type_of(mesh, packed.ending)
         if found == "zip":
             raise BadScan("This zip holds another zip; pack the mesh itself.")
-    elif found in ("obj", "ply") and isinstance(source, Path) and texture:
-        siblings = _Siblings(source.parent)
-    if found == "glb":
-        pieces = glb_pieces(mesh, texture)
-    elif found == "usd":
-        pieces = usd_pieces(mesh, texture)
-    elif found in ("pcd", "xyz"):
-        pieces = Pieces((), has_points=True, cloud=pcd_points(mesh) if found == "pcd" else text_points(mesh))
-    else:
-        from breastrig.scan.formats.ply_obj_stl import mesh_pieces  # its parsers take 0.4 s to load
-
-        pieces = mesh_pieces(mesh, found, siblings if texture else {}, texture)
+    elif isinstance(source, Path) and found in ("obj", "ply", "gltf", "glb"):
+        files = beside(source, _bytes)
+    pieces = _pieces(mesh, found, files, texture)
     from_points = pieces.cloud is not None and not pieces.pieces
     if from_points and pieces.cloud is not None:
         cloud = _sound_points(pieces.cloud)
@@ -96,8 +90,11 @@ def read_scan(
         _check(whole, pieces.has_points)
     else:
         whole, notes = _joined(pieces)
+        whole, left_out = _without_bad_vertices(whole)
+        notes += left_out
         _check(whole, pieces.has_points)
-        unit, reason = decide_unit(_extent(whole.vertices, whole.faces), units)
+        across = _extent(whole.vertices, whole.faces)
+        unit, reason = decide_unit(across, units, pieces.unit, pieces.unit_by_default)
     metres = METRES_PER_UNIT[unit]
     whole, strays = _placed(whole, metres)
     jpeg = whole.picture if whole.picture is None or not for_display else written_anew(whole.picture)
@@ -119,24 +116,22 @@ def read_scan(
     )
 
 
-class _Siblings(Mapping[str, bytes]):
-    """Materials and pictures in the folder of a file, read when asked for, never outside that folder."""
-
-    def __init__(self, folder: Path) -> None:
-        self._paths = {
-            path.name: path
-            for path in folder.iterdir()
-            if path.suffix.lower().lstrip(".") in COMPANIONS and path.is_file() and not path.is_symlink()
-        }
-
-    def __getitem__(self, name: str) -> bytes:
-        return _bytes(self._paths[name])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._paths)
-
-    def __len__(self) -> int:
-        return len(self._paths)
+def _pieces(data: bytes, kind: str, files: Companions, texture: bool) -> Pieces:
+    """What a file of this kind holds.  BadScan or TooLarge with a sentence, whatever its parser raises."""
+    try:
+        if kind in ("glb", "gltf"):
+            return glb_pieces(data, files, texture)
+        if kind == "usd":
+            return usd_pieces(data, texture)
+        if kind in ("pcd", "xyz"):
+            return Pieces((), has_points=True, cloud=pcd_points(data) if kind == "pcd" else table_points(data))
+        return read_stl(data) if kind == "stl" else {"ply": read_ply, "obj": read_obj}[kind](data, files, texture)
+    except BadInput:
+        raise
+    except MemoryError as error:
+        raise TooLarge("Reading this scan needs more memory than there is; simplify it first.") from error
+    except Exception as error:  # a parser of untrusted bytes can raise anything
+        raise BadScan(f"This {kind.upper()} file is damaged or cut off and cannot be read; export it again.") from error
 
 
 def _bytes(source: Path | bytes) -> bytes:
@@ -162,26 +157,69 @@ def _check_size(size: int) -> None:
 
 def _joined(found: Pieces) -> tuple[Piece, tuple[str, ...]]:
     """All pieces as one, with the colours or the picture that they share, and what there is to say."""
-    pieces = found.pieces
+    pieces = [each for piece in found.pieces for each in _placed_or_not(piece)]
     if not pieces:
         return Piece(np.zeros((0, 3)), np.zeros((0, 3), np.int64)), found.notes
     offsets = np.cumsum([0, *(len(piece.vertices) for piece in pieces[:-1])])
     vertices = np.concatenate([piece.vertices for piece in pieces])
     faces = np.concatenate([piece.faces + offset for piece, offset in zip(pieces, offsets, strict=True)])
-    notes, colours, uv, picture = found.notes, None, None, None
-    painted = [piece for piece in pieces if piece.uv is not None and piece.picture is not None]
+    notes, uv, picture = found.notes, None, None
+    painted = [piece for piece in pieces if piece.picture is not None]
     if painted:
         first = painted[0].picture
         if len(painted) < len(pieces) or any(piece.picture != first for piece in painted):
             picture, uv, why = joined_textures(pieces)
             notes += () if why is None else (why,)
             notes += (UNPAINTED,) if why is None and len(painted) < len(pieces) else ()
-        elif np.isfinite(uv := np.concatenate([piece.uv for piece in painted if piece.uv is not None])).all():
-            picture = first
-    coloured = [piece.colours for piece in pieces if piece.colours is not None]
-    if len(coloured) == len(pieces):
-        colours = np.concatenate(coloured)
-    return Piece(vertices, faces, colours, None if picture is None else uv, picture), notes
+        else:
+            picture, uv = first, np.concatenate([piece.uv for piece in painted if piece.uv is not None])
+    colours, more = _colours(pieces)
+    return Piece(vertices, faces, colours, None if picture is None else uv, picture), notes + (more if not picture else ())
+
+
+def _placed_or_not(piece: Piece) -> tuple[Piece, ...]:
+    """The piece, apart where some corners have no place in the picture that the others have."""
+    if piece.uv is None or piece.picture is None:
+        return (replace(piece, uv=None, picture=None),)
+    has_place = np.isfinite(piece.uv).all(axis=1)[piece.faces].all(axis=1)
+    if has_place.all():
+        return (piece,)
+    without = replace(part(piece, ~has_place), uv=None, picture=None)
+    return (part(piece, has_place), without) if has_place.any() else (without,)
+
+
+def _colours(pieces: list[Piece]) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
+    """(V, 3) of all pieces' vertices and what there is to say; None where nothing differs in colour."""
+    own = [piece.colours for piece in pieces]
+    if all(colours is None for colours in own) and len({piece.tint for piece in pieces}) < 2:
+        return None, ()
+    plain = [piece.tint or (UNCOLOURED,) * 3 for piece in pieces]
+    filled = [
+        np.full((len(piece.vertices), 3), tint, np.uint8) if piece.colours is None else piece.colours
+        for piece, tint in zip(pieces, plain, strict=True)
+    ]
+    is_partly = any(piece.colours is None and piece.tint is None for piece in pieces)
+    return np.concatenate(filled), (PARTLY_COLOURED,) if is_partly else ()
+
+
+def _without_bad_vertices(whole: Piece) -> tuple[Piece, tuple[str, ...]]:
+    """The triangles whose corners are places, and what was left out; BadScan when they are too many."""
+    if not len(whole.faces) or whole.faces.min() < 0 or whole.faces.max() >= len(whole.vertices):
+        return whole, ()  # as is said of it later
+    sound = (np.abs(whole.vertices) < BEYOND).all(axis=1)  # false for what is no number, too
+    if sound.all():
+        return whole, ()
+    kept = sound[whole.faces].all(axis=1)
+    used = np.zeros(len(sound), np.bool_)
+    used[whole.faces] = True
+    bad, lost = int((used & ~sound).sum()), int((~kept).sum())
+    if not bad:
+        return part(whole, kept), ()
+    which = "One vertex of this scan is" if bad == 1 else f"{bad:,} vertices of this scan are"
+    if lost > BROKEN * len(kept):
+        raise BadScan(f"{which} not finite or far beyond all reason; repair the mesh or export it again.")
+    gone = "triangle that uses it was" if lost == 1 else f"{lost:,} triangles there were"
+    return part(whole, kept), (f"{which} not finite or far beyond all reason; the {gone} left out.",)
 
 
 def _sound_points(cloud: PointCloud) -> PointCloud:
@@ -204,11 +242,6 @@ def _check(whole: Piece, has_points: bool) -> None:
         raise BadScan(f"This scan has {what}; export it as a triangle mesh.")
     if whole.faces.min() < 0 or whole.faces.max() >= len(whole.vertices):
         raise BadScan("The triangles of this scan name vertices that do not exist; export it again.")
-    sound = (np.abs(whole.vertices) < BEYOND).all(axis=1)  # false for what is no number, too
-    if not sound.all():
-        bad = int((~sound).sum())
-        which = "One vertex of this scan is" if bad == 1 else f"{bad:,} vertices of this scan are"
-        raise BadScan(f"{which} not finite or far beyond all reason; repair the mesh or export it again.")
     if len(whole.faces) > TRIANGLES:
         raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
     if len(whole.faces) < MIN_TRIANGLES:

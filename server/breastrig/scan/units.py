@@ -27,10 +27,11 @@ def extent(vertices: Array) -> float:
     return float(np.linalg.norm(high - low))
 
 
-def decide_unit(across: float, asked: str) -> tuple[str, str]:
+def decide_unit(across: float, asked: str, named: str | None = None, by_default: bool = False) -> tuple[str, str]:
     """(unit, sentence with the reason) for a scan that is `across` of its own units wide.
 
-    `asked` is "auto" or a unit.  Raises BadScan when the size fits no unit, several, or not the one asked
+    `asked` is "auto" or a unit; `named` is the file's own, or that of its format for files that name none
+    (`by_default`), and is taken where a torso can have this size in it.  Raises BadScan when the size fits no unit, several, or not the one asked
     for; BadSettings when `asked` is no unit.
     """
     if asked not in UNIT_CHOICES:
@@ -38,6 +39,12 @@ def decide_unit(across: float, asked: str) -> tuple[str, str]:
     fitting = _fitting(across)
     if asked != "auto":
         return asked, _checked(across, asked, fitting)
+    if named is not None:
+        says = "names no unit, which means" if by_default else "says"
+        if _within(across, named, PLAUSIBLE):
+            return named, f"The scan is {across:.4g} units across; its file {says} {_name(across, named)}."
+        unit, reason = decide_unit(across, asked)
+        return unit, f"{reason} Its file {says} {_name(across, named)}, which no torso is."
     if len(fitting) == 1:
         unit = fitting[0]
         return unit, f"The scan is {across:.4g} units across, which fits a torso only in {_name(across, unit)}."

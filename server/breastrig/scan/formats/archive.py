@@ -1,8 +1,8 @@
 """A zip as scanner apps send it: the one mesh that is meant, and the material and pictures that it names.
 
 Apps pack more than the scan: folders, previews, every photograph with its camera, depth maps, descriptions in JSON, the
-same body coarse, fine and with a picture.  What is not read is not unpacked either: the mesh first, then the materials
-of its folder, then the pictures whose names stand in them.  Meshes of one folder whose names differ in words such as
+same body coarse, fine and with a picture.  What is not read is not unpacked either: the mesh first, then what it names
+when it is asked for.  Meshes of one folder whose names differ in words such as
 "textured" or "refined" are one scan, and the one with a picture is read; between others nobody guesses.
 
 Nothing is ever unpacked to the disk, so links, absolute names and the like in a zip lead nowhere.
@@ -15,9 +15,12 @@ import zipfile
 import zlib
 from collections import defaultdict
 from dataclasses import dataclass
+from functools import partial
 from pathlib import PurePosixPath
 
 from breastrig.core.errors import BadScan, TooLarge
+from breastrig.scan.companions import ENDINGS, PICTURES, Companions
+from breastrig.scan.file_type import LOOKED_AT, plain_text
 from breastrig.scan.limits import (
     FILE_BYTES,
     MATERIAL_FILE_BYTES,
@@ -27,16 +30,15 @@ from breastrig.scan.limits import (
     ZIP_RATIO,
     ZIP_RATIO_FROM,
 )
+from breastrig.scan.point_clouds.point_table import is_point_table
 
-MESHES = ("obj", "ply", "stl", "glb", "pcd", "xyz", "usdz")
-# Of one scan in several formats the one that carries a picture is the best.
-MESH_RANK = {"xyz": 0, "pcd": 0, "stl": 1, "ply": 2, "obj": 2, "usdz": 3, "glb": 4}
-PICTURES = ("jpg", "jpeg", "png")
-COMPANIONS = ("mtl", *PICTURES)
+# Of one scan in several formats the one that carries a picture is the best; a text or a table is a scan if nothing else is.
+MESH_RANK = {"txt": -1, "csv": -1, "xyz": 0, "pcd": 0, "stl": 1, "ply": 2, "obj": 2, "usdz": 3, "gltf": 4, "glb": 4}
+MESH_RANK |= {"asc": 0, "pts": 0, "xyzn": 0, "xyzrgb": 0, "usd": 3, "usda": 3, "usdc": 3}
 LEFT_BY_MACOS = "__MACOSX"  # a folder added silently by the Finder; skipped unread
+UTF_8_FLAG = 0x800
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others are unpacked without a limit by zipfile
 LEADS_ELSEWHERE = re.compile(r"^/|^[A-Za-z]:|\\|(?:^|/)\.\.(?:/|$)")
-NAMES_A_PICTURE = re.compile(r"\.(?:jpe?g|png)\b", re.IGNORECASE)
 WORD = re.compile(r"[^\W_]+")
 # Words of file names that say what kind of file of one scan this is, not which scan: 3D Scanner App writes export.obj,
 # export_refined.obj and textured_output.obj; Structure Model.obj; Polycam raw.glb; Revopoint _mesh, _pc and _tex.
@@ -54,7 +56,10 @@ KINDS = (
 END, END_64 = b"PK\x05\x06", b"PK\x06\x07"
 END_BYTES, END_64_BYTES, COMMENT_BYTES = 22, 20, 65_535
 LIST_LENGTH_AT = 12  # bytes into the end record
+UNREADABLE = (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError, ValueError)
 DAMAGED = "This zip file is cut off, damaged or encrypted; pack it again."
+NO_MESH = "This zip holds no mesh; pack exactly one OBJ, PLY, STL or GLB with its pictures."
+SEVERAL_SCANS = "This zip holds {count} scans that have nothing to do with one another; pack one of them alone."
 SAME_SCAN = "The zip holds this scan {count} times; the {kind} with the most on it was read."
 
 
@@ -63,8 +68,8 @@ class Unpacked:
     """What of a zip is read."""
 
     mesh: bytes
-    ending: str  # of the mesh's name, one of MESHES
-    companions: dict[str, bytes]  # by their plain names, which differ in more than case
+    ending: str  # of the mesh's name, one of MESH_RANK
+    companions: Companions
     notes: tuple[str, ...]
 
 
@@ -72,9 +77,8 @@ def unpacked(data: bytes) -> Unpacked:
     """The scan in a zip.  BadScan or TooLarge with a sentence."""
     _check_list(data)
     try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            return _taken(archive)
-    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError, ValueError) as error:
+        return _taken(zipfile.ZipFile(io.BytesIO(data)))
+    except UNREADABLE as error:
         raise BadScan(DAMAGED) from error
 
 
@@ -96,19 +100,30 @@ class _Entry:
     """A file of the zip."""
 
     info: zipfile.ZipInfo
+    path: str
     folder: str  # lower case
     name: str  # lower case, without its folders
     ending: str
 
     @staticmethod
     def of(info: zipfile.ZipInfo) -> "_Entry":
-        path = PurePosixPath(info.filename.lower())
-        return _Entry(info, str(path.parent), path.name, path.suffix.removeprefix("."))
+        path = PurePosixPath(_name(info).lower())
+        return _Entry(info, _name(info), str(path.parent), path.name, path.suffix.removeprefix("."))
 
     @property
     def words(self) -> frozenset[str]:
         """Of its name, without the ending."""
         return frozenset(WORD.findall(PurePosixPath(self.name).stem))
+
+
+def _name(info: zipfile.ZipInfo) -> str:
+    """Many programs write UTF-8 without the flag that says so; zipfile then takes it for an old character set."""
+    if info.flag_bits & UTF_8_FLAG:
+        return info.filename
+    try:
+        return info.filename.encode("cp437").decode()
+    except UnicodeError:
+        return info.filename
 
 
 def _entries(archive: zipfile.ZipFile) -> list[_Entry]:
@@ -134,12 +149,9 @@ class _Reader:
     def __init__(self, archive: zipfile.ZipFile) -> None:
         self._archive = archive
         self._left = FILE_BYTES
-        self._read: dict[str, bytes] = {}
 
     def read(self, entry: _Entry) -> bytes:
         info = entry.info
-        if info.filename in self._read:
-            return self._read[info.filename]
         if info.compress_type not in PACKINGS:
             raise BadScan("This zip is packed in an unusual way; pack it again as an ordinary zip.")
         if info.file_size > self._left:
@@ -147,70 +159,60 @@ class _Reader:
         if info.file_size > max(ZIP_RATIO_FROM, ZIP_RATIO * info.compress_size):
             raise TooLarge(f"A file in this zip is packed more than {ZIP_RATIO} times; pack it with less compression.")
         self._left -= info.file_size
-        self._read[info.filename] = self._archive.read(info)
-        return self._read[info.filename]
+        try:
+            return self._archive.read(info)
+        except UNREADABLE as error:
+            raise BadScan(DAMAGED) from error
 
-    def materials(self, entries: list[_Entry], folder: str) -> dict[str, bytes]:
-        """The MTL files beside a mesh; each that is far too long only by its first bytes and one, which is refused."""
-        return {
-            entry.name: self.read(entry)[: MATERIAL_FILE_BYTES + 1]
-            for entry in entries
-            if entry.ending == "mtl" and entry.folder == folder
-        }
+    def companion(self, entry: _Entry) -> bytes:
+        """As `read`; a material file that is far too long only by its first bytes and one, which is refused."""
+        content = self.read(entry)
+        return content[: MATERIAL_FILE_BYTES + 1] if entry.ending == "mtl" else content
 
 
 def _taken(archive: zipfile.ZipFile) -> Unpacked:
     entries = _entries(archive)
+    meshes = [entry for entry in entries if entry.ending in MESH_RANK]
+    if any(MESH_RANK[entry.ending] >= 0 for entry in meshes):  # else a text may be the scan
+        meshes = [entry for entry in meshes if MESH_RANK[entry.ending] >= 0]
     scans: dict[tuple[str, frozenset[str]], list[_Entry]] = defaultdict(list)
-    for entry in entries:
-        if entry.ending in MESHES:
-            scans[entry.folder, entry.words - KINDS].append(entry)
+    for entry in meshes:
+        scans[entry.folder, entry.words - KINDS].append(entry)
     if len(scans) > 1:  # a preview beside the scan is no second scan
         scans = {which: found for which, found in scans.items() if any(not each.words & PREVIEW for each in found)}
     if len(scans) != 1:
-        raise BadScan(
-            f"This zip holds {len(scans)} scans that have nothing to do with one another; pack one of them alone."
-            if scans
-            else "This zip holds no mesh; pack exactly one OBJ, PLY, STL or GLB with its pictures."
-        )
+        raise BadScan(SEVERAL_SCANS.format(count=len(scans)) if scans else NO_MESH)
     (found,) = scans.values()
     reader = _Reader(archive)
-    pictures = [entry for entry in entries if entry.ending in PICTURES]
-    material = reader.materials(entries, found[0].folder)
-    mesh = max(found, key=lambda each: _preference(each, _named(pictures, material)))
-    content = reader.read(mesh)
-    naming = material if mesh.ending == "obj" else {"": content[:MATERIAL_FILE_BYTES]} if mesh.ending == "ply" else {}
-    wanted = _nearest(_named(pictures, naming), mesh.folder)
-    companions = {**material, **{entry.name: reader.read(entry) for entry in wanted}}
+    beside = [entry for entry in entries if entry.ending in ENDINGS]
+    is_painted = any(entry.ending == "mtl" and entry.folder == found[0].folder for entry in beside) and any(
+        entry.ending in PICTURES for entry in beside
+    )
+    mesh = max(found, key=lambda each: _preference(each, is_painted))
+    companions = Companions({_from(mesh.folder, entry): partial(reader.companion, entry) for entry in beside})
     notes = (SAME_SCAN.format(count=len(found), kind=mesh.ending.upper()),) if len(found) > 1 else ()
+    content = reader.read(mesh)
+    if MESH_RANK[mesh.ending] < 0 and not is_point_table(plain_text(content)[:LOOKED_AT]):
+        raise BadScan(NO_MESH)
     return Unpacked(content, mesh.ending, companions, notes)
 
 
-def _preference(mesh: _Entry, painted: list[_Entry]) -> tuple[bool, bool, bool, bool, int, int]:
+def _from(folder: str, entry: _Entry) -> str:
+    """The entry's path as one in this folder names it; others keep theirs below a folder that no name has."""
+    if folder == ".":
+        return entry.path
+    inside = entry.path[len(folder) + 1 :] if entry.path.lower().startswith(folder + "/") else ""
+    return inside or f"beside/{entry.path}"
+
+
+def _preference(mesh: _Entry, is_painted: bool) -> tuple[bool, bool, bool, bool, int, int]:
     """The best of several meshes of one scan has the highest."""
     words = mesh.words
     return (
         not words & PREVIEW,
         not words & POINTS,
         bool(words & TEXTURED),
-        mesh.ending == "obj" and bool(painted),
+        mesh.ending == "obj" and is_painted,
         MESH_RANK[mesh.ending],
         mesh.info.file_size,
     )
-
-
-def _named(pictures: list[_Entry], texts: dict[str, bytes]) -> list[_Entry]:
-    """The pictures whose names stand in one of the texts."""
-    text = b"\n".join(texts.values())
-    decoded = (text.decode("utf-8", "replace") + text.decode("latin-1")).lower()
-    if not NAMES_A_PICTURE.search(decoded):
-        return []
-    return [entry for entry in pictures if entry.name in decoded]
-
-
-def _nearest(pictures: list[_Entry], folder: str) -> list[_Entry]:
-    """One of each name: that beside the mesh, else the least deep."""
-    chosen: dict[str, _Entry] = {}
-    for entry in sorted(pictures, key=lambda each: (each.folder != folder, each.folder.count("/"), each.folder)):
-        chosen.setdefault(entry.name, entry)
-    return list(chosen.values())

@@ -10,7 +10,7 @@ from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.limits import TRIANGLES, VERTICES
 
 EXTENSION = "KHR_draco_mesh_compression"
-HOW_TO_OPEN = 'open it in the page, which unpacks it, install "breastrig[formats]", or export it without compression'
+HOW_TO_OPEN = 'install "breastrig[formats]", or export it without compression'
 KINDS = {5120: "i1", 5121: "u1", 5122: "i2", 5123: "u2", 5125: "u4", 5126: "f4"}  # glTF's numbers of numpy's types
 
 

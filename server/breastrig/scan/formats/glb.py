@@ -1,29 +1,33 @@
-"""The meshes of an uploaded .glb: nothing outside, nothing compressed, nothing endless, nothing left out in silence.
+"""The meshes of an uploaded .glb or .gltf: nothing endless, nothing from elsewhere, nothing left out in silence.
 
-A .glb can name other files or addresses, hide its geometry in a compression (Draco's is unpacked in draco.py),
+Such a file can name other files or addresses, hide its geometry in a compression (Draco's and meshopt's are unpacked),
 build a scene that contains itself, claim arrays of any length, or say one small mesh 300,000 times.  All of that is
 found in the JSON alone, before an array is read.  Then only what the scene draws is read: positions, triangles,
-colours, texture coordinates and the picture of the base colour; names, extras, animations, cameras and what no node
-draws are not looked at.
+colours, texture coordinates and the picture that colours the skin; names, extras, animations, cameras and what no node
+draws are not looked at.  Of other files only those beside it in its folder or zip are read.
 
 Tried and dropped: trimesh's reader behind such a check.  It ignores sparse accessors and triangle fans without a word,
 reads every accessor whether used or not, and needs a millisecond for each primitive.
 """
 
-import base64
+import re
+from base64 import b64decode
 from collections.abc import Iterator, Mapping
 from itertools import chain
 from typing import Any
+from urllib.parse import unquote_to_bytes
 
 import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.core.glb import split_glb
+from breastrig.core.glb import parse_document, split_glb
 from breastrig.core.gltf_arrays import GltfArrays, entry, whole
 from breastrig.geometry.rotations import rotation_from_quaternion
-from breastrig.scan.formats import draco
+from breastrig.scan.companions import Companions
+from breastrig.scan.formats import draco, meshopt_views
+from breastrig.scan.formats.polygons import strip
 from breastrig.scan.formats.texture import LEFT_OUT, TURNED, is_turned, plain_picture
 from breastrig.scan.limits import (
     GLTF_DEPTH,
@@ -37,70 +41,124 @@ from breastrig.scan.limits import (
 )
 from breastrig.scan.piece import Piece, Pieces
 
-HARMLESS = ("KHR_materials_", "KHR_texture_transform", "KHR_lights_punctual", "EXT_materials_", "KHR_mesh_quantization")
-MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
-PACKED = (
-    "This GLB file is compressed (meshopt); open it in the page, which unpacks it, or export it without compression."
+HARMLESS = (
+    *("KHR_materials_", "EXT_materials_", "KHR_lights_punctual", "KHR_mesh_quantization"),
+    *("KHR_texture_", "EXT_texture_", "MSFT_texture_"),  # a picture that cannot be read is left out, and it is said
 )
-PLACED_OTHERWISE = "The texture is placed by an extension that is not read here, and was left out."
+GLOSSY = "KHR_materials_pbrSpecularGlossiness"
+PICTURE_SOURCES = ("EXT_texture_webp", "EXT_texture_avif")
+UNPLACED = "The scan has a picture but not where it lies on the skin, and is shown without it."
+ELSEWHERE = (
+    "This {kind} keeps its data in another file, which is not beside it; pack both in a zip, or export one .glb with "
+    "everything inside."
+)
 POSED = "The file poses its mesh with bones or shapes, which is not followed; if it looks wrong, export the posed mesh."
 POINTS, TRIANGLE_LIST, TRIANGLE_STRIP, TRIANGLE_FAN = 0, 4, 5, 6  # glTF's modes; 1 to 3 are lines
+TOO_LONG = (
+    f"This {{kind}} describes itself in more than {GLTF_JSON_BYTES // MEBIBYTE} MB of text; "
+    "export it as a .glb with its data in the binary part."
+)
 LISTS = ("nodes", "meshes", "accessors", "bufferViews", "buffers", "materials", "textures", "images", "scenes")
 JSON_LENGTH_AT = 12  # bytes into the file
+INSIDE = re.compile(rb'"data:([^"]{200,})"')  # content within the text of a .gltf
 BROKEN = (ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError, OverflowError)
 
 
-def glb_pieces(data: bytes, texture: bool) -> Pieces:
-    """What the file's scene draws, in metres if the file keeps to the format.
+def glb_pieces(data: bytes, files: Companions, texture: bool) -> Pieces:
+    """What the file's scene draws, in metres if the file keeps to the format; `data` is a .glb or a .gltf.
 
     Raises BadScan, or TooLarge when a limit is passed, each with a sentence.
     """
+    kind = "GLB file" if data.startswith(b"glTF") else ".gltf"
     try:
-        return _Drawn(_document(data), texture).pieces()
+        return _Drawn(_document(data, files, kind), files, texture).pieces()
     except BROKEN as error:
         reason = str(error) if type(error) is ValueError else "its structure is broken"
-        raise BadScan(f"This GLB file cannot be read: {reason}; export it again.") from error
+        raise BadScan(f"This {kind} cannot be read: {reason}; export it again.") from error
 
 
-def _document(data: bytes) -> tuple[dict[str, Any], bytes]:
-    announced = int.from_bytes(data[JSON_LENGTH_AT : JSON_LENGTH_AT + 4], "little")
-    if GLTF_JSON_BYTES < announced < len(data):
-        raise TooLarge(
-            f"This GLB file describes itself in more than {GLTF_JSON_BYTES // MEBIBYTE} MB of text; "
-            "export it with its data in the binary part."
-        )
-    document, binary = split_glb(data)
+def _document(data: bytes, files: Companions, kind: str) -> tuple[dict[str, Any], bytes]:
+    """(document, all that its buffers hold as one)."""
+    inside: list[bytes] = []
+    if data.startswith(b"glTF"):
+        announced = int.from_bytes(data[JSON_LENGTH_AT : JSON_LENGTH_AT + 4], "little")
+        if GLTF_JSON_BYTES < announced < len(data):
+            raise TooLarge(TOO_LONG.format(kind=kind))
+        document, binary = split_glb(data)
+    else:
+
+        def taken(found: re.Match[bytes]) -> bytes:
+            inside.append(found[1])
+            return b'"data:%d"' % (len(inside) - 1)
+
+        text = INSIDE.sub(taken, data)
+        if len(text) > GLTF_JSON_BYTES:
+            raise TooLarge(TOO_LONG.format(kind=kind))
+        document, binary = parse_document(text), b""
     for name in LISTS:
         most, found = GLTF_NODES if name == "nodes" else GLTF_ENTRIES, len(document.get(name, []))
         if found > most:
-            raise TooLarge(f"This GLB file has {found:,} {name}, more than the {most:,} allowed; join its meshes.")
-    _check_extensions(document)
-    _check_addresses(document)
-    return document, binary
-
-
-def _check_extensions(document: dict[str, Any]) -> None:
-    used = {*document.get("extensionsUsed", []), *document.get("extensionsRequired", [])}
-    if used & set(MESHOPT):
-        raise BadScan(PACKED)
+            raise TooLarge(f"This {kind} has {found:,} {name}, more than the {most:,} allowed; join its meshes.")
     for name in document.get("extensionsRequired", []):
-        if not str(name).startswith((*HARMLESS, draco.EXTENSION)):
-            raise BadScan("This GLB file needs a glTF extension that is not read here; export it as plain glTF 2.0.")
+        if not str(name).startswith((*HARMLESS, draco.EXTENSION, *meshopt_views.EXTENSIONS)):
+            raise BadScan(f"This {kind} needs a glTF extension that is not read here; export it as plain glTF 2.0.")
+    _bring_pictures(document, inside)
+    return document, _joined_buffers(document, binary, inside, files, kind)
 
 
-def _check_addresses(document: dict[str, Any]) -> None:
-    for kind in ("buffers", "images"):
-        for item in document.get(kind, []):
-            if "uri" in item and not str(item["uri"]).startswith("data:"):
-                raise BadScan("This GLB file points to other files; export it with everything inside.")
+def _content(uri: str, inside: list[bytes]) -> bytes:
+    """What a data address holds; ValueError when it cannot be decoded."""
+    text = uri.removeprefix("data:")
+    coded = inside[int(text)].replace(b"\\/", b"/") if text.isdigit() else text.encode()
+    head, comma, content = coded.partition(b",")
+    if not comma:
+        raise ValueError("a data address in it cannot be decoded")
+    return b64decode(content, validate=True) if head.endswith(b";base64") else unquote_to_bytes(content)
+
+
+def _bring_pictures(document: dict[str, Any], inside: list[bytes]) -> None:
+    for image in document.get("images", []):
+        if str(image.get("uri", "")).startswith("data:"):
+            image["content"] = _content(image["uri"], inside)
+
+
+def _joined_buffers(
+    document: dict[str, Any], binary: bytes, inside: list[bytes], files: Companions, kind: str
+) -> bytes:
+    """All buffers behind one another; views say where in them."""
+    parts: list[bytes] = []
+    for index, buffer in enumerate(document.get("buffers", [])):
+        uri = buffer.pop("uri", None)
+        if uri is None:
+            parts.append(binary if index == 0 else b"")
+        elif str(uri).startswith("data:"):
+            parts.append(_content(uri, inside))
+        else:
+            found = None if "://" in str(uri) else files.find(str(uri))
+            if found is None:
+                raise BadScan(ELSEWHERE.format(kind=kind))
+            parts.append(found)
+    if len(parts) < 2:
+        return b"".join(parts)
+    starts = np.cumsum([0, *(len(part) for part in parts)])
+    views = document.get("bufferViews", [])
+    for view in chain(views, *(each.get("extensions", {}).values() for each in views)):
+        if "buffer" in view:
+            number = whole(view["buffer"], "a view's buffer", len(parts))
+            offset = whole(view.get("byteOffset", 0), "an offset")
+            if offset + whole(view.get("byteLength"), "a length") > len(parts[number]) and not view.get("extensions"):
+                raise ValueError("an accessor reaches beyond the end of its buffer")
+            view |= {"buffer": 0, "byteOffset": offset + int(starts[number])}
+    document["buffers"] = [{"byteLength": int(starts[-1])}]
+    return b"".join(parts)
 
 
 class _Drawn:
     """What the nodes of one document draw."""
 
-    def __init__(self, content: tuple[dict[str, Any], bytes], texture: bool) -> None:
+    def __init__(self, content: tuple[dict[str, Any], bytes], files: Companions, texture: bool) -> None:
         self._document, self._binary = content
-        self._texture = texture
+        self._files, self._texture = files, texture
         self._notes: list[str] = []
         self._read: dict[tuple[int, bool], NDArray[Any]] = {}
         self._pictures: dict[int, bytes | None] = {}
@@ -112,13 +170,14 @@ class _Drawn:
         primitives = [entry(self._document, "meshes", mesh)["primitives"] for mesh, _, _ in placed]
         self._check_counts(primitives)
         draws = [(place[2], primitive) for place, own in zip(placed, primitives, strict=True) for primitive in own]
+        self._binary = meshopt_views.unpacked(self._document, self._binary)
         self._arrays = GltfArrays(self._document, self._binary)
         with np.errstate(all="ignore"):  # infinite numbers are found afterwards, in every kind of file
             pieces = [piece for transform, drawn in draws if (piece := self._piece(drawn, transform)) is not None]
         has_points = any(
             _mode(primitive) not in (TRIANGLE_LIST, TRIANGLE_STRIP, TRIANGLE_FAN) for _, primitive in draws
         )
-        return Pieces(tuple(pieces), has_points, tuple(dict.fromkeys(self._notes)))
+        return Pieces(tuple(pieces), has_points, tuple(dict.fromkeys((*self._notes, *self._files.notes()))))
 
     def _placed(self) -> Iterator[tuple[int, int, Array]]:
         """(mesh, node, 4 x 4 matrix) of each node of the scene that draws."""
@@ -171,7 +230,7 @@ class _Drawn:
         if draco.EXTENSION in primitive.get("extensions", {}):
             primitive = self._unpacked(primitive)
         attributes = primitive["attributes"]
-        vertices = self._values(attributes["POSITION"], (3,))
+        vertices = self._values(attributes["POSITION"], (3,)).astype(np.float64)  # quantised ones are whole numbers
         corners = self._values(primitive["indices"], ()) if "indices" in primitive else np.arange(len(vertices))
         if corners.dtype.kind != "i":
             raise ValueError("its triangles are no whole numbers")
@@ -184,7 +243,19 @@ class _Drawn:
                 faces = faces[:, ::-1]
         colours = self._colours(attributes["COLOR_0"], len(vertices)) if "COLOR_0" in attributes else None
         uv, picture = self._painted(primitive, len(vertices))
-        return Piece(vertices, faces, colours, uv, picture)
+        return Piece(vertices, faces, colours, uv, picture, self._tint(primitive))
+
+    def _tint(self, primitive: dict[str, Any]) -> tuple[int, int, int] | None:
+        """The one colour of its material."""
+        if "material" not in primitive:
+            return None
+        material = entry(self._document, "materials", primitive["material"])
+        glossy = material.get("extensions", {}).get(GLOSSY, {})
+        factor = material.get("pbrMetallicRoughness", {}).get("baseColorFactor", glossy.get("diffuseFactor"))
+        if factor is None:
+            return None
+        red, green, blue = (int(part) for part in _srgb(np.array([factor], np.float64))[0])
+        return red, green, blue
 
     def _unpacked(self, primitive: dict[str, Any]) -> dict[str, Any]:
         """The primitive with accessors of its own in place of those that Draco compressed."""
@@ -240,35 +311,49 @@ class _Drawn:
         if not self._texture or "material" not in primitive:
             return None, None
         material = entry(self._document, "materials", primitive["material"])
-        glossy = material.get("extensions", {}).get("KHR_materials_pbrSpecularGlossiness", {})
-        painted = material.get("pbrMetallicRoughness", {}).get("baseColorTexture") or glossy.get("diffuseTexture")
+        glossy = material.get("extensions", {}).get(GLOSSY, {})
+        base = material.get("pbrMetallicRoughness", {}).get("baseColorTexture")
+        painted = base or glossy.get("diffuseTexture") or material.get("emissiveTexture")
         if painted is None:
             return None, None
-        if "KHR_texture_transform" in painted.get("extensions", {}):
-            self._notes.append(PLACED_OTHERWISE)
-            return None, None
-        name = f"TEXCOORD_{whole(painted.get('texCoord', 0), 'a texture coordinate')}"
+        placed = painted.get("extensions", {}).get("KHR_texture_transform", {})
+        name = f"TEXCOORD_{whole(placed.get('texCoord', painted.get('texCoord', 0)), 'a texture coordinate')}"
         texture = entry(self._document, "textures", painted.get("index"))
-        picture = self._picture(texture["source"]) if "source" in texture else None
-        if picture is None:
+        sources = [texture.get("extensions", {}).get(each, {}).get("source") for each in PICTURE_SOURCES]
+        source = next((each for each in sources if each is not None), texture.get("source"))
+        picture = None if source is None else self._picture(source)
+        if source is None:
             self._notes.append(LEFT_OUT)
-        if picture is None or name not in primitive["attributes"]:
+        if picture is None:
             return None, None
-        uv = self._values(primitive["attributes"][name], (2,)).astype(np.float64)
+        if name not in primitive["attributes"]:
+            self._notes.append(UNPLACED)
+            return None, None
+        uv = _transformed(self._values(primitive["attributes"][name], (2,)).astype(np.float64), placed)
         return (np.column_stack([uv[:, 0], 1.0 - uv[:, 1]]), picture) if len(uv) == vertices else (None, None)
 
     def _picture(self, index: Any) -> bytes | None:
-        """The bytes of an image that is a JPEG or PNG."""
+        """The image as JPEG or PNG; what became of it is noted."""
         if index not in self._pictures:
             image = entry(self._document, "images", index)
-            if "uri" in image:
-                content = base64.b64decode(image["uri"].split(",", 1)[1])
-            else:
-                content = self._content(image["bufferView"])
+            if "uri" in image and "content" not in image:
+                self._pictures[index] = self._files.picture(str(image["uri"]))
+                return self._pictures[index]
+            content = image["content"] if "content" in image else self._content(image["bufferView"])
             self._pictures[index] = plain_picture(content)
-            if self._pictures[index] is not None and is_turned(content):
+            if self._pictures[index] is None:
+                self._notes.append(LEFT_OUT)
+            elif is_turned(content):
                 self._notes.append(TURNED)
         return self._pictures[index]
+
+
+def _transformed(uv: Array, placed: dict[str, Any]) -> Array:
+    """(N, 2) coordinates, scaled, turned and moved as KHR_texture_transform says."""
+    scale, offset = (np.array(placed.get(name, [each, each]), float) for name, each in (("scale", 1.0), ("offset", 0.0)))
+    angle = float(placed.get("rotation", 0.0))
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return np.asarray((uv * scale.reshape(2)) @ turn.T + offset.reshape(2))
 
 
 def _mode(primitive: dict[str, Any]) -> Any:
@@ -309,13 +394,9 @@ def _triangles(corners: Integers, mode: int) -> Integers:
         if len(corners) % 3:
             raise ValueError("its last triangle is not whole")
         return corners.reshape(-1, 3)
-    if len(corners) < 3:
-        return np.zeros((0, 3), np.int64)
-    if mode == TRIANGLE_FAN:
+    if mode == TRIANGLE_FAN and len(corners) >= 3:
         return np.column_stack([np.full(len(corners) - 2, corners[0]), corners[1:-1], corners[2:]])
-    faces = np.column_stack([corners[:-2], corners[1:-1], corners[2:]])
-    faces[1::2] = faces[1::2, [1, 0, 2]]
-    return faces
+    return strip(corners)
 
 
 def _srgb(linear: NDArray[Any]) -> NDArray[np.uint8]:

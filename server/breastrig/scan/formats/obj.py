@@ -1,37 +1,31 @@
-"""An OBJ file's text, checked and made uniform before a library reads the file.
+"""OBJ: polygons with texture coordinates, colours behind the places, and the materials and pictures that they name.
 
-OBJ announces nothing, so a file that was cut off within its triangles looks whole to a library, which reads half a
-body.  What gives it away: the last triangle lacks a corner; the file says how many there should be (MeshLab's do);
-many points are left over that no triangle uses, or any at all where the last line has no end; or such a last number
-seems to lack digits, because its triangle reaches far across the body.  A cut that leaves no such trace cannot be seen:
-one exactly between two lines in which nearly all points are used already.
+OBJ announces nothing, so a file that was cut off within its triangles looks whole.  What gives it away: the last
+triangle lacks a corner; the file says how many there should be (MeshLab's do); many points are left over that no
+triangle uses, or any at all where the last line has no end; or such a last number seems to lack digits, because its
+triangle reaches far across the body.  A cut exactly between two lines in which nearly all points are used is not seen.
 """
 
 import re
-from functools import partial
+from array import array
+from collections import defaultdict
 
 import numpy as np
 
-from breastrig.core.arrays import Array
+from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.limits import MATERIALS
+from breastrig.scan.companions import UNPLACED, Companions
+from breastrig.scan.formats.mtl import Material, read_materials
+from breastrig.scan.formats.numbers_in_text import colour_bytes, first_columns, numbers
+from breastrig.scan.formats.polygons import fans
+from breastrig.scan.limits import MATERIALS, TRIANGLES, VERTICES
+from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, Piece, Pieces, PointCloud, part
 
 LEFT_OVER = 0.1  # share of the points that no triangle uses; scanning programs leave none or single ones
 COMPARED = 50  # triangles before the last
 FAR_REACHING = 3.0  # times the longest edge of those
-INDENTED = re.compile(rb"(?m)^ +")
-FACE = re.compile(rb"(?m)^f [^\n]*")
-POLYGON = re.compile(rb"(?m)^f(?: +[^ \n]+){3}")
-POINT = re.compile(rb"(?m)^v [^\n]*")
-COLOURED = re.compile(rb"^v(?: +[^ \n]+){3}(?: +[^ \n]+){3,4} *$")  # x y z r g b, with an opacity sometimes
-MATERIAL = re.compile(rb"(?m)^usemtl +([^\n]*)")
+LONGEST_LINE = 20_000  # bytes of a polygon
 ANNOUNCED = re.compile(rb"(?m)^# *Faces: *(\d{1,9}) *$")  # in MeshLab's header
-LARGE_POLYGON = re.compile(rb"(?m)^f [^\n]{20000}")
-RELATIVE = re.compile(rb"(?m)^f [^\n]*-")  # corners counted backwards
-BLOCK = re.compile(rb"(?m)(?:^f [^\n]*\n?)+")
-COUNTED = (b"\nv ", b"\nvt ", b"\nvn ")  # what the three numbers of a corner count
-WHOLE_CORNER = re.compile(rb" (-?\d{1,18}(?:/(?:-?\d{1,18})?){0,2})")
-CORNER = re.compile(rb" (\d{1,18})")  # of a corner 12/13/14 the 12
 LOOKED_AT = 4096  # bytes at the beginning, or the end
 CUT_OFF = "This OBJ file ends in the middle of its triangles, as one that was cut off; export it again."
 LOOSE = (
@@ -39,117 +33,189 @@ LOOSE = (
 )
 
 
-def uniform_text(data: bytes) -> bytes:
-    """The same file in UTF-8, lines and words parted in one way, corners counted from the file's beginning."""
+def read_obj(data: bytes, files: Companions, texture: bool) -> Pieces:
+    """What the file draws.  Raises BadScan, TooLarge, or ValueError where it is damaged."""
+    lines = _Lines(data)
+    points, colours = _points(lines.points, files)
+    if not lines.counts:
+        if not len(points):
+            raise BadScan("This OBJ file holds no triangles; export the scan as a triangle mesh.")
+        return Pieces((), has_points=True, cloud=PointCloud(points, None, colours), notes=files.notes())
+    corners = np.array([_corner(word) for word in lines.corners], np.int64).reshape(-1, 2)
+    if corners[:, 0].min() < 1 or corners[:, 0].max() > len(points):
+        raise BadScan("The triangles of this scan name vertices that do not exist; export it again.")
+    order, polygons = fans(np.frombuffer(lines.counts, np.int64))
+    faces = np.frombuffer(lines.polygons, np.int64)[order]
+    _check_end(data, lines, points, corners[:, 0] - 1, faces)
+    places = first_columns(lines.places, 2) if texture and lines.places else None
+    if places is not None and ((corners[:, 1] < 1) | (corners[:, 1] > len(places))).all():
+        places = None
+    if places is None:
+        whole = Piece(points, corners[faces, 0] - 1, colours)
+    else:
+        places = np.concatenate([places, [[np.nan, np.nan]]])  # of corners that have none
+        in_picture = np.where((corners[:, 1] < 1) | (corners[:, 1] >= len(places)), len(places), corners[:, 1]) - 1
+        keys, group = np.unique((corners[:, 0] - 1) * len(places) + in_picture, return_inverse=True)
+        vertex, place = keys // len(places), keys % len(places)
+        whole = Piece(points[vertex], group.ravel()[faces], None if colours is None else colours[vertex], places[place])
+    return Pieces(tuple(_painted(whole, lines, polygons, files)) if texture else (whole,), notes=files.notes())
+
+
+class _Lines:
+    """The file's lines by what they say; corners that are counted backwards are counted from the beginning."""
+
+    def __init__(self, data: bytes) -> None:
+        self.points: list[bytes] = []
+        self.places: list[bytes] = []
+        self.libraries: list[str] = []
+        self.materials: list[tuple[int, str]] = []  # from which polygon on, its name
+        self.counts, self.polygons = array("q"), array("q")  # corners of each, and their numbers in `corners`
+        self.corners: defaultdict[bytes, int] = defaultdict()
+        self.corners.default_factory = self.corners.__len__
+        normals = 0
+        for line in _uniform(data).split(b"\n"):
+            word, _, rest = line.lstrip().partition(b" ")
+            if word == b"v":
+                self.points.append(rest)
+            elif word == b"vt":
+                self.places.append(rest)
+            elif word == b"vn":
+                normals += 1
+            elif word == b"f" or word == b"fo":
+                self._add(rest, normals)
+            elif word.lower() == b"usemtl":
+                self.materials.append((len(self.counts), _decoded(rest)))
+            elif word.lower() == b"mtllib":
+                self.libraries.append(_decoded(rest))
+        if len({name for _, name in self.materials}) > MATERIALS:
+            raise TooLarge(f"This OBJ file uses more than the {MATERIALS} materials allowed; join them.")
+        if len(self.points) > VERTICES:
+            raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+
+    def _add(self, rest: bytes, normals: int) -> None:
+        if len(rest) > LONGEST_LINE:
+            raise BadScan("This OBJ file has polygons with hundreds of corners; export it as triangles.")
+        words = rest.split()
+        if b"-" in rest:
+            words = [_forwards(word, (len(self.points), len(self.places), normals)) for word in words]
+        if len(words) < 3:
+            return
+        self.counts.append(len(words))
+        if len(self.counts) > TRIANGLES:
+            raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+        self.polygons.extend(map(self.corners.__getitem__, words))
+
+
+def _uniform(data: bytes) -> bytes:
+    """With one kind of line ends and spaces, and without lines that go on in the next."""
     data = data.removeprefix(b"\xef\xbb\xbf").replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\t", b" ")
+    return data.replace(b"\\\n", b" ")
+
+
+def _decoded(text: bytes) -> str:
     try:
-        data.decode()
+        return text.decode().strip()
     except UnicodeDecodeError:
-        data = data.decode("latin-1").encode()
-    data = INDENTED.sub(b"", data.replace(b"\\\n", b" "))
-    return _counted_forwards(data) if RELATIVE.search(data) else data
+        return text.decode("latin-1").strip()
 
 
-def colours_as_shares(data: bytes) -> bytes:
-    """A uniform text whose points have colours from 0 to 1, where they go to 255: both are written."""
-    first = POINT.search(data)
-    if first is None or not COLOURED.match(first[0]):
-        return data
-    words = [line.split()[4:7] for line in POINT.findall(data)]
-    try:
-        if max((float(word) for colour in words for word in colour), default=0.0) <= 1.0:
-            return data
-        return POINT.sub(_shares, data)
-    except ValueError:
-        return data  # no numbers: the reader finds out
+def _forwards(word: bytes, counts: tuple[int, int, int]) -> bytes:
+    """A corner such as -1, the last one so far, by its number from the beginning."""
+    parts = word.split(b"/")
+    return b"/".join(
+        b"%d" % (count + 1 + int(part)) if part.startswith(b"-") else part
+        for part, count in zip(parts, counts, strict=False)
+    )
 
 
-def _shares(point: re.Match[bytes]) -> bytes:
-    words = point[0].split()
-    shares = [b"%.6f" % min(1.0, max(0.0, float(word) / 255.0)) for word in words[4:7]]
-    return b" ".join([*words[:4], *shares])
+def _corner(word: bytes) -> tuple[int, int]:
+    """The point's number, and that of its place in the picture or 0."""
+    parts = word.split(b"/")
+    return int(parts[0]), int(parts[1]) if len(parts) > 1 and parts[1] else 0
 
 
-def polygons(data: bytes) -> int:
-    """How many polygons with at least three corners a uniform text holds."""
-    return sum(1 for _ in POLYGON.finditer(data))
+def _points(rows: list[bytes], files: Companions) -> tuple[Array, np.typing.NDArray[np.uint8] | None]:
+    """(V, 3) places and (V, 3) colours: three more numbers, with an opacity sometimes."""
+    found, widths = numbers(rows)
+    if len(rows) and int(widths.min()) < 3:
+        raise ValueError("a point with too few numbers")
+    starts = np.cumsum(widths) - widths
+    points = found[starts[:, None] + np.arange(3)]
+    has_colour = (widths == 6) | (widths == 7)
+    if not has_colour.any():
+        return points, None
+    colours = np.full((len(rows), 3), UNCOLOURED, np.uint8)
+    colours[has_colour] = colour_bytes(found[starts[has_colour, None] + np.arange(3, 6)])
+    if not has_colour.all():
+        files.note(PARTLY_COLOURED)
+    return points, colours
 
 
-def check_work(data: bytes) -> None:
-    """TooLarge for more materials, BadScan for larger polygons than any scan has: both take a reader long."""
-    if LARGE_POLYGON.search(data):
-        raise BadScan("This OBJ file has polygons with hundreds of corners; export it as triangles.")
-    if data.count(b"usemtl") > MATERIALS and len(set(MATERIAL.findall(data))) > MATERIALS:
-        raise TooLarge(f"This OBJ file uses more than the {MATERIALS} materials allowed; join them.")
+def _painted(whole: Piece, lines: _Lines, polygons: Integers, files: Companions) -> list[Piece]:
+    """A piece for each material that differs in what it paints."""
+    known: dict[str, Material] = {}
+    for library in dict.fromkeys(lines.libraries):
+        for content in files.material(library):
+            known |= read_materials(content)
+    if lines.materials and not lines.libraries:
+        for content in files.material(""):
+            known |= read_materials(content)
+    starts = np.array([start for start, _ in lines.materials], np.int64)
+    names = ["", *(name for _, name in lines.materials)]
+    number = {name: index for index, name in enumerate(dict.fromkeys(names))}
+    whose = np.array([number[name] for name in names])[np.searchsorted(starts, polygons, side="right")]
+    pieces: dict[Material | None, list[int]] = {}
+    for name, index in number.items():
+        pieces.setdefault(known.get(name, known.get(name.casefold())), []).append(index)
+    unnamed = not any(material and material.picture for material in pieces)
+    found = []
+    for material, own in pieces.items():
+        chosen = np.isin(whose, own)
+        if not chosen.any():
+            continue
+        piece = whole if chosen.all() else part(whole, chosen)
+        found.append(_with_material(piece, material or Material(), files, unnamed))
+    return found
 
 
-def check_end(data: bytes, used: int) -> None:
-    """BadScan for a uniform text that ends in the middle of its triangles.
+def _with_material(piece: Piece, material: Material, files: Companions, unnamed: bool) -> Piece:
+    picture = files.picture(material.picture) if material.picture else None
+    if unnamed and piece.uv is not None and piece.colours is None:
+        picture = files.only_picture()
+    if picture is not None and piece.uv is None:
+        files.note(UNPLACED)
+    if material.left_out:
+        files.note(material.left_out)
+    if picture is None or piece.uv is None:
+        return Piece(piece.vertices, piece.faces, piece.colours, tint=material.tint)
+    uv = piece.uv * material.scale + material.offset
+    return Piece(piece.vertices, piece.faces, piece.colours, uv, picture, material.tint)
 
-    `used`: at most so many of its points belong to triangles, as far as the reader knows.
-    """
+
+def _check_end(data: bytes, lines: _Lines, points: Array, vertex: Integers, faces: Integers) -> None:
+    """BadScan for a file that ends in the middle of its triangles."""
     announced = ANNOUNCED.search(data[:LOOKED_AT])
     if announced is not None:
-        if polygons(data) < int(announced[1]):
+        if len(lines.counts) < int(announced[1]):
             raise BadScan(CUT_OFF)
         return
-    last = next((line for line in reversed(data[-LOOKED_AT:].splitlines()) if line.strip()), b"").split()
+    end = _uniform(data[-LOOKED_AT:])
+    last = next((line for line in reversed(end.split(b"\n")) if line.strip()), b"").split()
     if not last or last[0] != b"f":
         return
-    if len(last) < 4 or len({_form(corner) for corner in last[1:]}) > 1:
+    if len(last) < 4 or len({tuple(map(bool, corner.split(b"/"))) for corner in last[1:]}) > 1:
         raise BadScan(CUT_OFF)
-    points = len(POINT.findall(data))
-    if used < (1.0 - LEFT_OVER) * points:
+    used = len(np.unique(vertex[faces]))
+    if used < (1.0 - LEFT_OVER) * len(points):
         raise BadScan(LOOSE)
-    if not data.endswith(b"\n") and (_used(data) < points or _lacks_digits(data, points)):
+    if not end.endswith(b"\n") and (used < len(points) or _lacks_digits(points, vertex[faces[-COMPARED - 1 :]])):
         raise BadScan(CUT_OFF)
 
 
-def _form(corner: bytes) -> tuple[bool, ...]:
-    """Which of the numbers of 12/13/14 are there."""
-    return tuple(map(bool, corner.split(b"/")))
-
-
-def _used(data: bytes) -> int:
-    """How many points the triangles use."""
-    return len({corner for face in FACE.finditer(data) for corner in CORNER.findall(face[0])})
-
-
-def _lacks_digits(data: bytes, points: int) -> bool:
-    """Whether the last number could have had another digit, and the triangle as it is reaches across the body."""
-    faces = [CORNER.findall(line) for line in FACE.findall(data[-LOOKED_AT:])[-COMPARED - 1 :]]
-    faces = [[int(corner) for corner in face] for face in faces]
-    if faces[-1][-1] * 10 > points or len(faces) < 2:
+def _lacks_digits(points: Array, faces: Integers) -> bool:
+    """Whether the last number could have had another digit, and its triangle reaches across the body."""
+    if (faces[-1, -1] + 1) * 10 > len(points) or len(faces) < 2:
         return False
-    wanted = {corner for face in faces for corner in face}
-    places: dict[int, Array] = {}
-    for number, line in enumerate(POINT.finditer(data), start=1):
-        if number in wanted:
-            places[number] = np.array(line[0].split()[1:4], np.float64)
-    edges = [
-        max(float(np.linalg.norm(places[a] - places[b])) for a, b in zip(face, [*face[1:], face[0]], strict=True))
-        for face in faces
-    ]
-    return edges[-1] > FAR_REACHING * max(edges[:-1])
-
-
-def _counted_forwards(data: bytes) -> bytes:
-    """Corners such as -1, the last one so far, by their number from the beginning."""
-    parts, at, counts = [], 0, [0, 0, 0]
-    for block in BLOCK.finditer(data):
-        before = data[at : block.start()]
-        lines = b"\n" + before
-        counts = [count + lines.count(word) for count, word in zip(counts, COUNTED, strict=True)]
-        parts += [before, WHOLE_CORNER.sub(partial(_forwards, counts), block[0])]
-        at = block.end()
-    return b"".join([*parts, data[at:]])
-
-
-def _forwards(counts: list[int], corner: re.Match[bytes]) -> bytes:
-    if b"-" not in corner[0]:
-        return corner[0]
-    numbers = corner[1].split(b"/")
-    return b" " + b"/".join(
-        b"%d" % (count + 1 + int(number)) if number.startswith(b"-") else number
-        for number, count in zip(numbers, counts, strict=False)
-    )
+    corners = points[faces]
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    return bool(edges[-1] > FAR_REACHING * edges[:-1].max())

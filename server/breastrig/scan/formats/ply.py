@@ -1,172 +1,131 @@
-"""A PLY file's own account of itself, checked and written anew before a library reads the file.
+"""PLY: any elements, as text or binary, with lists of any length, colours and texture of vertices, faces or corners.
 
-The header may hold anything beside the sizes: names and dates in comments, in whatever character set the scanner's
-computer had, which alone makes libraries give up.  What is handed on is a header of elements, properties and the
-picture's name, and, of a text file, exactly as many rows as it announces: a file that ends earlier is refused here,
-because libraries take what is there.
+A header may hold anything in its comments, in any character set, and may announce more than the file has: sizes are
+checked before anything is allocated.  A file that ends early is refused, for half a body looks like a whole one.
 """
 
 import re
-import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from breastrig.scan.limits import PLY_HEADER_BYTES
+from breastrig.core.arrays import Array, Integers
+from breastrig.core.errors import BadScan, TooLarge
+from breastrig.scan.companions import UNPLACED, Companions
+from breastrig.scan.formats.numbers_in_text import colour_bytes, numbers
+from breastrig.scan.formats.polygons import fans, split, strip
+from breastrig.scan.limits import PLY_HEADER_BYTES, TRIANGLES, VERTICES
+from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud, part
 
-FORMATS = ("ascii", "binary_little_endian", "binary_big_endian")
-BYTE_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
-TYPES = {  # numpy's names
-    **{"char": "<i1", "uchar": "<u1", "short": "<i2", "ushort": "<u2", "int": "<i4", "uint": "<u4"},
-    **{"int8": "<i1", "uint8": "<u1", "int16": "<i2", "uint16": "<u2", "int32": "<i4", "uint32": "<u4"},
-    **{"int64": "<i8", "uint64": "<u8", "float16": "<f2", "float": "<f4", "float32": "<f4"},
-    **{"double": "<f8", "float64": "<f8"},
+BYTE_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+TYPES = {
+    **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
+    **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
+    **{"int64": "i8", "uint64": "u8", "float16": "f2", "float": "f4", "float32": "f4", "double": "f8", "float64": "f8"},
 }
-COLOURS = ("red", "green", "blue")
-ALSO_COLOURS = (("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b"))  # where the usual names are missing
-READ = ("vertex", "face")  # elements; others are stepped over under a name that means nothing
+COLOURS = (
+    ("red", "green", "blue"),
+    ("diffuse_red", "diffuse_green", "diffuse_blue"),
+    ("r", "g", "b"),
+)
+PLACES_IN_PICTURE = (("texture_u", "texture_v"), ("u", "v"), ("s", "t"), ("tu", "tv"), ("texture_s", "texture_t"))
+CORNERS = ("vertex_indices", "vertex_index")
+NORMAL = ("nx", "ny", "nz")
+SPLAT_COLUMN = "f_dc_0"
 END = re.compile(rb"end_header[ \t]*(\r\n|\n|\r)")
-PICTURE = re.compile(r"comment\s+texturefile\s+(.+)", re.IGNORECASE)
+PICTURE = re.compile(r"(?:comment|obj_info)\s+texture(?:_?file)?\s*[:=]?\s+(\S.*)", re.IGNORECASE)
+SPLATS = (
+    "This PLY holds a cloud of Gaussian splats, which is a picture and no surface; "
+    "export the mesh or the point cloud of this scan."
+)
+NO_POINTS = "This scan has no triangles; export it as a triangle mesh."
+
+
+@dataclass(frozen=True)
+class Property:
+    name: str  # lower case
+    kind: str  # numpy's, without byte order
+    length: str | None = None  # of a list: the kind of its length
 
 
 @dataclass(frozen=True)
 class Element:
-    name: str
+    name: str  # lower case
     count: int
-    properties: tuple[tuple[str, ...], ...]  # words: (type, name) or (list, type of the length, type, name)
+    properties: tuple[Property, ...]
 
 
-@dataclass(frozen=True)
-class PlyHeader:
-    form: str  # one of FORMATS
-    elements: tuple[Element, ...]
-    pictures: tuple[str, ...]  # names of files
-    size: int  # bytes before the data
+@dataclass(frozen=True, eq=False)
+class Ragged:
+    """Lists of N rows."""
 
-    @property
-    def entries(self) -> int:
-        """Of all elements together."""
-        return sum(element.count for element in self.elements)
-
-    def count(self, name: str) -> int:
-        """How many of these are announced."""
-        return sum(element.count for element in self.elements if element.name == name)
-
-    def written(self) -> bytes:
-        """The header with what is read, and nothing else."""
-        lines = ["ply", f"format {self.form} 1.0"]
-        if len(self.pictures) == 1:
-            lines.append(f"comment TextureFile {self.pictures[0]}")
-        for index, element in enumerate(self.elements):
-            name = element.name if element.name in READ else f"other_{index}"
-            lines.append(f"element {name} {element.count}")
-            lines += [" ".join(("property", *words)) for words in element.properties]
-        return "\n".join([*lines, "end_header", ""]).encode()
+    counts: Integers  # (N,)
+    values: NDArray[Any]  # all of them, one row after the other
 
 
-def ply_header(data: bytes) -> PlyHeader:
-    """The header of a PLY file; ValueError when there is none, or one that cannot be read."""
+Columns = dict[str, NDArray[Any] | Ragged]
+
+
+def read_ply(data: bytes, files: Companions, texture: bool) -> Pieces:
+    """What the file draws.  Raises BadScan, TooLarge, or ValueError where it is damaged or cut off."""
+    form, elements, named, at = _header(data)
+    if max(element.count for element in elements) > VERTICES or any(
+        element.name == "face" and element.count > TRIANGLES for element in elements
+    ):
+        raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+    if sum(element.count for element in elements) > len(data) - at:  # each takes a byte at least
+        raise ValueError("more rows than bytes")
+    read = _text(data[at:], elements) if form == "ascii" else _binary(data, at, elements, BYTE_ORDERS[form])
+    vertex, face = read.get("vertex", {}), read.get("face", {})
+    if not set("xyz") <= set(vertex):
+        raise BadScan(NO_POINTS)
+    vertices = _table(vertex, tuple("xyz"))
+    faces, polygons = _faces(face, read.get("tristrips", {}))
+    if not len(faces):
+        return _cloud(vertex, vertices)
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise BadScan("The triangles of this scan name vertices that do not exist; export it again.")
+    return _Painted(vertex, face, vertices, faces, polygons, named).pieces(files, texture)
+
+
+def _header(data: bytes) -> tuple[str, list[Element], list[str], int]:
+    """(format, elements, pictures' names, bytes before the rows); ValueError where it makes no sense."""
     end = END.search(data, 0, PLY_HEADER_BYTES)
     if end is None:
         raise ValueError("no end of the header")
     form, pictures = "", []
-    elements: list[tuple[str, int, list[tuple[str, ...]]]] = []
+    found: list[tuple[str, int, list[Property]]] = []
     for line in _decoded(data[: end.start()]).splitlines()[1:]:
         words = line.split()
-        if not words or words[0] == "obj_info":
-            continue
-        if words[0] == "format":
+        if words[:1] == ["format"]:
             form = words[1]
-        elif words[0] == "comment":
-            found = PICTURE.match(line.strip())
-            if found is not None:
-                pictures.append(found[1].strip())
-        elif words[0] == "element":
+        elif words[:1] in (["comment"], ["obj_info"]):
+            picture = PICTURE.match(line.strip())
+            if picture is not None:
+                pictures.append(picture[1].strip())
+        elif words[:1] == ["element"]:
             _, name, count = words
-            elements.append((name, _number(count), []))
-        elif words[0] == "property":
-            elements[-1][2].append(_property(words[1:]))
-    if form not in FORMATS or not elements:
-        raise ValueError("no format or nothing in it")
-    if len({name for name, _, _ in elements}) != len(elements):
-        raise ValueError("an element twice")
-    return PlyHeader(
-        form,
-        tuple(Element(name, count, _usual_colours(properties)) for name, count, properties in elements),
-        tuple(dict.fromkeys(pictures)),
-        end.end(),
-    )
+            if not re.fullmatch(r"\d{1,18}", count):
+                raise ValueError("a count that is none")
+            found.append((name.lower(), int(count), []))
+        elif words[:1] == ["property"]:
+            found[-1][2].append(_property(words[1:]))
+    if form not in BYTE_ORDERS or not found or len({name for name, _, _ in found}) != len(found):
+        raise ValueError("no format, or no elements of different names")
+    elements = [Element(name, count, tuple(properties)) for name, count, properties in found]
+    return form, elements, list(dict.fromkeys(pictures)), end.end()
 
 
-def text_rows(data: bytes, header: PlyHeader) -> list[bytes] | None:
-    """The rows of a text file that its header announces; None when there are fewer or the last is cut."""
-    lines = [line for line in data[header.size :].splitlines() if line.strip()][: header.entries]
-    if len(lines) < header.entries or (lines and not _is_whole(lines[-1], header)):
-        return None
-    return lines
-
-
-def as_binary(rows: list[bytes], header: PlyHeader) -> tuple[str, bytes] | None:
-    """(format, data) of a text file's rows; None where they differ in their form, as triangles beside quads do.
-
-    The library takes some ten times longer for text, row by row.
-    """
-    parts, at = [], 0
-    for element in header.elements:
-        if element.count:
-            try:
-                part = _table(rows[at : at + element.count], element)
-            except (DeprecationWarning, ValueError, IndexError):
-                part = None
-            if part is None:
-                return None
-            parts.append(part.tobytes())
-        at += element.count
-    return "binary_little_endian", b"".join(parts)
-
-
-def _table(rows: list[bytes], element: Element) -> NDArray[Any] | None:
-    """Rows of equally many numbers as an array of the types that the header announces."""
-    first, width = rows[0].split(), 0
-    columns: list[tuple[str, str, tuple[int, ...]]] = []  # numpy's words: name, type, shape in a row
-    for words in element.properties:
-        if words[0] == "list":
-            length = int(first[width])
-            if length > np.iinfo(TYPES[words[1]]).max:
-                return None
-            columns += [(f"length {width}", TYPES[words[1]], ()), (f"list {width}", TYPES[words[2]], (length,))]
-            width += 1 + length
-        else:
-            columns.append((f"number {width}", TYPES[words[0]], ()))
-            width += 1
-    if any(len(row.split()) != width for row in rows):
-        return None
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")  # words that are no numbers
-        numbers = np.fromstring(b" ".join(rows).decode(), np.float64, sep=" ").reshape(len(rows), width)
-    table, at = np.zeros(len(rows), columns), 0
-    for name, _, shape in columns:
-        values = numbers[:, at : at + shape[0]] if shape else numbers[:, at]
-        if name.startswith("length") and (values != values[0]).any():
-            return None
-        with np.errstate(all="ignore"):  # numbers that the announced type cannot hold are checked as all others are
-            table[name] = values
-        at += values.shape[1] if shape else 1
-    return table
-
-
-def _is_whole(row: bytes, header: PlyHeader) -> bool:
-    """Whether the last row has all its numbers."""
-    element = next(element for element in reversed(header.elements) if element.count)
-    numbers, needed = row.split(), 0
-    try:
-        for words in element.properties:
-            needed += 1 + (int(numbers[needed]) if words[0] == "list" else 0)
-    except (IndexError, ValueError):
-        return False
-    return len(numbers) >= needed
+def _property(words: list[str]) -> Property:
+    if words[0] == "list":
+        _, length, kind, name = words
+        if TYPES[length][0] == "f":
+            raise ValueError("a list whose length is no whole number")
+        return Property(name.lower(), TYPES[kind], TYPES[length])
+    kind, name = words
+    return Property(name.lower(), TYPES[kind])
 
 
 def _decoded(text: bytes) -> str:
@@ -176,24 +135,253 @@ def _decoded(text: bytes) -> str:
         return text.decode("latin-1")
 
 
-def _usual_colours(properties: list[tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
-    """The properties, their colours under the names that readers know."""
-    names = {words[-1] for words in properties}
-    for others in ALSO_COLOURS:
-        if names.isdisjoint(COLOURS) and names.issuperset(others):
-            usual = dict(zip(others, COLOURS, strict=True))
-            return tuple((*words[:-1], usual.get(words[-1], words[-1])) for words in properties)
-    return tuple(properties)
+def _text(data: bytes, elements: list[Element]) -> dict[str, Columns]:
+    lines = [line for line in data.splitlines() if line.strip()]
+    read, at = {}, 0
+    for element in elements:
+        rows = lines[at : at + element.count]
+        if len(rows) < element.count:
+            raise ValueError("too few rows")
+        values, widths = numbers(rows)
+        ends = np.cumsum(widths)
+        read[element.name] = _columns(element, values, ends - widths, ends)
+        at += element.count
+    return read
 
 
-def _number(word: str) -> int:
-    if not re.fullmatch(r"\d{1,18}", word):
-        raise ValueError("a count that is none")
-    return int(word)
+def _columns(element: Element, values: Array, at: Integers, ends: Integers) -> Columns:
+    """Each property of rows that begin `at` so many numbers and end before `ends`."""
+    found: Columns = {}
+    for each in element.properties:
+        if len(at) and (at >= ends).any():
+            raise ValueError("a row with too few numbers")
+        column = values[at]
+        at = at + 1
+        if each.length is not None:
+            counts = _whole(column)
+            if (counts < 0).any() or (at + counts > ends).any():
+                raise ValueError("a list that is longer than its row")
+            column = values[_ranges(at, counts)]
+            at = at + counts
+        with np.errstate(all="ignore"):  # numbers that their kind cannot hold are looked at like all others
+            stored = column.astype(each.kind)
+        if each.kind[0] == "f" or np.array_equal(stored, column):
+            column = stored  # else there are shares in what should be whole numbers
+        found.setdefault(each.name, column if each.length is None else Ragged(counts, column))
+    return found
 
 
-def _property(words: list[str]) -> tuple[str, ...]:
-    types, kind = (words[1:3], 4) if words[0] == "list" else (words[:1], 2)
-    if len(words) != kind or not set(types) <= set(TYPES) or (kind == 4 and TYPES[types[0]][1] == "f"):
-        raise ValueError("a property of an unknown type")
-    return tuple(words)
+def _whole(values: NDArray[Any]) -> Integers:
+    with np.errstate(all="ignore"):
+        found = values.astype(np.int64)
+    if not np.array_equal(found, values):
+        raise ValueError("no whole number")
+    return found
+
+
+def _ranges(starts: Integers, counts: Integers) -> Integers:
+    """`counts` numbers from each of the `starts`, one after the other."""
+    before = np.cumsum(counts) - counts
+    return np.asarray(np.repeat(starts - before, counts) + np.arange(int(counts.sum())))
+
+
+def _binary(data: bytes, at: int, elements: list[Element], order: str) -> dict[str, Columns]:
+    read = {}
+    for element in elements:
+        read[element.name], at = _rows(data, at, element, order)
+    return read
+
+
+def _rows(data: bytes, at: int, element: Element, order: str) -> tuple[Columns, int]:
+    """The element's columns, and where the next begins."""
+    if not element.count or not element.properties:
+        return {}, at
+    first = _layout(element, order, _lengths(data, at, element, order))
+    end = at + element.count * first.itemsize
+    if end <= len(data):
+        table = np.frombuffer(data, first, element.count, at)
+        lists = [index for index, each in enumerate(element.properties) if each.length is not None]
+        if all((table[f"{index} length"] == table[f"{index} length"][0]).all() for index in lists):
+            return {
+                each.name: table[str(index)]
+                if each.length is None
+                else Ragged(table[f"{index} length"].astype(np.int64), table[str(index)].reshape(-1))
+                for index, each in reversed(list(enumerate(element.properties)))
+            }, end
+    return _walked(data, at, element, order)
+
+
+def _lengths(data: bytes, at: int, element: Element, order: str) -> list[int]:
+    """The lengths of the lists of one row."""
+    found = []
+    for each in element.properties:
+        if each.length is not None:
+            kind = np.dtype(order + each.length)
+            if at + kind.itemsize > len(data):
+                raise ValueError("cut off")
+            found.append(int(np.frombuffer(data, kind, 1, at)[0]))
+            if not 0 <= found[-1] <= len(data):
+                raise ValueError("a list that is longer than the file")
+            at += kind.itemsize + found[-1] * np.dtype(each.kind).itemsize
+        else:
+            at += np.dtype(each.kind).itemsize
+    return found
+
+
+def _layout(element: Element, order: str, lengths: list[int]) -> np.dtype[Any]:
+    fields: list[Any] = []
+    waiting = iter(lengths)
+    for index, each in enumerate(element.properties):
+        if each.length is None:
+            fields.append((str(index), order + each.kind))
+        else:
+            fields += [(f"{index} length", order + each.length), (str(index), order + each.kind, (next(waiting),))]
+    return np.dtype(fields)
+
+
+def _walked(data: bytes, at: int, element: Element, order: str) -> tuple[Columns, int]:
+    """Rows of different lengths, one after the other."""
+    sizes = [np.dtype(each.kind).itemsize for each in element.properties]
+    kinds = [None if each.length is None else np.dtype(each.length) for each in element.properties]
+    byte_order = "big" if order == ">" else "little"
+    starts = np.zeros((len(sizes), element.count), np.int64)
+    counts = np.ones((len(sizes), element.count), np.int64)
+    for row in range(element.count):
+        for index, (size, kind) in enumerate(zip(sizes, kinds, strict=True)):
+            if kind is None:
+                starts[index, row] = at
+                at += size
+                continue
+            word = data[at : at + kind.itemsize]
+            count = int.from_bytes(word, byte_order, signed=kind.kind == "i")
+            at += kind.itemsize
+            starts[index, row], counts[index, row] = at, count
+            at += count * size
+            if count < 0:
+                raise ValueError("a list of negative length")
+        if at > len(data):
+            raise ValueError("cut off")
+    content, found = np.frombuffer(data, np.uint8), {}
+    for index, each in reversed(list(enumerate(element.properties))):
+        cells = np.repeat(starts[index], counts[index]) + sizes[index] * _ranges(0 * counts[index], counts[index])
+        values = content[cells[:, None] + np.arange(sizes[index])].view(order + each.kind).reshape(-1)
+        found[each.name] = values if each.length is None else Ragged(counts[index], values)
+    return found, at
+
+
+def _table(columns: Columns, names: tuple[str, ...]) -> Array:
+    """(N, k)"""
+    with np.errstate(all="ignore"):
+        return np.stack([np.asarray(columns[name]).astype(np.float64) for name in names], axis=1)
+
+
+def _corners(face: Columns) -> Ragged | None:
+    """The list of a polygon's vertices: under its usual names, else the first of whole numbers."""
+    usual = (found for name in CORNERS if isinstance(found := face.get(name), Ragged))
+    whole = (each for each in face.values() if isinstance(each, Ragged) and each.values.dtype.kind in "iu")
+    return next(usual, None) or next(whole, None)
+
+
+def _faces(face: Columns, strips: Columns) -> tuple[Integers, Integers]:
+    """(F, 3) triangles of polygons and strips, and (F,) the polygon of each; -1 in a strip."""
+    corners = _corners(face)
+    faces, polygons = np.zeros((0, 3), np.int64), np.zeros(0, np.int64)
+    if corners is not None:
+        if len(corners.counts) and int(np.maximum(corners.counts - 2, 0).sum()) > TRIANGLES:
+            raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
+        if (corners.counts < 3).any():
+            raise ValueError("a polygon of fewer than three corners")
+        order, polygons = fans(corners.counts)
+        faces = _whole(corners.values)[order]
+    for each in strips.values():
+        if isinstance(each, Ragged):
+            values = _whole(each.values)
+            ends = np.union1d(np.cumsum(each.counts), np.flatnonzero(values == -1))
+            more = [strip(part[part != -1]) for part in np.split(values, ends)]
+            found = np.concatenate([*more, np.zeros((0, 3), np.int64)])
+            has_area = (found != np.roll(found, 1, axis=1)).all(axis=1)  # strips are joined by triangles without one
+            faces = np.concatenate([faces, found[has_area]])
+            polygons = np.concatenate([polygons, np.full(int(has_area.sum()), -1)])
+    return faces, polygons
+
+
+def _colours(columns: Columns) -> NDArray[np.uint8] | None:
+    """(N, 3) of bytes, of larger whole numbers up to their maximum, or of floats up to 1 or 255."""
+    names = next((names for names in COLOURS if set(names) <= set(columns)), None)
+    if names is None or any(isinstance(columns[name], Ragged) for name in names):
+        return None
+    kind = np.asarray(columns[names[0]]).dtype
+    return colour_bytes(_table(columns, names), float(np.iinfo(kind).max) if kind.kind in "iu" else None)
+
+
+def _cloud(vertex: Columns, points: Array) -> Pieces:
+    if SPLAT_COLUMN in vertex:
+        raise BadScan(SPLATS)
+    if not len(points):
+        raise BadScan(NO_POINTS)
+    normals = _table(vertex, NORMAL) if set(NORMAL) <= set(vertex) else None
+    return Pieces((), has_points=True, cloud=PointCloud(points, normals, _colours(vertex)))
+
+
+class _Painted:
+    """Triangles with what colours them."""
+
+    def __init__(
+        self, vertex: Columns, face: Columns, vertices: Array, faces: Integers, polygons: Integers, named: list[str]
+    ) -> None:
+        self._vertex, self._face = vertex, face
+        self._vertices, self._faces, self._polygons = vertices, faces, polygons
+        self._named = named
+        self._of_polygons = not (polygons < 0).any()  # and none of strips, which have no properties
+
+    def pieces(self, files: Companions, texture: bool) -> Pieces:
+        painted = self._with_pictures(files) if texture else ()
+        return Pieces(painted or (self._with_colours(),), notes=files.notes() if texture else ())
+
+    def _with_colours(self) -> Piece:
+        colours = _colours(self._vertex)
+        of_faces = _colours(self._face) if colours is None and self._of_polygons else None
+        if of_faces is None:
+            return Piece(self._vertices, self._faces, colours)
+        corners = np.repeat(of_faces[self._polygons][:, None], 3, axis=1)
+        which, faces, values = split(self._faces, corners)
+        return Piece(self._vertices[which], faces, values.astype(np.uint8))
+
+    def _with_pictures(self, files: Companions) -> tuple[Piece, ...]:
+        """A piece for each picture; none where there is no picture or no place in it."""
+        found = self._with_places()
+        pictures = [files.picture(name) for name in self._named]
+        if found is None:
+            if any(pictures):
+                files.note(UNPLACED)
+            return ()
+        if not pictures and found.colours is None:
+            pictures = [files.only_picture()]
+        if not any(pictures):
+            return ()
+        if len(pictures) == 1:
+            return (replace(found, picture=pictures[0]),)
+        number = self._face.get("texnumber")
+        if not isinstance(number, np.ndarray) or not self._of_polygons:
+            files.note(SEVERAL)
+            return ()
+        numbered = _whole(number)[self._polygons]
+        return tuple(
+            replace(part(found, numbered == index), picture=pictures[index] if 0 <= index < len(pictures) else None)
+            for index in np.unique(numbered)
+        )
+
+    def _with_places(self) -> Piece | None:
+        """With places in a picture, of vertices or of the corners of polygons; None where the file has none."""
+        colours = _colours(self._vertex)
+        names = next((names for names in PLACES_IN_PICTURE if set(names) <= set(self._vertex)), None)
+        if names is not None:
+            return Piece(self._vertices, self._faces, colours, _table(self._vertex, names))
+        corners, polygon = self._face.get("texcoord"), _corners(self._face)
+        if not isinstance(corners, Ragged) or polygon is None or not self._of_polygons:
+            return None
+        if not np.array_equal(corners.counts, 2 * polygon.counts):
+            return None
+        order, _ = fans(polygon.counts)
+        which, faces, uv = split(self._faces, corners.values.reshape(-1, 2).astype(np.float64)[order])
+        return Piece(self._vertices[which], faces, None if colours is None else colours[which], uv)

@@ -1,33 +1,40 @@
-"""Pictures inside scans: only JPEG and PNG, never too large, kept without what is not picture.
+"""Pictures inside scans, never too large, kept without what is not picture.
 
 A picture can say where and when it was taken, by which camera, and carry a second picture of the room.  Of a JPEG
-or PNG the parts that make its pixels are kept, byte for byte, and nothing else; colour profiles go too, which glTF
-says are to be ignored, and so does the camera's word on which side is up: texture coordinates count the pixels as they
-are stored, for modelling programs (Blender among them) and Pillow do.  Browsers turn such a picture, so a file that was
-made for them only may be painted wrongly here; a picture with such a word is therefore spoken of.
+or PNG the parts that make its pixels are kept, byte for byte, and nothing else; other kinds, and numbers of more than
+eight bits, are written as PNG.  Colour profiles go too, which glTF says are to be ignored, and so does the camera's
+word on which side is up: texture coordinates count the pixels as they are stored, for modelling programs (Blender among
+them) and Pillow do.  Browsers turn such a picture, so it is spoken of.
 """
 
 import io
 import re
 import struct
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.errors import BadScan, TooLarge
+from breastrig.scan.formats.numbers_in_text import colour_bytes
 from breastrig.scan.limits import IMAGE_PIXELS, JPEG_PASSES, TEXTURE_SIDE
 
-FORMATS = ("JPEG", "PNG")
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+FORMATS = ("JPEG", "PNG", "WEBP", "TIFF", "BMP", "GIF", "AVIF", "TGA")  # the last has no mark of its own
+EIGHT_BITS = ("1", "L", "LA", "P", "PA", "RGB", "RGBA")  # Pillow's modes
 JPEG_MARK, PNG_MARK = b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n"
-MARKS = (JPEG_MARK, PNG_MARK)
 QUALITY = 90  # JPEG
 TURNED = (
     "A picture of this scan says that it was taken with the camera turned; its pixels were used as they are stored. "
     "If the colours lie wrongly on the skin, save the picture upright and export the scan again."
 )
 ORIENTATION, UPRIGHT = 0x0112, 1  # EXIF's tag, and its value for a picture that is stored as it is seen
-LEFT_OUT = "The texture is neither JPEG nor PNG, or damaged, and was left out."
+LEFT_OUT = "The texture is of a kind that is not read here, or damaged, and was left out."
 
 PNG_KEPT = (b"IHDR", b"PLTE", b"tRNS", b"IDAT", b"IEND")
 JPEG_FRAMES = {*range(0xC0, 0xD0), 0xDB, 0xDC, 0xDD} - {0xC8}  # size and components, tables, lines, restarts
@@ -35,48 +42,49 @@ JFIF, ADOBE, SCAN, END = 0xE0, 0xEE, 0xDA, 0xD9
 IN_SCAN = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]")  # the first marker after compressed data
 
 
+@contextmanager
+def opened(data: bytes) -> Iterator["Image"]:
+    """The picture, not decoded yet.  Raises TooLarge when it has too many pixels, BadScan when it is none."""
+    from PIL import Image  # it takes longer to load than a scan to read, and a fit looks at no picture
+
+    Image.init()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            picture = Image.open(io.BytesIO(data), formats=[each for each in FORMATS if each in Image.OPEN])
+        except Image.DecompressionBombError as error:
+            raise _too_large() from error
+        except Exception as error:  # whatever a broken picture does to its decoder, it is no picture
+            raise BadScan(LEFT_OUT) from error
+        with picture:
+            if picture.width * picture.height > IMAGE_PIXELS:
+                raise _too_large()
+            yield picture
+
+
 def plain_picture(data: bytes) -> bytes | None:
-    """The same pixels and nothing else; None for what is no sound JPEG or PNG.
+    """A JPEG or PNG of the same pixels and nothing else; None for what is no sound picture.
 
     Raises TooLarge when it has too many pixels.
     """
-    if not is_picture(data):
-        return None
     try:
-        return _plain_jpeg(data) if data.startswith(JPEG_MARK) else _plain_png(data)
-    except (ValueError, struct.error, IndexError):
+        with opened(data) as picture:
+            if picture.format == "JPEG":
+                return _plain_jpeg(data)
+            if picture.format == "PNG" and picture.mode in EIGHT_BITS:
+                return _plain_png(data)
+            return _as_png(picture)
+    except TooLarge:
+        raise
+    except Exception:  # as above
         return None
-
-
-def is_picture(data: bytes) -> bool:
-    """Whether these bytes are a JPEG or PNG whose header can be read; TooLarge when it has too many pixels."""
-    if not data.startswith(MARKS):
-        return False
-    from PIL import Image  # it takes longer to load than a scan to read, and a fit looks at no picture
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(io.BytesIO(data), formats=FORMATS) as picture:
-                width, height = picture.size
-    except Image.DecompressionBombError as error:
-        raise _too_large() from error
-    except Exception:  # whatever a broken picture does to its decoder, it is no picture
-        return False
-    if width * height > IMAGE_PIXELS:
-        raise _too_large()
-    return True
 
 
 def is_turned(data: bytes) -> bool:
     """Whether these bytes, which are a picture, say that they are to be turned or mirrored to be upright."""
-    from PIL import Image  # as above
-
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(io.BytesIO(data), formats=FORMATS) as picture:
-                return bool(picture.getexif().get(ORIENTATION, UPRIGHT) != UPRIGHT)
+        with opened(data) as picture:
+            return picture.format != "TIFF" and bool(picture.getexif().get(ORIENTATION, UPRIGHT) != UPRIGHT)
     except Exception:  # metadata is as hostile as the rest, and nobody needs it
         return False
 
@@ -86,18 +94,14 @@ def written_anew(data: bytes) -> bytes | None:
     from PIL import Image  # as above
 
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(io.BytesIO(data), formats=FORMATS) as picture:
-                if picture.width * picture.height > IMAGE_PIXELS:
-                    raise _too_large()
-                picture.draft("RGB", (TEXTURE_SIDE, TEXTURE_SIDE))
-                plain = picture.convert("RGB")
-            plain.thumbnail((TEXTURE_SIDE, TEXTURE_SIDE))
-            clean = Image.new("RGB", plain.size)
-            clean.paste(plain)
-            stream = io.BytesIO()
-            clean.save(stream, "JPEG", quality=QUALITY)
+        with opened(data) as picture:
+            picture.draft("RGB", (TEXTURE_SIDE, TEXTURE_SIDE))
+            plain = picture.convert("RGB")
+        plain.thumbnail((TEXTURE_SIDE, TEXTURE_SIDE))
+        clean = Image.new("RGB", plain.size)
+        clean.paste(plain)
+        stream = io.BytesIO()
+        clean.save(stream, "JPEG", quality=QUALITY)
     except TooLarge:
         raise
     except Exception:
@@ -110,21 +114,29 @@ def pixels_of(data: bytes) -> NDArray[np.uint8]:
 
     The file's own picture is better than the one written anew: thin lines lose contrast with each writing.
     """
-    from PIL import Image  # as above
-
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(io.BytesIO(data), formats=FORMATS) as picture:
-                if picture.width * picture.height > IMAGE_PIXELS:
-                    raise _too_large()
-                factor = -(-max(picture.size) // TEXTURE_SIDE)
-                plain = picture.convert("RGB")
-                return np.asarray(plain.reduce(factor) if factor > 1 else plain)
+        with opened(data) as picture:
+            factor = -(-max(picture.size) // TEXTURE_SIDE)
+            plain = picture.convert("RGB")
+            return np.asarray(plain.reduce(factor) if factor > 1 else plain)
     except TooLarge:
         raise
     except Exception as error:  # whatever a broken picture does to its decoder
         raise BadScan("The texture of this scan cannot be decoded; export it again.") from error
+
+
+def _as_png(picture: "Image") -> bytes:
+    """Its first frame in eight bits."""
+    from PIL import Image  # as above
+
+    if picture.mode.startswith(("I", "F")):
+        full = 65535.0 if picture.mode.startswith("I;16") else None
+        plain = Image.fromarray(colour_bytes(np.asarray(picture, dtype=np.float64), full))
+    else:
+        plain = picture.convert("RGB")
+    stream = io.BytesIO()
+    plain.save(stream, "PNG", compress_level=1)
+    return _plain_png(stream.getvalue())
 
 
 def _plain_png(data: bytes) -> bytes:

@@ -1,16 +1,17 @@
 """The meshes of USDZ and USD files, by Pixar's own library; runs in a process of its own (usd_process.py).
 
-A USD layer can name other layers and files anywhere, which the library would open.  So only the package's first layer
-is read, as one that has no place, and all that it names beyond itself is struck out before anything is composed.
-Pictures are taken from the package by their names.  The library reads files and no bytes: the one layer lies in a
-private folder meanwhile.
+A USD layer can name other layers and files anywhere, which the library would open.  So the package's layers are put into
+a private folder under names of ours, and all that they name but one another is struck out before anything is composed.
+Pictures are taken from the package by their names.
 """
 
 import io
+import posixpath
 import zipfile
 import zlib
 from collections.abc import Iterator
-from pathlib import PurePosixPath
+from functools import partial
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
@@ -18,24 +19,27 @@ import numpy as np
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput, BadScan, TooLarge
 from breastrig.core.scratch import scratch_folder
-from breastrig.scan.formats.texture import LEFT_OUT, TURNED, is_turned, plain_picture
+from breastrig.core.units import METRES_PER_UNIT
+from breastrig.scan.companions import PICTURES, Companions, Reader
+from breastrig.scan.formats.polygons import fans
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES, USD_PRIMS, VERTICES, ZIP_ENTRIES
 from breastrig.scan.piece import Piece, Pieces
 
 CRATE = b"PXR-USDC"
-PICTURES = (".png", ".jpg", ".jpeg")
+LAYERS = ("usd", "usda", "usdc")
+BY_DEFAULT = "cm"  # what the standard says of files that name no unit
 DAMAGED = "This USD file is damaged, or holds nothing that can be read here; export the scan as GLB, PLY or OBJ."
-NESTED = "This USD file keeps its mesh in other layers; open it in the page, or export the scan as GLB, PLY or OBJ."
+NESTED = "This USD file keeps its mesh in other files; export the scan as one USDZ, or as GLB, PLY or OBJ."
 
 
 def usd_pieces(data: bytes, texture: bool) -> Pieces:
-    """What the scene draws, in metres and with +Y up.  BadScan or TooLarge with a sentence."""
+    """What the scene draws, with +Y up.  BadScan or TooLarge with a sentence."""
     from pxr import UsdUtils
 
     silent = UsdUtils.CoalescingDiagnosticDelegate()  # its warnings name what is in the file
     try:
-        layer, files = _opened(data)
-        return _Scene(layer, files, texture).pieces()
+        layers, files = _opened(data)
+        return _Scene(layers, Companions(files), texture).pieces()
     except BadInput:
         raise
     except MemoryError as error:
@@ -46,10 +50,10 @@ def usd_pieces(data: bytes, texture: bool) -> Pieces:
         del silent
 
 
-def _opened(data: bytes) -> tuple[bytes, dict[str, bytes]]:
-    """The first layer, and the package's pictures by their names."""
+def _opened(data: bytes) -> tuple[dict[str, bytes], dict[str, Reader]]:
+    """The layers by their names, the first of them first, and the package's pictures."""
     if not data.startswith(b"PK"):
-        return data, {}
+        return {"scan": data}, {}
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as package:
             entries = package.infolist()
@@ -57,36 +61,54 @@ def _opened(data: bytes) -> tuple[bytes, dict[str, bytes]]:
                 raise TooLarge(f"This USDZ holds {len(entries):,} files, more than the {ZIP_ENTRIES:,} allowed.")
             if any(entry.compress_type != zipfile.ZIP_STORED for entry in entries):
                 raise BadScan("This USDZ is compressed, which the format does not allow; export it again.")
-            wanted = [entry for entry in entries if PurePosixPath(entry.filename.lower()).suffix in PICTURES]
-            if sum(entry.file_size for entry in (entries[0], *wanted)) > FILE_BYTES:
+            wanted = [entry for entry in entries if _ending(entry.filename) in (*LAYERS, *PICTURES)]
+            if sum(entry.file_size for entry in wanted) > FILE_BYTES:
                 raise TooLarge(f"This USDZ unpacks to more than the {FILE_BYTES // MEBIBYTE} MB allowed.")
-            return package.read(entries[0]), {entry.filename: package.read(entry) for entry in wanted}
+            content = {entry.filename: package.read(entry) for entry in wanted}
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError) as error:
         raise BadScan(DAMAGED) from error
+    layers = {name: each for name, each in content.items() if _ending(name) in LAYERS}
+    return layers, {name: partial(bytes, each) for name, each in content.items() if name not in layers}
+
+
+def _ending(name: str) -> str:
+    return PurePosixPath(name.lower()).suffix.removeprefix(".")
 
 
 class _Scene:
-    """What one layer draws by itself."""
+    """What the first layer draws, with those that it names."""
 
-    def __init__(self, content: bytes, files: dict[str, bytes], texture: bool) -> None:
+    def __init__(self, layers: dict[str, bytes], files: Companions, texture: bool) -> None:
         from pxr import Sdf, Usd, UsdGeom
 
         with scratch_folder() as folder:
-            path = folder / ("scan.usdc" if content.startswith(CRATE) else "scan.usda")
-            path.write_bytes(content)
-            layer = Sdf.Layer.OpenAsAnonymous(str(path))
-            if layer is None:
+            places = {
+                posixpath.normpath(name): folder / f"{number}.{'usdc' if content.startswith(CRATE) else 'usda'}"
+                for number, (name, content) in enumerate(layers.items())
+            }
+            opened = []
+            for place, content in zip(places.values(), layers.values(), strict=True):
+                place.write_bytes(content)
+                opened.append(Sdf.Layer.FindOrOpen(str(place)))
+            if opened[0] is None:
                 raise ValueError("no layer")
-            alone = Sdf.Layer.CreateAnonymous()
-            alone.TransferContent(layer)  # into memory: the file goes
-            del layer
-        self._is_nested = _strike_out(alone)
-        self._stage = Usd.Stage.Open(alone)
+            self._is_nested = False
+            for name, layer in zip(places, opened, strict=True):
+                if layer is not None:
+                    self._is_nested |= _strike_out(layer, posixpath.dirname(name), places)
+            self._stage = Usd.Stage.Open(opened[0])
+            if any(layer.realPath not in map(str, places.values()) for layer in self._stage.GetUsedLayers(False)[1:]):
+                raise ValueError("a layer from elsewhere")
+            self._layers = opened  # they hold what was changed in them
         self._files, self._texture = files, texture
-        self._notes: list[str] = []
-        self._pictures: dict[str, bytes | None] = {}
         self._places = UsdGeom.XformCache()
-        self._metres = UsdGeom.GetStageMetersPerUnit(self._stage)
+        self._unit, self._is_default = BY_DEFAULT, not self._stage.HasAuthoredMetadata("metersPerUnit")
+        self._factor = 1.0
+        if not self._is_default:
+            metres = UsdGeom.GetStageMetersPerUnit(self._stage)
+            named = (unit for unit, each in METRES_PER_UNIT.items() if abs(metres - each) < 1e-6 * each)
+            self._unit = next(named, "m")
+            self._factor = metres / METRES_PER_UNIT[self._unit]  # not 1 where there is no name for it
         self._has_z_up = UsdGeom.GetStageUpAxis(self._stage) == UsdGeom.Tokens.z
 
     def pieces(self) -> Pieces:
@@ -106,7 +128,9 @@ class _Scene:
                 pieces.append(piece)
         if not pieces:
             raise BadScan(NESTED if self._is_nested else DAMAGED)
-        return Pieces(tuple(pieces), False, tuple(dict.fromkeys(self._notes)))
+        return Pieces(
+            tuple(pieces), notes=self._files.notes(), unit=self._unit, unit_by_default=self._is_default
+        )
 
     def _mesh(self, mesh: Any) -> Iterator[Piece]:
         """One piece for each material."""
@@ -115,13 +139,13 @@ class _Scene:
         indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get(), np.int64).ravel()
         if (counts < 0).any() or counts.sum() != len(indices) or (len(indices) and not _within(indices, len(points))):
             raise ValueError("its polygons name vertices that do not exist")
-        corners, polygons = _fans(counts)
+        corners, polygons = fans(counts)
         if mesh.GetOrientationAttr().Get() == "leftHanded":
             corners = corners[:, ::-1]
         matrix = np.array(self._places.GetLocalToWorldTransform(mesh.GetPrim()), np.float64)
         if np.linalg.det(matrix[:3, :3]) < 0.0:
             corners = corners[:, ::-1]
-        placed = self._metres * (points @ matrix[:3, :3] + matrix[3, :3])
+        placed = self._factor * (points @ matrix[:3, :3] + matrix[3, :3])
         if self._has_z_up:
             placed = np.column_stack([placed[:, 0], placed[:, 2], -placed[:, 1]])
         faces = indices[corners] if len(corners) else np.zeros((0, 3), np.int64)
@@ -163,50 +187,30 @@ class _Scene:
             return None, None
         reader = shader.GetInput("st").GetConnectedSources()[0] if shader.GetInput("st") else []
         name = UsdShade.Shader(reader[0].source.GetPrim()).GetInput("varname") if reader else None
-        return self._picture(str(asked.path)), str(name.Get()) if name else None
-
-    def _picture(self, path: str) -> bytes | None:
-        plain = PurePosixPath(path.replace("\\", "/")).name.lower()
-        if plain not in self._pictures:
-            found = next(
-                (data for name, data in self._files.items() if PurePosixPath(name.lower()).name == plain), None
-            )
-            picture = None if found is None else plain_picture(found)
-            if picture is None:
-                self._notes.append(LEFT_OUT)
-            elif found is not None and is_turned(found):
-                self._notes.append(TURNED)
-            self._pictures[plain] = picture
-        return self._pictures[plain]
+        picture = self._files.picture(str(asked.path)) if asked.path else None
+        return picture, str(name.Get()) if name else None
 
 
-def _strike_out(layer: Any) -> bool:
-    """Leaves nothing in a layer that names another; whether there was any."""
+def _strike_out(layer: Any, folder: str, places: dict[str, Path]) -> bool:
+    """Leaves nothing in a layer that names another than those of the package; whether there was any."""
     from pxr import Sdf
 
-    found = [bool(layer.subLayerPaths)]
-    layer.subLayerPaths.clear()
+    found = False
+    for name in layer.GetCompositionAssetDependencies():
+        inside = places.get(posixpath.normpath(posixpath.join(folder, name.replace("\\", "/"))))
+        found |= inside is None
+        layer.UpdateCompositionAssetDependency(name, "" if inside is None else str(inside))
 
     def visit(path: Any) -> None:
         prim = layer.GetPrimAtPath(path) if path.IsPrimPath() or path.IsPrimVariantSelectionPath() else None
         if prim is None:
             return
-        for name in ("references", "payload", "clips", "clipSets"):
+        for name in ("clips", "clipSets"):
             if prim.HasInfo(name):
-                found.append(True)
                 prim.ClearInfo(name)
 
     layer.Traverse(Sdf.Path.absoluteRootPath, visit)
-    return any(found)
-
-
-def _fans(counts: Integers) -> tuple[Integers, Integers]:
-    """(F, 3) corners, counted through all polygons, of their triangles; and (F,) the polygon of each."""
-    fans = np.maximum(counts - 2, 0)
-    polygons = np.repeat(np.arange(len(counts)), fans)
-    first = (np.cumsum(counts) - counts)[polygons]
-    step = np.arange(len(polygons)) - np.repeat(np.cumsum(fans) - fans, fans)
-    return np.column_stack([first, first + step + 1, first + step + 2]), polygons
+    return found
 
 
 def _within(indices: Integers, count: int) -> bool:

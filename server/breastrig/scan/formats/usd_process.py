@@ -21,14 +21,14 @@ from breastrig.core.errors import BadInput, BadScan, TooLarge
 from breastrig.scan.limits import USD_MEMORY, USD_SECONDS
 from breastrig.scan.piece import Piece, Pieces
 
-WITHOUT_LIBRARY = 'This is a USD file; open it in the page, which reads it, or install "breastrig[formats]".'
+WITHOUT_LIBRARY = 'This is a USD file; install "breastrig[formats]", or export the scan as GLB, PLY or OBJ.'
 TOO_MUCH = "This USD file is damaged, or asks for more memory or time than it may; export the scan as GLB, PLY or OBJ."
 REFUSALS: dict[str, type[BadInput]] = {each.__name__: each for each in (BadScan, TooLarge)}
 ARRAYS = ("vertices", "faces", "colours", "uv")
 
 
 def usd_pieces(data: bytes, texture: bool) -> Pieces:
-    """What the scene draws, in metres and with +Y up.  BadScan or TooLarge with a sentence."""
+    """What the scene draws, with +Y up.  BadScan or TooLarge with a sentence."""
     if importlib.util.find_spec("pxr") is None:
         raise BadScan(WITHOUT_LIBRARY)
     command = [sys.executable, "-m", __name__, *(["--texture"] if texture else [])]
@@ -52,7 +52,9 @@ def _packed(found: Pieces) -> bytes:
     for number, picture in enumerate(pictures):
         arrays[f"picture {number}"] = np.frombuffer(picture, np.uint8)
     whose = [None if piece.picture is None else pictures.index(piece.picture) for piece in found.pieces]
-    facts = json.dumps({"pictures": whose, "notes": found.notes}).encode()
+    facts = json.dumps(
+        {"pictures": whose, "notes": found.notes, "unit": found.unit, "by_default": found.unit_by_default}
+    ).encode()
     stream = io.BytesIO()
     np.savez(stream, allow_pickle=False, facts=np.frombuffer(facts, np.uint8), **arrays)
     return stream.getvalue()
@@ -71,7 +73,9 @@ def _unpacked(answer: bytes) -> Pieces:
                 pictures[picture] = arrays[f"picture {picture}"].tobytes()
             values = {name: arrays[f"{number} {name}"] for name in ARRAYS if f"{number} {name}" in arrays}
             pieces.append(Piece(**values, picture=None if picture is None else pictures[picture]))
-    return Pieces(tuple(pieces), False, tuple(facts["notes"]))
+    return Pieces(
+            tuple(pieces), notes=tuple(facts["notes"]), unit=facts["unit"], unit_by_default=facts["by_default"]
+        )
 
 
 def main() -> None:

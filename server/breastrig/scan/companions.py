@@ -1,0 +1,132 @@
+"""Files that a scan names: materials, pictures and buffers beside it, in its folder or its zip.
+
+Programs write their names in many ways: quoted, with %20, back slashes, folders of another computer, other case, other
+letters for the same accents.  A name is looked up by its whole path first, then by its last part, never outside.
+"""
+
+import unicodedata
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path, PurePosixPath
+from urllib.parse import unquote
+
+from breastrig.scan.formats.texture import LEFT_OUT, TURNED, is_turned, plain_picture
+
+PICTURES = ("jpg", "jpeg", "jpe", "jfif", "png", "webp", "tif", "tiff", "bmp", "tga", "gif", "avif")
+ENDINGS = ("mtl", "bin", *PICTURES)
+LOOKED_THROUGH = 2_000  # entries of a folder, and of those in it
+MISSING = "A picture or material file that the scan names is not beside it, and the scan is shown without it."
+ONLY_PICTURE = "The scan does not name its picture; the only one beside it was used."
+ONLY_MATERIAL = "The scan names no material file that is there; the only one beside it was used."
+OTHER_ENDING = "A picture that the scan names is beside it with another ending, and was used."
+UNNAMED = "The scan says where a picture lies on it but not which, and none stands alone beside it; it is shown without."
+UNPLACED = "The scan names a picture but not where it lies on the skin, and is shown without it."
+
+Reader = Callable[[], bytes]
+
+
+class Companions:
+    """The files that one scan may name, read when asked for; what became of them is in `notes`."""
+
+    def __init__(self, files: Mapping[str, Reader] | None = None) -> None:
+        self._files = {_usual(name): read for name, read in (files or {}).items()}
+        self._notes: dict[str, None] = {}
+        self._pictures: dict[str, bytes | None] = {}
+
+    def note(self, sentence: str) -> None:
+        """Something to say of these files, once."""
+        self._notes[sentence] = None
+
+    def notes(self) -> tuple[str, ...]:
+        """What was found, one sentence each."""
+        return tuple(self._notes)
+
+    def find(self, written: str) -> bytes | None:
+        """The file of this name as it is written in the scan; None when there is none."""
+        place = self._place(written)
+        return None if place is None else self._files[place]()
+
+    def material(self, written: str) -> list[bytes]:
+        """The material files of this name, or of these names with spaces between, or the only one."""
+        one = self._place(written)
+        found = [one] if one is not None else [self._place(word) for word in written.split()]
+        places = [place for place in found if place is not None]
+        if not places:
+            places = list(self._ending_in(("mtl",)))
+            if len(places) != 1:
+                if written or places:
+                    self.note(MISSING)
+                return []
+            self.note(ONLY_MATERIAL)
+        return [self._files[place]() for place in places]
+
+    def picture(self, written: str) -> bytes | None:
+        """The JPEG or PNG of this name, without anything but its pixels.  TooLarge when it has too many."""
+        place = self._place(written)
+        if place is None:
+            stem = PurePosixPath(_usual(written)).stem
+            alike = [each for each in self._ending_in(PICTURES) if PurePosixPath(each).stem == stem]
+            if len(alike) != 1:
+                self.note(MISSING)
+                return None
+            (place,) = alike
+            self.note(OTHER_ENDING)
+        return self._picture(place)
+
+    def only_picture(self) -> bytes | None:
+        """The picture beside a scan that names none; None unless there is just one."""
+        places = [place for place in self._ending_in(PICTURES) if "/" not in place]
+        if len(places) != 1:
+            if not self._notes:
+                self.note(UNNAMED)
+            return None
+        self.note(ONLY_PICTURE)
+        return self._picture(places[0])
+
+    def _picture(self, place: str) -> bytes | None:
+        if place not in self._pictures:
+            content = self._files[place]()
+            self._pictures[place] = plain_picture(content)
+            if self._pictures[place] is None:
+                self.note(LEFT_OUT)
+            elif is_turned(content):
+                self.note(TURNED)
+        return self._pictures[place]
+
+    def _ending_in(self, endings: tuple[str, ...]) -> Iterator[str]:
+        return (place for place in self._files if PurePosixPath(place).suffix.removeprefix(".") in endings)
+
+    def _place(self, written: str) -> str | None:
+        """The path of this file: as it is written, else the least deep of the same last part."""
+        for name in dict.fromkeys((_usual(written), _usual(unquote(written)))):
+            if name in self._files:
+                return name
+            last = name.rsplit("/", 1)[-1]
+            alike = [place for place in self._files if place.rsplit("/", 1)[-1] == last]
+            if last and alike:
+                return min(alike, key=lambda place: (place.count("/"), place))
+        return None
+
+
+def _usual(name: str) -> str:
+    """A path in one spelling: composed accents, no capitals, slashes, no quotes, nothing before its first folder."""
+    plain = unicodedata.normalize("NFC", name).casefold().strip().strip("\"'").strip().replace("\\", "/")
+    parts = [part.strip() for part in plain.split("/")]
+    return "/".join(part for part in parts if part not in ("", ".", "..") and not part.endswith(":"))
+
+
+def beside(scan: Path, read: Callable[[Path], bytes]) -> Companions:
+    """The files in the folder of a scan and in those within it; links are left out."""
+    found: dict[str, Reader] = {}
+    folders = [scan.parent]
+    seen = 0
+    for folder in folders:
+        for path in sorted(folder.iterdir()):
+            seen += 1
+            if seen > LOOKED_THROUGH or path.is_symlink():
+                continue
+            if path.is_dir() and folder == scan.parent and not path.name.startswith("."):
+                folders.append(path)
+            elif path.suffix.lower().removeprefix(".") in ENDINGS and path.is_file():
+                found[path.relative_to(scan.parent).as_posix()] = lambda path=path: read(path)  # type: ignore[misc]
+    return Companions(found)
+

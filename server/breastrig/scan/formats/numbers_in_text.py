@@ -1,0 +1,59 @@
+"""Numbers in the text of scan files, whichever sign stands before their decimals."""
+
+import re
+import warnings
+from collections.abc import Sequence
+
+import numpy as np
+
+from breastrig.core.arrays import Array, Integers
+
+SPACED_COMMA = re.compile(rb",[ \t]|[ \t],")
+
+
+def with_points(rows: Sequence[bytes]) -> Sequence[bytes]:
+    """The rows with decimal points and spaces: commas are decimals, as German programs write them, or separators.
+
+    They separate where points or spaces stand beside them too; `1,5 2,5` has decimals.
+    """
+    if not any(b"," in row for row in rows):
+        return rows
+    separate = any(b"." in row for row in rows) or any(SPACED_COMMA.search(row) for row in rows[:100])
+    separate = separate or not all(len(row.split()) > 1 for row in rows[:100])
+    return [row.replace(b",", b" " if separate else b".") for row in rows]
+
+
+def numbers(rows: Sequence[bytes]) -> tuple[Array, Integers]:
+    """(all numbers, how many each row has); ValueError for words that are none."""
+    rows = with_points(rows)
+    widths = np.fromiter((len(row.split()) for row in rows), np.int64, len(rows))
+    total = int(widths.sum())
+    if not total:
+        return np.zeros(0), widths
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # words that are no numbers
+            found = np.fromstring(b" ".join(rows).decode("latin-1"), np.float64, sep=" ")
+    except DeprecationWarning as error:
+        raise ValueError("a word that is no number") from error
+    if len(found) != total:
+        raise ValueError("a word that is no number")
+    return found, widths
+
+
+def first_columns(rows: Sequence[bytes], count: int) -> Array:
+    """(N, count) of rows with at least so many numbers; ValueError where one has fewer."""
+    found, widths = numbers(rows)
+    if len(rows) and int(widths.min()) < count:
+        raise ValueError("a row with too few numbers")
+    starts = np.cumsum(widths) - widths
+    return found[starts[:, None] + np.arange(count)]
+
+
+def colour_bytes(values: Array, largest: float | None = None) -> np.typing.NDArray[np.uint8]:
+    """(N, 3) sRGB of colours up to `largest`, or without it up to 1, 255 or 65,535, whichever holds all of them."""
+    sound = np.nan_to_num(values, posinf=0.0, neginf=0.0)
+    if largest is None:
+        most = float(sound.max(initial=0.0))
+        largest = 1.0 if most <= 1.0 else 255.0 if most <= 255.0 else 65535.0
+    return np.asarray(np.round(255.0 * np.clip(sound / largest, 0.0, 1.0)).astype(np.uint8))
