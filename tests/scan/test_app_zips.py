@@ -81,7 +81,7 @@ def test_what_is_not_needed_is_never_unpacked() -> None:
     data = zipped({**APPS["3D Scanner App"], "2026_02_10/bomb.bin": bytes(10**7), "2026_02_10/inner.zip": b"x"})
     with patch.object(zipfile.ZipFile, "read", seen):
         read_scan(data)
-    assert unpacked == ["textured_output.mtl", "textured_output.obj", "textured_output.jpg"]
+    assert unpacked == ["textured_output.obj", "textured_output.mtl", "textured_output.jpg"]
 
 
 def test_the_picture_beside_the_mesh_comes_before_others_of_its_name() -> None:

@@ -16,7 +16,7 @@ from breastrig.core.errors import BadScan
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.scan.formats import usd
-from breastrig.scan.formats.texture import LEFT_OUT
+from breastrig.scan.formats.companions import MISSING
 from breastrig.scan.read import read_scan
 
 RIG = toy_rig()
@@ -54,7 +54,7 @@ def test_a_glb_that_draco_compressed_has_the_triangles_colours_and_picture_of_th
 def test_without_the_decoder_one_sentence_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     data = draco_glb(RIG.template, RIG.faces)
     monkeypatch.setitem(sys.modules, "DracoPy", None)
-    with pytest.raises(BadScan, match=r'\(Draco\); open it in the page, .* install "breastrig\[formats\]"'):
+    with pytest.raises(BadScan, match=r'\(Draco\); install "breastrig\[formats\]"'):
         read_scan(data)
 
 
@@ -115,11 +115,11 @@ def test_no_other_layer_is_ever_opened(kind: str, tmp_path: Path, capfd: pytest.
     below = f"#usda 1.0\n(subLayers = [@{tmp_path}/other.usda@])\n".encode()
     for data in (empty, below):
         for packed in (data, usdz({"scan.usda": data, "other.usda": usda()})):
-            with pytest.raises(BadScan, match="in other layers"):
+            with pytest.raises(BadScan, match="in other files"):
                 read_scan(packed)
     variant = '(\n variants = { string v = "a" }\n prepend variantSets = "v"\n)'
     inside = f'variantSet "v" = {{\n "a" (\n prepend {kind} = @{tmp_path}/other.usda@</Root>\n) {{\n }}\n }}'
-    with pytest.raises(BadScan, match="in other layers"):
+    with pytest.raises(BadScan, match="in other files"):
         read_scan(f'#usda 1.0\ndef "Root" {variant} {{\n {inside}\n}}\n'.encode())
     assert "Mustermann" not in "".join(capfd.readouterr())
 
@@ -129,12 +129,12 @@ def test_no_other_layer_is_ever_opened(kind: str, tmp_path: Path, capfd: pytest.
 def test_a_picture_that_a_usd_names_elsewhere_is_left_out_and_said(name: str) -> None:
     scan = read_scan(usdz({"scan.usda": usda(name), "0/skin.jpg": picture()}))
     assert scan.texture is None
-    assert scan.notes == (LEFT_OUT,)
+    assert scan.notes == (MISSING,)
 
 
 def test_without_pixars_library_one_sentence_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    with pytest.raises(BadScan, match=r'open it in the page, .* install "breastrig\[formats\]"'):
+    with pytest.raises(BadScan, match=r'USD file; install "breastrig\[formats\]"'):
         read_scan(usda())
 
 

@@ -277,16 +277,6 @@ def test_a_texture_is_placed_by_the_coordinates_that_its_material_names() -> Non
     np.testing.assert_allclose(scan.uv, RIG.uv, atol=1e-6)
 
 
-def test_a_texture_placed_by_an_extension_is_left_out_and_said() -> None:
-    def moved(document: dict[str, Any]) -> None:
-        texture = document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]
-        texture["extensions"] = {"KHR_texture_transform": {"offset": [0.5, 0.0]}}
-
-    scan = read_scan(changed(moved, mesh_glb(RIG.template, RIG.faces, uv=RIG.uv, texture=picture())))
-    assert scan.texture is None
-    assert "left out" in scan.notes[0]
-
-
 def test_the_libraries_reader_of_plain_files_agrees() -> None:
     """Against trimesh's writer: meshes in a scene, with colours."""
     mesh = tube()

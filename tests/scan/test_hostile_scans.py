@@ -7,6 +7,7 @@ import os
 import re
 import stat
 import struct
+import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -22,7 +23,7 @@ import breastrig.scan.read as read
 from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.scan.formats.library_meshes import MISSING
+from breastrig.scan.formats.companions import MISSING
 from breastrig.scan.read import read_scan
 
 FACES = toy_rig().faces
@@ -92,14 +93,16 @@ def test_a_point_cloud(kind: str) -> None:
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf", "1e30", "-1e200"])
-def test_vertices_that_are_not_finite(value: str) -> None:
+def test_many_vertices_that_are_not_finite(value: str) -> None:
+    """Of a single one only its triangles are left out: test_mesh_variants.py."""
     vertices = toy_rig().template.copy()
-    vertices[17, 1] = float(value)
-    assert "One vertex of this scan is not finite" in refused(ply_text(vertices, FACES))
-    stl = bytearray(as_bytes(tube(), "stl"))
-    if abs(float(value)) != 1e200:  # which single precision does not have
-        stl[84 + 12 : 84 + 16] = struct.pack("<f", float(value))
-        assert "not finite" in refused(bytes(stl))
+    vertices[::9, 1] = float(value)
+    assert "23 vertices of this scan are not finite" in refused(ply_text(vertices, FACES))
+    with np.errstate(over="ignore"):
+        stl = b"scan".ljust(80) + struct.pack("<I", len(FACES))
+        corners = np.zeros((len(FACES), 50), np.uint8)
+        corners[:, 12:48] = vertices[FACES].reshape(-1, 9).astype("<f4").view(np.uint8)
+    assert "not finite" in refused(stl + corners.tobytes())
 
 
 @pytest.mark.parametrize("kind", ["ply", "stl", "glb"])
@@ -153,25 +156,40 @@ def test_over_the_size_limit(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) ->
 
 
 def test_a_glb_that_points_elsewhere() -> None:
+    rig = toy_rig()
+    painted = mesh_glb(rig.template, rig.faces, uv=rig.uv, texture=picture())
     for uri in ("file:///etc/passwd", "../secret.bin", "https://example.org/a.bin"):
-        assert "other files" in refused(
+        assert "in another file" in refused(
             changed_glb(lambda d, uri=uri: d["buffers"].append({"byteLength": 4, "uri": uri}))
         )
-        assert "other files" in refused(changed_glb(lambda d, uri=uri: d.update(images=[{"uri": uri}])))
+        scan = read_scan(changed_glb(lambda d, uri=uri: d.update(images=[{"uri": uri}]), painted))
+        assert scan.texture is None
+        assert scan.notes == (MISSING,)
 
 
 @pytest.mark.parametrize("name", ["EXT_meshopt_compression", "KHR_meshopt_compression"])
-def test_a_compressed_glb(name: str) -> None:
-    assert "without compression" in refused(changed_glb(lambda d: d.update(extensionsUsed=[name])))
-    assert "without compression" in refused(changed_glb(lambda d: d.update(extensionsRequired=[name])))
+def test_a_compressed_glb(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def pack(content: dict[str, Any]) -> Callable[[dict[str, Any]], None]:
+        return lambda document: document["bufferViews"][0].update(extensions={name: content})
+
+    whole = {"buffer": 0, "byteLength": 100, "byteStride": 12, "count": 204, "mode": "ATTRIBUTES"}
+    for wrong in ({}, {"count": -1}, {"byteStride": 4000}, {"mode": "WORDS"}, {"byteOffset": 10**12}, {"count": 203}):
+        refused(changed_glb(pack(whole | wrong)))
+    assert "unpacks to more" in refused(changed_glb(pack(whole | {"count": 10**9})), TooLarge)
+    monkeypatch.setitem(sys.modules, "meshopt", None)
+    assert 'install "breastrig[formats]"' in refused(changed_glb(pack(whole)))
 
 
 def test_a_glb_that_needs_an_unknown_extension() -> None:
-    assert "extension" in refused(changed_glb(lambda d: d.update(extensionsRequired=["KHR_texture_basisu"])))
+    assert "extension" in refused(changed_glb(lambda d: d.update(extensionsRequired=["ABC_folded_meshes"])))
 
 
-def test_a_gltf_with_its_data_elsewhere() -> None:
-    assert "one .glb" in refused(json.dumps({"asset": {"version": "2.0"}, "buffers": []}).encode(), named="gltf")
+def test_a_gltf_whose_content_is_nonsense() -> None:
+    for buffer in ("data:,", "data:base64,AAAA", "data:;base64,@@@@", "data:7", "data:" + "A" * 300, 5):
+        document = {"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4, "uri": buffer}], "meshes": []}
+        refused(json.dumps(document).encode(), named="gltf")
+    long = json.dumps({"asset": {"version": "2.0"}, "names": ["x" * 100] * 200_000}).encode()
+    assert "MB of text" in refused(long, TooLarge)
 
 
 def test_a_scene_that_contains_itself() -> None:

@@ -106,7 +106,6 @@ PICTURES = {
     "grey JPEG": saved(Image.fromarray(NOISE[..., 0]), "JPEG"),
     "PNG": saved(Image.fromarray(NOISE), "PNG"),
     "PNG with a palette": saved(Image.fromarray(NOISE[..., :3]).quantize(16), "PNG", transparency=3),
-    "PNG of 16 bits": saved(Image.fromarray(NOISE[..., 0].astype(np.uint16) * 257), "PNG"),
 }
 
 

@@ -18,9 +18,9 @@ from breastrig.core.errors import BadInput, BadScan, TooLarge
 from breastrig.core.single_precision import EXACT_WITHIN
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.clean import MIN_TRIANGLES
-from breastrig.scan.companions import Companions, beside
 from breastrig.scan.file_type import file_type_of, plain_text
 from breastrig.scan.formats.archive import unpacked
+from breastrig.scan.formats.companions import Companions, beside
 from breastrig.scan.formats.glb import glb_pieces
 from breastrig.scan.formats.obj import read_obj
 from breastrig.scan.formats.ply import read_ply
@@ -157,6 +157,9 @@ def _check_size(size: int) -> None:
 
 def _joined(found: Pieces) -> tuple[Piece, tuple[str, ...]]:
     """All pieces as one, with the colours or the picture that they share, and what there is to say."""
+    for piece in found.pieces:
+        if len(piece.faces) and not 0 <= piece.faces.min() <= piece.faces.max() < len(piece.vertices):
+            raise BadScan("The triangles of this scan name vertices that do not exist; export it again.")
     pieces = [each for piece in found.pieces for each in _placed_or_not(piece)]
     if not pieces:
         return Piece(np.zeros((0, 3)), np.zeros((0, 3), np.int64)), found.notes
@@ -174,14 +177,16 @@ def _joined(found: Pieces) -> tuple[Piece, tuple[str, ...]]:
         else:
             picture, uv = first, np.concatenate([piece.uv for piece in painted if piece.uv is not None])
     colours, more = _colours(pieces)
-    return Piece(vertices, faces, colours, None if picture is None else uv, picture), notes + (more if not picture else ())
+    return Piece(vertices, faces, colours, None if picture is None else uv, picture), notes + (
+        more if not picture else ()
+    )
 
 
 def _placed_or_not(piece: Piece) -> tuple[Piece, ...]:
     """The piece, apart where some corners have no place in the picture that the others have."""
     if piece.uv is None or piece.picture is None:
         return (replace(piece, uv=None, picture=None),)
-    has_place = np.isfinite(piece.uv).all(axis=1)[piece.faces].all(axis=1)
+    has_place: Booleans = np.all(np.isfinite(piece.uv)[piece.faces], axis=(1, 2))
     if has_place.all():
         return (piece,)
     without = replace(part(piece, ~has_place), uv=None, picture=None)
@@ -191,7 +196,8 @@ def _placed_or_not(piece: Piece) -> tuple[Piece, ...]:
 def _colours(pieces: list[Piece]) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
     """(V, 3) of all pieces' vertices and what there is to say; None where nothing differs in colour."""
     own = [piece.colours for piece in pieces]
-    if all(colours is None for colours in own) and len({piece.tint for piece in pieces}) < 2:
+    is_one_colour = len({piece.tint for piece in pieces}) == 1 or any(piece.picture for piece in pieces)
+    if all(colours is None for colours in own) and is_one_colour:
         return None, ()
     plain = [piece.tint or (UNCOLOURED,) * 3 for piece in pieces]
     filled = [
@@ -204,12 +210,10 @@ def _colours(pieces: list[Piece]) -> tuple[NDArray[np.uint8] | None, tuple[str, 
 
 def _without_bad_vertices(whole: Piece) -> tuple[Piece, tuple[str, ...]]:
     """The triangles whose corners are places, and what was left out; BadScan when they are too many."""
-    if not len(whole.faces) or whole.faces.min() < 0 or whole.faces.max() >= len(whole.vertices):
-        return whole, ()  # as is said of it later
-    sound = (np.abs(whole.vertices) < BEYOND).all(axis=1)  # false for what is no number, too
+    sound: Booleans = np.all(np.abs(whole.vertices) < BEYOND, axis=1)  # false for what is no number, too
     if sound.all():
         return whole, ()
-    kept = sound[whole.faces].all(axis=1)
+    kept: Booleans = np.all(sound[whole.faces], axis=1)
     used = np.zeros(len(sound), np.bool_)
     used[whole.faces] = True
     bad, lost = int((used & ~sound).sum()), int((~kept).sum())
@@ -240,8 +244,6 @@ def _check(whole: Piece, has_points: bool) -> None:
     if not len(whole.faces):
         what = "only points" if has_points else "no triangles"
         raise BadScan(f"This scan has {what}; export it as a triangle mesh.")
-    if whole.faces.min() < 0 or whole.faces.max() >= len(whole.vertices):
-        raise BadScan("The triangles of this scan name vertices that do not exist; export it again.")
     if len(whole.faces) > TRIANGLES:
         raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
     if len(whole.faces) < MIN_TRIANGLES:

@@ -31,8 +31,8 @@ def decide_unit(across: float, asked: str, named: str | None = None, by_default:
     """(unit, sentence with the reason) for a scan that is `across` of its own units wide.
 
     `asked` is "auto" or a unit; `named` is the file's own, or that of its format for files that name none
-    (`by_default`), and is taken where a torso can have this size in it.  Raises BadScan when the size fits no unit, several, or not the one asked
-    for; BadSettings when `asked` is no unit.
+    (`by_default`), and is taken where a torso can have this size in it.  Raises BadScan when the size fits no unit,
+    several, or not the one asked for; BadSettings when `asked` is no unit.
     """
     if asked not in UNIT_CHOICES:
         raise BadSettings(unknown_name("unit", asked, UNIT_CHOICES))

@@ -19,8 +19,8 @@ from functools import partial
 from pathlib import PurePosixPath
 
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.companions import ENDINGS, PICTURES, Companions
 from breastrig.scan.file_type import LOOKED_AT, plain_text
+from breastrig.scan.formats.companions import ENDINGS, PICTURES, Companions
 from breastrig.scan.limits import (
     FILE_BYTES,
     MATERIAL_FILE_BYTES,
@@ -32,7 +32,7 @@ from breastrig.scan.limits import (
 )
 from breastrig.scan.point_clouds.point_table import is_point_table
 
-# Of one scan in several formats the one that carries a picture is the best; a text or a table is a scan if nothing else is.
+# Of one scan in several formats the one that carries a picture is the best; a text is the scan if nothing else is.
 MESH_RANK = {"txt": -1, "csv": -1, "xyz": 0, "pcd": 0, "stl": 1, "ply": 2, "obj": 2, "usdz": 3, "gltf": 4, "glb": 4}
 MESH_RANK |= {"asc": 0, "pts": 0, "xyzn": 0, "xyzrgb": 0, "usd": 3, "usda": 3, "usdc": 3}
 LEFT_BY_MACOS = "__MACOSX"  # a folder added silently by the Finder; skipped unread

@@ -25,8 +25,8 @@ from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.glb import parse_document, split_glb
 from breastrig.core.gltf_arrays import GltfArrays, entry, whole
 from breastrig.geometry.rotations import rotation_from_quaternion
-from breastrig.scan.companions import Companions
 from breastrig.scan.formats import draco, meshopt_views
+from breastrig.scan.formats.companions import Companions
 from breastrig.scan.formats.polygons import strip
 from breastrig.scan.formats.texture import LEFT_OUT, TURNED, is_turned, plain_picture
 from breastrig.scan.limits import (
@@ -350,7 +350,9 @@ class _Drawn:
 
 def _transformed(uv: Array, placed: dict[str, Any]) -> Array:
     """(N, 2) coordinates, scaled, turned and moved as KHR_texture_transform says."""
-    scale, offset = (np.array(placed.get(name, [each, each]), float) for name, each in (("scale", 1.0), ("offset", 0.0)))
+    scale, offset = (
+        np.array(placed.get(name, [each, each]), float) for name, each in (("scale", 1.0), ("offset", 0.0))
+    )
     angle = float(placed.get("rotation", 0.0))
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     return np.asarray((uv * scale.reshape(2)) @ turn.T + offset.reshape(2))

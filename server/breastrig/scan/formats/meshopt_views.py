@@ -1,4 +1,4 @@
-"""Buffer views that meshopt compressed (gltfpack writes them), by its own decoder, which `breastrig[formats]` brings."""
+"""Buffer views that meshopt compressed (gltfpack does), by its own decoder, which `breastrig[formats]` brings."""
 
 from typing import Any
 
@@ -25,13 +25,18 @@ def unpacked(document: dict[str, Any], binary: bytes) -> bytes:
         raise BadScan(HOW_TO_OPEN) from None
     parts, size = [binary], len(binary)
     for view, found in packed:
-        count, stride = whole(found.get("count"), "a count"), whole(found.get("byteStride"), "a stride", MOST_STRIDE + 1)
+        count, stride = (
+            whole(found.get("count"), "a count"),
+            whole(found.get("byteStride"), "a stride", MOST_STRIDE + 1),
+        )
         start, length = whole(found.get("byteOffset", 0), "an offset"), whole(found.get("byteLength"), "a length")
         if size + count * stride > FILE_BYTES:
             raise TooLarge(f"This GLB file unpacks to more than the {FILE_BYTES // MEBIBYTE} MB allowed; simplify it.")
         try:
             mode, filtered = found.get("mode"), found.get("filter", "NONE")
-            content = meshopt.decode_gltf_buffer(binary[start : start + length], count, stride, mode, filtered).tobytes()
+            content = meshopt.decode_gltf_buffer(
+                binary[start : start + length], count, stride, mode, filtered
+            ).tobytes()
         except Exception as error:  # a decoder of untrusted bytes can raise anything
             raise ValueError("its compressed data (meshopt) cannot be unpacked") from error
         view |= {"buffer": 0, "byteOffset": size, "byteLength": len(content)}

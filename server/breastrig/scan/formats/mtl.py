@@ -11,7 +11,9 @@ OPTIONS = {
     **{"-type": 1, "-texres": 1, "-mm": 2, "-o": 3, "-s": 3, "-t": 3},
 }
 MAPS = ("map_kd", "map_ka", "map_ke")  # the picture of a scan stands behind one of them; the first has it mostly
-CHANGED = "A material changes its picture (option -mm or -t), which is not followed; the picture's own colours are shown."
+CHANGED = (
+    "A material changes its picture (option -mm or -t), which is not followed; the picture's own colours are shown."
+)
 
 
 @dataclass(frozen=True)

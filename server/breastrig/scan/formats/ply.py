@@ -6,17 +6,17 @@ checked before anything is allocated.  A file that ends early is refused, for ha
 
 import re
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.companions import UNPLACED, Companions
-from breastrig.scan.formats.numbers_in_text import colour_bytes, numbers
+from breastrig.scan.formats.companions import UNPLACED, Companions
 from breastrig.scan.formats.polygons import fans, split, strip
 from breastrig.scan.limits import PLY_HEADER_BYTES, TRIANGLES, VERTICES
+from breastrig.scan.numbers_in_text import colour_bytes, numbers
 from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud, part
 
 BYTE_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
@@ -85,7 +85,7 @@ def read_ply(data: bytes, files: Companions, texture: bool) -> Pieces:
     faces, polygons = _faces(face, read.get("tristrips", {}))
     if not len(faces):
         return _cloud(vertex, vertices)
-    if faces.min() < 0 or faces.max() >= len(vertices):
+    if not 0 <= faces.min() <= faces.max() < len(vertices):
         raise BadScan("The triangles of this scan name vertices that do not exist; export it again.")
     return _Painted(vertex, face, vertices, faces, polygons, named).pieces(files, texture)
 
@@ -243,7 +243,7 @@ def _walked(data: bytes, at: int, element: Element, order: str) -> tuple[Columns
     """Rows of different lengths, one after the other."""
     sizes = [np.dtype(each.kind).itemsize for each in element.properties]
     kinds = [None if each.length is None else np.dtype(each.length) for each in element.properties]
-    byte_order = "big" if order == ">" else "little"
+    byte_order: Literal["big", "little"] = "big" if order == ">" else "little"
     starts = np.zeros((len(sizes), element.count), np.int64)
     counts = np.ones((len(sizes), element.count), np.int64)
     for row in range(element.count):
@@ -343,7 +343,7 @@ class _Painted:
         of_faces = _colours(self._face) if colours is None and self._of_polygons else None
         if of_faces is None:
             return Piece(self._vertices, self._faces, colours)
-        corners = np.repeat(of_faces[self._polygons][:, None], 3, axis=1)
+        corners = np.repeat(of_faces[self._polygons][:, None].astype(np.float64), 3, axis=1)
         which, faces, values = split(self._faces, corners)
         return Piece(self._vertices[which], faces, values.astype(np.uint8))
 

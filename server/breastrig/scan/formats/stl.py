@@ -8,14 +8,16 @@ from numpy.typing import NDArray
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.file_type import BINARY_STL_HEADER, BINARY_STL_TRIANGLE, is_text_stl
-from breastrig.scan.formats.numbers_in_text import first_columns
 from breastrig.scan.formats.polygons import split
 from breastrig.scan.limits import STL_SOLIDS, TRIANGLES
+from breastrig.scan.numbers_in_text import first_columns
 from breastrig.scan.piece import Piece, Pieces
 
 ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 END = re.compile(rb"\bend\s+(facet|loop|solid)\b")
-WRONG_COUNT = "The header of this STL file announces another number of triangles; all {count:,} that it holds were read."
+WRONG_COUNT = (
+    "The header of this STL file announces another number of triangles; all {count:,} that it holds were read."
+)
 CUT_OFF = "This STL file is cut off or damaged: its length does not fit its triangles; export it again."
 
 
@@ -65,7 +67,7 @@ def _text(data: bytes) -> Array:
 
 
 def _colours(data: bytes, attributes: NDArray[np.uint16]) -> NDArray[np.uint8] | None:
-    """(F, 3) of five bits each, as Magics writes them (with COLOR= in the title) or VisCAM; None where there are none."""
+    """(F, 3) of five bits each, as Magics (COLOR= in the title) or VisCAM writes them; None where there are none."""
     title = data[: BINARY_STL_HEADER - 4]
     at = title.find(b"COLOR=")
     own = (attributes & 0x8000 == 0) if at >= 0 else (attributes & 0x8000 != 0)

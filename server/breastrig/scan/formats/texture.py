@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.formats.numbers_in_text import colour_bytes
 from breastrig.scan.limits import IMAGE_PIXELS, JPEG_PASSES, TEXTURE_SIDE
+from breastrig.scan.numbers_in_text import colour_bytes
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -1,8 +1,8 @@
 """The meshes of USDZ and USD files, by Pixar's own library; runs in a process of its own (usd_process.py).
 
-A USD layer can name other layers and files anywhere, which the library would open.  So the package's layers are put into
-a private folder under names of ours, and all that they name but one another is struck out before anything is composed.
-Pictures are taken from the package by their names.
+A USD layer can name other layers and files anywhere, which the library would open.  So the package's layers are put
+into a private folder under names of ours, and all that they name but one another is struck out before anything is
+composed.  Pictures are taken from the package by their names.
 """
 
 import io
@@ -20,7 +20,7 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput, BadScan, TooLarge
 from breastrig.core.scratch import scratch_folder
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.scan.companions import PICTURES, Companions, Reader
+from breastrig.scan.formats.companions import PICTURES, Companions, Reader
 from breastrig.scan.formats.polygons import fans
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES, USD_PRIMS, VERTICES, ZIP_ENTRIES
 from breastrig.scan.piece import Piece, Pieces
@@ -39,7 +39,8 @@ def usd_pieces(data: bytes, texture: bool) -> Pieces:
     silent = UsdUtils.CoalescingDiagnosticDelegate()  # its warnings name what is in the file
     try:
         layers, files = _opened(data)
-        return _Scene(layers, Companions(files), texture).pieces()
+        with scratch_folder() as folder:
+            return _Scene(folder, layers, Companions(files), texture).pieces()
     except BadInput:
         raise
     except MemoryError as error:
@@ -78,28 +79,27 @@ def _ending(name: str) -> str:
 class _Scene:
     """What the first layer draws, with those that it names."""
 
-    def __init__(self, layers: dict[str, bytes], files: Companions, texture: bool) -> None:
+    def __init__(self, folder: Path, layers: dict[str, bytes], files: Companions, texture: bool) -> None:
         from pxr import Sdf, Usd, UsdGeom
 
-        with scratch_folder() as folder:
-            places = {
-                posixpath.normpath(name): folder / f"{number}.{'usdc' if content.startswith(CRATE) else 'usda'}"
-                for number, (name, content) in enumerate(layers.items())
-            }
-            opened = []
-            for place, content in zip(places.values(), layers.values(), strict=True):
-                place.write_bytes(content)
-                opened.append(Sdf.Layer.FindOrOpen(str(place)))
-            if opened[0] is None:
-                raise ValueError("no layer")
-            self._is_nested = False
-            for name, layer in zip(places, opened, strict=True):
-                if layer is not None:
-                    self._is_nested |= _strike_out(layer, posixpath.dirname(name), places)
-            self._stage = Usd.Stage.Open(opened[0])
-            if any(layer.realPath not in map(str, places.values()) for layer in self._stage.GetUsedLayers(False)[1:]):
-                raise ValueError("a layer from elsewhere")
-            self._layers = opened  # they hold what was changed in them
+        places = {
+            posixpath.normpath(name): folder / f"{number}.{'usdc' if content.startswith(CRATE) else 'usda'}"
+            for number, (name, content) in enumerate(layers.items())
+        }
+        for place, content in zip(places.values(), layers.values(), strict=True):
+            place.write_bytes(content)
+        self._layers = [
+            Sdf.Layer.FindOrOpen(str(place)) for place in places.values()
+        ]  # with what is struck out of them
+        if self._layers[0] is None:
+            raise ValueError("no layer")
+        self._is_nested = False
+        for name, layer in zip(places, self._layers, strict=True):
+            if layer is not None:
+                self._is_nested |= _strike_out(layer, posixpath.dirname(name), places)
+        self._stage = Usd.Stage.Open(self._layers[0])
+        if any(not each.anonymous and each not in self._layers for each in self._stage.GetUsedLayers()):
+            raise ValueError("a layer from elsewhere")
         self._files, self._texture = files, texture
         self._places = UsdGeom.XformCache()
         self._unit, self._is_default = BY_DEFAULT, not self._stage.HasAuthoredMetadata("metersPerUnit")
@@ -128,9 +128,7 @@ class _Scene:
                 pieces.append(piece)
         if not pieces:
             raise BadScan(NESTED if self._is_nested else DAMAGED)
-        return Pieces(
-            tuple(pieces), notes=self._files.notes(), unit=self._unit, unit_by_default=self._is_default
-        )
+        return Pieces(tuple(pieces), notes=self._files.notes(), unit=self._unit, unit_by_default=self._is_default)
 
     def _mesh(self, mesh: Any) -> Iterator[Piece]:
         """One piece for each material."""

@@ -73,9 +73,7 @@ def _unpacked(answer: bytes) -> Pieces:
                 pictures[picture] = arrays[f"picture {picture}"].tobytes()
             values = {name: arrays[f"{number} {name}"] for name in ARRAYS if f"{number} {name}" in arrays}
             pieces.append(Piece(**values, picture=None if picture is None else pictures[picture]))
-    return Pieces(
-            tuple(pieces), notes=tuple(facts["notes"]), unit=facts["unit"], unit_by_default=facts["by_default"]
-        )
+    return Pieces(tuple(pieces), notes=tuple(facts["notes"]), unit=facts["unit"], unit_by_default=facts["by_default"])
 
 
 def main() -> None:

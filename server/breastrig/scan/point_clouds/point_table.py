@@ -1,8 +1,8 @@
 """Clouds of points as plain rows of numbers (.xyz, .asc, .pts, .txt, .csv): x y z, then colours, a normal or others.
 
 A row of words may name the columns.  Else they are told apart by their numbers: the first that counts the rows is an
-index, three whole ones up to 255 or shares up to 1 are a colour, three that make a unit vector are a normal, and what is
-left over (an intensity) is passed by.
+index, three whole ones up to 255 or shares up to 1 are a colour, three that make a unit vector are a normal, and what
+is left over (an intensity) is passed by.
 """
 
 import re
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.formats.numbers_in_text import colour_bytes, numbers, with_points
 from breastrig.scan.limits import POINTS
+from breastrig.scan.numbers_in_text import colour_bytes, numbers, with_points
 from breastrig.scan.piece import PointCloud
 
 ROWS = 20  # lines in which a file shows that it is nothing but numbers
@@ -32,7 +32,7 @@ DAMAGED = "The rows of this point file are not all alike, as in one that was cut
 
 
 def is_point_table(start: bytes) -> bool:
-    """Whether a file that starts so holds rows of three or more numbers, perhaps after lines of words or their count."""
+    """Whether a file that starts so holds rows of three or more numbers, after lines of words or their count."""
     try:
         _, rows = _rows(start.splitlines()[:-1] if len(start.splitlines()) > ROWS else start.splitlines())
     except ValueError:
@@ -63,7 +63,8 @@ def _rows(lines: list[bytes]) -> tuple[list[str] | None, list[bytes]]:
     filled = [line.strip() for line in lines if line.strip()]
     separator = next((mark for mark in (b";", b"\t") if any(mark in line for line in filled[-ROWS:])), None)
     head: list[bytes] = []
-    for at, line in enumerate(filled):
+    at = 0
+    for line in filled:
         words = _words(line, separator)
         if len(words) >= 3 and all(NUMBER.match(word) for word in words):
             break
@@ -72,6 +73,7 @@ def _rows(lines: list[bytes]) -> tuple[list[str] | None, list[bytes]]:
             head.append(line)
         elif not is_count:
             head.append(line.lstrip(b"#/%! "))
+        at += 1
         if len(head) > HEAD and not line.startswith(REMARKS):
             raise ValueError("words, and no numbers")
     else:

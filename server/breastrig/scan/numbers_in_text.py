@@ -47,7 +47,7 @@ def first_columns(rows: Sequence[bytes], count: int) -> Array:
     if len(rows) and int(widths.min()) < count:
         raise ValueError("a row with too few numbers")
     starts = np.cumsum(widths) - widths
-    return found[starts[:, None] + np.arange(count)]
+    return np.asarray(found[starts[:, None] + np.arange(count)])
 
 
 def colour_bytes(values: Array, largest: float | None = None) -> np.typing.NDArray[np.uint8]:

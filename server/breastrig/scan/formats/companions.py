@@ -18,7 +18,9 @@ MISSING = "A picture or material file that the scan names is not beside it, and 
 ONLY_PICTURE = "The scan does not name its picture; the only one beside it was used."
 ONLY_MATERIAL = "The scan names no material file that is there; the only one beside it was used."
 OTHER_ENDING = "A picture that the scan names is beside it with another ending, and was used."
-UNNAMED = "The scan says where a picture lies on it but not which, and none stands alone beside it; it is shown without."
+UNNAMED = (
+    "The scan says where a picture lies on it but not which, and none stands alone beside it; it is shown without."
+)
 UNPLACED = "The scan names a picture but not where it lies on the skin, and is shown without it."
 
 Reader = Callable[[], bytes]
@@ -129,4 +131,3 @@ def beside(scan: Path, read: Callable[[Path], bytes]) -> Companions:
             elif path.suffix.lower().removeprefix(".") in ENDINGS and path.is_file():
                 found[path.relative_to(scan.parent).as_posix()] = lambda path=path: read(path)  # type: ignore[misc]
     return Companions(found)
-

@@ -1,0 +1,527 @@
+"""One body in every form that programs are known to write: the same triangles, size and colours, or a true sentence."""
+
+import json
+import unicodedata
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from helpers.mesh_variants import (
+    BASE,
+    FACES,
+    JPEG,
+    OF_FACES,
+    OF_VERTICES,
+    UV,
+    UV_FLIPPED,
+    VERTICES,
+    colour,
+    embedded,
+    glb,
+    gltf,
+    linear,
+    obj,
+    painted_obj,
+    pixels,
+    ply,
+    quads,
+    saved,
+    stl,
+    stl_text,
+    vertex_colours,
+)
+from helpers.scan_files import zipped
+from helpers.usd_scan import usda, usdz
+from PIL import Image
+from scipy.spatial import cKDTree
+
+from breastrig.core.errors import BadScan
+from breastrig.scan.formats import companions
+from breastrig.scan.formats import glb as glb_module
+from breastrig.scan.formats.stl import WRONG_COUNT
+from breastrig.scan.formats.texture import LEFT_OUT, pixels_of
+from breastrig.scan.joined_textures import UNPAINTED
+from breastrig.scan.piece import PARTLY_COLOURED
+from breastrig.scan.read import read_scan
+from breastrig.scan.scan import Scan
+
+MTL = "newmtl skin\nKd 1 1 1\n"
+CENTRES = VERTICES[FACES].mean(axis=1)
+TRUE = colour(UV[FACES].mean(axis=1))
+
+
+def shown_colours(scan: Scan) -> np.ndarray | None:
+    """(F, 3) in the middle of each triangle."""
+    if scan.picture is not None and scan.uv is not None:
+        picture = pixels_of(scan.picture).astype(float)
+        u, v = scan.uv[scan.faces].mean(axis=1).T
+        height, width = picture.shape[:2]
+        down, across = (1.0 - v) * height, u * width
+        return picture[np.clip(down, 0, height - 1).astype(int), np.clip(across, 0, width - 1).astype(int)]
+    return None if scan.colours is None else scan.colours[scan.faces].mean(axis=1)
+
+
+def assert_same_body(scan: Scan, coloured: bool = True, grey: bool = False) -> None:
+    assert len(scan.faces) == len(FACES)
+    far, which = cKDTree(CENTRES).query(scan.vertices[scan.faces].mean(axis=1))
+    assert far.max() < 2e-5
+    found = shown_colours(scan)
+    assert (found is not None) == coloured
+    if found is not None:
+        wanted = TRUE[which]
+        if grey:
+            wanted = np.repeat(wanted @ [[0.299], [0.587], [0.114]], 3, axis=1)
+        assert np.abs(found - wanted).mean() < 3.0
+
+
+UNEVEN = [[0.5] * (k % 3) for k in range(len(FACES))]
+SHARES, WHOLE = OF_VERTICES / 255.0, OF_VERTICES
+UV_COLUMNS = {
+    name: {a: ("float", UV[:, 0]), b: ("float", UV[:, 1])}
+    for name, a, b in (
+        ("s t", "s", "t"),
+        ("u v", "u", "v"),
+        ("texture_u", "texture_u", "texture_v"),
+        ("tu", "tu", "tv"),
+    )
+}
+STRIP = [k for face in FACES for k in (*face.tolist(), -1)]
+
+
+def with_strips(form: str) -> bytes:
+    """The triangles as strips, each ended by -1."""
+    text = ply(vertex_colours("uchar", WHOLE), form=form)
+    head, body = text.split(b"end_header\n", 1)
+    order = "<" if form == "binary_little_endian" else ">"
+    rows = len(VERTICES) * 15
+    strips = np.array(len(STRIP), order + "i4").tobytes() + np.array(STRIP, order + "i4").tobytes()
+    head = head[: head.index(b"element face")] + b"element tristrips 1\nproperty list int int vertex_indices\n"
+    return head + b"end_header\n" + body[:rows] + strips
+
+
+PLY = {
+    **{f"quads, {form}": ply(vertex_colours("uchar", WHOLE), form=form, polygons=quads()) for form in (
+        "ascii", "binary_little_endian", "binary_big_endian",
+    )},
+    "quads with a list before": ply(
+        vertex_colours("uchar", WHOLE), {"weights": ("list uchar float", UNEVEN)},
+        polygons=quads(), before=True,
+    ),
+    "floats to 255": ply(vertex_colours("float", WHOLE)),
+    "floats to 1": ply(vertex_colours("double", SHARES)),
+    "floats to 255 in text": ply(vertex_colours("float", WHOLE), form="ascii"),
+    "shares in text that says uchar": ply(vertex_colours("uchar", SHARES), form="ascii"),
+    "16 bits": ply(vertex_colours("ushort", WHOLE.astype(int) * 257)),
+    "diffuse": ply(vertex_colours("uchar", WHOLE, "diffuse_red diffuse_green diffuse_blue")),
+    "capitals": ply(vertex_colours("uchar", WHOLE, "Red Green Blue")),
+    "colours of faces": ply(face=vertex_colours("uchar", OF_FACES)),
+    "colours of quads before corners": ply(face=vertex_colours("uchar", OF_FACES), before=True),
+    "corners by the other name": ply(vertex_colours("uchar", WHOLE), corners="list uchar uint vertex_index"),
+    "corners by an unknown name": ply(vertex_colours("uchar", WHOLE), corners="list int uint corners"),
+    "lists of vertices": ply({"weights": ("list uchar float", [[0.1] * (k % 2) for k in range(len(VERTICES))]),
+                              **vertex_colours("uchar", WHOLE)}),
+    "strips": with_strips("binary_little_endian"),
+    "strips of the other order": with_strips("binary_big_endian"),
+    **{f"places called {name}": zipped({"a.ply": ply(columns, head="comment TextureFile skin.jpg"), "skin.jpg": JPEG})
+       for name, columns in UV_COLUMNS.items()},
+    "places of corners": zipped({"a.ply": ply(
+        face={"texcoord": ("list uchar float", UV[FACES].reshape(-1, 6))}, head="comment TextureFile skin.jpg",
+    ), "skin.jpg": JPEG}),
+    "places of corners in text": zipped({"a.ply": ply(
+        face={"texcoord": ("list uchar float", UV[FACES].reshape(-1, 6))}, form="ascii",
+        head="comment TextureFile skin.jpg",
+    ), "skin.jpg": JPEG}),
+    "two pictures": zipped({"a.ply": ply(
+        UV_COLUMNS["s t"], {"texnumber": ("int", np.arange(len(FACES)) % 2)},
+        head="comment TextureFile one.jpg\ncomment TextureFile other.png",
+    ), "one.jpg": JPEG, "other.png": saved("PNG")}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PLY)
+def test_a_ply_is_read_with_its_colours(name: str) -> None:
+    scan = read_scan(PLY[name])
+    assert_same_body(scan)
+    assert scan.notes == ()
+
+
+@pytest.mark.parametrize("data", [obj(uv=False, head=""), ply(form="ascii"), stl_text()], ids=["obj", "ply", "stl"])
+def test_decimal_commas_are_decimals(data: bytes) -> None:
+    lines = [line.replace(b".", b",") if line[:1] in b"v-0123456789 " else line for line in data.splitlines()]
+    data = b"\n".join([*lines, b""])
+    assert data.count(b",") > 500
+    assert_same_body(read_scan(data, "stl" if data.startswith(b"solid") else None), coloured=False)
+
+
+def painted(options: str = "", name: str = "scan.jpg", file: str | None = None, word: str = "map_Kd") -> bytes:
+    return painted_obj(f"{MTL}{word} {options}{name}\n", {file or name: JPEG})
+
+
+NFC, NFD = (unicodedata.normalize(form, "Büste.jpg") for form in ("NFC", "NFD"))
+OBJ = {
+    "clamp, scale, offset": painted("-clamp on -s 1 1 1 -o 0 0 0 "),
+    "blend, boost, channel": painted("-blendu on -blendv off -boost 1.0 -cc off -texres 512 "),
+    "mm, bm, imfchan": painted("-mm 0 1 -bm 0.5 -imfchan l "),
+    "short options": painted("-s 1 1 -o 0 "),
+    "quotes": painted(name='"scan.jpg"', file="scan.jpg"),
+    "%20": painted(name="my%20scan.jpg", file="my scan.jpg"),
+    "spaces": painted(name="my scan (1)  b.jpg"),
+    "spaces after options": painted("-clamp on ", name="2 my scan.jpg"),
+    "back slashes": painted(name="C:\\scans\\anna\\scan.jpg", file="scan.jpg"),
+    "a folder": painted(name="textures/scan.jpg"),
+    "a folder of another computer": painted(name="/home/anna/scan.jpg", file="pictures/scan.jpg"),
+    "other case": painted(name="Scan.JPG", file="scan.jpg"),
+    "composed accents": painted(name=NFC, file=NFD),
+    "decomposed accents": painted(name=NFD, file=NFC),
+    "map_Ka": painted(word="map_Ka"),
+    "map_Ke": painted(word="map_Ke"),
+    "MAP_KD": painted(word="MAP_KD"),
+    "a tab": painted_obj(f"{MTL}\tmap_Kd\tscan.jpg\n", {"scan.jpg": JPEG}),
+    "material with spaces": painted_obj(f"{MTL}map_Kd scan.jpg\n", {"scan.jpg": JPEG}, "my scan 2.mtl"),
+    "material in quotes": painted_obj(f"{MTL}map_Kd scan.jpg\n", {"scan.jpg": JPEG}, "a.mtl", 'mtllib "./a.mtl"'),
+    "several materials": painted_obj(
+        f"{MTL}map_Kd scan.jpg\n", {"scan.jpg": JPEG, "b.mtl": b"newmtl other\n"}, "a.mtl", "mtllib b.mtl a.mtl"
+    ),
+    "two lines of materials": painted_obj(
+        f"{MTL}map_Kd scan.jpg\n", {"scan.jpg": JPEG, "b.mtl": b"newmtl other\n"}, "a.mtl", "mtllib b.mtl\nmtllib a.mtl"
+    ),
+    "negative corners": zipped({
+        "a.obj": obj("mtllib a.mtl", corner="{1}/{1}"), "a.mtl": f"{MTL}map_Kd scan.jpg".encode(), "scan.jpg": JPEG,
+    }),
+    "normals": zipped({
+        "a.obj": b"vn 0 0 1\n" + obj("mtllib a.mtl", corner="{0}/{0}/1"),
+        "a.mtl": f"{MTL}map_Kd a.jpg".encode(), "a.jpg": JPEG,
+    }),
+    "colours to 1": obj("", False, SHARES),
+    "colours to 255": obj("", False, WHOLE),
+    "colours with opacity": obj("", False, np.column_stack([SHARES, np.ones(len(SHARES))])),
+    "colours and places without a picture": obj("", True, SHARES),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", OBJ)
+def test_an_obj_is_read_with_its_colours(name: str) -> None:
+    scan = read_scan(OBJ[name])
+    assert_same_body(scan)
+    assert scan.notes == ()
+
+
+def test_a_picture_that_is_scaled_and_moved_by_its_material_lies_where_it_is_put() -> None:
+    half = Image.new("RGB", (256, 128))
+    half.paste(Image.fromarray(pixels()), (128, 0))
+    data = painted_obj(f"{MTL}map_Kd -s 0.5 1 1 -o 0.5 0 scan.png\n", {"scan.png": saved("PNG", half)})
+    assert_same_body(read_scan(data))
+
+
+SAID = {
+    "no name, one picture": (zipped({"a.obj": obj(""), "skin.jpg": JPEG}), companions.ONLY_PICTURE),
+    "a ply, one picture": (zipped({"a.ply": ply(UV_COLUMNS["s t"]), "skin.jpg": JPEG}), companions.ONLY_PICTURE),
+    "another ending": (painted(name="scan.png", file="scan.jpg"), companions.OTHER_ENDING),
+    "another material file": (
+        zipped({"a.obj": obj("mtllib scan.mtl"), "b.mtl": f"{MTL}map_Kd a.jpg".encode(), "a.jpg": JPEG}),
+        companions.ONLY_MATERIAL,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SAID)
+def test_a_picture_that_is_found_by_guessing_is_said(name: str) -> None:
+    data, sentence = SAID[name]
+    scan = read_scan(data)
+    assert_same_body(scan)
+    assert scan.notes == (sentence,)
+
+
+def test_an_obj_that_is_coloured_in_part_says_so() -> None:
+    rows = [list(row) if k > 20 else [] for k, row in enumerate(SHARES)]
+    scan = read_scan(obj("", False, rows))  # type: ignore[arg-type]
+    assert scan.notes == (PARTLY_COLOURED,)
+    assert scan.colours is not None
+    np.testing.assert_array_equal(scan.colours[21:], WHOLE[21:])
+
+
+LOST = {
+    "no picture": (zipped({"a.obj": obj("")}), companions.UNNAMED),
+    "two pictures": (zipped({"a.obj": obj(""), "a.jpg": JPEG, "b.jpg": JPEG}), companions.UNNAMED),
+    "named, not there": (
+        zipped({"a.obj": obj("mtllib a.mtl"), "a.mtl": b"newmtl skin\nmap_Kd b.jpg"}), companions.MISSING,
+    ),
+    "no places": (
+        zipped({"a.obj": obj("mtllib a.mtl", uv=False), "a.mtl": b"newmtl skin\nmap_Kd b.jpg", "b.jpg": JPEG}),
+        companions.UNPLACED,
+    ),
+    "a picture that is none": (painted_obj(f"{MTL}map_Kd a.webp", {"a.webp": b"RIFF1234WEBP" + bytes(90)}), LEFT_OUT),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LOST)
+def test_colours_that_are_lost_are_said(name: str) -> None:
+    data, sentence = LOST[name]
+    scan = read_scan(data)
+    assert_same_body(scan, coloured=False)
+    assert scan.notes == (sentence,)
+
+
+def test_colours_of_materials_without_pictures() -> None:
+    mesh = obj("mtllib a.mtl", uv=False).replace(b"usemtl skin", b"usemtl one")
+    at = [k for k, line in enumerate(mesh.split(b"\n")) if line.startswith(b"f ")][100]
+    lines = mesh.split(b"\n")
+    lines.insert(at, b"usemtl other")
+    scan = read_scan(
+        zipped({"a.obj": b"\n".join(lines), "a.mtl": b"newmtl one\nKd 1 0.4 0\nnewmtl other\nKd 0 0.2 1\n"})
+    )
+    found = shown_colours(scan)
+    assert found is not None
+    np.testing.assert_array_equal(found, [[255, 102, 0]] * 100 + [[0, 51, 255]] * (len(FACES) - 100))
+
+
+GREY = Image.fromarray(pixels()).convert("L")
+PICTURES: dict[str, tuple[bytes, str]] = {
+    "webp": (saved("WEBP", quality=95), ""),
+    "webp without loss": (saved("WEBP", lossless=True), ""),
+    "tif": (saved("TIFF", compression="tiff_lzw"), ""),
+    "tiff": (saved("TIFF"), ""),
+    "bmp": (saved("BMP"), ""),
+    "tga": (saved("TGA"), ""),
+    "tga packed": (saved("TGA", compression="tga_rle"), ""),
+    "gif": (saved("GIF", Image.fromarray(pixels()).quantize(256)), ""),
+    "jfif": (JPEG, ""),
+    "jpe": (JPEG, ""),
+    "jpeg cmyk": (saved("JPEG", Image.fromarray(pixels()).convert("CMYK"), quality=95), ""),
+    "png palette": (saved("PNG", Image.fromarray(pixels()).quantize(256)), ""),
+    "png alpha": (saved("PNG", Image.fromarray(pixels()).convert("RGBA")), ""),
+    "png grey": (saved("PNG", GREY), "grey"),
+    "png grey and alpha": (saved("PNG", GREY.convert("LA")), "grey"),
+    "png grey of 16 bits": (saved("PNG", Image.fromarray(np.asarray(GREY, dtype=np.uint16) * 257)), "grey"),
+    "tiff grey of 16 bits": (saved("TIFF", Image.fromarray(np.asarray(GREY, dtype=np.uint16) * 257)), "grey"),
+}
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_a_picture_of_any_kind_is_shown(name: str) -> None:
+    content, kind = PICTURES[name]
+    file = f"scan.{name.split()[0]}"
+    scan = read_scan(painted_obj(f"{MTL}map_Kd {file}\n", {file: content}))
+    assert_same_body(scan, grey=kind == "grey")
+    assert scan.notes == ()
+
+
+STL = {
+    "exact": stl(),
+    "two bytes more": stl(more=b"\0\0"),
+    "a tail": stl(more=b"made by a program" * 2),
+    "title solid": stl(title=b"solid scan"),
+    "text": stl_text(),
+}
+
+
+@pytest.mark.parametrize("name", STL)
+@pytest.mark.parametrize("named", ["stl", None])
+def test_an_stl_with_something_behind_it(name: str, named: str | None) -> None:
+    scan = read_scan(STL[name], named)
+    assert_same_body(scan, coloured=False)
+    assert scan.notes == ()
+
+
+@pytest.mark.parametrize("change", [str.upper, str.title, lambda word: word.replace("end", "end "), "  {}".format])
+def test_an_stl_in_text_with_odd_words(change: Callable[[str], str]) -> None:
+    lines = stl_text().decode().splitlines()
+    assert_same_body(read_scan("\r\n".join(map(change, lines)).encode(), "stl"), coloured=False)
+
+
+@pytest.mark.parametrize("count", [0, 2**32 - 1, 100])
+def test_an_stl_with_a_wrong_number_of_triangles_is_read_whole_and_it_is_said(count: int) -> None:
+    scan = read_scan(stl(count=count), "stl")
+    assert_same_body(scan, coloured=False)
+    assert scan.notes == (WRONG_COUNT.format(count=len(FACES)),)
+    with pytest.raises(BadScan, match="cut off"):
+        read_scan(stl(count=len(FACES) + 1), "stl")
+
+
+@pytest.mark.parametrize("title", [b"COLOR=\x80\x80\x80\xff", b"visCAM"])
+def test_colours_of_an_stls_facets(title: bytes) -> None:
+    five = np.round(OF_FACES / 255.0 * 31.0).astype(np.uint16)
+    red, green, blue = five.T
+    magics = title.startswith(b"COLOR")
+    attributes = blue << 10 | green << 5 | red if magics else 0x8000 | red << 10 | green << 5 | blue
+    assert_same_body(read_scan(stl(attributes, title)))
+
+
+def with_texture(info: dict[str, object] | None = None, **more: object) -> bytes:
+    base = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, **(info or {})}}}
+    options: dict[str, object] = {"material": base, "image": (JPEG, "image/jpeg")}
+    return glb({"TEXCOORD_0": UV_FLIPPED}, **(options | more))
+
+
+def transform(**values: object) -> dict[str, object]:
+    return {"extensions": {"KHR_texture_transform": values}}
+
+
+LINEAR = linear(OF_VERTICES.astype(float))
+WEBP = {
+    "image": (saved("WEBP", quality=95), "image/webp"),
+    "texture": {"extensions": {"EXT_texture_webp": {"source": 0}}},
+}
+SHIFTED = (UV_FLIPPED - np.array([0.25, 0.5], "f4")) / 2.0
+GRID = np.round((VERTICES - VERTICES.min(axis=0)) / np.ptp(VERTICES) * 65535).astype("u2")
+QUANTISED_NODE = {"scale": [float(np.ptp(VERTICES) / 65535)] * 3, "translation": VERTICES.min(axis=0).tolist()}
+GLTF = {
+    "base colour": with_texture(),
+    "webp": with_texture(**WEBP),
+    "webp required": with_texture(**WEBP, extensions=("EXT_texture_webp",), required=True),
+    "identity transform": with_texture(transform()),
+    "identity transform, written out": with_texture(transform(offset=[0, 0], scale=[1, 1], rotation=0)),
+    "a transform": glb(
+        {"TEXCOORD_0": SHIFTED}, material={"pbrMetallicRoughness": {"baseColorTexture": {
+            "index": 0, **transform(offset=[0.25, 0.5], scale=[2, 2])}}}, image=(JPEG, "image/jpeg"),
+        extensions=("KHR_texture_transform",), required=True,
+    ),
+    "a quarter turn": glb(
+        {"TEXCOORD_0": np.column_stack([-UV_FLIPPED[:, 1], UV_FLIPPED[:, 0]]).astype("f4")},
+        material={"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, **transform(rotation=np.pi / 2)}}},
+        image=(JPEG, "image/jpeg"),
+    ),
+    "places of the transform": glb(
+        {"TEXCOORD_0": 0 * UV_FLIPPED, "TEXCOORD_1": UV_FLIPPED}, image=(JPEG, "image/jpeg"),
+        material={"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, **transform(texCoord=1)}}},
+    ),
+    "emissive": with_texture(material={"emissiveTexture": {"index": 0}, "emissiveFactor": [1, 1, 1]}),
+    "unlit": with_texture(material={**BASE, "extensions": {"KHR_materials_unlit": {}}}),
+    "glossy": with_texture(
+        material={"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseTexture": {"index": 0}}}},
+    ),
+    "normalised bytes": glb({"COLOR_0": np.round(255 * LINEAR).astype("u1")}, normalised=("COLOR_0",)),
+    "normalised shorts": glb({"COLOR_0": np.round(65535 * LINEAR).astype("u2")}, normalised=("COLOR_0",)),
+    "floats": glb({"COLOR_0": LINEAR.astype("f4")}),
+    "floats with opacity": glb({"COLOR_0": np.column_stack([LINEAR, np.ones(len(LINEAR))]).astype("f4")}),
+    "quantised": glb({"TEXCOORD_0": np.round(65535 * UV_FLIPPED).astype("u2")}, position=GRID, node=QUANTISED_NODE,
+                     material=BASE, image=(JPEG, "image/jpeg"), normalised=("TEXCOORD_0",),
+                     extensions=("KHR_mesh_quantization",), required=True),
+    "gltf embedded": embedded(*gltf({"TEXCOORD_0": UV_FLIPPED}, material=BASE, image=(JPEG, "image/jpeg"))),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", GLTF)
+def test_a_gltf_is_read_with_its_colours(name: str) -> None:
+    scan = read_scan(GLTF[name])
+    assert_same_body(scan)
+    assert scan.notes == ()
+
+
+def with_files(folder: str = "", prefix: str = "") -> dict[str, bytes]:
+    document, binary = gltf({"TEXCOORD_0": UV_FLIPPED}, material=BASE)
+    document["buffers"] = [{"byteLength": len(binary), "uri": f"{prefix}my%20scan.bin"}]
+    document |= {"images": [{"uri": f"{prefix}skin.jpg"}], "textures": [{"source": 0}]}
+    files = {"scan.gltf": json.dumps(document).encode(), f"{prefix}my scan.bin": binary, f"{prefix}skin.jpg": JPEG}
+    return {folder + name: content for name, content in files.items()}
+
+
+@pytest.mark.parametrize(("folder", "prefix"), [("", ""), ("scan/", ""), ("scan/", "parts/")])
+def test_a_gltf_in_a_zip_with_its_files(folder: str, prefix: str) -> None:
+    files = with_files(folder, prefix)
+    assert_same_body(read_scan(zipped(files)))
+    with pytest.raises(BadScan, match="in another file, which is not beside it; pack both in a zip"):
+        read_scan(files[folder + "scan.gltf"])
+
+
+def test_a_gltf_never_reaches_outside_its_zip() -> None:
+    for uri in ("../secret.bin", "/etc/passwd", "file:///etc/passwd", "https://example.org/a.bin"):
+        document, binary = gltf()
+        document["buffers"] = [{"byteLength": len(binary), "uri": uri}]
+        with pytest.raises(BadScan, match="another file"):
+            read_scan(zipped({"scan.gltf": json.dumps(document).encode(), "a.txt": b""}))
+
+
+def test_a_gltf_picture_that_cannot_be_read_is_said() -> None:
+    scan = read_scan(with_texture(texture={"extensions": {"KHR_texture_basisu": {"source": 0}}}))
+    assert_same_body(scan, coloured=False)
+    assert scan.notes == (LEFT_OUT,)
+    scan = read_scan(glb(material=BASE, image=(JPEG, "image/jpeg")))
+    assert scan.notes == (glb_module.UNPLACED,)
+
+
+def test_a_gltf_that_meshopt_compressed_is_read_as_the_plain_one() -> None:
+    meshopt = pytest.importorskip("meshopt")
+    document, binary = gltf({"TEXCOORD_0": UV_FLIPPED}, material=BASE, image=(JPEG, "image/jpeg"))
+    views, packed = document["bufferViews"], b""
+    assert isinstance(views, list)
+    for accessor, view in enumerate(views[:-1]):
+        count = document["accessors"][accessor]["count"]  # type: ignore[index]
+        stride = view["byteLength"] // count
+        rows = np.frombuffer(binary, np.uint8, view["byteLength"], view["byteOffset"]).reshape(count, stride)
+        is_corners = accessor == 2
+        values = rows.view("<u4").ravel() if is_corners else rows
+        mode = "TRIANGLES" if is_corners else "ATTRIBUTES"
+        content = meshopt.encode_gltf_buffer(values, mode)
+        found = {"buffer": 0, "byteOffset": len(packed), "byteLength": len(content), "byteStride": stride}
+        view["extensions"] = {"EXT_meshopt_compression": found | {"count": count, "mode": mode}}
+        view["buffer"] = 1
+        packed += content + bytes(-len(content) % 4)
+    views[-1] |= {"byteOffset": len(packed)}
+    packed += JPEG
+    document["buffers"] = [{"byteLength": len(packed)}, {"byteLength": len(binary)}]
+    document["extensionsUsed"] = document["extensionsRequired"] = ["EXT_meshopt_compression"]
+    from breastrig.core.glb import pack_glb
+
+    assert_same_body(read_scan(pack_glb(json.dumps(document).encode(), packed)))
+
+
+@pytest.mark.parametrize(("head", "units", "unit"), [
+    ("", "auto", "m"), ("", "m", "m"), ("metersPerUnit = 0.01", "auto", "m"), ("metersPerUnit = 0.01", "m", "m"),
+    ("metersPerUnit = 1", "auto", "m"),
+])  # fmt: skip
+def test_the_unit_of_a_usd_is_its_own_unless_no_body_has_this_size_in_it(
+    head: str, units: str, unit: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from breastrig.scan.formats import usd
+
+    monkeypatch.setattr("breastrig.scan.read.usd_pieces", usd.usd_pieces)
+    scan = read_scan(usda(head=head), units=units)
+    assert scan.unit == unit
+    assert np.ptp(scan.vertices[:, 1]) == pytest.approx(np.ptp(VERTICES[:, 1]), abs=1e-5)
+    assert ("which no torso is" in scan.unit_reason) == (units == "auto" and head != "metersPerUnit = 1")
+
+
+def test_a_usd_of_several_layers_is_read_from_its_package_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    from breastrig.scan.formats import usd
+
+    monkeypatch.setattr("breastrig.scan.read.usd_pieces", usd.usd_pieces)
+    root = b'#usda 1.0\n(metersPerUnit = 1)\ndef "Root" (prepend references = @./parts/body.usda@</Root>) {}\n'
+    scan = read_scan(usdz({"scan.usda": root, "parts/body.usda": usda("../skin.jpg"), "skin.jpg": JPEG}))
+    assert len(scan.faces) == len(FACES)
+    assert scan.colour_kind == "texture"
+
+
+def with_bad_vertex(bad: float, used: bool) -> bytes:
+    rows = VERTICES.astype("f4")
+    rows = rows if used else np.concatenate([rows, rows[:1]])
+    rows = rows.copy()
+    rows[-1, 1] = bad
+    faces = np.zeros(len(FACES), [("n", "u1"), ("at", "<i4", 3)])
+    faces["n"], faces["at"] = 3, FACES
+    head = ply().split(b"end_header\n")[0].replace(b"vertex %d" % len(VERTICES), b"vertex %d" % len(rows))
+    return head + b"end_header\n" + rows.tobytes() + faces.tobytes()
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e35])
+def test_a_vertex_that_is_no_place_costs_its_own_triangles_only(bad: float) -> None:
+    scan = read_scan(with_bad_vertex(bad, used=False))
+    assert_same_body(scan, coloured=False)
+    assert scan.notes == ()
+    scan = read_scan(with_bad_vertex(bad, used=True))
+    lost = int((len(VERTICES) - 1 == FACES).any(axis=1).sum())
+    assert len(scan.faces) == len(FACES) - lost
+    assert scan.notes == (
+        f"One vertex of this scan is not finite or far beyond all reason; the {lost} triangles there were left out.",
+    )
+
+
+def test_parts_without_a_place_in_the_picture_are_one_colour_and_it_is_said() -> None:
+    lines = obj("mtllib a.mtl").split(b"\n")
+    first = next(k for k, line in enumerate(lines) if line.startswith(b"f "))
+    for k in range(first, first + 50):
+        lines[k] = b"f " + b" ".join(word.split(b"/")[0] for word in lines[k].split()[1:])
+    data = zipped({"a.obj": b"\n".join(lines), "a.mtl": f"{MTL}map_Kd a.jpg".encode(), "a.jpg": JPEG})
+    scan = read_scan(data)
+    assert scan.notes == (UNPAINTED,)
+    assert scan.colour_kind == "texture"
