@@ -165,3 +165,58 @@ def test_lzf_never_unpacks_more_than_was_announced() -> None:
     bomb = b"\x00a" + b"\xe0\xff\x00" * 100_000
     with pytest.raises(ValueError, match="another size"):
         unpack_lzf(bomb, 1000)
+
+
+def table(separator: str, rows: list[str] | None = None, head: str = "", decimal: str = ".", more: str = "") -> bytes:
+    """The points as a table, with whole numbers of colours behind them unless other rows are given."""
+    lines = [
+        f"{separator}".join([*(f"{value:.5f}".replace(".", decimal) for value in place), *extra.split()])
+        for place, extra in zip(POINTS, rows or [""] * len(POINTS), strict=True)
+    ]
+    return (head + "\n".join(lines) + "\n" + more).encode()
+
+
+WHOLE = [" ".join(str(round(value)) for value in colour) for colour in colours_of(POINTS)]
+SHARES = [" ".join(f"{value / 255.0:.4f}" for value in colour) for colour in colours_of(POINTS)]
+BOTH = [" ".join([*(f"{n:.6f}" for n in normal), colour]) for normal, colour in zip(NORMALS, WHOLE, strict=True)]
+INDEXED = "\n".join(
+    f"{k + 1} {' '.join(f'{value:.5f}' for value in place)} {colour}"
+    for k, (place, colour) in enumerate(zip(POINTS, WHOLE, strict=True))
+).encode()
+TABLES = {
+    "semicolons and decimal commas": (table(";", None, "", ","), False),
+    "semicolons, decimal commas and colours": (table(";", WHOLE, "", ","), True),
+    "spaces and decimal commas": (table(" ", WHOLE, "", ","), True),
+    "tabs": (table("\t", WHOLE), True),
+    "tabs and decimal commas": (table("\t", WHOLE, "", ","), True),
+    "commas": (table(",", WHOLE), True),
+    "commas and spaces": (table(", ", WHOLE), True),
+    "a trailing separator": (table(";", WHOLE).replace(b"\n", b";\n"), True),
+    "a head of words": (table(" ", WHOLE, "X Y Z R G B\n"), True),
+    "a head with units": (table(";", WHOLE, "X [m];Y [m];Z [m];Red;Green;Blue\n", ","), True),
+    "a head in a remark": (table(",", WHOLE, "//X,Y,Z,R,G,B\n"), True),
+    "several lines of words": (table(" ", WHOLE, "# made by a scanner\nPoints of a body\nx y z r g b\n"), True),
+    "a count": (table(" ", WHOLE, f"{len(POINTS)}\n"), True),
+    "an index": (INDEXED, True),
+    "an index with a head": (b"Index x y z red green blue\n" + INDEXED, True),
+    "colours to 1": (table(" ", SHARES), True),
+    "colours with an opacity": (table(" ", [f"{colour} 255" for colour in WHOLE]), True),
+    "an intensity before colours": (table(" ", [f"{0.01 * k:.2f} {c}" for k, c in enumerate(WHOLE)]), True),
+    "a normal and colours": (table(" ", BOTH), True),
+    "Windows' line ends": (table(" ", WHOLE).replace(b"\n", b"\r\n"), True),
+    "UTF-16": (table(";", WHOLE, "\ufeffX;Y;Z;R;G;B\n", ",").decode().encode("utf-16-le"), True),
+    "a mark of UTF-8": (b"\xef\xbb\xbf" + table(" ", WHOLE), True),
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_table_of_points_is_read_however_a_program_writes_it(name: str) -> None:
+    data, coloured = TABLES[name]
+    scan = read_scan(data)
+    assert scan.from_points
+    distances, who = cKDTree(POINTS).query(scan.vertices)
+    assert distances.max() <= 0.015
+    assert cKDTree(scan.vertices).query(POINTS)[0].max() < 0.006
+    assert (scan.colours is not None) == coloured
+    if scan.colours is not None:
+        assert np.abs(scan.colours.astype(float) - colours_of(POINTS)[who]).mean() < 3.0

@@ -72,8 +72,6 @@ def _executor(options: argparse.Namespace, rows: Sequence[BatchRow]) -> Executor
     limits = FitLimits()
     if options.scheduler is None:
         preload(["breastrig.batch.task", "breastrig.workflow.default_model", "breastrig.workflow.run_fit"])
-        if any(row.scan.suffix.lower() not in (".ply", ".glb") for row in rows):
-            preload(["breastrig.scan.formats.library_meshes"])  # else each worker loads it with its first scan
         processes = Processes(options.jobs or limits.workers, memory_bytes=limits.memory_bytes, spare=1)
         start_fork_server()
         return processes

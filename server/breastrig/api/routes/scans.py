@@ -12,6 +12,7 @@ from breastrig.api.app_context import app_context
 from breastrig.api.landmark_check import check_landmarks
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
+from breastrig.scan.file_type import ENDINGS
 from breastrig.storage.files import MESH, THUMBNAIL, OpenedFile, scan_place
 from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts, put_cuts
 from breastrig.storage.rows.patients import patient_of_scan
@@ -27,7 +28,6 @@ CHANGED_LANDMARKS = (
     "Somebody has changed these landmarks since you read them; read them again, and send them with yours."
 )
 Landmarks = tuple[wire.LandmarkFile, int, dict[str, str]]
-FILE_TYPES = ("ply", "obj", "stl", "glb", "zip", "pcd", "xyz", "asc", "pts", "usdz", "usd", "usda", "usdc")
 
 
 @scans.post("")
@@ -43,9 +43,9 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
     The file's name serves only to find its type and is not kept.
     """
     suffix = PurePosixPath(files_data.file.filename or "").suffix.lower().lstrip(".")
-    if suffix not in FILE_TYPES:
+    if suffix not in ENDINGS:
         raise refuse(
-            415, "This is not a scan file; send PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images."
+            415, "This is not a scan file; send PLY, OBJ, STL, GLB, glTF, USDZ, PCD, a table of points, or a zip of one."
         )
     row = app_context().service.add_scan(files_data.file.stream, suffix, files_data.units, files_data.patient or None)
     answer = scan_answer(row)
