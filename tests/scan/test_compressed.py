@@ -16,7 +16,7 @@ from breastrig.core.errors import BadScan
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.scan.formats import usd
-from breastrig.scan.formats.companions import MISSING
+from breastrig.scan.pictures.companions import MISSING
 from breastrig.scan.read import read_scan
 
 RIG = toy_rig()

@@ -23,7 +23,7 @@ import breastrig.scan.read as read
 from breastrig.core.errors import BadInput, BadScan, BadSettings, TooLarge
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.scan.formats.companions import MISSING
+from breastrig.scan.pictures.companions import MISSING
 from breastrig.scan.read import read_scan
 
 FACES = toy_rig().faces
@@ -229,7 +229,7 @@ def bomb() -> bytes:
 
 
 def test_a_picture_with_too_many_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
-    import breastrig.scan.formats.texture as texture
+    import breastrig.scan.pictures.texture as texture
 
     large = picture("PNG", (400, 300))
     monkeypatch.setattr(texture, "IMAGE_PIXELS", 100_000)

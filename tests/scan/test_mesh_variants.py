@@ -36,11 +36,11 @@ from PIL import Image
 from scipy.spatial import cKDTree
 
 from breastrig.core.errors import BadScan
-from breastrig.scan.formats import companions
 from breastrig.scan.formats import glb as glb_module
 from breastrig.scan.formats.stl import WRONG_COUNT
-from breastrig.scan.formats.texture import LEFT_OUT, pixels_of
-from breastrig.scan.joined_textures import UNPAINTED
+from breastrig.scan.pictures import companions
+from breastrig.scan.pictures.joined_textures import UNPAINTED
+from breastrig.scan.pictures.texture import LEFT_OUT, pixels_of
 from breastrig.scan.piece import PARTLY_COLOURED
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan

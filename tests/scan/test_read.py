@@ -13,8 +13,8 @@ from PIL import Image
 from scipy.spatial import cKDTree
 
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.scan import joined_textures
-from breastrig.scan.formats.texture import LEFT_OUT, TURNED, pixels_of
+from breastrig.scan.pictures import joined_textures
+from breastrig.scan.pictures.texture import LEFT_OUT, TURNED, pixels_of
 from breastrig.scan.piece import UNCOLOURED
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan

@@ -11,7 +11,7 @@ from PIL import Image
 
 from breastrig.core.errors import BadScan
 from breastrig.gltf.mesh_glb import mesh_glb
-from breastrig.scan.formats.texture import plain_picture
+from breastrig.scan.pictures.texture import plain_picture
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import STORED, write_stored
 

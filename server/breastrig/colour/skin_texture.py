@@ -22,7 +22,7 @@ from breastrig.core.errors import BadScan
 from breastrig.geometry.components import triangle_components
 from breastrig.geometry.normals import VertexNormals, face_areas, face_crosses
 from breastrig.geometry.unit_vectors import unit_vectors
-from breastrig.scan.formats.texture import pixels_of
+from breastrig.scan.pictures.texture import pixels_of
 from breastrig.scan.scan import Scan
 
 TEXEL = 0.5e-3  # m; phones give 0.35 to 0.8 mm, pens draw lines of 1 to 3 mm

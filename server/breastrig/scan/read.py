@@ -20,15 +20,15 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.clean import MIN_TRIANGLES
 from breastrig.scan.file_type import file_type_of, plain_text
 from breastrig.scan.formats.archive import unpacked
-from breastrig.scan.formats.companions import Companions, beside
 from breastrig.scan.formats.glb import glb_pieces
 from breastrig.scan.formats.obj import read_obj
 from breastrig.scan.formats.ply import read_ply
 from breastrig.scan.formats.stl import read_stl
-from breastrig.scan.formats.texture import written_anew
 from breastrig.scan.formats.usd_process import usd_pieces
-from breastrig.scan.joined_textures import UNPAINTED, joined_textures
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES
+from breastrig.scan.pictures.companions import Companions, beside
+from breastrig.scan.pictures.joined_textures import UNPAINTED, joined_textures
+from breastrig.scan.pictures.texture import written_anew
 from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, Piece, Pieces, PointCloud, part
 from breastrig.scan.point_clouds.pcd import pcd_points
 from breastrig.scan.point_clouds.point_table import table_points

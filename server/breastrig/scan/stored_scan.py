@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.errors import BadScan
-from breastrig.scan.formats.texture import written_anew
+from breastrig.scan.pictures.texture import written_anew
 from breastrig.scan.scan import Scan
 
 STORED = "stored"  # the file type, for which no upload can pass

@@ -17,7 +17,7 @@ from breastrig.colour.skin_texture import lab
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.normals import face_crosses, face_normals
 from breastrig.geometry.rays import RayCaster
-from breastrig.scan.formats.texture import pixels_of
+from breastrig.scan.pictures.texture import pixels_of
 from breastrig.scan.scan import Scan
 
 ABOVE = 0.06  # m over the middle, from where rays are sent

@@ -20,7 +20,6 @@ from pathlib import PurePosixPath
 
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.file_type import LOOKED_AT, plain_text
-from breastrig.scan.formats.companions import ENDINGS, PICTURES, Companions
 from breastrig.scan.limits import (
     FILE_BYTES,
     MATERIAL_FILE_BYTES,
@@ -30,6 +29,7 @@ from breastrig.scan.limits import (
     ZIP_RATIO,
     ZIP_RATIO_FROM,
 )
+from breastrig.scan.pictures.companions import ENDINGS, PICTURES, Companions
 from breastrig.scan.point_clouds.point_table import is_point_table
 
 # Of one scan in several formats the one that carries a picture is the best; a text is the scan if nothing else is.

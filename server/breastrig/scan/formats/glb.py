@@ -26,9 +26,7 @@ from breastrig.core.glb import parse_document, split_glb
 from breastrig.core.gltf_arrays import GltfArrays, entry, whole
 from breastrig.geometry.rotations import rotation_from_quaternion
 from breastrig.scan.formats import draco, meshopt_views
-from breastrig.scan.formats.companions import Companions
 from breastrig.scan.formats.polygons import strip
-from breastrig.scan.formats.texture import LEFT_OUT, TURNED, is_turned, plain_picture
 from breastrig.scan.limits import (
     GLTF_DEPTH,
     GLTF_ENTRIES,
@@ -39,6 +37,8 @@ from breastrig.scan.limits import (
     TRIANGLES,
     VERTICES,
 )
+from breastrig.scan.pictures.companions import Companions
+from breastrig.scan.pictures.texture import LEFT_OUT, TURNED, is_turned, plain_picture
 from breastrig.scan.piece import Piece, Pieces
 
 HARMLESS = (

@@ -14,11 +14,11 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.formats.companions import UNPLACED, Companions
 from breastrig.scan.formats.mtl import Material, read_materials
 from breastrig.scan.formats.polygons import fans
 from breastrig.scan.limits import MATERIALS, TRIANGLES, VERTICES
 from breastrig.scan.numbers_in_text import colour_bytes, first_columns, numbers
+from breastrig.scan.pictures.companions import UNPLACED, Companions
 from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, Piece, Pieces, PointCloud, part
 
 LEFT_OVER = 0.1  # share of the points that no triangle uses; scanning programs leave none or single ones

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
-from breastrig.scan.formats.companions import UNPLACED, Companions
 from breastrig.scan.formats.polygons import fans, split, strip
 from breastrig.scan.limits import PLY_HEADER_BYTES, TRIANGLES, VERTICES
 from breastrig.scan.numbers_in_text import colour_bytes, numbers
+from breastrig.scan.pictures.companions import UNPLACED, Companions
 from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud, part
 
 BYTE_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}

@@ -20,9 +20,9 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput, BadScan, TooLarge
 from breastrig.core.scratch import scratch_folder
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.scan.formats.companions import PICTURES, Companions, Reader
 from breastrig.scan.formats.polygons import fans
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES, USD_PRIMS, VERTICES, ZIP_ENTRIES
+from breastrig.scan.pictures.companions import PICTURES, Companions, Reader
 from breastrig.scan.piece import Piece, Pieces
 
 CRATE = b"PXR-USDC"

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan
-from breastrig.scan.formats.texture import opened, pixels_of
 from breastrig.scan.limits import IMAGE_PIXELS, TEXTURE_SIDE
+from breastrig.scan.pictures.texture import opened, pixels_of
 from breastrig.scan.piece import UNCOLOURED, Piece
 
 BORDER = 2  # pixels around each picture; mixing neighbours needs one

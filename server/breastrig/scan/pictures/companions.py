@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
 
-from breastrig.scan.formats.texture import LEFT_OUT, TURNED, is_turned, plain_picture
+from breastrig.scan.pictures.texture import LEFT_OUT, TURNED, is_turned, plain_picture
 
 PICTURES = ("jpg", "jpeg", "jpe", "jfif", "png", "webp", "tif", "tiff", "bmp", "tga", "gif", "avif")
 ENDINGS = ("mtl", "bin", *PICTURES)

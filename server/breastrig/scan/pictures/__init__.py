@@ -1,0 +1,1 @@
+"""Pictures of scans, and the other files that a scan names."""
