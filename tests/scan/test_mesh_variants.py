@@ -169,7 +169,7 @@ OBJ = {
     "spaces after options": painted("-clamp on ", name="2 my scan.jpg"),
     "back slashes": painted(name="C:\\scans\\anna\\scan.jpg", file="scan.jpg"),
     "a folder": painted(name="textures/scan.jpg"),
-    "a folder of another computer": painted(name="/home/anna/scan.jpg", file="pictures/scan.jpg"),
+    "a folder of another computer": painted(name="/scans/anna/scan.jpg", file="pictures/scan.jpg"),
     "other case": painted(name="Scan.JPG", file="scan.jpg"),
     "composed accents": painted(name=NFC, file=NFD),
     "decomposed accents": painted(name=NFD, file=NFC),
