@@ -90,3 +90,9 @@ def test_links_and_pictures_lead_somewhere(documents: list[Path]) -> None:
 
 def test_the_readme_stays_a_page(repository: Path) -> None:
     assert len((repository / "README.md").read_text().splitlines()) <= 100
+
+
+def test_every_decision_that_is_named_is_there(repository: Path, project_texts: dict[str, str]) -> None:
+    named = {number for text in project_texts.values() for number in re.findall(r"docs/decisions/(\d{4})", text)}
+    assert named
+    assert named <= {file.name[:4] for file in (repository / "docs/decisions").glob("0*.md")}

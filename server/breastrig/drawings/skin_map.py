@@ -18,16 +18,7 @@ Gaussian Processes for Machine Learning, 2006, chapters 2 and 4.
 Between standing and lying the displacement is expected around what skin does in everybody (skin_maps/lying_motion.py):
 arms go up, breasts sink outwards, and no landmark is on the outer side to tell.
 
-Tried on four virtual patients, six pairs of stances, before that mean was known, mean error over chest and breasts in
-mm (exact landmarks / landmarks clicked 5 mm off): rigid 12.3 / 12.6; thin-plate spline 4.0 / 7.5; the fitted models
-alone 7.5 / 8.4, with landmark residuals spread by a Gaussian kernel 7.0 / 8.5; this with the models' map instead of
-the rigid one 6.1 / 7.1; this 3.0 / 4.4. More rounds of matching slide along the skin (ten rounds 3.9 / 5.6); a
-Gaussian kernel is too stiff (4.7 / 5.0), Matérn 3/2 too loose (3.1 / 5.0). The least strain of the skin itself (as
-rigid as possible, Sorkine and Alexa, 2007) is not what skin does: weak it gains nothing, strong it is 2 to 5 mm
-worse. Errors of the picks and size of the displacement chosen for each pair by the evidence (chapter 5 there) gain
-nothing, nor do larger displacements on the breasts than on the chest.  Picks moved towards the hollows that both scans
-show near them (relief/): on 17 pairs of warped bodies 0.04 mm nearer with picks 5 mm off, 0.05 to 0.2 mm farther with
-exact ones; a hollow is seen on two scans 6 mm apart, no nearer than two careful picks.
+Evidence: docs/decisions/0008.
 """
 
 from dataclasses import dataclass, field

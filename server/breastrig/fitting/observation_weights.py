@@ -1,19 +1,9 @@
-"""How many independent observations of the scan each model vertex stands for.
+"""How many independent observations of the scan each model vertex stands for (docs/decisions/0010).
 
-Vertices are samples of a surface.  If each counted as one observation, a model with four times as many would trust
-the scan four times as much, against the same priors.  So a vertex counts by the skin around it in the rest pose, in
-units of the square of the spacing at which the preset takes observations to be independent: narrow in the regions
-that matter most, growing with the distance from them as the meshes of such models do.  A stage that looks at every
-nth vertex only gives each of these the skin of its left-out neighbours.
-
-The vertices alone would not do: on curved skin the triangles between them lie below it (0.14 mm in the mean, 1 mm on
-the arms), and a model cut finer would have vertices there too.  So the term asks for the triangles' mean distance: each
-vertex is to lie above the scan by the chordal deviation of its triangles (geometry/chordal_deviation.py).  A model with
-each triangle cut in four then fits within 0.02 mm of the original where the scan is free of noise.  On the example
-scans it is 0.09 mm (0.06 mm where there is scan), 0.18 and 0.15 mm without; fits to two halves of the finer model's
-vertices differ by 0.18 and 0.15 mm, so what is left is noise that is sampled at other places.  Means over eight dev
-scans, mm without and with it: vertices to the scan 0.91 0.92, to the true skin 1.05 1.04; scan to the model 1.21 1.18;
-true skin to the model 2.67 2.63, of which inwards 0.64 0.46.
+A vertex counts by the area around it in the rest pose, in units of the square of the spacing at which the preset takes
+observations to be independent: narrow in the regions that matter most, growing with the distance from them.  A stage
+that looks at every nth vertex gives each of these the area of its left-out neighbours.  Each vertex is to lie above the
+scan by the chordal deviation of its triangles (geometry/chordal_deviation.py), so that a finer model fits the same.
 """
 
 from functools import lru_cache

@@ -1,34 +1,15 @@
-"""One patient in two stances, fitted together: two poses of bodies that are held alike, or of one body.
+"""One patient in two stances, fitted together.
 
-Each stance builds its matches and terms as in a fit of its own; their normal equations are added up in one
-system, and one damped Gauss-Newton step moves both.  Loop, stages, stop rule and priors are the single fit's (fit.py).
-The body's priors count once for each stance, as its data do, so a scan fitted with itself gives the single fit.
+Each stance builds its matches and terms as in a fit of its own; their normal equations are added up in one system, and
+one damped Gauss-Newton step moves both.  Loop, stages, stop rule and priors are the single fit's (fit.py).  The body's
+priors count once for each stance, as its data do, so a scan fitted with itself gives the single fit.
 
-How much of the body the stances have in common is the coupling.  ONE_BODY gives both the same bone scales and body
-shapes, which then stand once in the vector of unknowns:
+ONE_BODY gives both the same bone scales and body shapes, which then stand once in the vector of unknowns:
 
     [ first stance's P entries, the body among them | second stance's entries without the body ]
 
-ALIKE gives each its own, and the soft shapes too, held together by springs on their differences d: ½ Σ (d/σ)²; skin
-and muscle that lying down flattens and spreads can then differ a little.  Pose and the shapes of kind "soft" and
-"gravity" belong to each stance.
-
-Mean error in mm of points carried by the fitted models alone, there and back, over chest and breasts
-(breastrig_studies/studies/two_stances.py; exact landmarks / landmarks clicked 5 mm off):
-
-                                              apart         ONE_BODY       ALIKE
-    two independent virtual patients          7.4 /  7.6    13.5 / 13.8    6.9 / 6.8
-    two of the template's origin              7.0 /  9.4    10.2 / 11.6    7.2 / 9.0
-    seven others of the template's origin     6.1 /  7.3     7.3 /  7.8    6.9 / 7.7
-
-These patients' chests are up to a quarter flatter when lying, which one body cannot show: with true correspondences
-it stays 6.1 mm away, two bodies 2.3 mm.  Scans of a body that keeps its shape do gain.  Other couplings, on the
-first four from standing to supine, where apart gave 7.5 / 8.4 (an earlier preset): one body 11.5 / 12.0, breast
-outline apart 11.1 / 11.8, all shapes of breast and thorax apart and soft shapes alike 7.8 / 8.6, scales apart and
-breast outline alike 8.1 / 8.8, everything alike to half a sigma 7.0 / 7.8, alike by the strain between the stances
-7.0 / 7.9; and where apart gave 7.0 / 8.2: body alike to 1 and soft to 0.5 sigma (ALIKE) 6.8 / 7.7, body to 0.5 and
-soft to 1 sigma 7.3 / 8.3, scales to 0.05 instead of 0.1 7.2 / 8.1.  So ALIKE is the default.  What is left is sliding
-along the skin, which drawings/skin_map.py mends: 3.3 / 5.1 over the first four, whatever the coupling.
+ALIKE gives each its own, and the soft shapes too, held together by springs on their differences d: ½ Σ (d/σ)².  It is
+the default (docs/decisions/0007).  Pose and the shapes of kind "soft" and "gravity" belong to each stance.
 """
 
 from collections.abc import Iterator, Sequence

@@ -1,11 +1,8 @@
-"""How far the breasts of a fitted model hang, and what that says of where landmarks on and beside them are.
+"""How ptotic fitted breasts are, and what follows for landmarks on and beside them (docs/decisions/0003).
 
-The rig's shape of ptosis moves nipple and fold down as one artist's breasts do.  Other breasts hang in other ways, most
-of them over a fold that stays nearly where it was and is hidden by them.  So where a landmark is expected moves with
-the shape's weight, and how sure that is goes down with it, most along the body.
-
-Proposals stand where landmarks are expected so, where a weight is that of breasts that hang: without picks folds of the
-reporting half of such bodies are 15 mm off standing and 17 lying, and those of the model itself 21 and 21.
+The rig's shape of ptosis moves nipple and fold down as one artist's breasts do; real breasts differ, most of them over
+a fold that stays nearly where it was and is covered.  So the expected place of a landmark moves with its weight,
+and its standard deviation grows with it, most along the body.
 """
 
 from collections.abc import Sequence

@@ -1,12 +1,7 @@
-"""Breasts that hang, seen where a fit's opening has flattened them: another opening, with the breasts hanging already.
+"""A second start, with ptotic breasts, for fits whose first start has flattened them (docs/decisions/0003).
 
-The rest pose's breasts do not hang.  On breasts that do, they meet the skin above these first; the model's skin then
-lies smoothly on chest and belly, and no small step lets it hang: the nipple ends 40 to 100 mm too high, with no more
-energy than the right fit, because skin of the scan that no vertex meets costs nothing.  That skin gives it away: on the
-front of the trunk, between navel and middle of the breastbone, skin of the scan faces down that the model has not, or
-not there.  Of all skin in front that is 0 to 0.2 % of a right fit, whether breasts hang or not, and more than 0.5 % of
-nearly all fits whose nipples ended more than 25 mm off.  So only who has such skin pays for a second opening, and of
-the two the one that leaves less of it goes on.
+Evidence: skin of the scan on the front of the trunk, between navel and mid-sternum, faces down where the model's does
+not.  Of the two starts the one that leaves less of such skin goes on.
 """
 
 from collections.abc import Mapping

@@ -1,17 +1,7 @@
-"""How far the skin that no scan shows lies above the fitted model on the mean, kept as data beside this file.
+"""Mean distance from the fitted model to the true skin where no scan shows it, by place; data beside this file.
 
-The front of a standing woman leaves the depth of her back open, and the model answers with what its scales and shapes
-have in common; where that is off in everybody, the layer over the model (fitting/refine.py) takes it up.  The data are
-of virtual bodies whose whole skin is known (breastrig_studies/hidden_skin.py): no person's body is in them.
-Mean / 95 % in mm over hidden skin, no landmark given, without it and with it:
-
-                   choosing half               reporting half              dev bodies
-    standing   6.2 / 16.7  5.3 / 13.5      8.5 / 22.8  7.6 / 19.6      4.8 / 11.8  4.0 / 10.1
-    lying      6.7 / 16.4  6.4 / 14.9      9.6 / 23.0  9.3 / 21.3      7.5 / 17.7  7.4 / 16.7
-
-Of lying bodies only the back's form is kept.  How high the whole back lies differs more from one of them to the next
-than anything that is common to them: given that one number of each body the fits end at 4.8 / 12.2, 6.0 / 14.9 and
-4.9 / 12.2.  What a scan tells of it is added by trunk_depth.py.
+Estimated on virtual bodies whose whole skin is known (breastrig_studies/hidden_skin.py); evidence: docs/decisions/0005.
+Of supine bodies only the back's form is kept; trunk_depth.py adds its height.
 """
 
 import json

@@ -1,21 +1,8 @@
-"""Landmarks that nobody picked, expected from their picked partners: the two sides of a person are alike.
+"""Landmarks without a pick, expected from their picked partners on the other side (docs/decisions/0006).
 
-Where along smooth skin a landmark lies differs from person to person by more than shapes and scales can tell, and alike
-on both sides: a body whose left shoulder tip lies 20 mm behind the model's has her right one there as well.  What is
-carried over is how far the picked side is from where the model would have it *without the picks*, in the body's axes
-and mirrored, not the place itself: bodies are bent and stand unevenly, and the model's other side knows that already.
-
-Without the picks the model is, to first order, δ = H₀⁻¹ g away from where it stands: H₀ are the normal equations
-without the picks' term, g is that term's gradient, which balances all others where a fit has settled.
-
-Mean mm from the true places of warped bodies fitted without picks, choosing and reporting half: the model's own acromia
-12.0 and 17.3, the other side mirrored at the body's middle plane 9.4 and 7.8, as told here 4.1 and 4.6; nipples
-7.1 and 10.8, 13.1 and 8.8, 3.0 and 4.1; folds 8.5 and 9.8, 17.3 and 13.1, 6.8 and 7.6.
-
-Where the scan does not show the partner's skin, no skin says where the body's other side is, and the partner is less
-sure: half scans with the picks of the half that they show have landmarks of the other half 19.2, 26.9, 21.0 mm off
-(choosing, reporting half, dev bodies) where nothing is told, 20.0, 25.9, 19.3 where it is told as surely as on shown
-skin, 19.4, 25.8, 19.3 as here, and the nearest unseen skin at 8.3, 12.6, 8.3; 7.8, 11.9, 8.0; 8.0, 12.1, 8.1.
+Mirrored is how far the partner is from the model's place *without the picks*, in the body's axes.  To first order the
+model without them is δ = H₀⁻¹ g away: H₀ are the normal equations without the picks' term, g is that term's gradient,
+which balances all others where a fit has settled.  Partners on skin that the scan does not show are less sure.
 """
 
 import math

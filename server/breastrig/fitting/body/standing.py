@@ -1,9 +1,7 @@
-"""Where landmarks of who stands are expected beside the fitted model's, of fits without picks.
+"""Landmarks of a standing woman beside the fitted model's, in fits without picks (docs/decisions/0012).
 
-A model that slides along a fold has its landmark nearer to the breastbone than bodies have theirs, in every woman
-alike: the fold seen (relief/observe.py) says how high it is, not where along it.  Lying breasts fall to the sides, each
-as it is made, and nothing is common to them.  Mean mm of folds of 40 standing warped bodies without the shift and with
-it: choosing half 10.2 and 8.3, reporting half 12.9 and 10.9.
+A model that slides along a fold has its landmark nearer to the sternum than bodies have theirs, in every woman alike:
+the observed fold (relief/observe.py) says how high it is, not where along it.
 """
 
 from collections.abc import Sequence

@@ -1,26 +1,7 @@
-"""How much deeper than the fitted model the hidden skin of a lying body is, by how high her belly lies above the table.
+"""How much deeper than the fitted model a supine body's hidden skin is, by the height of her belly above the table.
 
-The table is seen and so is the belly, but not what lies between them: the model answers with the depth that trunks have
-in common, and the deeper a trunk is, the higher above the table that leaves its back, up to 30 mm.  Belly above a
-certain height times a slope of each place is added to what is expected of hidden skin (hidden_skin.py), no farther than
-down to the table.  Of trunks that are not so deep nothing is said: our ways of computing how bodies lie down disagree
-about which of them lie higher and which lower.  The landmarks and all that is seen stay where the fit has them.
-
-The data, beside this file, are of virtual bodies (breastrig_studies/trunk_depth.py): no person's body is in them.
-Mean / 95 % in mm over hidden skin of lying bodies, women alike, without it and with what the other women tell:
-
-                            choosing half              reporting half             dev bodies
-    no landmark given   5.9 / 14.3  5.4 / 12.7      7.5 / 17.7  5.9 / 14.6      7.9 / 17.5  5.7 / 13.9
-    those seen given    5.6 / 13.6  5.3 / 12.7      8.0 / 19.0  6.3 / 15.8      9.1 / 20.3  6.5 / 14.8
-
-Tried: the heights of all parts, seen and unseen, with their covariance.  As a term of the fit the back comes as near
-(5.5, 7.8, 6.4), but given landmarks of one woman get 0.5 mm worse and bodies lying by finite elements 1.4 mm farther
-off; over the fit, each woman by the others, 5 mm farther for bodies lying by our formula.
-What is left is how high each back lies: of 36 bodies of the choosing half, no landmark given, before the layer over the
-model, 6.1 / 14.1; with each back's own mean height taken away 4.6 / 11.4.  Nothing that is seen tells it: of 2,324 sets
-of one to three (heights, widths and slopes of the flanks; heights of belly, breastbone, folds, shoulders and arms; the
-trunk's tilt), each woman by the others, the best has it to 3.4 mm for 3.9, and takes dev bodies from 3.3 to 4.9.  Backs
-of our cohort lie 26 to 39 mm above the table on the mean, the given patients' 42 to 59, with fronts as high.
+Height of the belly above a threshold times a slope at each place, no farther than down to the table, added to the mean
+of hidden_skin.py.  Estimated on virtual bodies (breastrig_studies/trunk_depth.py); evidence: docs/decisions/0005.
 """
 
 import json

@@ -1,13 +1,8 @@
-"""A pick judged by the fit that goes on without it.
+"""A suspicious pick judged by the fit that goes on for a few iterations without it (docs/decisions/0011).
 
-What a fit would be without a pick is told to first order for all picks at once (leave_one_out.py), and that is enough
-for most.  Where the pick has bent the fit far it is not: navels picked 50 mm off are expected 16 mm off sideways (root
-mean square) to first order, 8 mm off after two iterations without the pick and 4 after five, as in fits that never had
-it.  So picks that are suspicious are let go for a few iterations, which then look again for the hollows of the skin,
-and seen from there.  A right neighbour of a wrong pick is so asked about in 0.2 % instead of 3 (choosing half).
-
-A navel's model follows any pick on a smooth belly, so that its distance is seldom suspicious; that the skin under it is
-smooth and shows a dent elsewhere is.  Who picks in a dent has seen one, and is not doubted for another one near by.
+Leave-one-out residuals (leave_one_out.py) are first order, which is too little where the pick has bent the fit far.  A
+navel's model follows any pick on a smooth belly: there the question is whether the skin under the pick is smooth and
+shows a dent elsewhere.
 """
 
 from collections.abc import Collection

@@ -1,26 +1,8 @@
-"""How likely a body lies whose scan shows no table: four signs that a fit as if she stood shows, weighed together.
+"""Probability that a body without a visible table is supine, from four signs of a fit that assumes it stands.
 
-Arms lie away from who lies and hang beside who stands, but a woman may lay them along her sides.  Her breasts say it
-then: they flatten and fall aside, so that nipples lie less far in front of the breastbone's end and farther from each
-other, measured by her breastbone.  That lying breasts are shown with less energy by the shapes of lying ones is the
-weakest sign, and its outliers are cut off.  The numbers are beside this file; see breastrig_studies/stance_signs.py.
-
-Wrong answers, and of these those that are not said to be unsure, of warped bodies without their tables; before:
-arms and energy alone, and no word of doubt.  In the choosing half each source by the others:
-
-                                       choosing half                  reporting half
-                               scans  before  wrong  sure      scans  before  wrong  sure
-    as usual        standing      50       3      0     0         49       2      1     0
-                    lying         50       4      0     0         45       5      3     2
-      left half     standing      43       9      3     2         42       6      0     0
-                    lying         40       2      1     0         27       4      5     0
-    arms away       standing      50      42     35    19         49      36     22    11
-    arms along      lying         50      15     11     3         46      13     15     5
-      left halves   standing      43      36     25    12         43      27     15     4
-                    lying         43      16     21     7         31      12     23     4
-
-Tried: how the fold lies below the breastbone's end, how breasts face and the shape weights of the fit tell our bodies
-apart still better, but put dev scans on the wrong side.
+Signs: arms away from the trunk; nipples in front of the xiphoid, and apart, in units of the sternum's length; energy of
+the supine shapes, clipped.  Weights: stance_signs.toml, estimated by breastrig_studies/stance_signs.py; evidence:
+docs/decisions/0004.
 """
 
 import tomllib

@@ -1,18 +1,7 @@
-"""Where the rest pose starts on a scan of a part of a body: a few heights, each fitted for a few steps, the best kept.
+"""Where the rest pose starts on a scan of a part of a body: a few heights, each fitted for two stages, the best kept.
 
-A rest pose laid on a part (rigid_search.py) covers what there is: it lies too low on what is cut off above, too high on
-what is cut off below.  From there the skin beyond the cut is drawn onto what the cut has left: the model shrinks into
-the part, matches twice as much skin as it should, and stays in that minimum.  Its energy gives it away (50 to 110 where
-the true one has 30 to 55), so the fits of a few heights are compared by it.
-
-Landmarks within 20 mm and their mean error, none given, of 48 parts of warped bodies (left half, one side, above and
-below the nipples, both stances; the choosing half): one height 73 %, 17.6 mm; these five 81 %, 15.9 mm; three heights
-79 %, 16.2; seven no better than five.  All three stages judge no better than the first two, and take a third longer.
-Shifts to the sides, to front and back, other scales and pitches gain nothing; energy per match, or the distance of the
-scan to the model, choose worse.  72 parts of the reporting half: 40 to 44 %, 26.6 to 23.7 mm.  What is left is hardly
-the start's: fits begun on the true landmarks are no better, and most of it is skin that nobody sees.
-
-Whole scans start where the search ends: on 17 whole lying bodies five heights are 10.9 mm, one is 10.6.
+Laid on a part (rigid_search.py) the rest pose covers what there is, and would shrink into it; such a minimum has more
+energy than the right one.  Evidence: docs/decisions/0009.
 """
 
 from dataclasses import replace
