@@ -56,6 +56,20 @@ def test_one_fit_is_watched_and_drawn(repository: Path, tmp_path: Path) -> None:
     assert len(np.unique(pixels.reshape(-1, 3), axis=0)) > 500  # colours of the distances, not an empty frame
 
 
+def test_the_tutorial_notebook_runs_and_keeps_no_output(
+    repository: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(repository)
+    names: dict[str, object] = {}
+    for cell in json.loads((repository / "docs/tutorial.ipynb").read_text("utf-8"))["cells"]:
+        if cell["cell_type"] == "code":
+            assert cell["outputs"] == [], "clear the outputs: they are pictures of old versions"
+            exec("".join(cell["source"]), names)
+    said = capsys.readouterr().out
+    assert said.startswith("good")
+    assert "breast_L" in said
+
+
 def test_a_folder_of_scans_becomes_a_table(run: Run, tmp_path: Path) -> None:
     (tmp_path / "scans").mkdir()
     for name in ("standing", "supine"):
