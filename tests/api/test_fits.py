@@ -88,6 +88,25 @@ def test_certain_picks_come_from_the_scan_unless_the_request_brings_its_own(
         assert client.get(answer.json["links"]["result"]).json["certain"] == expected
 
 
+def test_what_only_repeats_a_proposal_keeps_its_confidence(client: FlaskClient, service: Service, scan_id: str) -> None:
+    """Stored or brought; 1 says that somebody has looked, and a moved one is a person's own."""
+    client.get(f"/api/scans/{scan_id}/landmarks/proposed")
+    there, moved = {"nipple_L": [70.0, 350.0, 120.0]}, {"nipple_L": [70.0, 350.5, 120.0]}
+    client.put(f"/api/scans/{scan_id}/landmarks", json={"landmarks": there})
+    for body, expected in (
+        ({}, {"nipple_L": 0.5}),
+        ({"confidence": {"nipple_L": 1.0}}, {"nipple_L": 1.0}),
+        ({"certain": ["nipple_L"], "confidence": {}}, {}),
+        ({"landmarks": there}, {"nipple_L": 0.5}),
+        ({"landmarks": moved}, {}),
+        ({"landmarks": moved, "confidence": {"nipple_L": 0.3}}, {"nipple_L": 0.3}),
+    ):
+        answer = client.post("/api/fits", json={"scan": scan_id, "drawing": None, **body})
+        assert answer.status_code == 202, answer.json
+        ended(service, answer.json["id"])
+        assert client.get(answer.json["links"]["result"]).json["confidence"] == expected
+
+
 def test_a_fit_follows_the_skin_unless_it_is_asked_not_to(client: FlaskClient, service: Service, scan_id: str) -> None:
     for asked, refine in (({}, True), ({"refine": True}, True), ({"refine": False}, False)):
         links = client.post("/api/fits", json={"scan": scan_id, "drawing": None, **asked}).json["links"]
@@ -111,6 +130,8 @@ def test_a_fit_follows_the_skin_unless_it_is_asked_not_to(client: FlaskClient, s
         ({"landmarks": {"elbow": [0, 0, 0]}}, '"elbow" is not a landmark'),
         ({"landmarks": {"nipple_L": [0, 0, 9000]}}, "nipple_L lies"),
         ({"landmarks": {}, "certain": ["nipple_L"]}, '"certain" names nipple_L, which is not among these landmarks'),
+        ({"landmarks": {}, "confidence": {"nipple_L": 0.5}}, '"confidence" names nipple_L, which is not among these'),
+        ({"confidence": {"nipple_L": 2}}, "confidence.nipple_L: "),
         ({"colour": "red"}, "colour: Extra inputs are not permitted."),
         ({"scan": 7}, "scan: Input should be a valid string."),
     ],

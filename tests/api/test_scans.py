@@ -186,6 +186,20 @@ def test_what_a_person_is_certain_of_is_kept_with_the_landmarks(client: FlaskCli
     assert client.get(place).json["certain"] == []
 
 
+def test_what_was_only_agreed_to_is_kept_with_the_landmarks(client: FlaskClient, scan_id: str) -> None:
+    place = f"/api/scans/{scan_id}/landmarks"
+    proposed = client.get(f"{place}/proposed").json["landmarks"]["nipple_L"]
+    picked = {"nipple_L": proposed["point"], "nipple_R": [-70.0, 350.0, 120.5]}
+    agreed = client.put(place, json={"landmarks": picked})
+    assert agreed.json["confidence"] == {"nipple_L": proposed["confidence"]}
+    assert client.get(place).json == agreed.json
+    looked_at = client.put(place, json={"landmarks": picked, "confidence": {"nipple_L": 1.0}})
+    assert client.get(place).json["confidence"] == {"nipple_L": 1.0}
+    assert looked_at.headers["ETag"] != agreed.headers["ETag"]
+    unsure = {"landmarks": picked, "certain": ["nipple_R"], "confidence": {"nipple_R": 0.5}}
+    assert "nipple_R is proposed and cannot be certain" in problem(client.put(place, json=unsure), 422)
+
+
 def test_who_says_which_landmarks_were_seen_replaces_no_others(client: FlaskClient, scan_id: str) -> None:
     place = f"/api/scans/{scan_id}/landmarks"
     left, right = {"nipple_L": [70.0, 350.0, 120.0]}, {"nipple_R": [-70.0, 350.0, 120.0]}

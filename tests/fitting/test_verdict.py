@@ -133,6 +133,21 @@ def test_a_part_of_a_body_is_to_be_checked_unless_landmarks_say_where_it_belongs
     assert verdict(replace(part, clearness=np.nan), Status.CONVERGED, LIMITS, placed=True).level == "good"
 
 
+def test_a_fit_is_as_good_as_the_lines_that_it_places() -> None:
+    def judged(error: float | None, agreed: int = 0) -> Verdict:
+        return verdict(RIGHT, Status.CONVERGED, LIMITS, line_error=error, agreed=agreed)
+
+    assert judged(None).level == judged(0.009, agreed=3).level == "good"
+    far, unknown = judged(0.0146, agreed=12), judged(0.3)
+    assert (far.level, unknown.level) == ("check", "unusable")
+    assert unknown.is_torso
+    assert far.reasons == (
+        "Lines on the breasts may be 15 mm off; place landmarks by hand, or plan with that margin.",
+        "12 landmarks were only agreed to where they were proposed; they keep the proposals' errors.",
+    )
+    assert unknown.reasons == ("Where lines on the breasts lie is not known; place at least three landmarks by hand.",)
+
+
 def test_picks_where_they_were_proposed_tell_nothing() -> None:
     proposed = {"xiphoid": np.zeros(3), "umbilicus": np.array([0.0, -0.15, 0.0])}
     picks = {

@@ -61,6 +61,7 @@ def quick(job: FitJob) -> Iterator[Event]:
     result = {"schema": "breastrig/result@1", "iterations": ITERATIONS - 1, "landmarks_given": job.landmarks_mm}
     result["refined"] = job.refine
     result["certain"] = list(job.certain)
+    result["confidence"] = job.landmark_confidence
     for name in ("fitted.glb", "fitted.ply", "distances.bin", "uncertainty.bin"):
         (job.out / name).write_bytes(name.encode())
     (job.out / "drawing.json").write_text('{"schema": "breastrig/drawing@1", "unit": "mm", "shapes": []}')

@@ -30,6 +30,7 @@ def test_landmarks_replace_those_before(storage: Storage, scan_id: str) -> None:
         Picks({"nipple_L": [1.0, 2.0, 3.0]}, ("nipple_L",)),
         Picks({"nipple_R": [1.0, 2.0, 3.0]}),
         Picks({"nipple_R": [1.0, 2.0, 3.0]}, ("nipple_R",)),
+        Picks({"nipple_R": [1.0, 2.0, 3.0]}, (), {"nipple_R": 0.4}),
     ):
         put_landmarks(storage, scan_id, picks)
         assert get_landmarks(storage, scan_id) == picks

@@ -37,14 +37,14 @@ def _proposed(options: argparse.Namespace) -> bytes:
     proposals = propose_landmarks(scan, model=options.model)
     places = {name: proposal.point for name, proposal in proposals.items()}
     kind = _kind(options.output)
-    content = landmark_file(places, kind, scan.unit)
+    confidence = {name: proposal.confidence for name, proposal in proposals.items()}
+    content = landmark_file(places, kind, scan.unit, confidence=confidence)
     if kind == "json":
-        confidence = {name: proposal.confidence for name, proposal in proposals.items()}
         per_unit = 1e3 * scan.metres_per_unit
         errors = {
             name: None if each.error is None else round(per_unit * each.error, 1) for name, each in proposals.items()
         }
-        document = json.loads(content) | {"proposed": True, "confidence": confidence, "error_mm": errors}
+        document = json.loads(content) | {"proposed": True, "error_mm": errors}
         reasons = {name: each.reason for name, each in proposals.items() if each.reason}
         document |= {"reason": reasons} if reasons else {}
         content = (json.dumps(document, indent=1) + "\n").encode()

@@ -14,6 +14,7 @@ import json
 import math
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -107,17 +108,22 @@ def checked_certain(
 
 
 def landmark_file(
-    places: Mapping[str, Array], file_type: str = "json", unit: str | None = None, certain: Sequence[str] = ()
+    places: Mapping[str, Array],
+    file_type: str = "json",
+    unit: str | None = None,
+    certain: Sequence[str] = (),
+    confidence: Mapping[str, float] = MappingProxyType({}),
 ) -> bytes:
     """The bytes of a landmark file; file_type is one of FILE_TYPES.
 
-    `unit` and `certain` are written into our JSON only: in the other kinds the points must be in the scan's unit, and
-    there is no place for certainty.
+    `unit`, `certain` and `confidence` are written into our JSON only: in the other kinds the points must be in the
+    scan's unit, and there is no place for what is known of them.
     """
     points = {name: [float(value) for value in place] for name, place in places.items()}
     if file_type == "json":
         document: dict[str, Any] = {"schema": SCHEMA} | ({"unit": unit} if unit else {}) | {"landmarks": points}
         document |= {"certain": list(certain)} if certain else {}
+        document |= {"confidence": dict(confidence)} if confidence else {}
         return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
     if file_type == "csv":
         rows = ["name,x,y,z", *(",".join([name, *map(repr, point)]) for name, point in points.items())]

@@ -173,6 +173,7 @@ def fit_job(scan: ScanRow, fit: FitRow, folder: Path, out: Path, model: Path | N
         out=out,
         landmarks_mm=fit.landmarks_mm,
         certain=fit.certain,
+        landmark_confidence=fit.confidence,
         units=scan.facts["unit"],
         file_type=scan.file_type,
         stance=fit.asked_stance,

@@ -1,7 +1,9 @@
 """Proposed landmarks: searched once a scan and model, see scan_search.py."""
 
 import hashlib
+import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +11,11 @@ from breastrig.execution.executor import Executor
 from breastrig.service.scan_search import ScanSearch, Task
 from breastrig.storage.rows.cuts import cuts_digest, get_cuts
 from breastrig.storage.rows.proposals import get_proposals, put_proposals
-from breastrig.storage.rows.scans import ScanRow
+from breastrig.storage.rows.scans import Picks, ScanRow
 from breastrig.storage.storage import Storage
 from breastrig.workflow.further_jobs import ProposeJob
+
+SAME_PLACE = 0.05  # mm; no click meets a proposal so closely
 
 Proposer = Callable[[ProposeJob], dict[str, Any]]
 
@@ -33,6 +37,17 @@ class Proposals(ScanSearch):
         """The sha256 of the model, and of what is cut out of the scan by hand."""
         digest = cuts_digest(get_cuts(self._storage, scan_id))
         return hashlib.sha256(f"{model_sha256} {digest}".encode()).hexdigest() if digest else model_sha256
+
+    def agreed(self, scan_id: str, variant: str, picks: Picks) -> Picks:
+        """With the proposal's confidence for each that stands where it was proposed, and of which nothing is said."""
+        proposed = self._stored(scan_id, variant) or {}
+        known = {*picks.certain, *picks.confidence}
+        found = {
+            name: float(proposed[name]["confidence"])
+            for name, point in picks.points_mm.items()
+            if name in proposed and name not in known and math.dist(point, proposed[name]["point"]) < SAME_PLACE
+        }
+        return replace(picks, confidence=picks.confidence | found)
 
     def _stored(self, scan_id: str, variant: str) -> dict[str, Any] | None:
         return get_proposals(self._storage, scan_id, variant)

@@ -49,7 +49,7 @@ from breastrig.storage.folders import new_id
 from breastrig.storage.rows import scans as scan_rows
 from breastrig.storage.rows.fits import FitRow, NewFit, Once, add_fits, fits_of_scan, made_before
 from breastrig.storage.rows.patients import get_patient, scans_of_patient
-from breastrig.storage.rows.scans import Points, ScanRow
+from breastrig.storage.rows.scans import Picks, Points, ScanRow
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.workflow.further_jobs import TransferJob
 from breastrig.workflow.jobs import UploadJob
@@ -205,6 +205,10 @@ class Service:
     def proposed_landmarks(self, scan: ScanRow, model_sha256: str, wait_s: float) -> dict[str, Any] | None:
         """The landmarks that the model proposes on the scan; None when they are still being looked for."""
         return self._proposals.get(scan, self._proposals.variant(scan.id, model_sha256), wait_s)
+
+    def with_agreed(self, scan: ScanRow, model_sha256: str, picks: Picks) -> Picks:
+        """Picks of the scan with the confidence of those that only repeat what was proposed."""
+        return self._proposals.agreed(scan.id, self._proposals.variant(scan.id, model_sha256), picks)
 
     def ink(self, scan: ScanRow, wait_s: float) -> dict[str, Any] | None:
         """The lines of ink on the scan's skin, a drawing in mm; None when they are still being looked for."""

@@ -40,6 +40,7 @@ landmarks = Table(
     Column("scan", String(32), ForeignKey("scans.id", ondelete="CASCADE"), primary_key=True),
     Column("points_mm", Text, nullable=False),  # JSON, {name: [x, y, z]}, scan frame
     Column("certain", Text, nullable=False, server_default="[]"),  # JSON, names among them
+    Column("confidence", Text, nullable=False, server_default="{}"),  # JSON, {name: 0 to 1} of proposed ones
 )
 
 cuts = Table(  # what a person has cut out of the scan; it stays whole itself
@@ -107,6 +108,7 @@ fits = Table(
     Column("drawing", String(100)),
     Column("landmarks_mm", Text, nullable=False),  # JSON, as they were when the fit was asked for
     Column("certain", Text, nullable=False, server_default="[]"),  # JSON, names among them
+    Column("confidence", Text, nullable=False, server_default="{}"),  # JSON, {name: 0 to 1} of proposed ones
     Column("cuts", Text, nullable=False, server_default="[]"),  # JSON, the scan's, as they were then
     Column("refine", Boolean, nullable=False, server_default=false()),
     Column("start_from", String(32)),  # an earlier fit of the same scan, whose last pose this one goes on from

@@ -54,6 +54,7 @@ class FitOutcome:
     drawing_missing: tuple[str, ...]  # of each pattern that does not fit on this patient why, a sentence or two
     lines: tuple[Polyline, ...]
     radii: Radii | None  # None: nothing is known of this model's errors
+    agreed: tuple[str, ...]  # landmarks that were proposed and only agreed to
     notes: tuple[str, ...]
     verdict: Verdict
     areolae: Mapping[str, SeenAreola | None]  # by side, None where none is seen; empty for a scan without texture

@@ -84,7 +84,9 @@ class FitRecorder:
         placed = len(task.landmarks.keys() - task.seen) >= MIN_LANDMARKS
         limits = verdict_limits(rig.name)
         repeated = placed and shows_a_part(signals, limits) and self._only_repeats()
-        found_verdict = verdict(signals, last.status, limits, placed, doubtful, repeated)
+        known = radii(posterior, ready.clearness)
+        lines_off = None if known is None else known.lines
+        found_verdict = verdict(signals, last.status, limits, placed, doubtful, repeated, lines_off, len(ready.agreed))
         if not found_verdict.is_torso:
             raise FitFailed(" ".join(explained(task, (found_verdict.refusal,))))
         if found_verdict.level == "unusable":
@@ -97,7 +99,6 @@ class FitRecorder:
             vertices = refined(target, vertices, rig.faces, behind).vertices
             timing["refine"] = clock.lap()
             compared = Comparison(target, vertices, rig.faces)
-        known = radii(posterior, ready.clearness)
         seen = followed(task, ready.shown, {name for doubt in let_go for name in doubt.names})
         if known is not None and seen:
             known = replace(known, landmarks=known.landmarks | {name: each.radius for name, each in seen.items()})
@@ -135,6 +136,7 @@ class FitRecorder:
             drawing_missing=missing,
             lines=lines,
             radii=known,
+            agreed=ready.agreed,
             notes=ready.notes,
             areolae=areolae,
             table_triangles=ready.table_triangles,

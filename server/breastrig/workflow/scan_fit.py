@@ -97,6 +97,7 @@ class FitPlan:
     drawing: AskedDrawing | None
     landmarks: dict[str, Array]  # picked, m, in the scan's frame
     proposed: dict[str, Array]  # the same of those that the scan's form proposed and nobody has checked
+    unsure: tuple[str, ...]  # those of both that were proposed
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +110,7 @@ class ReadyScan:
     table_triangles: int  # cut away as table
     cut_away: float  # m², floors and walls
     landmarks: dict[str, Array]  # picked, m, in the scan's frame
+    agreed: tuple[str, ...]  # landmarks that were proposed, with what a person has only agreed to
     exchanged: tuple[Doubt, ...]
     drawing: AskedDrawing | None
     orientation: ScanOrientation | None  # as the upload has found it
@@ -157,7 +159,8 @@ def fit_plan(settings: FitSettings, rig: Rig, landmarks_mm: dict[str, list[float
     checked_certain(settings.certain, landmarks, confidence)
     proposed = _only_proposed(landmarks, confidence)
     picked = {name: place for name, place in landmarks.items() if name not in proposed}
-    return FitPlan(settings, rig, recipe, drawing, picked, {name: landmarks[name] for name in proposed})
+    unsure = tuple(name for name in landmarks if confidence.get(name, 1.0) < 1.0)
+    return FitPlan(settings, rig, recipe, drawing, picked, {name: landmarks[name] for name in proposed}, unsure)
 
 
 def _only_proposed(landmarks: Collection[str], confidence: Mapping[str, float]) -> frozenset[str]:
@@ -227,6 +230,7 @@ def made_ready(plan: FitPlan, scan: Scan, read_s: float) -> ReadyScan:
         table_triangles=ready.table_triangles,
         cut_away=ready.cut_away,
         landmarks=landmarks,
+        agreed=tuple(plan.unsure),
         exchanged=exchanged,
         drawing=plan.drawing,
         orientation=orientation,

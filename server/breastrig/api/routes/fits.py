@@ -1,6 +1,8 @@
 """Fits: ask for one, look at it, cancel it, fetch what it made."""
 
 import re
+from dataclasses import replace
+from typing import Any
 
 from apiflask import APIBlueprint
 from flask import Response, request
@@ -100,7 +102,7 @@ def _new_fit(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance)
     context = app_context()
     scan = get_scan(context.service.storage, stance.scan)
     picks = _picks(scan, stance)
-    check_landmarks(picks.points_mm, picks.certain, scan, context.model)
+    check_landmarks(picks, scan, context.model)
     return NewFit(
         scan=scan.id,
         stance=stance.stance,
@@ -108,6 +110,7 @@ def _new_fit(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance)
         drawing=asked.drawing,
         landmarks_mm=picks.points_mm,
         certain=picks.certain,
+        confidence=picks.confidence,
         cuts=get_cuts(context.service.storage, scan.id),
         refine=asked.refine,
         start_from=asked.start_from,
@@ -116,11 +119,12 @@ def _new_fit(asked: wire.FitRequest, stance: wire.FitRequest | wire.OtherStance)
 
 def _picks(scan: ScanRow, stance: wire.FitRequest | wire.OtherStance) -> Picks:
     """As the request says, else as they are stored with the scan."""
-    certain = None if stance.certain is None else tuple(stance.certain)
-    if stance.landmarks is not None:
-        return Picks(stance.landmarks, certain or ())
-    stored = get_landmarks(app_context().service.storage, scan.id)
-    return stored if certain is None else Picks(stored.points_mm, certain)
+    context = app_context()
+    said: dict[str, Any] = {} if stance.certain is None else {"certain": tuple(stance.certain)}
+    said |= {} if stance.confidence is None else {"confidence": stance.confidence}
+    brought = stance.landmarks is not None
+    picks = Picks(stance.landmarks or {}) if brought else get_landmarks(context.service.storage, scan.id)
+    return context.service.with_agreed(scan, context.model.rig.sha256, replace(picks, **said))
 
 
 def _once(key: str | None, asked: wire.FitRequest) -> Once | None:
@@ -176,7 +180,7 @@ def move_landmarks(fit_id: str, json_data: wire.MovedLandmarks) -> wire.MovedMod
     """
     context = app_context()
     scan = get_scan(context.service.storage, get_fit(context.service.storage, fit_id).scan)
-    check_landmarks(json_data.landmarks, (), scan, context.model)
+    check_landmarks(Picks(json_data.landmarks), scan, context.model)
     moved = context.service.moved_landmarks.moved(fit_id, json_data.landmarks)
     return wire.MovedModel.model_validate(moved)
 

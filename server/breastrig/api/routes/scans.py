@@ -127,12 +127,13 @@ def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile, headers_data: 
     """Replace the landmarks, mm
 
     Names must be landmarks of the model; points must lie near the scan.  `certain` names those of them that a fit
-    follows whatever all else says.
+    follows whatever all else says, `confidence` those that were proposed and only agreed to.
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
-    check_landmarks(json_data.landmarks, json_data.certain, row, context.model)
-    picks = Picks(json_data.landmarks, tuple(json_data.certain))
+    picks = Picks(json_data.landmarks, tuple(json_data.certain), json_data.confidence)
+    check_landmarks(picks, row, context.model)
+    picks = context.service.with_agreed(row, context.model.rig.sha256, picks)
     if not put_landmarks(context.service.storage, scan_id, picks, _tag(headers_data.if_match)):
         now = picks_digest(get_landmarks(context.service.storage, scan_id))
         raise refuse(412, CHANGED_LANDMARKS, {"ETag": f'"{now}"'})
@@ -177,7 +178,8 @@ def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
     The first call answers once they are found, most often within a second; later calls answer at once.
     A large scan on a busy machine may take longer than a request should: then 202 comes first.  Proposals are for
     a person to check, and are not stored as the scan's landmarks.  A fit finds by itself what only the form of the body
-    proposes: sent to it unchecked, as if it were picked, it makes the fit no better and its errors look small.
+    proposes: agreeing to it makes the fit no better, so that a landmark that stands where it was proposed keeps the
+    proposal's error unless `confidence` says 1, which is for who has looked closely.
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
@@ -230,7 +232,7 @@ def _tag(if_match: str | None) -> str | None:
 
 
 def _landmarks_answer(picks: Picks) -> Landmarks:
-    file = wire.LandmarkFile(landmarks=picks.points_mm, certain=list(picks.certain))
+    file = wire.LandmarkFile(landmarks=picks.points_mm, certain=list(picks.certain), confidence=picks.confidence)
     return file, 200, {"ETag": f'"{picks_digest(picks)}"', "Cache-Control": "no-store"}
 
 

@@ -32,6 +32,14 @@ CERTAIN = (
 )
 
 
+CONFIDENCE = (
+    "0 to 1, of landmarks that were proposed and only agreed to, as the proposal says it: each keeps the proposal's "
+    "error.  1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of "
+    "which nothing is said, the proposal's own is taken"
+)
+Confidence = Annotated[FiniteFloat, Field(ge=0, le=1)]
+
+
 class Wire(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
@@ -121,6 +129,9 @@ class LandmarkFile(Wire):
     certain: list[Name] = Field(
         default=[], max_length=200, description="names of landmarks that are followed whatever all else says"
     )
+    confidence: dict[Name, Confidence] = Field(
+        default={}, max_length=200, description=CONFIDENCE, exclude_if=lambda found: not found
+    )
 
 
 class LandmarksHeaders(BaseModel):
@@ -208,6 +219,9 @@ class FitRequest(Wire):
         None, max_length=200, description="millimetres, the scan's own frame; by default those stored with the scan"
     )
     certain: list[Name] | None = Field(None, max_length=200, description=CERTAIN)
+    confidence: dict[Name, Confidence] | None = Field(
+        None, max_length=200, description=f"{CONFIDENCE}; by default those stored with the scan, as `certain`"
+    )
     refine: bool = Field(
         True, strict=True, description="after the fit a smooth free-form layer follows the skin that the scan shows"
     )
@@ -233,6 +247,9 @@ class OtherStance(Wire):
         None, max_length=200, description="millimetres, the second scan's own frame; by default those stored with it"
     )
     certain: list[Name] | None = Field(None, max_length=200, description=CERTAIN)
+    confidence: dict[Name, Confidence] | None = Field(
+        None, max_length=200, description=f"{CONFIDENCE}; by default those stored with the scan, as `certain`"
+    )
 
 
 class MovedLandmarks(Wire):

@@ -92,6 +92,10 @@ class ResultFile(Document):
     landmark_uncertainty_mm: dict[str, float] = Field(
         {}, description="radius that holds the landmark's true place with 90 %, by name; of a fit of this version"
     )
+    line_error_mm: float | None = Field(
+        None, description="radius that holds nine of ten places of lines on the breasts; null where it is not known"
+    )
+    landmarks_agreed: list[str] = Field([], description="names of those that were proposed and only agreed to")
     landmarks: dict[str, Three] = Field(
         description="of the fitted model, or where the scan's colours show them (landmarks_seen), in the scan's frame "
         "and unit"

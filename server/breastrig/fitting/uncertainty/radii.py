@@ -9,6 +9,7 @@ from breastrig.fitting.body.hanging import hanging_shifts, hangs_by
 from breastrig.fitting.picks.leave_one_out import LeaveOneOut
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.uncertainty.calibration import Calibration, Misfit, calibration
+from breastrig.rig.model import Rig
 
 HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three axes share it, 1.52 two, 1.64 one
 BOTH = frozenset({"nipple_L", "nipple_R"})  # seen by colour where the form has them: so the body lies as it was found
@@ -24,6 +25,21 @@ class Radii:
 
     landmarks: dict[str, float]
     vertices: Array  # (V,)
+    lines: float  # of nine of ten places of lines on the breast of which less is known
+
+
+PLANNED_ON = "breast"  # beginnings of the names of regions on which lines are planned; of a rig without, all of it
+
+
+def line_error(rig: Rig, vertices: Array, seen: Booleans) -> float:
+    """m: the radius that holds nine of ten places of lines on the breast of which less is known.
+
+    vertices: (V,) m, radii of the model's vertices, (V,) of which are `seen`: lines lie on skin that the scan shows.
+    """
+    breasts = [np.array(members) for name, members in rig.regions.items() if name.startswith(PLANNED_ON)]
+    shown = [members[seen[members]] for members in breasts or [np.arange(len(vertices))]]
+    squares = [float(np.mean(vertices[members] ** 2)) for members in shown if len(members)]
+    return float(np.sqrt(max(squares, default=np.mean(vertices**2))))
 
 
 def radii(posterior: Posterior, margin: float | None = None, *, expected: bool = False) -> Radii | None:
@@ -62,7 +78,8 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
         stretch**2 * posterior.vertex_variances() + lost**2 + vertex_misfit(posterior, known, seen) ** 2
     )
     at_vertices = np.hypot(at_vertices, _of_hanging_skin(posterior, known, seen))
-    return Radii(dict(zip(names, at_landmarks.tolist(), strict=True)), at_vertices)
+    landmarks = dict(zip(names, at_landmarks.tolist(), strict=True))
+    return Radii(landmarks, at_vertices, line_error(rig, at_vertices, seen))
 
 
 def _of_hanging(posterior: Posterior, known: Calibration, name: str) -> float:

@@ -25,6 +25,10 @@ NOT_CONVERGED = "The fit did not come to rest; look at it closely, or place more
 IN_DOUBT = "One landmark is in doubt; look at what is asked about it."
 LOOK_AT_IT = "; look at what is asked about them."
 SEVERAL_IN_DOUBT = " are in doubt; look at what is asked about them."
+FAR_LINES = "Lines on the breasts may be {:.0f} mm off; place landmarks by hand, or plan with that margin."
+UNKNOWN_LINES = "Where lines on the breasts lie is not known; place at least three landmarks by hand."
+ONE_AGREED = "One landmark was only agreed to where it was proposed; it keeps the proposal's error."
+SEVERAL_AGREED = " were only agreed to where they were proposed; they keep the proposals' errors."
 PER_UNIT = {"percent": 100.0, "mm": 1e3, "degrees": 180.0 / np.pi}
 SHOWN = 2  # reasons in the sentence of a refusal: the strongest
 
@@ -45,9 +49,17 @@ class SignalLimits(_Part):
     scan_alone: bool = False  # says nothing where landmarks placed the fit
 
 
+class LineLimits(_Part):
+    """m, of how far off nine of ten places of a line on the breasts may be."""
+
+    check: float  # farther off a plan needs a look
+    unknown: float  # and beyond no place is known
+
+
 class VerdictLimits(_Part):
     """Of one model."""
 
+    lines: LineLimits
     unusable_at: Annotated[int, Field(ge=1)]
     refused_at: Annotated[int, Field(ge=2)]
     signals: dict[str, SignalLimits]
@@ -85,11 +97,14 @@ def verdict(
     placed: bool = False,
     doubts: Sequence[Doubt] = (),
     repeated: bool = False,
+    line_error: float | None = None,
+    agreed: int = 0,
 ) -> Verdict:
     """`status` is why the fit stopped, `placed` whether a person's landmarks placed it, `doubts` what is asked about.
 
     Who names landmarks has seen a torso: such a fit is unusable at most.  `repeated` says that these landmarks only
-    repeat what was proposed (repeated.py), so that the scan alone has placed it.
+    repeat what was proposed (repeated.py), so that the scan alone has placed it.  `line_error` (m) decides what the fit
+    is good for (uncertainty/radii.py); `agreed` landmarks were proposed and only agreed to.
     """
     stopped = (*(() if status is Status.CONVERGED else (NOT_CONVERGED,)), *_doubt_reasons(doubts))
     if limits is None:
@@ -106,9 +121,27 @@ def verdict(
     if nothing:
         reasons = ("The model found no skin that faces as it does; check the scan.", *reasons)
     refused = nothing or (impossible >= limits.refused_at and not placed)
+    lines = _line_reasons(line_error, agreed, limits.lines)
     if refused or impossible >= limits.unusable_at:
-        return Verdict("unusable", (*reasons, *stopped), is_torso=not refused)
-    return Verdict("check" if reasons or stopped else "good", (*reasons, *stopped))
+        return Verdict("unusable", (*reasons, *lines, *stopped), is_torso=not refused)
+    if line_error is not None and line_error > limits.lines.unknown:
+        return Verdict("unusable", (*lines, *reasons, *stopped))
+    if not (lines or reasons or stopped):
+        return Verdict("good", ())
+    return Verdict("check", (*(lines or _agreed_reason(agreed)), *reasons, *stopped))
+
+
+def _line_reasons(error: float | None, agreed: int, limits: LineLimits) -> tuple[str, ...]:
+    """How far off a line may be, where that is too far for a plan, and why."""
+    if error is None or error <= limits.check:
+        return ()
+    return ((UNKNOWN_LINES if error > limits.unknown else FAR_LINES.format(1e3 * error)), *_agreed_reason(agreed))
+
+
+def _agreed_reason(agreed: int) -> tuple[str, ...]:
+    if not agreed:
+        return ()
+    return (ONE_AGREED if agreed == 1 else f"{agreed} landmarks{SEVERAL_AGREED}",)
 
 
 def _doubt_reasons(doubts: Sequence[Doubt]) -> tuple[str, ...]:

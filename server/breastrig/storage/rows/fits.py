@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, Row, bindparam, case, func, insert, or_, select, update
@@ -32,6 +32,7 @@ class NewFit:
     drawing: str | None = None
     landmarks_mm: Points
     certain: tuple[str, ...] = ()  # of the landmarks, those that are followed whatever all else says
+    confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of those that were proposed; absent: placed
     cuts: Cuts = ()  # of the scan, by hand
     refine: bool = False
     start_from: str | None = None  # an earlier fit of the same scan
@@ -102,6 +103,7 @@ def add_fits(storage: Storage, created_at: str, new_fits: dict[str, NewFit], onc
                 "asked_stance": new_fit.stance,
                 "landmarks_mm": json.dumps(new_fit.landmarks_mm),
                 "certain": json.dumps(new_fit.certain),
+                "confidence": json.dumps(new_fit.confidence),
                 "cuts": cuts_text(new_fit.cuts),
                 "id": fit_id,
                 "partner": partner if others else None,
@@ -283,6 +285,7 @@ def _fit_row(row: Row[Any]) -> FitRow:
         drawing=row.drawing,
         landmarks_mm=json.loads(row.landmarks_mm),
         certain=tuple(json.loads(row.certain)),
+        confidence=json.loads(row.confidence),
         cuts=tuple(json.loads(row.cuts)),
         refine=row.refine,
         start_from=row.start_from,

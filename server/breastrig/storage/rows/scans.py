@@ -3,10 +3,10 @@
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from sqlalchemy import delete, insert, select
+from sqlalchemy import Row, delete, insert, select
 
 from breastrig.core.errors import NotFound
 from breastrig.storage import schema
@@ -25,6 +25,7 @@ class Picks:
 
     points_mm: Points
     certain: tuple[str, ...] = ()  # names of those that a fit follows whatever all else says
+    confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of those that were proposed; absent: placed
 
 
 @dataclass(frozen=True)
@@ -85,9 +86,14 @@ def get_landmarks(storage: Storage, scan_id: str) -> Picks:
     """Empty when none were stored."""
     table = schema.landmarks
     with storage.database.reading() as connection:
-        query = select(table.c.points_mm, table.c.certain).where(table.c.scan == scan_id)
-        row = connection.execute(query).one_or_none()
-    return Picks({}) if row is None else Picks(json.loads(row.points_mm), tuple(json.loads(row.certain)))
+        row = connection.execute(select(table).where(table.c.scan == scan_id)).one_or_none()
+    return _picks(row)
+
+
+def _picks(row: Row[Any] | None) -> Picks:
+    if row is None:
+        return Picks({})
+    return Picks(json.loads(row.points_mm), tuple(json.loads(row.certain)), json.loads(row.confidence))
 
 
 def put_landmarks(storage: Storage, scan_id: str, picks: Picks, seen: str | None = None) -> bool:
@@ -96,15 +102,13 @@ def put_landmarks(storage: Storage, scan_id: str, picks: Picks, seen: str | None
     Raises NotFound when the scan is gone.
     """
     table = schema.landmarks
-    values = {"points_mm": json.dumps(picks.points_mm), "certain": json.dumps(picks.certain)}
+    values = {name: json.dumps(value) for name, value in asdict(picks).items()}
     with storage.database.writing() as connection:
         if connection.execute(select(schema.scans.c.id).where(schema.scans.c.id == scan_id)).first() is None:
             raise NotFound("There is no such scan; it may have been deleted.")
         if seen is not None:
-            query = select(table.c.points_mm, table.c.certain).where(table.c.scan == scan_id)
-            row = connection.execute(query).one_or_none()
-            kept = Picks({}) if row is None else Picks(json.loads(row.points_mm), tuple(json.loads(row.certain)))
-            if seen != picks_digest(kept):
+            row = connection.execute(select(table).where(table.c.scan == scan_id)).one_or_none()
+            if seen != picks_digest(_picks(row)):
                 return False
         connection.execute(delete(table).where(table.c.scan == scan_id))
         connection.execute(insert(table).values(scan=scan_id, **values))
@@ -116,5 +120,5 @@ def picks_digest(picks: Picks) -> str:
     if not picks.points_mm:
         return ""
     points = {name: [float(value) for value in point] for name, point in picks.points_mm.items()}
-    text = json.dumps([points, sorted(picks.certain)], separators=(",", ":"), sort_keys=True)
+    text = json.dumps([points, sorted(picks.certain), picks.confidence], separators=(",", ":"), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

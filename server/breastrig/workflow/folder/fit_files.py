@@ -107,6 +107,8 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         "landmarks_not_followed": [_doubted(doubt) for doubt in outcome.doubts if not doubt.followed],
         "landmarks_unusual": [_doubted(doubt) for doubt in outcome.doubts if doubt.followed],
         "landmark_uncertainty_mm": {} if outcome.radii is None else _in_mm(outcome.radii.landmarks),
+        "line_error_mm": None if outcome.radii is None else round(1e3 * outcome.radii.lines, 1),
+        "landmarks_agreed": list(outcome.agreed),
         "landmarks": {name: _rounded(place / per_unit) for name, place in (model_landmarks | seen).items()},
         **({LANDMARKS_SEEN: {name: each.reason for name, each in outcome.seen.items()}} if seen else {}),
         "landmarks_picked": {name: _rounded(place / per_unit) for name, place in outcome.landmarks.items()},

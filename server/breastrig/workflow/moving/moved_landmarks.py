@@ -44,7 +44,7 @@ def follow_landmarks(fit: str, job: FollowJob, landmarks_mm: dict[str, list[floa
     rig = read_model(job.fit)
     plan = fit_plan(job.fit, rig, job.fit.landmarks_mm)
     task = made_ready(plan, *scan_of_job(job.fit)).task
-    left_out = {name: plan.landmarks[name] for name in job.not_followed if name in plan.landmarks}
+    left_out = plan.proposed | {name: plan.landmarks[name] for name in job.not_followed if name in plan.landmarks}
     _prepared.clear()
     _prepared[fit] = _Prepared(rig, FittedScan(task), left_out)
     return _answer(_prepared[fit], landmarks_mm)

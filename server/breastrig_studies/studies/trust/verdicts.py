@@ -18,6 +18,7 @@ from breastrig.fitting.picks.unusual import unusual
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import Recipe
 from breastrig.fitting.task import FitTask
+from breastrig.fitting.uncertainty.radii import radii
 from breastrig.fitting.verdicts.fit_signals import fit_signals
 from breastrig.fitting.verdicts.repeated import told_by_a_person
 from breastrig.fitting.verdicts.verdict import verdict, verdict_limits
@@ -71,7 +72,9 @@ def _judged(
     signals = fit_signals(rig, last.parameters, Comparison(scene.target, vertices, rig.faces), clearness)
     repeated = len(told_by_a_person(picks, proposed)) < MIN_LANDMARKS
     placed = len(picks) >= MIN_LANDMARKS
-    said = verdict(signals, last.status, verdict_limits(rig.name), placed, doubts, repeated)
+    known = radii(posterior, clearness)
+    lines = None if known is None else known.lines
+    said = verdict(signals, last.status, verdict_limits(rig.name), placed, doubts, repeated, lines)
     error = 1e3 * float(scene.landmark_errors(rig, vertices).mean())
     at = rig.landmark_points().positions(vertices, rig.faces)
     answer = {"level": said.level, "error_mm": round(error, 2), "reasons": list(said.reasons)}
