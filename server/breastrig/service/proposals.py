@@ -40,7 +40,7 @@ class Proposals(ScanSearch):
 
     def agreed(self, scan_id: str, variant: str, picks: Picks) -> Picks:
         """With the proposal's confidence for each that stands where it was proposed, and of which nothing is said."""
-        proposed = self._stored(scan_id, variant) or {}
+        proposed = self.known(scan_id, variant) or {}
         known = {*picks.certain, *picks.confidence}
         found = {
             name: float(proposed[name]["confidence"])

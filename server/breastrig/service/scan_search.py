@@ -74,6 +74,15 @@ class ScanSearch(ABC):
             get_scan(self._storage, scan.id)
             raise self._as_sentence(error) from error
 
+    def known(self, scan_id: str, variant: str) -> dict[str, Any] | None:
+        """What has been found, also while it is still being stored; None where nothing has."""
+        with self._lock:
+            ended = self._running.get((scan_id, variant))
+        if ended is not None and ended.done() and not ended.cancelled() and ended.exception() is None:
+            found: dict[str, Any] = ended.result()
+            return found
+        return self._stored(scan_id, variant)
+
     def drop(self, scan_id: str) -> None:
         """Stops what runs for a scan that is being deleted."""
         with self._lock:

@@ -270,6 +270,8 @@ export type FitRequest = {
   landmarks?: Record<string, [number, number, number]> | null;
   /** names of landmarks that are followed whatever all else says; by default those stored with the scan, or none where the request brings landmarks of its own */
   certain?: string[] | null;
+  /** 0 to 1, of landmarks that were proposed and only agreed to, as the proposal says it: each keeps the proposal's error. 1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of which nothing is said, the proposal's own is taken; by default those stored with the scan, as `certain` */
+  confidence?: Record<string, number> | null;
   /** after the fit a smooth free-form layer follows the skin that the scan shows */
   refine?: boolean;
   /** id of a fit of the same scan that is done: this one goes on from there, with its landmarks where they are now, in fewer iterations */
@@ -407,6 +409,8 @@ export type LandmarkFile = {
   landmarks: Record<string, [number, number, number]>;
   /** names of landmarks that are followed whatever all else says */
   certain?: string[];
+  /** 0 to 1, of landmarks that were proposed and only agreed to, as the proposal says it: each keeps the proposal's error. 1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of which nothing is said, the proposal's own is taken */
+  confidence?: Record<string, number>;
 };
 
 export type LandmarkInfo = {
@@ -591,6 +595,8 @@ export type OtherStance = {
   landmarks?: Record<string, [number, number, number]> | null;
   /** names of landmarks that are followed whatever all else says; by default those stored with the scan, or none where the request brings landmarks of its own */
   certain?: string[] | null;
+  /** 0 to 1, of landmarks that were proposed and only agreed to, as the proposal says it: each keeps the proposal's error. 1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of which nothing is said, the proposal's own is taken; by default those stored with the scan, as `certain` */
+  confidence?: Record<string, number> | null;
 };
 
 /** Lines that were drawn on a scan; fields of other drawing files are passed over and not kept. */
@@ -922,6 +928,10 @@ export type ResultFile = {
   landmarks_unusual?: DoubtedPick[];
   /** radius that holds the landmark's true place with 90 %, by name; of a fit of this version */
   landmark_uncertainty_mm?: Record<string, number>;
+  /** radius that holds nine of ten places of lines on the breasts; null where it is not known */
+  line_error_mm?: number | null;
+  /** names of those that were proposed and only agreed to */
+  landmarks_agreed?: string[];
   /** of the fitted model, or where the scan's colours show them (landmarks_seen), in the scan's frame and unit */
   landmarks: Record<string, [number, number, number]>;
   /** what shows each landmark that the scan's colours place, by name; none where any was picked */
