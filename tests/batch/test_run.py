@@ -206,7 +206,7 @@ def test_a_lost_scheduler_or_a_full_disk_ends_the_batch_with_one_sentence(
         raise OSError(28, "No space left on device")
 
     result = json.dumps(fake_batch.result_of("fine")).encode()
-    whole = Slow(1, lambda future, _: future.set_result({"result.json": result}))
+    whole = Slow(1, lambda future, _: future.set_result({"result.json": result, "measures.csv": b""}))
     batch = batch_of(tmp_path, {"a": "fine", "b": "fine"})
     monkeypatch.setattr("breastrig.batch.run.write_private", full)
     with pytest.raises(BatchStopped, match=r"No space left on device\); free space"):

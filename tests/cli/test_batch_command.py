@@ -1,5 +1,6 @@
 """`breastrig batch` as a user calls it: killed, interrupted, called again (see execution for clusters)."""
 
+import csv
 import json
 import os
 import signal
@@ -15,6 +16,7 @@ from helpers.dask_cluster import ENVIRONMENT
 from helpers.real_server import alive, children
 from helpers.waiting import until
 
+from breastrig.batch import table as batch_table
 from breastrig.cli import batch_command
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
@@ -24,7 +26,7 @@ EXAMPLE = asset_folder("example") / "standing"
 
 @pytest.fixture
 def fake(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(batch_command, "run_fit", fake_batch.scripted_fit)
+    monkeypatch.setattr(batch_command, "measured_fit", fake_batch.scripted_fit)
 
 
 def test_a_batch_leaves_what_fit_leaves_and_the_numbers_of_all(
@@ -50,11 +52,30 @@ def test_a_batch_leaves_what_fit_leaves_and_the_numbers_of_all(
     assert float(rows["standing"]["mean_mm"]) == result["surface_distance_mm"]["mean"]
     assert float(rows["standing"]["landmark_mean_mm"]) == result["landmark_distance_mm"]["mean"]
     assert rows["standing"]["stance"] == result["stance"] == "standing"
+    with (out / "standing" / "measures.csv").open(newline="") as file:
+        measured = {(row["measure"], row["kind"]): row for row in csv.DictReader(file)}
+    for column, measure, cell in (
+        ("notch_nipple_skin_left_mm", ("notch_nipple", "along the skin"), "left"),
+        ("notch_nipple_straight_right_high_mm", ("notch_nipple", "straight"), "right_high"),
+        ("nipple_nipple_straight_value_mm", ("nipple_nipple", "straight"), "value"),
+        ("volume_left_low_ml", ("volume", "volume"), "left_low"),
+    ):
+        assert float(rows["standing"][column]) == float(measured[measure][cell]) > 0.0
+        assert rows["bad"][column] == ""
+    assert batch_table.is_table(out / "batch.csv")
 
     alone = ["fit", f"{EXAMPLE}/scan.ply", "--landmarks", f"{EXAMPLE}/landmarks.json"]
     assert main([*alone, "-o", str(tmp_path / "alone")]) == 0
     for file in ("fitted.ply", "drawing.json", "distances.bin", "scan.ply"):
         assert (out / "standing" / file).read_bytes() == (tmp_path / "alone" / file).read_bytes(), file
+
+
+def test_a_name_that_spreadsheets_would_run_is_a_text_in_the_table(tmp_path: Path, fake: None) -> None:
+    manifest, out = tmp_path / "manifest.csv", tmp_path / "out"
+    (tmp_path / "scan.ply").write_text("fine")
+    manifest.write_text('scan;name\nscan.ply;"=HYPERLINK(""x"",""y"")"\nscan.ply;-5\n')
+    assert main(["batch", str(manifest), "-o", str(out)]) == 0
+    assert [row["name"] for row in fake_batch.table(out)] == ['\'=HYPERLINK("x","y")', "-5"]
 
 
 def test_a_wrong_manifest_runs_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -136,4 +157,5 @@ def test_ctrl_c_is_one_line_and_leaves_nothing_half_written(program: "subprocess
     assert (program.returncode, said) == (130, "breastrig: stopped.\n")
     until(lambda: not alive(below), "the server of its processes to notice")
     out = tmp_path / "out"
-    assert {entry.name for entry in out.iterdir()} == fake_batch.whole_results(out)
+    assert {entry.name for entry in out.iterdir()} == {*fake_batch.whole_results(out), "batch.csv"}
+    assert {row["name"] for row in fake_batch.table(out)} == fake_batch.whole_results(out)

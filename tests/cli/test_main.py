@@ -1,7 +1,9 @@
 """Only what a command needs is imported, and every command is known by its name."""
 
+import argparse
 import gc
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,7 +11,7 @@ from pathlib import Path
 import pytest
 from helpers.example_fit import EXAMPLE
 
-from breastrig.cli.main import COMMANDS, main
+from breastrig.cli.main import COMMANDS, main, parser
 
 HEAVY = {"numpy", "scipy", "pydantic", "trimesh", "igl", "PIL", "tqdm", "flask", "sqlalchemy"}
 NUMERICS = ("fit", "transfer", "compare", "report", "export", "landmarks", "batch", "evaluate", "model")
@@ -61,6 +63,36 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert left.value.code == 0
     said = capsys.readouterr().out
     assert set(COMMANDS) <= set(said.split())
+
+
+def parsers(root: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    """The command's parser and those of its actions, by their words."""
+    found = {}
+    for action in root._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for name, below in action.choices.items():
+                found |= {name: below} | {f"{name} {more}": one for more, one in parsers(below).items()}
+    return found
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_help_of_every_command_is_plain_english_for_each_of_its_options(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A percent sign that is not doubled puts a Python dict into argparse's text, or ends in an error."""
+    found = {words: one for words, one in parsers(parser(command)).items() if words.split()[0] == command}
+    for words, one in found.items():
+        with pytest.raises(SystemExit) as left:
+            main([*words.split(), "--help"])
+        assert left.value.code == 0
+        said = " ".join(capsys.readouterr().out.split())
+        assert said.startswith(f"usage: breastrig {words} ")
+        assert not re.search(r"\{'|%\(|option_strings|None|<class|\bobject at\b", said)
+        sentences = re.sub(r"\W+", " ", said)
+        for action in one._actions:
+            if not isinstance(action, argparse._SubParsersAction):
+                assert action.help, action.dest
+                assert re.sub(r"\W+", " ", action.help.replace("%%", "%")).strip() in sentences
 
 
 def test_what_is_no_command_is_refused_with_those_that_are(capsys: pytest.CaptureFixture[str]) -> None:

@@ -96,6 +96,11 @@ def test_neither_pipe_nor_device_nor_folder_is_read(
     line([file if word == "FILE" else word for word in words] + ["-o", str(tmp_path / "out")], capsys)
 
 
+def test_a_preset_that_is_not_there_is_called_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    said = line(["fit", SCAN, "--preset", "my.toml", "-o", str(tmp_path / "out")], capsys)
+    assert said == "breastrig: The preset my.toml is not there or is no file; check the name.\n"
+
+
 def test_a_folder_whose_files_are_pipes_is_no_fit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     os.mkfifo(tmp_path / "result.json")
     assert "There is no fit in" in line(["report", str(tmp_path), "-o", str(tmp_path / "out")], capsys)

@@ -159,7 +159,7 @@ MIXED = {f"row{n}": f"slow 0.{n}" for n in range(3, 9)} | {"bad": "fail", "dead"
 
 @pytest.fixture
 def fake(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(batch_command, "run_fit", fake_batch.scripted_fit)
+    monkeypatch.setattr(batch_command, "measured_fit", fake_batch.scripted_fit)
 
 
 def _without_times(out: Path) -> list[dict[str, str]]:

@@ -30,6 +30,7 @@ FILES = (
     "distances.bin",
     "uncertainty.bin",
     "fit.log.jsonl",
+    "measures.csv",
 )
 WHOLE = {*FILES, "inputs.json"}
 
@@ -102,5 +103,5 @@ def whole_results(out: Path) -> set[str]:
 if __name__ == "__main__":
     from helpers import fake_batch
 
-    batch_command.run_fit = fake_batch.scripted_fit  # by the name that workers import
+    batch_command.measured_fit = fake_batch.scripted_fit  # by the name that workers import
     sys.exit(main(["batch", *sys.argv[1:]]))

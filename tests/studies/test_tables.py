@@ -55,7 +55,7 @@ def test_a_mean_leaves_out_what_failed_and_what_is_not_known() -> None:
     rows = [Row(("a", 1.0, None)), Row(("b", 3.0, 5.0)), Row(("c", None, None), note="It failed.")]
     assert mean_row(("mean",), rows).cells == ("mean", 2.0, 5.0)
     table = Table("t", "", (Column("who", key=True), Column("x", digits=1), Column("y")), rows)
-    written = list(csv.reader(table.csv().splitlines()))
+    written = list(csv.reader(table.csv().decode().splitlines()))
     assert written[1:] == [["a", "1", "", ""], ["b", "3", "5", ""], ["c", "", "", "It failed."]]
     assert table.shown(rows[0]) == [("a", False), ("1.0", True), ("–", True)]
 

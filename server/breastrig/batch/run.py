@@ -24,8 +24,8 @@ from typing import Any
 
 from breastrig import __version__
 from breastrig.batch.manifest import INPUTS, INPUTS_SCHEMA, BatchRow
-from breastrig.batch.table import Outcome, numbers_of
-from breastrig.batch.task import FitOfBytes, Runner, fit_of_bytes
+from breastrig.batch.table import MEASURES, Outcome, numbers_of
+from breastrig.batch.task import FitOfBytes, Runner, fit_of_bytes, measured_fit
 from breastrig.core.errors import BadInput, BadSettings, BreastRigError
 from breastrig.core.output_files import Output, check_output
 from breastrig.core.output_record import OutputSet, recorded
@@ -36,7 +36,6 @@ from breastrig.scan.landmark_files import LIMIT_BYTES
 from breastrig.scan.limits import FILE_BYTES
 from breastrig.workflow.folder.fit_file_names import FIT_FILES, RESULT, RESULT_SCHEMA
 from breastrig.workflow.folder.fit_files import json_bytes
-from breastrig.workflow.run_fit import run_fit
 
 SPARE = 8  # scans at most that wait beside the workers; a large cluster needs no more to be kept busy
 LOOK_S = 0.2  # between two looks whether to stop
@@ -57,7 +56,7 @@ class Batch:
     folder: Path
     model_sha256: str
     again: bool = False  # do also what is done
-    runner: Runner = run_fit
+    runner: Runner = measured_fit
     wall_s: float = FitLimits().wall_s
     force: bool = False  # replace also what no batch has written
     ahead: int = SPARE  # tasks at most that the executor is given beside those that it can run at once
@@ -193,7 +192,9 @@ def _inputs(batch: Batch, task: FitOfBytes) -> dict[str, Any]:
 def _output(batch: Batch, row: BatchRow) -> Output:
     """The result's folder; a damaged result of a batch counts as written by it."""
     inputs = tuple(file for file in (row.scan, row.landmarks) if file is not None)
-    files = OutputSet(Path(), (*FIT_FILES, INPUTS), RESULT, RESULT_SCHEMA, known=lambda file: _of_a_batch(file.parent))
+    files = OutputSet(
+        Path(), (*FIT_FILES, MEASURES, INPUTS), RESULT, RESULT_SCHEMA, known=lambda file: _of_a_batch(file.parent)
+    )
     return Output(batch.folder / row.name, (files,), inputs, batch.force)
 
 
@@ -214,7 +215,7 @@ def _found(folder: Path, inputs: dict[str, Any]) -> Outcome | None:
     try:
         if json.loads((folder / INPUTS).read_bytes()) != inputs:
             return None
-        return Outcome(folder.name, None, numbers_of(json.loads((folder / "result.json").read_bytes())))
+        return Outcome(folder.name, None, numbers_of((folder / RESULT).read_bytes(), (folder / MEASURES).read_bytes()))
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
@@ -223,7 +224,7 @@ def _outcome(batch: Batch, row: BatchRow, inputs: dict[str, Any], future: "Futur
     """Of a fit that has ended; a result is kept.  Raises BatchStopped."""
     try:
         files = future.result()
-        numbers = numbers_of(json.loads(files["result.json"]))
+        numbers = numbers_of(files[RESULT], files[MEASURES])
     except (CancelledError, TimeoutError, BreastRigError, MemoryError, OSError, RuntimeError) as error:
         return Outcome(row.name, _why(error, batch.wall_s))
     except Exception as error:

@@ -1,12 +1,13 @@
-"""batch.csv: what became of each row, with the numbers of its result.json."""
+"""batch.csv: what became of each row, with the numbers of its result.json and of its measures.csv."""
 
 import csv
-import io
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from breastrig.core.csv_table import csv_table
 from breastrig.core.private_files import write_private
 from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING
 
@@ -32,6 +33,9 @@ TIMES = ("solve_s", "total_s")  # all other columns are the same wherever and ho
 FIRST = ("name", "state", "reason")
 COLUMNS = (*FIRST, *NUMBERS, DRAWING_MISSING)
 FILE = "batch.csv"
+MEASURES = "measures.csv"  # of each result, as `breastrig report` writes it
+KINDS = {"straight": "straight_", "along the skin": "skin_", "in height": "height_"}  # other measures have one kind
+HEAD_BYTES = 100_000  # of the first line, which names some hundred columns
 
 
 @dataclass(frozen=True)
@@ -53,31 +57,41 @@ class Outcome:
 
 
 def is_table(file: Path) -> bool:
-    """Whether a batch wrote it: its first line names our columns, of this version or of one with fewer."""
+    """Whether a batch wrote it: its first line begins with our columns, or is one of an earlier version's fewer."""
     try:
         with file.open("rb") as stream:
-            found = stream.readline(1000).decode("utf-8", "replace").rstrip("\r\n").split(",")
-        return len(found) > len(FIRST) and tuple(found) == COLUMNS[: len(found)]
+            found = stream.readline(HEAD_BYTES).decode("utf-8", "replace").rstrip("\r\n").split(",")
+        return len(found) > len(FIRST) and tuple(found[: len(COLUMNS)]) == COLUMNS[: len(found)]
     except OSError:
         return False
 
 
-def numbers_of(result: Mapping[str, Any]) -> dict[str, Any]:
-    """The columns' values from a result.json.  Raises KeyError or TypeError when it is none."""
+def numbers_of(result_json: bytes, measures_csv: bytes) -> dict[str, Any]:
+    """The columns' values from the two files of a result.  Raises ValueError, KeyError or TypeError for other files."""
+    result = json.loads(result_json)
     numbers = {}
     for column, place in NUMBERS.items():
         value: Any = BEFORE | dict(result)
         for key in place:
             value = value[key]
         numbers[column] = value
-    return numbers | {DRAWING_MISSING: " ".join(result.get(DRAWING_MISSING, ())) or None}
+    numbers[DRAWING_MISSING] = " ".join(result.get(DRAWING_MISSING, ())) or None
+    return numbers | _measures(measures_csv)
+
+
+def _measures(measures_csv: bytes) -> dict[str, float]:
+    """As notch_nipple_skin_left_mm, notch_nipple_skin_left_low_mm, ...: each number with the ends of its band."""
+    numbers = {}
+    for row in csv.DictReader(measures_csv.decode().splitlines()):
+        unit = "" if row["unit"] in ("1", "grade") else f"_{row['unit']}"
+        for cell in (f"{side}{end}" for side in ("left", "right", "value") for end in ("", "_low", "_high")):
+            if row[cell]:
+                numbers[f"{row['measure']}_{KINDS.get(row['kind'], '')}{cell}{unit}"] = float(row[cell])
+    return numbers
 
 
 def write_table(outcomes: Iterable[Outcome], folder: Path) -> None:
     """Writes batch.csv, whole or not at all; a row for each outcome in their order."""
-    text = io.StringIO(newline="")
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    for outcome in outcomes:
-        writer.writerow({"name": outcome.name, "state": outcome.state, "reason": outcome.reason, **outcome.numbers})
-    write_private(folder / FILE, text.getvalue().encode())
+    rows = [{"name": each.name, "state": each.state, "reason": each.reason, **each.numbers} for each in outcomes]
+    columns = dict.fromkeys([*COLUMNS, *(name for row in rows for name in row)])
+    write_private(folder / FILE, csv_table(list(columns), rows))

@@ -3,12 +3,17 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from breastrig.batch.table import MEASURES
+from breastrig.core.private_files import write_private
 from breastrig.core.scratch import scratch_folder
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Event
+from breastrig.workflow.further_jobs import ReportJob
 from breastrig.workflow.jobs import FitJob
+from breastrig.workflow.report import measures_csv_of
+from breastrig.workflow.run_fit import run_fit
 
 Runner = Callable[[FitJob], Iterator[Event]]
 
@@ -39,6 +44,12 @@ class FitOfBytes:
             else read_scan(self.scan, self.ending, self.units, texture=False).metres_per_unit
         )
         return {name: [1e3 * metres * float(value) for value in place] for name, place in places.items()}
+
+
+def measured_fit(job: FitJob) -> Iterator[Event]:
+    """A fit with its table of measures beside its files."""
+    yield from run_fit(job)
+    write_private(job.out / MEASURES, measures_csv_of(ReportJob(job.out, model=job.model)))
 
 
 def fit_of_bytes(task: FitOfBytes, runner: Runner) -> dict[str, bytes]:

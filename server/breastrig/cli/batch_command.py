@@ -5,7 +5,7 @@ import json
 import signal
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Event
 
@@ -13,7 +13,8 @@ from tqdm import tqdm
 
 from breastrig.batch.manifest import INPUTS, BadManifest, BatchRow, read_manifest
 from breastrig.batch.run import SPARE, Batch, exclusive, run_batch
-from breastrig.batch.table import FILE, Outcome, is_table, write_table
+from breastrig.batch.table import FILE, MEASURES, Outcome, is_table, write_table
+from breastrig.batch.task import measured_fit
 from breastrig.cli.output_options import output_folder
 from breastrig.core.errors import BadSettings
 from breastrig.core.output_files import check_inputs_kept, check_output
@@ -27,7 +28,6 @@ from breastrig.execution.limits import FitLimits
 from breastrig.execution.processes import Processes
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING, FIT_FILES
-from breastrig.workflow.run_fit import run_fit
 
 SHOWN_FAULTS = 20  # a screenful; a table with more has one cause
 
@@ -43,13 +43,19 @@ def run(options: argparse.Namespace) -> int:
         return _report_faults(error.faults)
     _check_places(options, rows)
     ahead = 0 if options.scheduler is None else SPARE  # here a process stands ready, and is given what is at hand
-    batch = Batch(rows, options.output, rig.sha256, options.again, run_fit, force=options.force, ahead=ahead)
+    batch = Batch(rows, options.output, rig.sha256, options.again, measured_fit, force=options.force, ahead=ahead)
     with exclusive(options.output):
         executor = _executor(options, rows)
+        done: dict[str, Outcome] = {}
         try:
             with _orderly_end() as stop:
-                outcomes = _run(batch, executor, options.no_progress, stop)
-            write_table(outcomes, options.output)
+                _run(batch, executor, options.no_progress, stop, done)
+        except BaseException:  # whatever ended it, the rows so far have their table
+            with suppress(OSError):
+                write_table(_in_order(rows, done), options.output)
+            raise
+        else:
+            write_table(outcomes := _in_order(rows, done), options.output)
         finally:
             executor.stop()
             sweep_scratch()  # of fits that were stopped
@@ -59,19 +65,23 @@ def run(options: argparse.Namespace) -> int:
     return 1 if failed or any(outcome.missing for outcome in outcomes) else 0
 
 
+def _in_order(rows: Sequence[BatchRow], done: dict[str, Outcome]) -> list[Outcome]:
+    return [done[row.name] for row in rows if row.name in done]
+
+
 def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow]) -> None:
     """Raises BadInput when the table of results or a result would replace what must stay."""
     presets = {Path(row.preset) for row in rows if row.preset.endswith(".toml")}
     read = [options.manifest, *presets, *(file for row in rows for file in (row.scan, row.landmarks) if file)]
     check_output(output_folder(options, [OutputSet(Path(), (FILE,), known=is_table)], read))
-    results = (options.output / row.name / name for row in rows for name in (*FIT_FILES, INPUTS))
+    results = (options.output / row.name / name for row in rows for name in (*FIT_FILES, MEASURES, INPUTS))
     check_inputs_kept(results, read)
 
 
 def _executor(options: argparse.Namespace, rows: Sequence[BatchRow]) -> Executor:
     limits = FitLimits()
     if options.scheduler is None:
-        preload(["breastrig.batch.task", "breastrig.workflow.default_model", "breastrig.workflow.run_fit"])
+        preload(["breastrig.batch.task", "breastrig.workflow.default_model"])
         processes = Processes(options.jobs or limits.workers, memory_bytes=limits.memory_bytes, spare=1)
         start_fork_server()
         return processes
@@ -106,25 +116,23 @@ def _orderly_end() -> Iterator[Event]:
             signal.signal(number, handler)
 
 
-def _run(batch: Batch, executor: Executor, silent: bool, stop: Event) -> list[Outcome]:
-    """Reports each row: a bar on a terminal, else a line of JSON on stdout; failures in words on stderr."""
-    row = 0
+def _run(batch: Batch, executor: Executor, silent: bool, stop: Event, done: dict[str, Outcome]) -> None:
+    """Notes each row in `done` and reports it: a bar on a terminal, else a line of JSON; failures in words on stderr."""
     in_lines = not silent and not sys.stderr.isatty()
     with tqdm(total=len(batch.rows), unit="fit", disable=silent or in_lines, leave=False, smoothing=0.1) as bar:
 
         def report(outcome: Outcome) -> None:
-            nonlocal row
-            row += 1
+            done[outcome.name] = outcome
             bar.update()
             if in_lines:
                 line: dict[str, object] = {"name": outcome.name, "state": outcome.state, "reason": outcome.reason}
                 numbers = {name: outcome.numbers.get(name) for name in ("mean_mm", "verdict", DRAWING_MISSING)}
-                line |= {**numbers, "row": row, "of": len(batch.rows)}
+                line |= {**numbers, "row": len(done), "of": len(batch.rows)}
                 print(json.dumps(line), flush=True)
             if (said := outcome.reason or outcome.missing) is not None:
                 bar.write(f"breastrig: {outcome.name}: {said}", file=sys.stderr)
 
-        return run_batch(batch, executor, report, stop)
+        run_batch(batch, executor, report, stop)
 
 
 def _report_faults(faults: list[str]) -> int:

@@ -1,7 +1,7 @@
-"""`breastrig fit SCAN -o OUT`: one scan in, eight files out.
+"""`breastrig fit SCAN -o OUT`: one scan in, one folder of results out.
 
 With `--with SCAN_B` two stances of one patient are fitted together, their bodies held alike: OUT/first and
-OUT/second get the eight files each, OUT/pair.json says what they have in common.
+OUT/second are the two folders, OUT/pair.json says what they have in common.
 """
 
 import argparse
@@ -29,7 +29,7 @@ def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
     parser.add_argument(
         "--cuts", type=Path, metavar="FILE", help="what was cut away in the page: the answer of GET /api/scans/ID/cuts"
     )
-    parser.add_argument("--stance", default="auto", choices=STANCES)
+    parser.add_argument("--stance", default="auto", choices=STANCES, help="stance of the scan")
     parser.add_argument("--with", dest="other", type=Path, metavar="SCAN_B", help="the same patient in another stance")
     parser.add_argument("--with-landmarks", type=Path, metavar="FILE", help="picked points on SCAN_B")
     parser.add_argument("--with-cuts", type=Path, metavar="FILE", help="what was cut away from SCAN_B")

@@ -10,6 +10,6 @@ from breastrig.core.units import METRES_PER_UNIT
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     parser = commands.add_parser("ink", help=COMMANDS["ink"], description=__doc__)
-    parser.add_argument("scan", type=Path, metavar="SCAN")
+    parser.add_argument("scan", type=Path, metavar="SCAN", help="as for breastrig fit; with its colours")
     parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
     add_output_options(parser, "FILE", ".json, a drawing; each shape says its kind, marker and length")

@@ -10,7 +10,7 @@ from breastrig.core.units import METRES_PER_UNIT
 
 def add_parser(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     parser = commands.add_parser("landmarks", help=COMMANDS["landmarks"], description=__doc__)
-    parser.add_argument("scan", type=Path, metavar="SCAN")
+    parser.add_argument("scan", type=Path, metavar="SCAN", help="as for breastrig fit")
     parser.add_argument("--units", default="auto", choices=["auto", *METRES_PER_UNIT], help="unit of the scan")
     parser.add_argument("--model", type=Path, metavar="GLB", help="another rig of the same form")
-    add_output_options(parser, "FILE", ".json (with a confidence and a 90 % radius each), .csv, .pp, .mrk.json")
+    add_output_options(parser, "FILE", ".json (with a confidence and a 90 %% radius each), .csv, .pp, .mrk.json")

@@ -200,7 +200,9 @@ def load_recipe(name_or_file: str | Path) -> Recipe:
     """A preset by name, or a TOML file of the same form; BadSettings says what is wrong with it."""
     if str(name_or_file) in preset_names():
         return _packaged(str(name_or_file))
-    if Path(name_or_file).suffix == ".toml" and is_ordinary(Path(name_or_file)):
+    if Path(name_or_file).suffix == ".toml":
+        if not is_ordinary(Path(name_or_file)):
+            raise BadSettings(f"The preset {shown(name_or_file)} is not there or is no file; check the name.")
         try:
             text = Path(name_or_file).read_text("utf-8")
         except (OSError, UnicodeDecodeError) as error:

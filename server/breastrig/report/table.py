@@ -3,14 +3,13 @@
 The same rows stand in report.json, measures.csv and the PDF.
 """
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.csv_table import csv_table
 
 Lines = dict[str, list[list[float]]]
 Cell = str | float | Lines | None
@@ -120,12 +119,7 @@ def csv_bytes(rows: Sequence[dict[str, Cell]], verdicts: Mapping[str, str]) -> b
     change is as good as the worse of both.
     """
     worst = max(verdicts.values(), key=LEVELS.index, default="")
-    text = io.StringIO()
-    writer = csv.DictWriter(text, (*COLUMNS, VERDICT), lineterminator="\n")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({name: row[name] for name in COLUMNS} | {VERDICT: verdicts.get(str(row["stance"]), worst)})
-    return text.getvalue().encode()
+    return csv_table((*COLUMNS, VERDICT), [{**row, VERDICT: verdicts.get(str(row["stance"]), worst)} for row in rows])
 
 
 def number(value: Value | None, unit: str, *, signed: bool = False) -> str:

@@ -19,7 +19,7 @@ from breastrig.report.areolae import areolae_of
 from breastrig.report.document import PlannedItem, Reported, report_document, stance_names
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
-from breastrig.report.table import csv_bytes
+from breastrig.report.table import csv_bytes, flat_rows
 from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_files import json_bytes
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still_visible
@@ -194,15 +194,21 @@ def _pdf(stances: list[Reported], identity: Identity) -> bytes:
 def report_files(job: ReportJob, pdf_name: str = "report.pdf") -> dict[str, bytes]:
     """report.json, measures.csv and the PDF."""
     stances = reported(job)
-    document = report_document(stances)
-    rows: Any = document["measures"]
     return {
-        REPORT_RECORD: json_bytes(document),
-        MEASURES_TABLE: csv_bytes(
-            rows, {each.name: (each.result.get("verdict") or {}).get("level", "") for each in stances}
-        ),
+        REPORT_RECORD: json_bytes(report_document(stances)),
+        MEASURES_TABLE: _measures_csv(stances),
         pdf_name: _pdf(stances, job.identity),
     }
+
+
+def measures_csv_of(job: ReportJob) -> bytes:
+    """The table of measures alone: what each row of a batch gets."""
+    return _measures_csv(reported(job))
+
+
+def _measures_csv(stances: list[Reported]) -> bytes:
+    verdicts = {each.name: (each.result.get("verdict") or {}).get("level", "") for each in stances}
+    return csv_bytes(flat_rows([(each.name, each.rows) for each in stances]), verdicts)
 
 
 def write_report(job: ReportJob, folder: Path, pdf_name: str) -> None:

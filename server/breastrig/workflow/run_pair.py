@@ -77,7 +77,7 @@ def run_pair(
 ) -> Generator[tuple[int, Event], None, None]:
     """(0 or 1 for the stance, its event): each stance's Started, Iterated …, Done; a BreastRigError ends both.
 
-    Each stance leaves the eight files of a fit in its own job's folder before its Done; pair_file (breastrig/pair@1),
+    Each stance leaves the files of a fit in its own job's folder before its Done; pair_file (breastrig/pair@1),
     when given, says what the two have in common.
     """
     if first.model != second.model:

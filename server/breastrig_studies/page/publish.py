@@ -79,7 +79,7 @@ def published(results: Results, about: Circumstances, folder: Path, progress: Ca
         files.append(file)
 
     for table in tables.values():
-        write(f"{table.name}.csv", table.csv().encode())
+        write(f"{table.name}.csv", table.csv())
     figures = {}
     for name, chart in all_figures(results, tables).items() if have_plots() else ():
         progress(f"figure {name}")

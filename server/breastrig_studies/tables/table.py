@@ -1,9 +1,9 @@
 """A table as data, from which the CSV file and the page are both made, so that their numbers are the same."""
 
-import csv
-import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+
+from breastrig.core.csv_table import csv_table
 
 Cell = str | int | float | None
 
@@ -34,15 +34,15 @@ class Table:
     columns: tuple[Column, ...]
     rows: list[Row] = field(default_factory=list)
 
-    def csv(self) -> str:
-        """All rows, numbers with four significant digits, notes of failed fits in the last column."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow([*(column.name for column in self.columns), "note"])
-        for row in self.rows:
-            cells = ["" if cell is None else f"{cell:.5g}" if isinstance(cell, float) else cell for cell in row.cells]
-            writer.writerow([*cells, "mean" if row.mean else row.note])
-        return text.getvalue()
+    def csv(self) -> bytes:
+        """All rows, numbers with five significant digits, notes of failed fits in the last column."""
+        names = [*(column.name for column in self.columns), "note"]
+        return csv_table(names, [dict(zip(names, self._csv_cells(row), strict=True)) for row in self.rows])
+
+    @staticmethod
+    def _csv_cells(row: Row) -> list[object]:
+        cells = [f"{cell:.5g}" if isinstance(cell, float) else cell for cell in row.cells]
+        return [*cells, "mean" if row.mean else row.note]
 
     def shown(self, row: Row) -> list[tuple[str, bool]]:
         """(text, is a number) of each cell."""

@@ -167,7 +167,7 @@ def fit_file(outcome: FitOutcome, name: str) -> bytes:
 
 
 def write_fit_files(outcome: FitOutcome, folder: Path) -> dict[str, object]:
-    """Writes the eight files and returns result.json's document; BadInput when the folder cannot be written."""
+    """Writes all FIT_FILES and returns result.json's document; BadInput when the folder cannot be written."""
     files = {name: fit_file(outcome, name) for name in FIT_FILES}
     write_files(files, folder)
     result: dict[str, object] = json.loads(files[RESULT])

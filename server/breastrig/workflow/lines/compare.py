@@ -1,6 +1,5 @@
 """Two drawings on the scan of one fit: how far they are apart, as a table, a document and a picture."""
 
-import csv
 import io
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from breastrig.core.csv_table import csv_table
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.private_files import private_folder, write_private
@@ -93,15 +93,12 @@ def _drawn(given: Drawing) -> ModelDrawing:
 
 
 def _write(out: Path, document: dict[str, Any], rows: list[dict[str, Any]], picture: Any) -> None:
-    table, image = io.StringIO(newline=""), io.BytesIO()
-    writer = csv.DictWriter(table, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
+    image = io.BytesIO()
     Image.fromarray(np.asarray(picture)).save(image, "PNG", optimize=True)
     try:
         private_folder(out)
         write_private(out / "compare.json", json_bytes(document))
-        write_private(out / "compare.csv", table.getvalue().encode())
+        write_private(out / "compare.csv", csv_table(list(rows[0]), rows))
         write_private(out / "compare.png", image.getvalue())
     except OSError as error:
         raise BadInput(f"{out} cannot be written ({error.strerror}); choose another folder.") from error
