@@ -14,7 +14,7 @@ from helpers.example_fit import EXAMPLE
 from breastrig.cli.main import COMMANDS, main, parser
 
 HEAVY = {"numpy", "scipy", "pydantic", "trimesh", "igl", "PIL", "tqdm", "flask", "sqlalchemy"}
-NUMERICS = ("fit", "transfer", "compare", "report", "export", "landmarks", "batch", "evaluate", "model")
+NUMERICS = ("fit", "transfer", "compare", "report", "export", "landmarks", "batch", "model")
 
 
 def imported_by(*words: str) -> set[str]:

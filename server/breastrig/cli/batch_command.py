@@ -117,7 +117,7 @@ def _orderly_end() -> Iterator[Event]:
 
 
 def _run(batch: Batch, executor: Executor, silent: bool, stop: Event, done: dict[str, Outcome]) -> None:
-    """Notes each row in `done` and reports it: a bar on a terminal, else a line of JSON; failures in words on stderr."""
+    """Notes each row in `done` and reports it: a bar on a terminal, or a line of JSON; failures on stderr."""
     in_lines = not silent and not sys.stderr.isatty()
     with tqdm(total=len(batch.rows), unit="fit", disable=silent or in_lines, leave=False, smoothing=0.1) as bar:
 
