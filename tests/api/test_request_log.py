@@ -28,12 +28,14 @@ def test_each_answer_is_logged_by_method_route_status_and_time(
     caplog.set_level(logging.INFO)
     logged.get(f"/api/fits/{fit_id}?with={SECRET}", headers={"X-Anything": SECRET})
     logged.get(f"/api/scans/{SECRET}")
+    logged.patch(f"/api/patients/{SECRET}", json={"code": "x"})
     logged.open(f"/{SECRET}", method="BREW")
     logged.get("/api/meta", headers={"Host": "evil.example"})
     lines = logged_fields(caplog)
     assert [(line["method"], line["route"], line["status"]) for line in lines] == [
         ("GET", "/api/fits/<fit_id>", 200),
         ("GET", "/api/scans/<scan_id>", 404),
+        ("PATCH", "/api/patients/<patient_id>", 404),
         ("other", "none", 405),
         ("GET", "/api/meta", 421),
     ]

@@ -4,12 +4,14 @@ import threading
 from pathlib import Path
 
 import pytest
-from sqlalchemy import insert, select
+from sqlalchemy import Connection, event, insert, select
 from sqlalchemy.exc import IntegrityError
 
 from breastrig.storage import schema
+from breastrig.storage.rows.patients import patient_of_scan, put_items_of_scan, put_plan, rename_patient
 from breastrig.storage.storage import Storage
 
+NORMAL, FULL = 1, 2  # of PRAGMA synchronous
 LANDMARKS_OF_NOBODY = {"scan": "nobody", "points_mm": "{}"}
 
 
@@ -92,3 +94,24 @@ def test_a_new_database_can_be_read_by_its_owner_alone(tmp_path: Path) -> None:
     storage.prepare()
     assert [path.stat().st_mode & 0o077 for path in storage.root.glob("breastrig.sqlite3*")] == [0, 0, 0]
     storage.close()
+
+
+def test_a_plan_is_on_the_disk_before_it_is_answered(storage: Storage, scan_id: str) -> None:
+    """What SQLite has not synchronised is lost when the power fails."""
+    levels: list[int] = []
+
+    @event.listens_for(storage.database.engine, "commit")
+    def note(connection: Connection) -> None:
+        levels.append(connection.exec_driver_sql("PRAGMA synchronous").scalar_one())
+
+    patient = patient_of_scan(storage, scan_id)
+    item = {"id": "a", "kind": "note", "scan": scan_id, "text": "x"}
+    writes = (
+        (NORMAL, lambda: rename_patient(storage, patient, "P-1")),
+        (FULL, lambda: put_plan(storage, patient, [item], 0)),
+        (FULL, lambda: put_items_of_scan(storage, scan_id, "note", [item])),
+        (NORMAL, lambda: rename_patient(storage, patient, "P-2")),  # on the same connection
+    )
+    for level, write in writes:
+        write()
+        assert levels[-1] == level

@@ -18,7 +18,7 @@ from flask import Response, g, request
 from breastrig.core.log_lines import FIELDS
 
 SHORT = 5  # characters; no id is so short, and words of the traceback are
-METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "DELETE", "OPTIONS"})
+METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 
 log = logging.getLogger("breastrig.requests")
 

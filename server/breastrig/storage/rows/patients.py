@@ -55,7 +55,7 @@ def put_scan(connection: Connection, scan_id: str, patient_id: str | None, new_i
 def move_scan(storage: Storage, scan_id: str, patient_id: str) -> None:
     """The scan is that patient's from now on, and with it the items that were made on it.  Raises NotFound."""
     table = schema.scans_of_patients
-    with storage.database.writing() as connection:
+    with storage.database.writing(durable=True) as connection:
         before = _patient_of(connection, scan_id)
         if not _is_there(connection, patient_id):
             raise _no_patient()
@@ -159,7 +159,7 @@ def get_plan(storage: Storage, patient_id: str, version: int | None = None) -> P
 
 def put_plan(storage: Storage, patient_id: str, items: Sequence[Document], seen: int) -> PlanRow | None:
     """Replaces the plan that has the version `seen`; None when another one is there by now.  Raises NotFound."""
-    with storage.database.writing() as connection:
+    with storage.database.writing(durable=True) as connection:
         if not _is_there(connection, patient_id):
             raise _no_patient()
         if _version(connection, patient_id) != seen:
@@ -169,7 +169,7 @@ def put_plan(storage: Storage, patient_id: str, items: Sequence[Document], seen:
 
 def put_items_of_scan(storage: Storage, scan_id: str, kind: str, items: Sequence[Document]) -> None:
     """Replaces the items of one kind that were made on the scan, whatever else the plan holds.  Raises NotFound."""
-    with storage.database.writing() as connection:
+    with storage.database.writing(durable=True) as connection:
         patient = _patient_of(connection, scan_id)
         plan = _plan(connection, patient)
         others = [item for item in plan.items if (item.get("scan"), item["kind"]) != (scan_id, kind)]
