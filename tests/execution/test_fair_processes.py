@@ -61,6 +61,24 @@ def test_a_client_has_so_many_and_the_program_itself_any_number(readers: FairPro
         assert readers.result(in_worker.describe, (), 30.0)["threads"] == [1]
 
 
+def test_no_client_holds_all_readers_while_another_waits() -> None:
+    """Two readers, a client whose four tasks of each kind take for ever, and two others who come later."""
+    readers = FairProcesses(Processes(2, memory_bytes=4 * GIB, spare=2), waiting_per_client=9)
+    readers.warm_up()
+    upload = ForKey("a", in_worker.rest, begins=True)
+    try:
+        with asking("slow"):
+            slow = [readers.schedule(kind, (60.0,), 90.0) for kind in (upload, in_worker.rest) for _ in range(4)]
+        until(lambda: sum(task.inner is not None for task in slow) == 3, "two uploads and another task")
+        for client in ("one", "two"):
+            for kind in (upload, in_worker.rest):
+                with asking(client):
+                    assert readers.schedule(kind, (0.0,), 30.0).result(20.0) is None
+        assert sum(task.inner is not None for task in slow) == 3
+    finally:
+        readers.stop()
+
+
 @pytest.mark.parametrize("upload", [True, False])
 def test_an_upload_and_all_else_do_not_wait_for_each_other(upload: bool) -> None:
     """Nor do more of them run than one beside each worker."""

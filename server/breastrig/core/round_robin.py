@@ -23,6 +23,10 @@ class RoundRobin(Generic[Item]):
         """How many items that client has."""
         return len(self._queues.get(client, ()))
 
+    def has(self, may: Callable[[str], bool]) -> bool:
+        """Whether a client that `may` has an item."""
+        return any(may(client) for client in self._queues)
+
     def put(self, client: str, item: Item) -> None:
         self._queues.setdefault(client, deque()).append(item)
 

@@ -5,7 +5,8 @@ more tasks are handed to it than it has processes; the others wait here and are 
 How many a client may have here is limited, because each holds a thread of the server.
 
 Uploads come before all else, and one task more may run than there are workers, as long as not all are of one kind: so
-an upload waits for no report or search of another person, and these are not kept out by a row of uploads.
+an upload waits for no report or search of another person, and these are not kept out by a row of uploads.  One more
+place, of either kind, is for clients who have no task in work: however long those of another take, they begin at once.
 """
 
 import threading
@@ -143,7 +144,7 @@ class FairProcesses:
                 lane = self._free_lane()
                 if self._stopped or lane is None:
                     return
-                taken = lane.waiting.take()
+                taken = lane.waiting.take(partial(self._may_begin, lane))
                 assert taken is not None
                 client, task = taken
                 lane.running[client] += 1
@@ -162,10 +163,13 @@ class FairProcesses:
 
     def _free_lane(self) -> _Lane | None:
         """One with a task that can begin now, uploads first; holding the lock."""
-        if sum(lane.running.total() for lane in self._lanes) > self.workers:
-            return None
-        free = (lane for lane in self._lanes if lane.waiting and lane.running.total() < self.workers)
-        return next(free, None)
+        return next((lane for lane in self._lanes if lane.waiting.has(partial(self._may_begin, lane))), None)
+
+    def _may_begin(self, lane: _Lane, client: str) -> bool:
+        """Whether there is a place in this lane for one more task of the client; holding the lock."""
+        own = 0 if any(each.running[client] for each in self._lanes) else 1
+        all_running = sum(each.running.total() for each in self._lanes)
+        return lane.running.total() < self.workers + own and all_running < self.workers + 1 + own
 
     def _end(self, task: _Task, ended: "Future[Any]") -> None:
         self._one_less(task)
