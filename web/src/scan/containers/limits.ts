@@ -3,7 +3,7 @@ import * as text from "./text";
 
 export const MEBIBYTE = 2 ** 20;
 export const MOST_BYTES = 400 * MEBIBYTE;
-export const MOST_TRIANGLES = 5_000_000;
+export const MOST_TRIANGLES = 2_000_000;
 export const MOST_SECONDS = 120; // a scan of a million triangles takes two
 
 /** Something is wrong with the file; the message is a sentence for the person who chose it. */
