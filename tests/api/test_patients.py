@@ -123,7 +123,7 @@ def test_who_has_not_seen_the_plan_does_not_replace_it(client: FlaskClient, add:
         (TUMOUR | {"id": "t", "distance_mm": 1e20}, "distance_mm"),
         (
             {"id": "p", "kind": "pattern", "name": "periareolar", "parameters": {"outer_mm": 1e20}},
-            "outer_mm of periareolar cannot be 1e20",
+            "outer_mm of periareolar cannot be 1e+20",
         ),
     ],
 )

@@ -33,7 +33,7 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, Fl
 def fitted(service: Service, client: FlaskClient, scan: dict, landmarks: dict, **wishes: object) -> dict:
     """result.json of a fit that is checked on its way."""
     assert client.put(scan["links"]["landmarks"], json={"landmarks": landmarks}).status_code == 200
-    links = client.post("/api/fits", json={"scan": scan["id"], **wishes}).json["links"]
+    links = client.post("/api/fits", json={"scan": scan["id"], "drawing": "lumpectomy", **wishes}).json["links"]
     fit = ended(service, links["self"].rsplit("/", 1)[1])
     assert fit.state == "done", fit.reason
     events = client.get(links["events"] + ".json").json["events"]
@@ -121,6 +121,10 @@ def test_a_fit_goes_on_from_an_earlier_one_of_its_scan(real: tuple[Service, Flas
     body = {"scan": scan["id"], "landmarks": picked}
     first = client.post("/api/fits", json=body).json
     assert ended(service, first["id"]).state == "done"
+    assert client.get(first["links"]["self"]).json["drawing"] is None
+    with client.get(first["links"]["drawing"]) as drawing, client.get(first["links"]["fitted_glb"]) as glb:
+        assert drawing.json["shapes"] == []  # nobody asked for any
+        assert b"sternum_upper" not in glb.data
     moved = picked | {"umbilicus": np.add(picked["umbilicus"], [0.0, 8.0, 0.0]).tolist()}
     again = client.post("/api/fits", json=body | {"landmarks": moved, "start_from": first["id"]}).json
     done = ended(service, again["id"])

@@ -15,9 +15,11 @@ from helpers.waiting import ended
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.api.wire.files import MeasuresFile
+from breastrig.drawings.plan_schema import ITEMS, POINTS, TEXT
 from breastrig.execution.limits import FitLimits
 from breastrig.service.reports import TWO_PATIENTS
 from breastrig.service.service import Service
+from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage, utc_now
 from breastrig.workflow.further_jobs import ReportJob
 from breastrig.workflow.report import report_files, reported
@@ -40,7 +42,8 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Real]:
             patient = patient or scan["patient"]
             client.put(f"/api/scans/{scan['id']}/patient", json={"patient": patient})
             picked = scan["example_landmarks"]["landmarks"]
-            fits[name] = client.post("/api/fits", json={"scan": scan["id"], "landmarks": picked}).json["id"]
+            asked = {"scan": scan["id"], "landmarks": picked, "drawing": "lumpectomy"}
+            fits[name] = client.post("/api/fits", json=asked).json["id"]
             assert ended(service, fits[name]).state == "done"
         yield service, client, scans, fits
 
@@ -217,6 +220,63 @@ def test_a_fit_without_the_files_of_one_is_a_sentence_without_folders(client: Fl
     answer = client.get(f"/api/fits/{fit_id}/report.pdf")
     assert answer.status_code == 422
     assert "/" not in answer.json["detail"].replace("/result.json", "")
+
+
+@pytest.mark.usefixtures("blank")
+def test_no_length_that_a_plan_can_reach_ends_the_patient(real: Real) -> None:
+    """A megabyte, with as many items and points as the schema takes: nudged, fitted again, drawn, reported, shared."""
+    service, client, scans, fits = real
+    scan = scans["standing"]
+    picked = get_fit(service.storage, fits["standing"]).landmarks_mm
+    lines = [
+        {"kind": "line", "id": f"l{k}".ljust(64, "x"), "scan": scan, "name": f"line {k} ".ljust(100, "y")}
+        | {"points": [[*map(round, picked["xiphoid"])]] * (POINTS // 10)}
+        for k in range(10)
+    ]
+    parameters = dict.fromkeys(("areola_mm", "limb_mm"), 40.0 + 1 / 3) | {"side": "both", "opening_deg": 90 + 1 / 3}
+    parameters |= dict.fromkeys(("nipple_above_fold_mm", "nipple_outward_mm", "fold_below_mm"), -1 / 3)
+    wise = {"kind": "pattern", "id": "w" * 64, "scan": scan, "name": "reduction"}
+    wise |= {"parameters": parameters | {"limb_angle_deg": 60 + 1 / 3}}
+    tumours = [
+        {"kind": "tumour", "id": f"t{k}", "scan": scan, "side": "LR"[k % 2], "clock": 1 + k / 3, "depth_mm": 100 / 3}
+        | {"distance_mm": 60 / 3.3, "radius_mm": 30 / 3.7}
+        for k in range(30)
+    ]
+    others = ITEMS - len(lines) - len(tumours) - 1
+    notes = [{"kind": "note", "id": f"n{k}", "scan": scan, "text": ("word " * 10).strip()} for k in range(others)]
+    notes[0]["text"] = "x" * TEXT
+    plan = client.get(f"/api/scans/{scan}").json["links"]["plan"]
+    seen = client.get(plan).headers["ETag"]
+    stored = client.put(plan, json={"items": [*lines, wise, *tumours, *notes]}, headers={"If-Match": seen})
+    assert stored.status_code == 200, stored.json
+
+    by_text = "+".join(
+        ["reduction:" + ",".join(f"{key}={value}" for key, value in wise["parameters"].items())]
+        + [f"tumour:{each['side']},{each['clock']},{each['distance_mm']},{each['radius_mm']}" for each in tumours]
+    )
+    moved = picked | {"nipple_L": [value + 1.0 for value in picked["nipple_L"]]}
+    assert client.post(f"/api/fits/{fits['standing']}/moved", json={"landmarks": moved}).status_code == 200
+    again = {"scan": scan, "landmarks": moved, "start_from": fits["standing"]}
+    for body in (again, again | {"drawing": by_text}):
+        answer = client.post("/api/fits", json=body)
+        assert answer.status_code == 202, answer.json
+        assert ended(service, answer.json["id"]).state == "done"
+        links = client.get(answer.json["links"]["self"]).json["links"]
+        with client.get(links["drawing"]) as answer:
+            names = {shape["name"] for shape in answer.json["shapes"]}
+        assert names >= {"tumour_L", "tumour_15_L", "tumour_15_R"} if "drawing" in body else not names
+        drawn = client.get(links["plan"]).json
+        assert {shape["item"] for shape in drawn["shapes"]} >= {each["id"] for each in (*lines, *tumours)}
+        assert len(drawn["notes"]) == others
+        glb = client.get(links["fitted_glb"])
+        assert glb.status_code == 200, glb.json
+    report = client.get(links["report"])
+    assert report.status_code == 200, report.json
+    token = client.post(links["shares"], json={"scan": "plain"}).json["url"].removeprefix("/s#")
+    visitor = client.application.test_client()
+    opened = visitor.post("/api/shared/open", json={"token": token}).json["links"]
+    assert visitor.get(opened["report"]).status_code == visitor.get(opened["plan"]).status_code == 200
+    client.put(plan, json={"items": []}, headers={"If-Match": stored.headers["ETag"]})
 
 
 @pytest.mark.usefixtures("blank")

@@ -38,7 +38,9 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, Fl
         for name in ("standing", "supine"):
             scan = client.post(f"/api/examples/{name}").json
             picked = scan["example_landmarks"]["landmarks"]
-            fits[name] = client.post("/api/fits", json={"scan": scan["id"], "landmarks": picked}).json["id"]
+            fits[name] = client.post(
+                "/api/fits", json={"scan": scan["id"], "landmarks": picked, "drawing": "lumpectomy"}
+            ).json["id"]
             assert ended(service, fits[name]).state == "done"
         yield service, client, fits
 

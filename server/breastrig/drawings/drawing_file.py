@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.drawings.drawing_schema import GivenDrawing, GivenShape
+from breastrig.drawings.drawing_schema import GivenDrawing, GivenShape, PlannedDrawing, PlannedShape
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import DrawnShape, Rig
@@ -69,6 +69,12 @@ def lines_on_scan(content: bytes | dict[str, Any], unit: str) -> tuple[Polyline,
     return _on_scan(found, unit)
 
 
+def planned_on_scan(document: dict[str, Any]) -> tuple[Polyline, ...]:
+    """The polylines of a plan on a scan as `plan_document` writes it, in metres."""
+    found = PlannedDrawing.model_validate(document)
+    return _on_scan(found, found.unit)
+
+
 def shape_document(line: Polyline, metres_per_unit: float) -> dict[str, Any]:
     """The line as a shape of a drawing file in this unit; what is not known of it is left out."""
     document: dict[str, Any] = {
@@ -88,12 +94,12 @@ def millimetres(lengths: Array) -> list[float | None]:
     return [round(1e3 * float(value), 3) if np.isfinite(value) else None for value in lengths]
 
 
-def _on_scan(drawing: GivenDrawing, unit: str) -> tuple[Polyline, ...]:
+def _on_scan(drawing: GivenDrawing | PlannedDrawing, unit: str) -> tuple[Polyline, ...]:
     per_unit = METRES_PER_UNIT[drawing.unit or unit]
     return tuple(_polyline(shape, per_unit) for shape in drawing.shapes if shape.points)
 
 
-def _polyline(shape: GivenShape, per_unit: float) -> Polyline:
+def _polyline(shape: GivenShape | PlannedShape, per_unit: float) -> Polyline:
     points = per_unit * np.array(shape.points, dtype=np.float64)
     bridged = np.array(shape.bridged) if shape.bridged else np.zeros(len(points), dtype=np.bool_)
     error = 1e-3 * np.array(shape.error_mm, dtype=np.float64) if shape.error_mm else None  # null becomes nan

@@ -127,6 +127,20 @@ class GivenDrawing(Part):
         return self
 
 
+class PlannedShape(DrawnShape):
+    """One line of a plan on a scan; its name may have become longer than the one that was given."""
+
+    name: str = Field(min_length=1)
+    label: str = ""
+
+
+class PlannedDrawing(Part):
+    """A plan on a scan, which this program has made: it has the lines of all items, however many."""
+
+    unit: LineUnit
+    shapes: list[PlannedShape]
+
+
 def _check_lengths(name: str, points: int, bridged: list[bool] | None, error_mm: list[float | None] | None) -> None:
     """BadDrawing, which Pydantic hands on as it is, when something is said of other points than there are."""
     for said, what in ((bridged, "whether they are bridged"), (error_mm, "how far off they may be")):

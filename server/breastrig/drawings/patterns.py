@@ -60,13 +60,13 @@ NEEDED_MARKS: dict[str, set[str]] = {  # landmarks of each side
     "tumour": {"nipple"},
     "tumour_at": set(),
 }
+FIXED = 'The drawing "{}" is a fixed one of the model and has no parameters.'
 
 
 @dataclass(frozen=True, eq=False)
 class AskedDrawing:
     """A checked request, not yet drawn."""
 
-    text: str
     fixed: tuple[ModelDrawing, ...]
     patterns: tuple[tuple[str, Pattern], ...]
 
@@ -131,19 +131,26 @@ def offered_patterns(rig: Rig) -> tuple[tuple[str, str], ...]:
 
 def asked_drawing(rig: Rig, text: str) -> AskedDrawing:
     """The checked request; BadDrawing says which word or number is wrong."""
-    fixed, patterns = [], []
-    of_the_model = {drawing.name: drawing for drawing in rig.drawings}
+    parts = []
     for part in text.split("+"):
         name, colon, values = (word.strip() for word in part.partition(":"))
-        if name in of_the_model:
-            if colon:
-                raise BadDrawing(f'The drawing "{name}" is a fixed one of the model and has no parameters.')
-            fixed.append(of_the_model[name])
-        elif name in PATTERNS:
-            patterns.append((name, _parameters(name, values)))
-        else:
-            raise BadDrawing(unknown_name("drawing of this model", name, known_drawings(rig)))
-    return AskedDrawing(text, tuple(fixed), tuple(patterns))
+        if colon and name in rig.drawing_names:
+            raise BadDrawing(FIXED.format(name))
+        parts.append(drawing_with(rig, name, _parameters(name, values) if name in PATTERNS else {}))
+    fixed, patterns = ([one for each in parts for one in each.fixed], [one for each in parts for one in each.patterns])
+    return AskedDrawing(tuple(fixed), tuple(patterns))
+
+
+def drawing_with(rig: Rig, name: str, given: Mapping[str, float | str]) -> AskedDrawing:
+    """The model's drawing or the pattern of this name, checked; BadDrawing says which word or number is wrong."""
+    for drawing in rig.drawings:
+        if drawing.name == name:
+            if given:
+                raise BadDrawing(FIXED.format(name))
+            return AskedDrawing((drawing,), ())
+    if name not in PATTERNS:
+        raise BadDrawing(unknown_name("drawing of this model", name, known_drawings(rig)))
+    return AskedDrawing((), ((name, pattern_of(name, given)),))
 
 
 def pattern_of(name: str, given: Mapping[str, float | str]) -> Pattern:
@@ -195,7 +202,8 @@ def pattern_help() -> str:
     return ". ".join(sentences) + "."
 
 
-def _parameters(name: str, values: str) -> Pattern:
+def _parameters(name: str, values: str) -> dict[str, str]:
+    """{name: value} of a pattern's part of a text."""
     kind = PATTERNS[name]
     given: dict[str, str] = {}
     in_order = all(field.is_required() for field in kind.model_fields.values())
@@ -211,7 +219,7 @@ def _parameters(name: str, values: str) -> Pattern:
         if key in given:
             raise BadDrawing(f"The parameter {key} of {name} is given twice.")
         given[key] = value
-    return pattern_of(name, given)
+    return given
 
 
 def _example(kind: type[BaseModel]) -> str:

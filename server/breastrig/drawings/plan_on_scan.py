@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from breastrig.core.errors import BadDrawing
+from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.line_error import with_errors
-from breastrig.drawings.patterns import asked_drawing
-from breastrig.drawings.plan_schema import PlanItem, PlanLine, PlanNote, drawing_text
+from breastrig.drawings.patterns import drawing_with
+from breastrig.drawings.plan_schema import PlanItem, PlanLine, PlanNote, asked_of
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
@@ -74,22 +75,23 @@ def plan_on_scan(rig: Rig, here: PlannedScan, others: Sequence[PlannedScan]) -> 
 def _drawn(rig: Rig, scan: FittedScan, items: Sequence[PlanItem]) -> tuple[list[PlannedLine], list[MissingItem]]:
     """The items on the scan that they were made on."""
     lines, missing = [], []
+    skin = FittedSkin(rig, scan.vertices, scan.known)
     for item in items:
         try:
-            lines += [PlannedLine(item, line, part, False) for line, part in _lines(rig, scan, item)]
+            lines += [PlannedLine(item, line, part, False) for line, part in _lines(skin, scan, item)]
         except BadDrawing as error:
             missing.append(MissingItem(item, str(error)))
     return lines, missing
 
 
-def _lines(rig: Rig, scan: FittedScan, item: PlanItem) -> list[tuple[Polyline, str]]:
+def _lines(skin: FittedSkin, scan: FittedScan, item: PlanItem) -> list[tuple[Polyline, str]]:
     if isinstance(item, PlanLine):
         line = _on_skin(item.name, item.closed, item.color, item.points, item.bridged)
         error = None if item.error_mm is None else 1e-3 * np.array(item.error_mm, dtype=np.float64)  # null becomes nan
         return [(replace(line, error=error), "")]
     if isinstance(item, PlanNote):
         return [] if item.point is None else [(_on_skin(item.id, False, NOTE_COLOR, [item.point]), "")]
-    drawing = asked_drawing(rig, drawing_text(item)).on_model(rig, scan.vertices, scan.known)
+    rig, drawing = skin.rig, drawing_with(skin.rig, *asked_of(item)).on_skin(skin)
     found = with_errors(rig, scan.search(rig), scan.radii, on_scan(rig, scan.vertices, drawing, scan.target))
     return [(line, line.name) for line in found]
 

@@ -149,17 +149,8 @@ def line_item(shape: dict[str, Any], item_id: str, scan: str) -> PlanLine:
     return PlanLine.model_validate({key: shape[key] for key in fields if key in shape} | {"id": item_id, "scan": scan})
 
 
-def drawing_text(item: PlanPattern | PlanTumour) -> str:
-    """What the item asks for, as patterns.py reads it."""
+def asked_of(item: PlanPattern | PlanTumour) -> tuple[str, Mapping[str, float | str]]:
+    """Name and parameters of what the item asks for, as patterns.py takes them."""
     if isinstance(item, PlanTumour):
-        given = {"side": item.side, "clock": item.clock, "distance_mm": item.distance_mm, "radius_mm": item.radius_mm}
-        return f"tumour:{_pairs(given)}"
-    return f"{item.name}:{_pairs(item.parameters)}" if item.parameters else item.name
-
-
-def _pairs(values: Mapping[str, float | str]) -> str:
-    """name=value,...; a plus sign, as in 1e+20, would begin another drawing."""
-    words = {
-        key: f"{value:.12g}".replace("+", "") if isinstance(value, float) else value for key, value in values.items()
-    }
-    return ",".join(f"{key}={word}" for key, word in words.items())
+        return "tumour", item.model_dump(include={"side", "clock", "distance_mm", "radius_mm"})
+    return item.name, item.parameters

@@ -12,7 +12,7 @@ from typing import Any
 
 from breastrig.core.errors import BreastRigError, Conflict, NotFound
 from breastrig.core.indented_json import indented
-from breastrig.drawings.drawing_file import lines_on_scan
+from breastrig.drawings.drawing_file import planned_on_scan
 from breastrig.execution.fair_processes import FairProcesses
 from breastrig.report.files.line_files import rgb
 from breastrig.service.failed_tasks import explained
@@ -110,7 +110,7 @@ class Plans:
             fitted = opened.read()
         from breastrig.gltf.lines.with_lines import with_lines  # as in api/served_model.py
 
-        drawn = lines_on_scan(found[0], "mm")  # the document says its unit
+        drawn = planned_on_scan(found[0])
         return with_lines(fitted, [(line.name, line.points, line.closed, rgb(line.color)) for line in drawn])
 
     def forget(self) -> None:

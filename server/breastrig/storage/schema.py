@@ -105,7 +105,7 @@ fits = Table(
     Column("stance", String(16), nullable=False),  # the decided one, once the fit has started
     Column("asked_stance", String(16)),  # null in rows of older versions
     Column("preset", String(100), nullable=False),
-    Column("drawing", String(100)),
+    Column("drawing", Text),  # as it was asked for, see drawings/patterns.py
     Column("landmarks_mm", Text, nullable=False),  # JSON, as they were when the fit was asked for
     Column("certain", Text, nullable=False, server_default="[]"),  # JSON, names among them
     Column("confidence", Text, nullable=False, server_default="{}"),  # JSON, {name: 0 to 1} of proposed ones

@@ -11,7 +11,7 @@ from pydantic import BaseModel, FiniteFloat, ValidationError
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.identity import Identity
 from breastrig.core.private_files import private_folder, read_ordinary, write_private
-from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan
+from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan, planned_on_scan
 from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -114,7 +114,7 @@ def planned_lines(folder: Path, unit: str, plan: PlanLines | None) -> tuple[Poly
     if plan is None:
         return drawn_lines(folder, unit)
     document, is_whole = plan
-    planned = _without_own_errors(lines_on_scan(document, unit), document)
+    planned = _without_own_errors(planned_on_scan(document), document)
     if is_whole:
         return planned
     named = {line.name for line in planned}

@@ -264,7 +264,7 @@ export type FitRequest = {
   scan: string;
   stance?: "auto" | "standing" | "supine";
   preset?: string;
-  /** null for none */
+  /** drawings of the model and patterns with parameters, joined by +; null for none: the plan of the patient is drawn on every fit without being asked for (plan.json) */
   drawing?: string | null;
   /** millimetres, the scan's own frame; by default those stored with the scan */
   landmarks?: Record<string, [number, number, number]> | null;

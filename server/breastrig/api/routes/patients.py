@@ -15,8 +15,8 @@ from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.routes.paging import next_page
 from breastrig.api.wire import patients as wire
 from breastrig.core.errors import BadDrawing
-from breastrig.drawings.patterns import asked_drawing
-from breastrig.drawings.plan_schema import Plan, PlanLine, PlanNote, drawing_text
+from breastrig.drawings.patterns import drawing_with
+from breastrig.drawings.plan_schema import Plan, PlanLine, PlanNote, asked_of
 from breastrig.storage.rows.fits import FitRow, newest_fits
 from breastrig.storage.rows.patients import (
     PatientRow,
@@ -180,7 +180,7 @@ def _check(plan: Plan, patient_id: str) -> None:
         elif isinstance(item, PlanNote):
             check_near_scan(item.text[:40], [] if item.point is None else [item.point], scan)
         else:
-            asked_drawing(context.model.rig, drawing_text(item))
+            drawing_with(context.model.rig, *asked_of(item))
 
 
 def _plan_answer(patient_id: str, plan: PlanRow) -> Response:

@@ -23,6 +23,7 @@ Three = Annotated[list[float], Field(min_length=3, max_length=3)]
 Number = Annotated[FiniteFloat, Field(ge=-1e9, le=1e9)]
 Name = Annotated[str, Field(min_length=1, max_length=100)]
 
+LONGEST_DRAWING = 1_000_000  # characters: a plan of 500 items with 20 parameters each has 0.9 million
 UNITS: tuple[Units, ...] = ("auto", "m", "dm", "cm", "mm", "in", "ft")
 
 
@@ -214,7 +215,11 @@ class FitRequest(Wire):
     scan: Name = Field(description="id of the scan")
     stance: StanceWish = "auto"
     preset: Name = "default"
-    drawing: Name | None = Field("lumpectomy", description="null for none")
+    drawing: Annotated[str, Field(min_length=1, max_length=LONGEST_DRAWING)] | None = Field(
+        None,
+        description="drawings of the model and patterns with parameters, joined by +; null for none: the plan "
+        "of the patient is drawn on every fit without being asked for (plan.json)",
+    )
     landmarks: dict[Name, Point] | None = Field(
         None, max_length=200, description="millimetres, the scan's own frame; by default those stored with the scan"
     )
