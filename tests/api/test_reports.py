@@ -223,6 +223,42 @@ def test_a_fit_without_the_files_of_one_is_a_sentence_without_folders(client: Fl
 
 
 @pytest.mark.usefixtures("blank")
+def test_a_report_with_a_plan_is_remembered_and_not_kept_on_the_disk(real: Real) -> None:
+    """It may hold what was carried from another scan, and must not outlive that scan's deletion."""
+    service, client, scans, fits = real
+    folder = service.storage.folders.fit(fits["standing"])
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    plan = client.get(f"/api/scans/{scans['standing']}").json["links"]["plan"]
+    seen = client.get(plan).headers["ETag"]
+    note = {"kind": "note", "id": "n", "scan": scans["standing"], "text": "wants it smaller"}
+    tumour = {"kind": "tumour", "id": "t", "scan": scans["standing"], "side": "L", "clock": 3.0, "distance_mm": 30.0}
+    items = [note, tumour | {"radius_mm": 10.0, "depth_mm": 15.0}]
+    stored = client.put(plan, json={"items": items}, headers={"If-Match": seen})
+    assert stored.status_code == 200, stored.json
+    address = f"/api/fits/{fits['standing']}/report.pdf"
+    first = client.get(address).data
+    text = text_of(first)
+    assert all(words in text for words in ("Tumour, left", "wants it smaller", "Hour 3:00", "Below the skin 15 mm"))
+    assert f"plan, version 1 {utc_now()[:10]}" in text
+    assert "Sternum upper" not in text  # the plan speaks for the fit's own drawing
+    assert client.get(address).data == first
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    client.put(plan, json={"items": []}, headers={"If-Match": stored.headers["ETag"]})
+    assert "wants it smaller" not in text_of(client.get(address).data)
+
+
+@pytest.mark.usefixtures("blank")
+def test_deleting_the_scan_deletes_the_report(real: Real) -> None:
+    service, client, scans, fits = real
+    place = f"/api/fits/{fits['standing']}/report.pdf"
+    assert client.get(place).status_code == 200
+    assert client.delete(f"/api/scans/{scans['standing']}").status_code == 204
+    assert client.get(place).status_code == 404
+    for name in ("report.pdf", "measures.json"):
+        assert not list(service.storage.root.rglob(name))
+
+
+@pytest.mark.usefixtures("blank")
 def test_no_length_that_a_plan_can_reach_ends_the_patient(real: Real) -> None:
     """A megabyte, with as many items and points as the schema takes: nudged, fitted again, drawn, reported, shared."""
     service, client, scans, fits = real
@@ -277,39 +313,3 @@ def test_no_length_that_a_plan_can_reach_ends_the_patient(real: Real) -> None:
     opened = visitor.post("/api/shared/open", json={"token": token}).json["links"]
     assert visitor.get(opened["report"]).status_code == visitor.get(opened["plan"]).status_code == 200
     client.put(plan, json={"items": []}, headers={"If-Match": stored.headers["ETag"]})
-
-
-@pytest.mark.usefixtures("blank")
-def test_a_report_with_a_plan_is_remembered_and_not_kept_on_the_disk(real: Real) -> None:
-    """It may hold what was carried from another scan, and must not outlive that scan's deletion."""
-    service, client, scans, fits = real
-    folder = service.storage.folders.fit(fits["standing"])
-    before = {path.name: path.read_bytes() for path in folder.iterdir()}
-    plan = client.get(f"/api/scans/{scans['standing']}").json["links"]["plan"]
-    seen = client.get(plan).headers["ETag"]
-    note = {"kind": "note", "id": "n", "scan": scans["standing"], "text": "wants it smaller"}
-    tumour = {"kind": "tumour", "id": "t", "scan": scans["standing"], "side": "L", "clock": 3.0, "distance_mm": 30.0}
-    items = [note, tumour | {"radius_mm": 10.0, "depth_mm": 15.0}]
-    stored = client.put(plan, json={"items": items}, headers={"If-Match": seen})
-    assert stored.status_code == 200, stored.json
-    address = f"/api/fits/{fits['standing']}/report.pdf"
-    first = client.get(address).data
-    text = text_of(first)
-    assert all(words in text for words in ("Tumour, left", "wants it smaller", "Hour 3:00", "Below the skin 15 mm"))
-    assert f"plan, version 1 {utc_now()[:10]}" in text
-    assert "Sternum upper" not in text  # the plan speaks for the fit's own drawing
-    assert client.get(address).data == first
-    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
-    client.put(plan, json={"items": []}, headers={"If-Match": stored.headers["ETag"]})
-    assert "wants it smaller" not in text_of(client.get(address).data)
-
-
-@pytest.mark.usefixtures("blank")
-def test_deleting_the_scan_deletes_the_report(real: Real) -> None:
-    service, client, scans, fits = real
-    place = f"/api/fits/{fits['standing']}/report.pdf"
-    assert client.get(place).status_code == 200
-    assert client.delete(f"/api/scans/{scans['standing']}").status_code == 204
-    assert client.get(place).status_code == 404
-    for name in ("report.pdf", "measures.json"):
-        assert not list(service.storage.root.rglob(name))

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from breastrig.drawings.pattern_parameters import Parameter, parameters_of
-from breastrig.drawings.patterns import LABELS, PATTERNS, asked_drawing
-from breastrig.drawings.plan_schema import PlanItem, PlanLine, PlanNote, PlanPattern, PlanTumour, drawing_text
+from breastrig.drawings.patterns import LABELS, PATTERNS, drawing_with
+from breastrig.drawings.plan_schema import PlanItem, PlanLine, PlanNote, PlanPattern, PlanTumour, asked_of
 from breastrig.report.document import PlannedItem
 from breastrig.report.pages.names import spoken
 from breastrig.workflow.folder.fit_folder import FitFolder
@@ -64,7 +64,7 @@ def _value(parameter: Parameter, value: float | str | None) -> str:
 
 def _as_drawn(item: PlanPattern, fit: FitFolder) -> tuple[tuple[str, str], ...]:
     """What a pattern chose itself, which its lines are labelled with: limbs of 46.5 mm."""
-    drawn = asked_drawing(fit.rig, drawing_text(item)).on_model(fit.rig, fit.vertices, fit.seen | fit.landmarks)
+    drawn = drawing_with(fit.rig, *asked_of(item)).on_model(fit.rig, fit.vertices, fit.seen | fit.landmarks)
     return tuple(("As drawn", shape.label) for shape in drawn.shapes if any(map(str.isdigit, shape.label)))
 
 
