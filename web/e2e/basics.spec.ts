@@ -66,7 +66,7 @@ test("the landmarks are saved in the four kinds that the page and other programs
     await expect(menu).toBeInViewport({ ratio: 1 });
     if (name === "landmarks.json") await page.screenshot({ path: info.outputPath("menu.png") });
     const [download] = await Promise.all([page.waitForEvent("download"), menu.getByRole("button", { name }).click()]);
-    expect(download.suggestedFilename()).toBe(name);
+    expect(download.suggestedFilename()).toMatch(new RegExp(`^[A-Z0-9]{3}-[A-Z0-9]{3}_standing_\\d{4}-\\d{2}-\\d{2}_${name}$`));
     await expect(menu).toBeHidden();
     const file = await download.path();
     const copy = info.outputPath(name);

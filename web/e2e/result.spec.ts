@@ -113,7 +113,8 @@ test("distances are coloured, read under the pointer, and are the service's", as
 
     await page.getByRole("button", { name: "Export" }).click();
     const [picture] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: /^Picture of this view/ }).click()]);
-    expect(picture.suggestedFilename()).toBe("breastrig.png");
+    await expect(page.getByRole("banner").getByTitle("The patient's code")).toHaveText(/^[A-Z0-9]{3}-[A-Z0-9]{3}$/);
+    expect(picture.suggestedFilename()).toMatch(/^[A-Z0-9]{3}-[A-Z0-9]{3}_standing_\d{4}-\d{2}-\d{2}_view\.png$/);
     const png = readFileSync(await picture.path());
     const stage = (await page.locator("main.stage").boundingBox())!;
     expect(png.readUInt32BE(16)).toBe(2 * stage.width);

@@ -142,6 +142,8 @@ export type ExampleScan = {
   id: string;
   /** id of the patient whose scan it is */
   patient: string;
+  /** her code: a random one where nobody gave her one */
+  patient_code: string;
   /** unit that the file was read in */
   unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   unit_reason: string;
@@ -964,6 +966,8 @@ export type Scan = {
   id: string;
   /** id of the patient whose scan it is */
   patient: string;
+  /** her code: a random one where nobody gave her one */
+  patient_code: string;
   /** unit that the file was read in */
   unit: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   unit_reason: string;

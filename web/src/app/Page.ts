@@ -115,7 +115,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const top = createTopBar(actions, stances.element);
   const adding = createStancesDialog(actions.stances, () => dismiss("stances"));
   const measures = later(
-    only("meta", "problems", "fit", "stances"),
+    only("meta", "problems", "scan", "fit", "stances"),
     ({ stances }: Pick<Session, "meta" | "problems" | "fit" | "stances">) => stances.measures.isOpen,
     async () => (await import("../stances/MeasuresDialog")).createMeasuresDialog(actions.stances, () => dismiss("stances")),
   );

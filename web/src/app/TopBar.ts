@@ -14,6 +14,7 @@ type Shown = Pick<Session, "scan" | "fit" | "theme" | "isSignedIn">;
 
 /** `between`: stands after the title. */
 export function createTopBar(actions: Actions, between: HTMLElement): Panel<Shown> {
+  const code = el("strong", { class: "patient-code-shown", title: text.top.code });
   const title = el("span", { class: "scan-title" });
   const fresh = button(text.top.newScan, () => void actions.scan.leave());
   const share = button(text.top.share, () => void actions.share.open(), "quiet outlined", "link");
@@ -26,12 +27,14 @@ export function createTopBar(actions: Actions, between: HTMLElement): Panel<Show
     el("span", { "aria-hidden": "true" }, "?"),
   );
   const mark = el("span", { class: "logo", "aria-hidden": "true" });
-  const element = el("header", { class: "top-bar" }, mark, el("h1", {}, name), title, between, el("span", { class: "spring" }), share, files.element, fresh, theme, help, leave);
+  const element = el("header", { class: "top-bar" }, mark, el("h1", {}, name), code, title, between, el("span", { class: "spring" }), share, files.element, fresh, theme, help, leave);
   let drawn: Theme | null = null;
   return {
     element,
     select: only("scan", "fit", "theme", "isSignedIn"),
     update(state: Shown): void {
+      setText(code, state.scan?.info.patient_code ?? "");
+      show(code, state.scan !== null);
       setText(title, state.scan?.title ?? "");
       show(share, state.fit?.state === "done");
       files.update(state);

@@ -1,13 +1,14 @@
 // Files that the page makes itself: the picture of the view, and the distances as a table.
 import { distancesCsv } from "../fit/distances/distances";
 import type { FitSlice } from "../fit/state";
+import { fileName, type ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { saveBlob, saveFile } from "../ui/dom";
 import * as text from "./text";
 
-export function exportActions(store: Store<PageSlice & FitSlice>) {
+export function exportActions(store: Store<PageSlice & ScanSlice & FitSlice>) {
   let take: (() => Promise<Blob>) | null = null;
   return {
     /** Set by the view: how a picture of it is taken; without WebGL there is none. */
@@ -16,15 +17,17 @@ export function exportActions(store: Store<PageSlice & FitSlice>) {
     async save(): Promise<void> {
       try {
         if (!take) throw new Error("no view");
-        saveBlob(text.files.saveAs, await take());
+        const { scan, fit } = store.get();
+        saveBlob(scan ? fileName(scan, text.files.saveAs, fit?.result?.stance) : text.files.saveAs, await take());
       } catch {
         store.set((state) => withProblem(state, "page", text.files.failed));
       }
     },
 
     saveDistances: (): void => {
-      const distances = store.get().fit?.distances;
-      if (distances) saveFile(text.files.distances, distancesCsv(distances), "text/csv");
+      const { scan, fit } = store.get();
+      const distances = fit?.distances;
+      if (scan && distances) saveFile(fileName(scan, text.files.distances, fit.result?.stance), distancesCsv(distances), "text/csv");
     },
   };
 }

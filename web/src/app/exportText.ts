@@ -4,7 +4,7 @@ export const files = {
   scale: "10 cm at the middle of the body",
   menu: "Export",
   save: "Picture of this view",
-  saveAs: "breastrig.png",
+  saveAs: "view.png",
   saveHint: "PNG, twice the size, with scale and colours",
   distances: "distances.csv",
   distancesHint: "of each vertex of fitted.ply, mm",

@@ -14,6 +14,7 @@ export const page = {
 
 export const top = {
   newScan: "New scan",
+  code: "The patient's code",
   theme: (theme: Theme) => ({ system: "Theme: as the system", light: "Theme: light", dark: "Theme: dark" })[theme],
   share: "Share",
   signOut: "Sign out",

@@ -1,5 +1,6 @@
 // Step 4: the tools, and what lies on the body, line by line.
 import type { FitSlice } from "../fit/state";
+import { fileName, type ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { button, fileButton, iconButton, problem, segmented } from "../ui/controls";
@@ -14,7 +15,7 @@ import * as text from "./text";
 
 const words = text.drawing;
 
-type Shown = Pick<PageSlice & FitSlice & DrawingSlice, "meta" | "model" | "problems" | "drawing" | "fit" | "isStarting" | "drawn" | "hasPen" | "fingersDraw">;
+type Shown = Pick<PageSlice & ScanSlice & FitSlice & DrawingSlice, "meta" | "model" | "problems" | "scan" | "drawing" | "fit" | "isStarting" | "drawn" | "hasPen" | "fingersDraw">;
 
 /** `more`: what other features have to say about the drawing, below the rest. */
 export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dismiss: () => void, dismissFit: () => void, more: HTMLElement): Panel<Shown> {
@@ -43,7 +44,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   file.querySelector("input")!.id = "drawing-file";
   file.querySelector("span")!.className = "visually-hidden";
   file.title = words.importHint;
-  const save = button(words.exportFile, () => state && saveFile("drawing.json", toText(state.drawn.lines.present), "application/json"), "quiet");
+  const save = button(words.exportFile, () => state?.scan && saveFile(fileName(state.scan, "drawing.json", state.fit?.result?.stance), toText(state.drawn.lines.present), "application/json"), "quiet");
   save.title = words.exportHint;
   const wrong = problem(dismiss);
   const corners = createCorners(drawing);
@@ -69,7 +70,7 @@ export function createDrawingPanel(drawing: DrawingActions, plan: PlanWords, dis
   );
   return {
     element,
-    select: only("meta", "model", "problems", "drawing", "fit", "isStarting", "drawn", "hasPen", "fingersDraw"),
+    select: only("meta", "model", "problems", "scan", "drawing", "fit", "isStarting", "drawn", "hasPen", "fingersDraw"),
     update(session: Shown): void {
       state = session;
       const { drawn } = session;

@@ -30,6 +30,12 @@ export interface ScanSlice {
 
 export const initialScan: ScanSlice = { loading: null, scan: null, confirmed: null, showColours: true, showLoose: false, showRelief: true, isCropping: false, pointedCut: null, units: "auto" };
 
+const plain = (words: string): string => words.normalize("NFKD").replace(/[^\x20-\x7e]/g, "").replace(/[^A-Za-z0-9]+/g, "-").replace(/^-|-$/g, "");
+
+/** K7M-4QX_standing_2026-11-25_landmarks.csv: code, stance and day of the scan, as the service names its files. */
+export const fileName = ({ info }: Pick<ScanState, "info">, what: string, stance: string = info.stance.proposed): string =>
+  [plain(info.patient_code) || "no-code", plain(stance), info.created_at.slice(0, "2026-11-25".length), what].join("_");
+
 /** The view has found a table or loose pieces in this file's scan. */
 export const withLoose = ({ scan }: Pick<ScanSlice, "scan">, file: ArrayBuffer): Pick<ScanSlice, "scan"> => ({ scan: scan?.mesh === file ? { ...scan, hasLoose: true } : scan });
 

@@ -1,5 +1,6 @@
 // The table of measures: left, right and difference, of one stance or of both and the change between them.
 import type { FitSlice } from "../fit/state";
+import { fileName, type ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { button, iconButton, problem } from "../ui/controls";
@@ -16,11 +17,12 @@ const COLUMNS = ["left", "right", "difference"] as const;
 const HEADS = { left: words.left, right: words.right, difference: words.difference };
 const UNITS = { mm: "mm", ml: "ml", "1": "", grade: "" };
 
-type Shown = Pick<PageSlice & FitSlice & StancesSlice, "meta" | "problems" | "fit" | "stances">;
+type Shown = Pick<PageSlice & ScanSlice & FitSlice & StancesSlice, "meta" | "problems" | "scan" | "fit" | "stances">;
 
 export function createMeasuresDialog(stances: StancesActions, dismiss: () => void): Panel<Shown> {
   const close = (): void => void stances.measures(false);
   let file: StancesSlice["stances"]["measures"]["file"] = null;
+  let of: ScanSlice["scan"] = null;
   const says = el("p", { class: "muted" });
   const doubts = el("div", { role: "status" });
   const holder = el("div", { class: "measures-scroll", tabindex: 0, role: "region", "aria-labelledby": "measures-title" });
@@ -28,7 +30,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
   const signs = el("p", { class: "muted small" });
   const copied = el("span", { class: "muted small", role: "status" });
   const copy = button(words.copy, () => void copyTable(), "outlined");
-  const csv = button(words.csv, () => file && saveFile("measures.csv", measuresCsv(file), "text/csv"), "outlined", "download");
+  const csv = button(words.csv, () => file && of && saveFile(fileName(of, "measures.csv", file.stances.map(({ stance }) => stance).join(" ")), measuresCsv(file), "text/csv"), "outlined", "download");
   const report = el("a", { class: "button outlined", id: "report-both", download: "report.pdf" }, icon("download"), el("span", {}, words.report));
   const wrong = problem(dismiss);
   const element = el(
@@ -56,7 +58,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
 
   return {
     element,
-    select: only("meta", "problems", "fit", "stances"),
+    select: only("meta", "problems", "scan", "fit", "stances"),
     update(state: Shown): void {
       const { measures } = state.stances;
       if (measures.isOpen && !element.open) {
@@ -66,6 +68,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
       if (!measures.isOpen && element.open) element.close();
       if (!measures.isOpen) return;
       file = measures.file;
+      of = state.scan;
       show(busy, measures.isBusy);
       wrong.set(state.problems.stances);
       const table = file && measuresTable(file);

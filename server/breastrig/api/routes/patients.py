@@ -162,7 +162,10 @@ def show_plan_on_fit(fit_id: str) -> Response:
     What was made on another scan of hers is carried here, with the radius that holds the true place of each point
     with 90 %; from the newest fit of that scan.
     """
-    return bytes_answer(app_context().service.plans.on_fit(fit_id), JSON, PERSONAL)
+    service = app_context().service
+    response = bytes_answer(service.plans.on_fit(fit_id), JSON, PERSONAL)
+    response.headers["Content-Disposition"] = f"attachment; filename={service.reports.file_name('plan.json', fit_id)}"
+    return response
 
 
 def _check(plan: Plan, patient_id: str) -> None:

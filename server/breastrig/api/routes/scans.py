@@ -15,7 +15,7 @@ from breastrig.core.errors import NotFound
 from breastrig.scan.file_type import ENDINGS
 from breastrig.storage.files import MESH, THUMBNAIL, OpenedFile, scan_place
 from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts, put_cuts
-from breastrig.storage.rows.patients import patient_of_scan
+from breastrig.storage.rows.patients import get_patient, patient_of_scan
 from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks, get_scan, picks_digest, put_landmarks
 from breastrig.storage.storage import Storage
 
@@ -244,7 +244,8 @@ def cuts_answer(cuts: Cuts) -> wire.Cuts:
 def scan_answer(row: ScanRow) -> wire.Scan:
     """The stored row as the API shows it."""
     place = f"/api/scans/{row.id}"
-    patient = patient_of_scan(app_context().service.storage, row.id)
+    storage = app_context().service.storage
+    patient = patient_of_scan(storage, row.id)
     links = wire.ScanLinks(
         self=place,
         mesh=f"{place}/mesh.glb",
@@ -258,7 +259,8 @@ def scan_answer(row: ScanRow) -> wire.Scan:
         plan=f"/api/patients/{patient}/plan",
     )
     shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
-    return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **shown | cut_facts(row))
+    facts = shown | cut_facts(row) | {"patient_code": get_patient(storage, patient).code}
+    return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **facts)
 
 
 def cut_facts(row: ScanRow) -> dict[str, Any]:

@@ -1,5 +1,5 @@
 // The placed landmarks as a file, in four kinds.  A popover below its button, or above it where there is no room.
-import type { ScanSlice } from "../../scan/state";
+import { fileName, type ScanSlice } from "../../scan/state";
 import { el, icon, saveFile } from "../../ui/dom";
 import { certainNames } from "../certain";
 import { toCsv, toJson, toMeshlab, toSlicer } from "./writing";
@@ -25,7 +25,7 @@ export function landmarkExport(current: () => Pick<ScanSlice & LandmarksSlice, "
   const save = ({ ending, type, made }: (typeof KINDS)[number]): void => {
     menu.hidePopover();
     const state = current();
-    if (state?.scan) saveFile(`landmarks.${ending}`, made(state.picks.present, state.scan.info.unit, certainNames(state.picks.present, state.certain)), type);
+    if (state?.scan) saveFile(fileName(state.scan, `landmarks.${ending}`), made(state.picks.present, state.scan.info.unit, certainNames(state.picks.present, state.certain)), type);
   };
   const items = KINDS.map((kind) => el("button", { type: "button", class: "menu-item", onclick: () => save(kind) }, el("span", {}, `landmarks.${kind.ending}`), el("span", { class: "muted small" }, kind.hint)));
   const menu = el("div", { class: "menu", id: "landmark-export", popover: "auto", role: "group", "aria-label": words.exportHint }, ...items);
