@@ -13,7 +13,7 @@ export function scanInfo(id: string): Scan {
   const links = { self: `/api/scans/${id}`, mesh: `/api/scans/${id}/mesh.glb`, landmarks: `/api/scans/${id}/landmarks`, drawing: `/api/scans/${id}/drawing`, patient: `/api/patients/of-${id}`, plan: `/api/patients/of-${id}/plan` };
   const stance = { proposed: "standing", reason: "" };
   const frame = { up: [0, 1, 0] as Vector, front: [0, 0, 1] as Vector, confidence: 1, reason: "" };
-  return { id, patient: `of-${id}`, unit: "m", frame, stance, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
+  return { id, patient: `of-${id}`, patient_code: "K7M-4QX", created_at: "2026-11-25T09:00:00.000Z", unit: "m", frame, stance, links, colours: "none", notes: [], triangles: 1 } as unknown as Scan;
 }
 
 export function fitLinks(id: string) {
@@ -69,7 +69,7 @@ export function fakePlans() {
       all(link).push({ ...all(link)[0]!, version: version + 1, whole: true, items: JSON.parse(JSON.stringify(items)) as PlanItem[] });
       return all(link).at(-1)!;
     }),
-    planOnFit: vi.fn(async (link: string): Promise<PlanOnScan> => ({ schema: "breastrig/drawing@1", name: "plan", unit: "mm", notice: "", shapes: [], notes: [], missing: [], version: 1, whole: true, fit: link, carried_from: [] })),
+    planOnFit: vi.fn(async (link: string): Promise<PlanOnScan> => ({ schema: "breastrig/drawing@1", name: "plan", unit: "mm", notice: "", shapes: [], notes: [], missing: [], doubts: [], version: 1, whole: true, fit: link, carried_from: [] })),
     moveScan: vi.fn(async (_scan: string, patient: string) => ({ id: patient }) as Patient),
   };
 }
@@ -84,6 +84,7 @@ export function page(answers: Partial<Client> = {}) {
     saveCuts: vi.fn(async (_scan: Scan, cuts: readonly Cut[]) => ({ cuts: [...cuts], digest: cuts.length === 0 ? "" : `of ${cuts.map(({ lasso }) => lasso[0]![0]).join()}` })),
     landmarks: async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: {} }),
     ...fakePlans(),
+    patient: async (id: string) => ({ id, code: "K7M-4QX", scans: [] }),
     patients: async () => ({ patients: [], next: null }),
     proposed: async () => ({ landmarks: {} }),
     saveLandmarks: vi.fn(async (_scan: Scan, file: unknown) => file),

@@ -26,6 +26,7 @@ from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of, still
 from breastrig.workflow.further_jobs import PlanLines, ReportJob
 from breastrig.workflow.lines.plan_on_fit import plan_document, plan_on_folders
 from breastrig.workflow.lines.plan_words import planned_items
+from breastrig.workflow.one_body import body_doubt
 
 REPORT_RECORD = "report.json"
 MEASURES_TABLE = "measures.csv"
@@ -163,12 +164,14 @@ def reported(job: ReportJob) -> list[Reported]:
         _check_shown(folder, fit.result)
     plans = laid_plan(rig, job.plan, fits) if job.plan is not None else (job.plans or (None,) * len(fits))
     stances = [stance_of(folder, fit, plan) for folder, fit, plan in zip(folders, fits, plans, strict=True)]
+    doubt = body_doubt(*fits) if len(fits) == 2 else None
+    notes = [*job.notes, *([doubt] if doubt else ())]
     names = stance_names([stance.name for stance in stances])
     return [
         Reported(
             name,
             stance,
-            {**fit.result, "notes": [*job.notes, *fit.result["notes"]]},
+            {**fit.result, "notes": [*notes, *fit.result["notes"]]},
             measures(stance),
             _in_words(job, plan, fit),
         )

@@ -110,6 +110,7 @@ export const client = {
   /** The newest first; `address` is that of a further page. */
   patients: (address: string | null, search: string, order: "newest" | "code" | "deletion") =>
     askJson<PatientPage>(address ?? `/api/patients?limit=50&sort=${order}${search === "" ? "" : `&search=${id(search)}`}`),
+  patient: (patient: string) => askJson<Patient>(`/api/patients/${id(patient)}`),
   renamePatient: (patient: string, code: string) => askJson<Patient>(`/api/patients/${id(patient)}`, "PATCH", { code }),
   deletePatient: async (patient: string): Promise<void> => {
     await ask(`/api/patients/${id(patient)}`, { method: "DELETE", keepalive: true });

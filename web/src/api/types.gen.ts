@@ -793,6 +793,8 @@ export type PlanOnScan = {
   notes: PlannedNote[];
   /** items that cannot be shown here, and why */
   missing: MissingItem[];
+  /** why the scans that it was carried from may be another patient's, a sentence each */
+  doubts?: string[];
   /** of the plan */
   version: number;
   /** whether somebody has written the plan; false: the fit's own drawing still counts */

@@ -31,17 +31,13 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const proposals = createProposalSearch(store, client);
   const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refit });
   const plan = planActions(store, client);
-  const memory = typeof sessionStorage === "undefined" ? null : sessionStorage;
   const scan = scanActions(store, client, scanContents(landmarks, plan, fit.stop), proposals.lookOnce);
   const drawing = drawingActions(store, plan);
   const leaving = leavingActions(store, { landmarks, lines: drawing });
   const guarded = leaving.guarded(scan);
-  const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan }, memory);
-  const forgetScan = (id: string): void => {
-    stances.forget(id);
-  };
-  const patients = patientActions(store, client, forgetScan);
-  const deletion = deletionActions(store, client, { scan, fit, stances, patients, forgetScan });
+  const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan });
+  const patients = patientActions(store, client);
+  const deletion = deletionActions(store, client, { scan, fit, stances, patients });
   return {
     page: pageActions(store, proposals.lookOnce),
     view: viewActions(store),

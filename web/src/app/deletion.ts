@@ -16,7 +16,6 @@ interface Others {
   readonly fit: Pick<FitActions, "open">;
   readonly stances: Pick<StancesActions, "swap" | "remove" | "forget" | "restore">;
   readonly patients: { read(): Promise<void> };
-  forgetScan(scan: string): void;
 }
 
 export function deletionActions(store: Store<Session>, client: Client, others: Others) {
@@ -30,7 +29,6 @@ export function deletionActions(store: Store<Session>, client: Client, others: O
     store.set({ deletion: null });
     try {
       await client.deleteScan(deletion.scan);
-      others.forgetScan(deletion.scan.id);
       store.set({ announcement: text.deletion.announceDone });
       if (store.get().scan === null) void others.patients.read(); // the list stands there
     } catch (error) {
@@ -58,7 +56,7 @@ export function deletionActions(store: Store<Session>, client: Client, others: O
         await others.stances.swap({ isLeft: true });
         others.stances.remove();
       } else void others.scan.leave();
-      others.stances.forget(scan.info.id); // not to choose any more; taken back, it is opened, and so known again
+      others.stances.forget(scan.info.id); // not to choose any more; taken back, it is opened, and so there again
       const beside = stances.other?.scan ? { scan: stances.other.scan.info.id, isSecond: !stances.isSecond } : null;
       const deletion = { scan: scan.info, title: scan.title, fit: fit?.state === "done" ? fit.id : null, frame: scan.frameFrom === "person" ? scan.frame : null, beside };
       store.set({ deletion, announcement: text.deletion.soon(scan.title) });

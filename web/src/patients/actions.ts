@@ -12,7 +12,7 @@ const PAUSE_MS = 250; // while somebody types
 
 type State = PageSlice & PatientsSlice;
 
-export function patientActions(store: Store<State>, client: Pick<Client, "patients" | "renamePatient" | "deletePatient">, forgetScan: (scan: string) => void) {
+export function patientActions(store: Store<State>, client: Pick<Client, "patients" | "renamePatient" | "deletePatient">) {
   const going = new Map<string, ReturnType<typeof setTimeout>>();
   let typing: ReturnType<typeof setTimeout> | undefined;
   let asked = 0; // the list asked for last wins
@@ -40,9 +40,7 @@ export function patientActions(store: Store<State>, client: Pick<Client, "patien
     clearTimeout(going.get(id));
     if (!going.delete(id)) return;
     try {
-      const scans = store.get().patients.rows.find((row) => row.id === id)?.scans ?? [];
       await client.deletePatient(id);
-      scans.forEach((scan) => forgetScan(scan.id));
       store.set(({ patients }) => ({
         patients: { ...patients, rows: patients.rows.filter((row) => row.id !== id), going: patients.going.filter((each) => each !== id) },
         announcement: text.patients.announceGone(code),

@@ -37,7 +37,9 @@ export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
     const notes = carriedNote({ shapes: shown.flatMap((each) => each!.shapes) });
     const goals = shown.length === 2 ? `${mine} and ${its}` : other.drawn.onScan?.carried.shapes.length ? its : mine;
     const untold = [...(state.drawn.onScan?.plan.missing ?? []), ...(other.drawn.onScan?.plan.missing ?? [])].map(({ reason }) => reason);
+    const doubts = [...(state.drawn.onScan?.plan.doubts ?? []), ...(other.drawn.onScan?.plan.doubts ?? [])];
     const said = [
+      ...doubts.slice(0, 1), // both say the same of the same two bodies
       notes.error ? words.error(formatMmWhole(notes.error.median), formatMmWhole(notes.error.most)) : "",
       notes.bridged > 0 ? words.bridged(notes.bridged, notes.points) : "",
       ...new Set(untold),

@@ -1,14 +1,14 @@
-// Where the second scan comes from: a file, the example patient, or a scan that was open in this tab.
+// Where the second scan comes from: a file, the patient's other scans, or those filed under a code that is typed.
 import { SCAN_FILES } from "../scan/ScanPanel";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { button, fileButton, iconButton, problem } from "../ui/controls";
-import { el, fill, show } from "../ui/dom";
+import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import { close as closeText } from "../ui/text";
 import type { StancesActions } from "./actions";
-import type { StancesSlice } from "./state";
+import type { PatientScan, StancesSlice } from "./state";
 import * as text from "./text";
 
 const words = text.stances.dialog;
@@ -21,11 +21,22 @@ export function createStancesDialog(stances: StancesActions, dismiss: () => void
   const file = fileButton(words.upload, SCAN_FILES, "outlined wide", (chosen) => void stances.upload(chosen));
   file.querySelector("input")!.id = "second-scan-file";
   const examples = el("div", { class: "choices" });
-  const known = el("ul", { class: "choices" });
-  const none = el("p", { class: "muted small" }, words.knownNone);
+  const exampleLabel = el("p", { class: "label" }, words.examples);
+  const herLabel = el("p", { class: "label" });
+  const hers = el("ul", { class: "choices" });
+  const none = el("p", { class: "muted small" }, words.hersNone);
+  const code = el("input", { type: "text", id: "other-code", autocomplete: "off", placeholder: words.code, "aria-label": words.code });
+  const find = el("form", { class: "inline-form", onsubmit: (event) => (event.preventDefault(), void stances.name(code.value)) }, code, el("button", { type: "submit", class: "button outlined" }, words.find));
+  const moves = el("p", { class: "look-here small" });
+  const theirs = el("ul", { class: "choices" });
   const busy = el("div", { class: "muted", role: "status" }, words.busy);
   const wrong = problem(dismiss);
-  const choices = el("div", { class: "panel" }, file, el("p", { class: "label" }, words.examples), examples, el("p", { class: "label" }, words.known), known, none);
+  const elsewhere = el("details", {}, el("summary", {}, words.elsewhere), find, moves, theirs);
+  const choices = el("div", { class: "panel" }, file, herLabel, hers, none, exampleLabel, examples, elsewhere);
+  const offered = (scans: readonly PatientScan[]): HTMLElement[] =>
+    scans.map(({ id, stance, created_at }) =>
+      el("li", {}, el("button", { type: "button", class: "button outlined wide known", onclick: () => void stances.takeKnown(id) }, words.at(stance, moment.format(new Date(created_at))))),
+    );
   const element = el(
     "dialog",
     { class: "help stances-dialog", "aria-labelledby": "stances-title", onclose: close },
@@ -46,14 +57,17 @@ export function createStancesDialog(stances: StancesActions, dismiss: () => void
       show(busy, isBringing);
       show(choices, !isBringing);
       wrong.set(state.problems.stances);
-      fill(examples, state.examples, () => state.examples.map(({ name, label }) => button(label, () => void stances.takeExample(name), "outlined")));
-      const list = state.stances.known.filter(({ id }) => id !== state.scan?.info.id);
-      show(none, list.length === 0);
-      fill(known, list, () =>
-        list.map(({ id, title, stance, at }) =>
-          el("li", {}, el("button", { type: "button", class: "button outlined wide known", onclick: () => void stances.takeKnown(id) }, el("span", {}, title), el("span", { class: "muted" }, words.at(stance, moment.format(new Date(at)))))),
-        ),
-      );
+      const examplesShown = state.scan?.example ? state.examples : []; // they are all of one patient
+      show(exampleLabel, examplesShown.length > 0);
+      fill(examples, examplesShown, () => examplesShown.map(({ name, label }) => button(label, () => void stances.takeExample(name), "outlined")));
+      const { hers: found, named } = state.stances;
+      const mine = state.scan?.info.patient_code ?? "";
+      setText(herLabel, words.hers(mine));
+      show(none, found.length === 0);
+      fill(hers, found, () => offered(found));
+      show(moves, named !== null);
+      setText(moves, named ? words.moves(mine, named.code) : "");
+      fill(theirs, named?.scans ?? [], () => offered(named?.scans ?? []));
     },
   };
 }

@@ -14,7 +14,7 @@ import { only, type Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { followPlan } from "./followPlan";
 import { loadFit, loadWorkspace } from "./load";
-import { forgetScan, initialStances, isUnfinished, knownScans, measuredFits, rememberScan, stanceNames, stanceOf, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
+import { initialStances, isUnfinished, measuredFits, stanceNames, type StancesSlice, type StancesState, type Workspace, workspaceOf } from "./state";
 import * as text from "./text";
 
 const WATCH_MS = 1000; // a fit that goes on while its scan waits is looked after so often
@@ -30,7 +30,7 @@ interface Others {
   readonly plan: Pick<PlanActions, "read" | "isMoreThan" | "settled" | "followElsewhere">;
 }
 
-export function stancesActions(store: Store<State>, client: Client, others: Others, memory: Storage | null) {
+export function stancesActions(store: Store<State>, client: Client, others: Others) {
   let watch: ReturnType<typeof setTimeout> | undefined;
 
   const put = (part: Partial<StancesState>, more: Partial<State> = {}): void => store.set((state) => ({ ...more, stances: { ...state.stances, ...part } }));
@@ -76,10 +76,20 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
 
   followPlan(store, client, { plan: others.plan, flush: () => others.drawing.flush(), fail });
 
-  store.select(only("scan", "fit"), ({ scan }) => {
-    if (!scan || !memory) return;
-    rememberScan(memory, { id: scan.info.id, title: scan.title, stance: stanceOf(store.get()), at: new Date().toISOString() });
-  });
+  const gone = new Set<string>(); // deleted, or soon: not to choose any more, unless it is taken back
+  store.select(only("scan"), ({ scan }) => scan && gone.delete(scan.info.id));
+
+  /** The patient's scans beside the open one. */
+  async function readHers(): Promise<void> {
+    const scan = store.get().scan?.info;
+    if (!scan) return;
+    try {
+      const { scans } = await client.patient(scan.patient);
+      put({ hers: scans.filter(({ id }) => id !== scan.id && !gone.has(id)) });
+    } catch (error) {
+      fail(error);
+    }
+  }
 
   /** Both scans are of one patient: her plan is that of both, and what was planned on the first is not made anew on the second. */
   async function joinPatient(first: Workspace): Promise<void> {
@@ -113,15 +123,33 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
   }
 
   return {
-    dialog: (isAdding: boolean): void => put({ isAdding, known: memory ? knownScans(memory) : [] }, withProblem(store.get(), "stances", null)),
+    dialog(isAdding: boolean): void {
+      put({ isAdding, hers: [], named: null }, withProblem(store.get(), "stances", null));
+      if (isAdding) void readHers();
+    },
+
+    /** A scan that is filed elsewhere: only whoever knows the patient's code may choose it. */
+    async name(code: string): Promise<void> {
+      const typed = code.trim();
+      if (typed === "") return;
+      put({ named: null }, withProblem(store.get(), "stances", null));
+      try {
+        const { patients } = await client.patients(null, typed, "code");
+        const named = patients.find((patient) => patient.code.toLowerCase() === typed.toLowerCase() && patient.id !== store.get().scan?.info.patient);
+        put({ named: named ?? null }, named ? {} : withProblem(store.get(), "stances", text.stances.dialog.nobody(typed)));
+      } catch (error) {
+        fail(error);
+      }
+    },
+
     upload: (file: File): Promise<void> => second(() => others.scan.upload(file)),
     takeExample: (name: string): Promise<void> => second(() => others.scan.takeExample(name)),
     takeKnown: (id: string): Promise<void> => second(() => others.scan.open(id, null)),
 
     /** The service has it no more. */
     forget(scan: string): void {
-      if (memory) forgetScan(memory, scan);
-      put({ known: store.get().stances.known.filter(({ id }) => id !== scan) });
+      gone.add(scan);
+      put({ hers: store.get().stances.hers.filter(({ id }) => id !== scan) });
     },
 
     /** From the address: the one that waits, as it was. */
@@ -163,7 +191,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     /** The one that waits is not wanted any more; the scan itself stays with the service. */
     remove(): void {
       clearTimeout(watch);
-      store.set((state) => ({ stances: { ...initialStances, known: state.stances.known } }));
+      store.set({ stances: initialStances });
     },
 
     /** Fits both scans, where that is not done: what is planned on one is then carried to the other. */

@@ -1,5 +1,5 @@
 // Two stances of one patient: the page works on one, the other one waits with all that belongs to it.
-import type { MeasuresFile } from "../api/types";
+import type { MeasuresFile, Patient } from "../api/types";
 import { type DrawingSlice, handsOff } from "../drawing/state";
 import type { FitSlice, FitState } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
@@ -13,13 +13,7 @@ export type Workspace = Pick<
   "scan" | "picks" | "certain" | "proposals" | "skipped" | "saving" | "stance" | "drawing" | "fit" | "drawn"
 >;
 
-/** A scan that was open in this tab. */
-export interface KnownScan {
-  readonly id: string;
-  readonly title: string;
-  readonly stance: string;
-  readonly at: string; // ISO 8601
-}
+export type PatientScan = Patient["scans"][number];
 
 export interface StancesState {
   readonly other: Workspace | null;
@@ -28,7 +22,8 @@ export interface StancesState {
   readonly isLinked: boolean; // turning one turns the other
   readonly isAdding: boolean; // the dialog for a second scan is open
   readonly isBringing: boolean; // the second scan is on its way
-  readonly known: readonly KnownScan[];
+  readonly hers: readonly PatientScan[]; // the patient's other scans, to choose from
+  readonly named: Patient | null; // another one, whose code was typed: her scans are to choose from, if they are hers
   readonly isCarrying: boolean;
   readonly measures: { readonly isOpen: boolean; readonly isBusy: boolean; readonly of: string; readonly file: MeasuresFile | null; readonly pointed: string | null }; // pointed: at this row, measureKey
 }
@@ -46,7 +41,8 @@ export const initialStances: StancesState = {
   isLinked: true,
   isAdding: false,
   isBringing: false,
-  known: [],
+  hers: [],
+  named: null,
   isCarrying: false,
   measures: { isOpen: false, isBusy: false, of: "", file: null, pointed: null },
 };
@@ -93,27 +89,3 @@ export function otherState<State extends Pick<PageSlice & ViewSlice & LandmarksS
 /** A fit that is over but not all here, or that was running when its scan was put aside. */
 export const isUnfinished = (fit: FitState | null): boolean =>
   fit !== null && (fit.state === "running" || (fit.state === "done" && (fit.surface === null || (fit.drawingName !== null && fit.drawing === null))));
-
-const KEY = "breastrig.scans";
-const KEPT = 20;
-type Memory = Pick<Storage, "getItem" | "setItem">;
-
-export function knownScans(memory: Memory): KnownScan[] {
-  try {
-    const read = JSON.parse(memory.getItem(KEY) ?? "[]") as unknown;
-    return Array.isArray(read) ? (read as (Partial<KnownScan> | null)[]).filter((each): each is KnownScan => typeof each?.id === "string") : [];
-  } catch {
-    return [];
-  }
-}
-
-/** A scan that was deleted is none to choose from. */
-export function forgetScan(memory: Memory, scan: string): void {
-  memory.setItem(KEY, JSON.stringify(knownScans(memory).filter(({ id }) => id !== scan)));
-}
-
-/** The newest first, each once. */
-export function rememberScan(memory: Memory, scan: KnownScan): void {
-  const rest = knownScans(memory).filter(({ id }) => id !== scan.id);
-  memory.setItem(KEY, JSON.stringify([scan, ...rest].slice(0, KEPT)));
-}

@@ -2,7 +2,7 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { withScan } from "../fakes";
 import { ApiError } from "../../src/api/client";
-import type { LandmarkFile } from "../../src/api/types";
+import type { LandmarkFile, Patient } from "../../src/api/types";
 import { lineAlong } from "../../src/drawing/lines/edits";
 import { isRefused, unsavedOf } from "../../src/app/leaving";
 
@@ -11,13 +11,6 @@ afterEach(() => {
   vi.useRealTimers();
   vi.unstubAllGlobals();
 });
-
-/** A scan on a page whose tab remembers. */
-async function withMemory() {
-  const kept = new Map<string, string>();
-  vi.stubGlobal("sessionStorage", { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => void kept.set(key, value), removeItem: (key: string) => void kept.delete(key) });
-  return withScan();
-}
 
 const settle = (): Promise<unknown> => vi.advanceTimersByTimeAsync(0);
 
@@ -94,15 +87,20 @@ test("leaving the page deletes at once; opening the scan again by any way does n
 });
 
 test("a deleted scan cannot be chosen as a second stance any more, and can when it was taken back", async () => {
-  const { store, actions } = await withMemory();
+  const scans = ["s1", "s2"].map((id) => ({ id, stance: "standing", created_at: "2026-11-25T09:00:00Z" }));
+  const { store, actions } = await withScan({ patient: async () => ({ id: "p", code: "K7M-4QX", scans }) as unknown as Patient });
   await actions.stances.takeKnown("s2");
-  const known = (): readonly string[] => (actions.stances.dialog(true), store.get().stances.known.map(({ id }) => id));
-  expect(known()).toEqual(["s2", "s1"]);
+  const hers = async (): Promise<readonly string[]> => {
+    actions.stances.dialog(true);
+    await settle();
+    return store.get().stances.hers.map(({ id }) => id);
+  };
+  expect(await hers()).toEqual(["s1"]);
   await actions.deletion.confirm();
-  expect(known()).toEqual(["s1"]);
+  expect(await hers()).toEqual([]);
   await actions.scan.leave();
   await actions.deletion.undo();
-  expect(known()).toEqual(["s2", "s1"]);
+  expect(await hers()).toEqual(["s1"]);
 });
 
 test("the other stance stays when one is deleted", async () => {

@@ -48,18 +48,6 @@ test("a deletion is sent ten seconds later, once, and not when it was taken back
   expect(store.get().patients.going).toEqual([]);
 });
 
-test("the scans of a deleted patient are forgotten by the tab as well", async () => {
-  const kept = new Map<string, string>();
-  vi.stubGlobal("sessionStorage", { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => void kept.set(key, value), removeItem: (key: string) => void kept.delete(key) });
-  const { actions, store } = list([patient("a"), patient("b")]);
-  for (const id of ["a1", "b1"]) await actions.scan.open(id, null);
-  await actions.patients.read();
-  actions.patients.remove("a");
-  await vi.advanceTimersByTimeAsync(10_001);
-  actions.stances.dialog(true);
-  expect(store.get().stances.known.map(({ id }) => id)).toEqual(["b1"]);
-});
-
 test("a code is the service's answer", async () => {
   const { actions, store, renamePatient } = list([patient("a")]);
   await actions.patients.read();

@@ -3,14 +3,14 @@ import { Euler, Matrix4, Quaternion, Vector3 } from "three";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { fitLinks, page, scanInfo } from "../fakes";
 import { ApiError, type Client } from "../../src/api/client";
-import type { Fit, Measure, PlannedShape, PlanOnScan, Vector } from "../../src/api/types";
+import type { Fit, Measure, Patient, PlannedShape, PlanOnScan, Vector } from "../../src/api/types";
 import { INK } from "../../src/drawing/lines/lines";
 import { laidOnScan } from "../../src/drawing/state";
 import type { FitState } from "../../src/fit/state";
 import { linkedPose, torsoFromFrame, torsoFromLandmarks } from "../../src/stances/cameras";
 import { carriedNote } from "../../src/stances/carry";
 import { formatCell, measuredDoubts, measuresCsv, measuresTable } from "../../src/stances/measuresTable";
-import { forgetScan, knownScans, rememberScan, stanceNames, workspaceOf } from "../../src/stances/state";
+import { stanceNames, workspaceOf } from "../../src/stances/state";
 
 const rigid = (x: number, y: number, z: number, at: readonly [number, number, number]): Matrix4 =>
   new Matrix4().compose(new Vector3(...at), new Quaternion().setFromEuler(new Euler(x, y, z)), new Vector3(1, 1, 1));
@@ -275,16 +275,26 @@ test("a fit that is deleted elsewhere while its scan waits is said once, and not
   expect(fit).toHaveBeenCalledTimes(1);
 });
 
-test("scans of this tab are remembered, the newest first, each once; a damaged memory is none", () => {
-  const kept = new Map<string, string>();
-  const memory = { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => void kept.set(key, value) };
-  const scan = (id: string, stance = "standing") => ({ id, title: id, stance, at: "2026-01-01T00:00:00Z" });
-  for (const each of [scan("a"), scan("b"), scan("a", "supine")]) rememberScan(memory, each);
-  expect(knownScans(memory)).toEqual([scan("a", "supine"), scan("b")]);
-  forgetScan(memory, "a");
-  expect(knownScans(memory)).toEqual([scan("b")]);
-  for (const key of kept.keys()) kept.set(key, "{");
-  expect(knownScans(memory)).toEqual([]);
+test("only the patient's own scans are offered, and others by their code, typed whole", async () => {
+  const scan = (id: string) => ({ id, stance: "supine", created_at: "2026-11-25T09:00:00Z" });
+  const people = [
+    { id: "of-s1", code: "K7M-4QX", scans: [scan("s1"), scan("s2")] },
+    { id: "p2", code: "Ward 7", scans: [scan("s3")] },
+    { id: "p3", code: "Ward 77", scans: [scan("s4")] },
+  ] as unknown as Patient[];
+  const patients = vi.fn<Client["patients"]>(async (_address, search) => ({ patients: people.filter(({ code }) => code.toLowerCase().includes(search.toLowerCase())), next: null }));
+  const { store, actions } = page({ patient: async (id: string) => people.find((each) => each.id === id)!, patients });
+  await actions.scan.open("s1", null);
+  actions.stances.dialog(true);
+  await vi.advanceTimersByTimeAsync(0);
+  expect(store.get().stances.hers.map(({ id }) => id)).toEqual(["s2"]);
+  await actions.stances.name(" ward 7 ");
+  expect(store.get().stances.named?.scans.map(({ id }) => id)).toEqual(["s3"]);
+  await actions.stances.name("war");
+  expect(store.get().stances.named).toBeNull();
+  expect(store.get().problems.stances).toContain("“war”");
+  await actions.stances.name("K7M-4QX");
+  expect(store.get().stances.named, "it is the same patient").toBeNull();
 });
 
 test("one click fits both scans, each asked for once, with what belongs to it", async () => {

@@ -127,6 +127,9 @@ class PlanOnScan(Wire):
     shapes: list[PlannedShape]
     notes: list[PlannedNote]
     missing: list[MissingItem] = Field(description="items that cannot be shown here, and why")
+    doubts: list[str] = Field(
+        [], description="why the scans that it was carried from may be another patient's, a sentence each"
+    )
     version: int = Field(description="of the plan")
     whole: bool = Field(description="whether somebody has written the plan; false: the fit's own drawing still counts")
     fit: str = Field(description="id; behind a share link empty")

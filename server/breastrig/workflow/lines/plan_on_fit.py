@@ -16,6 +16,7 @@ from breastrig.rig.model import Rig
 from breastrig.workflow.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.workflow.further_jobs import PlanJob
 from breastrig.workflow.lines.empty_plan import empty_plan_document
+from breastrig.workflow.one_body import body_doubt
 
 
 def plan_on_fit(job: PlanJob) -> dict[str, Any]:
@@ -31,7 +32,7 @@ def plan_on_fit(job: PlanJob) -> dict[str, Any]:
         found = plan_on_folders(rig, plan, fits)
     except MemoryError as error:
         raise BadInput("Carrying this plan needs more memory than it may use; give smaller scans.") from error
-    return plan_document(plan, here, found)
+    return plan_document(plan, here, found, others)
 
 
 def plan_on_folders(rig: Rig, plan: Plan, fits: Sequence[tuple[FitFolder, str]], home: int = 0) -> PlanOnScan:
@@ -66,8 +67,11 @@ def items_of(plan: Plan, name: str, is_home: bool) -> tuple[PlanItem, ...]:
     return tuple(item for item in plan.items if (item.scan == name if item.scan else is_home))
 
 
-def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan) -> dict[str, Any]:
-    """breastrig/drawing@1 with, beside each line, its item, and with what is missing."""
+def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan, others: Sequence[FitFolder] = ()) -> dict[str, Any]:
+    """breastrig/drawing@1 with, beside each line, its item, and with what is missing.
+
+    `others`: fits of the patient's other scans, each perhaps of another body.
+    """
     return empty_plan_document(fit.unit) | {
         "shapes": [_shape(each, fit.metres_per_unit) for each in found.lines],
         "notes": [
@@ -76,6 +80,7 @@ def plan_document(plan: Plan, fit: FitFolder, found: PlanOnScan) -> dict[str, An
             if isinstance(item, PlanNote)
         ],
         "missing": [{"item": each.item.id, "reason": each.reason} for each in found.missing],
+        "doubts": [doubt for other in others if (doubt := body_doubt(other, fit)) is not None],
     }
 
 

@@ -1,0 +1,60 @@
+"""Whether two fits can be of one body: bones that differ by more than errors and stance explain."""
+
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+
+from breastrig.workflow.folder.fit_folder import FitFolder
+from breastrig.workflow.one_body import body_doubt
+
+BODY = {  # mm
+    "suprasternal_notch": [0.0, 420.0, 80.0],
+    "xiphoid": [0.0, 190.0, 100.0],
+    "umbilicus": [0.0, 40.0, 90.0],
+    "acromion_L": [170.0, 440.0, 0.0],
+    "acromion_R": [-170.0, 440.0, 0.0],
+}
+
+
+def fit(stance: str = "standing", radius: float = 5.0, picked: bool = True, **moved: list[float]) -> FitFolder:
+    places = BODY | moved
+    landmarks = {name: 1e-3 * np.array(place) for name, place in places.items()} if picked else {}
+    result = {"landmarks": places, "landmark_uncertainty_mm": dict.fromkeys(places, radius)}
+    return cast(
+        FitFolder, SimpleNamespace(result=result, stance=stance, landmarks=landmarks, seen={}, metres_per_unit=1e-3)
+    )
+
+
+def test_one_body_in_two_stances_is_not_asked_about() -> None:
+    nearer = {"acromion_L": [110.0, 480.0, 0.0], "acromion_R": [-110.0, 480.0, 0.0], "umbilicus": [0.0, 55.0, 90.0]}
+    assert body_doubt(fit(), fit("supine", **nearer)) is None
+    assert body_doubt(fit("supine"), fit(xiphoid=[0.0, 202.0, 100.0])) is None
+
+
+@pytest.mark.parametrize(
+    ("stance", "moved", "said"),
+    [
+        (
+            "supine",
+            {"xiphoid": [0.0, 165.0, 100.0]},
+            "231 mm from the notch to the xiphoid on the standing scan and 256",
+        ),
+        (
+            "supine",
+            {"umbilicus": [0.0, -20.0, 90.0]},
+            "380 mm from the notch to the umbilicus on the standing scan and 440",
+        ),
+        ("standing", {"acromion_L": [210.0, 440.0, 0.0]}, "340 mm between the shoulders on the standing scan and 380"),
+    ],
+)
+def test_what_cannot_be_one_body_is_asked_about(stance: str, moved: dict[str, list[float]], said: str) -> None:
+    doubt = body_doubt(fit(), fit(stance, **moved))
+    assert doubt is not None
+    assert doubt.startswith("Are both scans of one patient?")
+    assert said in doubt
+    assert body_doubt(fit(), fit(stance, radius=40.0, picked=False, **moved)) is None, "it may be the landmarks"
+    unknown = fit(stance, **moved)
+    unknown.result["landmark_uncertainty_mm"] = {}
+    assert body_doubt(fit(), unknown) is None
