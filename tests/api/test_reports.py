@@ -186,11 +186,11 @@ def test_a_report_of_scans_that_are_filed_as_two_patients_says_so(real: Real) ->
     hers = client.get(f"/api/scans/{scans['supine']}").json["patient"]
     theirs = client.post("/api/examples/supine").json
     client.put(f"/api/scans/{scans['supine']}/patient", json={"patient": theirs["patient"]})
-    noted = [stance["notes"] for stance in client.get(asked).json["stances"]]
+    doubted = client.get(asked).json["doubts"]
     client.put(f"/api/scans/{scans['supine']}/patient", json={"patient": hers})
     client.delete(theirs["links"]["self"])
-    assert [notes[0] for notes in noted] == [TWO_PATIENTS] * 2
-    assert [stance["notes"] for stance in client.get(asked).json["stances"]] == [notes[1:] for notes in noted]
+    assert doubted == [TWO_PATIENTS]
+    assert client.get(asked).json["doubts"] == []
 
 
 @pytest.mark.parametrize("name", ["report.pdf", "measures.json"])

@@ -28,11 +28,11 @@ def run(options: argparse.Namespace) -> int:
     version = 0 if plan is None else plan.get("version", 0)
     identity = Identity(code, wall_clock.now(), scanned, plan_version=version if isinstance(version, int) else 0)
     codes = {each.code for each in known if each.given}
-    notes = (f"The fits carry two codes ({', '.join(sorted(codes))}); {SAYS_NOTHING}",) if len(codes) > 1 else ()
+    doubts = (f"The fits carry two codes ({', '.join(sorted(codes))}); {SAYS_NOTHING}",) if len(codes) > 1 else ()
     pdf = file_name(code, " ".join(each.stance for each in known), identity.day, "report.pdf")
     files = OutputSet(Path(), (MEASURES_TABLE, pdf, REPORT_RECORD), REPORT_RECORD, SCHEMA, varying=True)
     with threadpool_limits(1), all_or_nothing(output_folder(options, [files], inputs)) as out:
-        job = ReportJob(fit, other, options.model, plan=plan, identity=identity, notes=notes)
+        job = ReportJob(fit, other, options.model, plan=plan, identity=identity, doubts=doubts)
         write_report(job, out, pdf)
     return 0
 

@@ -38,6 +38,7 @@ class Reported:
     result: dict[str, Any]  # its result.json
     rows: tuple[Row, ...]
     plan: tuple[PlannedItem, ...] = ()
+    doubts: tuple[str, ...] = ()  # about the stances together: whether they are of one patient
 
 
 def stance_names(kinds: Sequence[str]) -> list[str]:
@@ -56,6 +57,7 @@ def report_document(stances: Sequence[Reported]) -> dict[str, object]:
         "stances": [
             {"name": one.name} | {key: one.result[key] for key in FROM_RESULT if key in one.result} for one in stances
         ],
+        "doubts": list(stances[0].doubts),
         "signs": SIGNS,
         "measures": flat_rows([(one.name, one.rows) for one in stances]),
     }

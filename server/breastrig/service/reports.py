@@ -107,7 +107,7 @@ class Reports:
                 None if len(ids) == 1 else folders[1],
                 self._model,
                 identity=self._identity(fits),
-                notes=() if len({self._patient(fit).id for fit in fits}) == 1 else (TWO_PATIENTS,),
+                doubts=() if len({self._patient(fit).id for fit in fits}) == 1 else (TWO_PATIENTS,),
                 cuts=cuts,
             )
             if name in PLANNED:

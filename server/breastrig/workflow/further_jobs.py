@@ -88,7 +88,7 @@ class ReportJob:
     plan: dict[str, Any] | None = None  # or the plan itself (breastrig/plan@1 or drawing@1), to be laid on each scan
     items: tuple[dict[str, Any], ...] = ()  # of the plan of which `plans` are the lines
     identity: Identity = UNNAMED
-    notes: tuple[str, ...] = ()  # that stand before those of each fit
+    doubts: tuple[str, ...] = ()  # whether both fits are of one patient
     cuts: tuple[tuple[dict[str, Any], ...], ...] = ()  # of each fit's scan, made by hand: what is not shown any more
 
 

@@ -165,15 +165,16 @@ def reported(job: ReportJob) -> list[Reported]:
     plans = laid_plan(rig, job.plan, fits) if job.plan is not None else (job.plans or (None,) * len(fits))
     stances = [stance_of(folder, fit, plan) for folder, fit, plan in zip(folders, fits, plans, strict=True)]
     doubt = body_doubt(*fits) if len(fits) == 2 else None
-    notes = [*job.notes, *([doubt] if doubt else ())]
+    doubts = (*job.doubts, *((doubt,) if doubt else ()))
     names = stance_names([stance.name for stance in stances])
     return [
         Reported(
             name,
             stance,
-            {**fit.result, "notes": [*notes, *fit.result["notes"]]},
+            fit.result,
             measures(stance),
             _in_words(job, plan, fit),
+            doubts,
         )
         for name, stance, fit, plan in zip(names, stances, fits, plans, strict=True)
     ]

@@ -496,6 +496,8 @@ export type MeasuresFile = {
   /** version of the program */
   breastrig: string;
   stances: MeasuredStance[];
+  /** whether two stances are of one patient, a sentence each */
+  doubts?: string[];
   /** how differences and changes are to be read */
   signs: string;
   measures: Measure[];

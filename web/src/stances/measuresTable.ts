@@ -27,8 +27,8 @@ export interface MeasuresTable {
 }
 
 /** What has to be read before the numbers: the fits that are not simply good, and why; each names its stance. */
-export const measuredDoubts = ({ stances }: Pick<MeasuresFile, "stances">): string[] =>
-  stances.flatMap(({ name, verdict }) => (verdict && verdict.level !== "good" ? [`${name.charAt(0).toUpperCase()}${name.slice(1)}: ${verdictWords({ verdict })}`] : []));
+export const measuredDoubts = ({ stances, doubts = [] }: Pick<MeasuresFile, "stances"> & Partial<Pick<MeasuresFile, "doubts">>): string[] =>
+  doubts.concat(stances.flatMap(({ name, verdict }) => (verdict && verdict.level !== "good" ? [`${name.charAt(0).toUpperCase()}${name.slice(1)}: ${verdictWords({ verdict })}`] : [])));
 
 const NONE: Cell = { value: null, low: null, high: null };
 const bare = (value: number | null): Cell => ({ value, low: null, high: null });

@@ -169,5 +169,6 @@ class MeasuresFile(Document):
     notice: str
     breastrig: str = Field(description="version of the program")
     stances: list[MeasuredStance]
+    doubts: list[str] = Field([], description="whether two stances are of one patient, a sentence each")
     signs: str = Field(description="how differences and changes are to be read")
     measures: list[Measure]

@@ -98,7 +98,7 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
         "landmarks": _landmarks(stances),
         "uncertainty": _uncertainty(stances),
         "settings": _settings(stances),
-        "doubts": [remark for one in stances for remark in _said(stances, one, _doubts(one))],
+        "doubts": [*stances[0].doubts, *_remarks(stances)],
         "methods": methods(stances),
         "tape": [sheet for one in stances if (sheet := tape_sheet(one.name, one.stance)) is not None],
     }
@@ -251,10 +251,10 @@ def _distances(found: Mapping[str, float | None]) -> str:
     return words if coverage is None else f"{words}; {100 * coverage:.0f} % seen"
 
 
-def _said(stances: Sequence[Reported], one: Reported, remarks: Sequence[str]) -> list[str]:
-    """Each remark with its stance, where there are two."""
-    prefix = f"{one.name.capitalize()}: " if len(stances) > 1 else ""
-    return [prefix + remark for remark in remarks]
+def _remarks(stances: Sequence[Reported]) -> list[str]:
+    """Of each stance, with its name where there are two."""
+    prefixes = [f"{one.name.capitalize()}: " if len(stances) > 1 else "" for one in stances]
+    return [prefix + remark for prefix, one in zip(prefixes, stances, strict=True) for remark in _doubts(one)]
 
 
 def _doubts(one: Reported) -> list[str]:
