@@ -123,6 +123,9 @@ def body(call: Call, patient: Patient) -> dict[str, Any]:
     landmarks = {"landmarks": {"nipple_L": [70, 350, 120]}}
     bodies: dict[Call, dict[str, Any]] = {
         ("PUT", "/api/scans/<scan_id>/landmarks"): {"json": landmarks},
+        ("POST", "/api/scans/<scan_id>/landmarks/file"): {
+            "data": {"file": (io.BytesIO(b"nipple_L,70,350,120"), "picks.csv")}
+        },
         ("PUT", "/api/scans/<scan_id>/cuts"): {"json": {"cuts": []}},
         ("PUT", "/api/scans/<scan_id>/drawing"): {"json": {"shapes": []}},
         ("PUT", "/api/scans/<scan_id>/patient"): {"json": {"patient": patient.patient}},

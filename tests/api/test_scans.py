@@ -177,6 +177,38 @@ def test_landmarks_that_cannot_be_meant_are_refused(client: FlaskClient, scan_id
     assert word in problem(client.put(f"/api/scans/{scan_id}/landmarks", json=body), 422)
 
 
+@pytest.mark.parametrize(
+    ("content", "found"),
+    [
+        (b"id,label,pos x,pos y,pos z\n1,Left Nipple,70,350,120\n", {"nipple_L": [70.0, 350.0, 120.0]}),
+        ("NIPPLE R;-0,07;0,35;0,12\nSuprasternal Notch;0;0,3;0,1\n".encode("utf-16"), {
+            "nipple_R": [-70.0, 350.0, 120.0], "suprasternal_notch": [0.0, 300.0, 100.0],
+        }),
+        (b'{"landmarks": {"nipple_L": [70, 350, 120]}, "unit": "mm", "certain": ["nipple_L"]}', {
+            "nipple_L": [70.0, 350.0, 120.0]
+        }),
+        (b"nose,70,350,120", '"nose" is not a landmark; known are: suprasternal_notch'),
+        (b"nipple_L,70,350", '"nipple_L" needs three numbers'),
+        (b"nipple_L,70,350,9000", "nipple_L lies 9,000 m outside"),
+        (b"", "is empty"),
+    ],
+)  # fmt: skip
+def test_a_file_of_landmarks_is_read_as_the_command_line_reads_it(
+    client: FlaskClient, scan_id: str, content: bytes, found: dict[str, list[float]] | str
+) -> None:
+    place = f"/api/scans/{scan_id}/landmarks"
+    kept = client.get(place).json
+    answer = client.post(f"{place}/file", data={"file": (io.BytesIO(content), "picks.csv")})
+    if isinstance(found, str):
+        assert found in problem(answer, 422)
+        return
+    assert answer.status_code == 200, answer.json
+    assert answer.json["unit"] == "mm"
+    assert {name: pytest.approx(point) for name, point in answer.json["landmarks"].items()} == found
+    assert answer.json["certain"] == (["nipple_L"] if b"certain" in content else [])
+    assert client.get(place).json == kept
+
+
 def test_what_a_person_is_certain_of_is_kept_with_the_landmarks(client: FlaskClient, scan_id: str) -> None:
     place = f"/api/scans/{scan_id}/landmarks"
     picked = {"nipple_L": [70.0, 350.0, 120.5], "nipple_R": [-70.0, 350.0, 120.5]}

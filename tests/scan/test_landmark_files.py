@@ -12,9 +12,11 @@ from breastrig.scan.landmark_files import (
     certain_landmarks,
     landmark_confidences,
     landmark_file,
+    metres_per_unit,
     read_landmarks,
     write_landmarks,
 )
+from breastrig.scan.landmark_names import by_known_names, known_name
 
 PLACES = {
     "nipple_L": np.array([102.25, -11.0, 1e-3]),
@@ -219,3 +221,135 @@ def test_what_cannot_be_certain_is_said_in_one_sentence(certain: str, sentence: 
     with pytest.raises(BadLandmarks, match=sentence) as refused:
         certain_landmarks(f'{text}"certain": {certain}}}'.encode())
     assert "\n" not in str(refused.value)
+
+
+POINTS = {
+    "nipple_L": [102.25, -11.5, 0.125],
+    "nipple_R": [-98.5, -12.125, 3.0],
+    "suprasternal_notch": [0.5, 210.25, 7.5],
+}
+ROWS = [[name, *(f"{value:g}" for value in place)] for name, place in POINTS.items()]
+
+
+def rows(separator: str = ",", order: str = "nxyz", head: str = "", decimal: str = ".", more: str = "") -> str:
+    """The points as a table whose columns come in this order: name, number of the row, x, y, z, or a remark."""
+    cells = []
+    for k, (name, x, y, z) in enumerate(ROWS):
+        found = {"n": name, "i": str(k + 1), "r": "seen well", "x": x, "y": y, "z": z, "o": "0"}
+        cells.append(separator.join(found[each].replace(".", decimal) for each in order) + more)
+    return "\n".join([*([head] if head else []), *cells, ""])
+
+
+FCSV = """# Markups fiducial file version = 4.11
+# CoordinateSystem = {system}
+# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID
+"""
+FCSV_ROWS = {
+    sign: "".join(
+        f"vtkMRMLMarkupsFiducialNode_{k},{sign * float(x)},{sign * float(y)},{z},0,0,0,1,1,1,0,{name},,\n"
+        for k, (name, x, y, z) in enumerate(ROWS)
+    )
+    for sign in (1, -1)
+}
+OLD_FCSV = "# Fiducial List\n# columns = label,x,y,z,sel,vis\n" + "".join(
+    f"{name},{-float(x)},{-float(y)},{z},1,1\n" for name, x, y, z in ROWS
+)
+RENAMED = ["Nipple L", "RIGHT NIPPLE", "Suprasternal-Notch"]
+TABLES = {
+    "id first": rows(order="inxyz"),
+    "id first with a head": rows(order="inxyz", head="id,name,x,y,z"),
+    "xyz first": rows(order="xyzn"),
+    "xyz first with a head": rows(order="xyzn", head="X,Y,Z,Label"),
+    "xyz and id first": rows(order="ixyzn"),
+    "id after the name": rows(order="nixyz"),
+    "a remark behind": rows(order="nxyzr"),
+    "more numbers behind": rows(order="nxyzoo", head="name,x,y,z,vis,sel"),
+    "more numbers behind without a head": rows(order="nxyzoo"),
+    "named pos": rows(head="label,pos x,pos y,pos z"),
+    "named with units": rows(";", head="Landmark;X [mm];Y [mm];Z [mm]", decimal=","),
+    "semicolons": rows(";"),
+    "semicolons and decimal commas": rows(";", decimal=","),
+    "tabs": rows("\t"),
+    "tabs and decimal commas": rows("\t", decimal=","),
+    "spaces": rows(" "),
+    "spaces, head, decimal commas": rows("  ", head="name x y z", decimal=","),
+    "commas and spaces": rows(", ", head="name, x, y, z"),
+    "quoted decimal commas": "\n".join(",".join(f'"{cell.replace(".", ",")}"' for cell in row) for row in ROWS),
+    "quotes": "\n".join(",".join(f'"{cell}"' for cell in row) for row in ROWS),
+    "Slicer's table, LPS": rows(order="nxyzo", head="label,l,p,s,locked"),
+    "Slicer's table, RAS": "label,r,a,s,defined\n"
+    + "".join(f"{name},{-float(x)},{-float(y)},{z},1\n" for name, x, y, z in ROWS)
+    + "xiphoid,0,0,0,0\n",
+    "fcsv in LPS": FCSV.format(system="LPS") + FCSV_ROWS[1],
+    "fcsv in 1": FCSV.format(system="1") + FCSV_ROWS[1],
+    "fcsv in RAS": FCSV.format(system="RAS") + FCSV_ROWS[-1],
+    "fcsv in 0": FCSV.format(system="0") + FCSV_ROWS[-1],
+    "fcsv of an old version": OLD_FCSV,
+    **{f"the name {new}": rows().replace(name, new) for new, name in zip(RENAMED, POINTS, strict=True)},
+    "names with spaces between spaces": rows(" ").replace("_notch", " notch"),
+}
+KNOWN = {name: (name.replace("_", " ").title(), "") for name in [*POINTS, "xiphoid"]}
+
+
+def assert_the_points(data: bytes) -> None:
+    places, unit = read_landmarks(data)
+    found = by_known_names(places, KNOWN)
+    assert {name: place.tolist() for name, place in found.items()} == POINTS
+    assert unit in (None, "mm")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252"])
+@pytest.mark.parametrize("name", TABLES)
+def test_a_table_is_read_however_people_keep_it(name: str, encoding: str) -> None:
+    remark = "# gepickt für Müller\n" if not TABLES[name].startswith("#") else ""
+    for ends in ("\n", "\r\n"):
+        assert_the_points((remark + TABLES[name]).replace("\n", ends).encode(encoding))
+
+
+@pytest.mark.parametrize(
+    "text", ["nipple_L,0,037,1443,033,-7,619\n", "name,x,y,z\nnipple_L,0,037,1443,033,-7,619\n", FCSV + "a,1,2\n"]
+)
+def test_a_table_that_can_mean_two_things_is_refused(text: str) -> None:
+    with pytest.raises(BadLandmarks, match=r"\.$"):
+        read_landmarks(text.encode())
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("nipple_L", "nipple_L"),
+        ("NIPPLE_LEFT", "nipple_L"),
+        ("left nipple", "nipple_L"),
+        ("Nipple-R", "nipple_R"),
+        ("NippleRight", "nipple_R"),
+        ("suprasternal notch", "suprasternal_notch"),
+        ("SuprasternalNotch", "suprasternal_notch"),
+        ("Incisura jugularis", "suprasternal_notch"),
+        ("nipple", "nipple"),
+        ("nipple left right", "nipple left right"),
+        ("nose", "nose"),
+        ("", ""),
+    ],
+)
+def test_a_landmark_is_known_by_the_names_that_people_write(written: str, meant: str) -> None:
+    known = {
+        "nipple_L": ("Left nipple", ""),
+        "nipple_R": ("Right nipple", ""),
+        "suprasternal_notch": ("Suprasternal notch", "Incisura jugularis"),
+    }
+    assert known_name(written, known) == meant
+
+
+def test_one_landmark_under_two_names_is_refused() -> None:
+    with pytest.raises(BadLandmarks, match=r'"nipple_L" stands twice in this file, once as "left nipple"'):
+        by_known_names({"nipple_L": 1, "left nipple": 2}, KNOWN)
+
+
+@pytest.mark.parametrize(("scale", "metres"), [(1.0, 0.001), (0.1, 0.01), (0.001, 1.0)])
+def test_a_file_without_a_unit_is_in_the_only_one_in_which_it_lies_on_the_scan(scale: float, metres: float) -> None:
+    places = {name: scale * np.array(place) for name, place in POINTS.items()}
+    box = np.array([-0.2, -0.3, -0.1]), np.array([0.2, 0.3, 0.1])
+    assert metres_per_unit(places, None, 1.0, box) == metres
+    assert metres_per_unit(places, None, metres, box) == metres
+    assert metres_per_unit(places, "mm", 1.0, box) == 0.001
+    assert metres_per_unit({"a": np.array([1e5, 0.0, 0.0])}, None, 1.0, box) == 1.0  # refused later, in the scan's unit

@@ -7,7 +7,7 @@ from breastrig.batch.table import MEASURES
 from breastrig.core.private_files import write_private
 from breastrig.core.scratch import scratch_folder
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
+from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, metres_per_unit, read_landmarks
 from breastrig.scan.read import read_scan
 from breastrig.workflow.events import Event
 from breastrig.workflow.further_jobs import ReportJob
@@ -38,11 +38,11 @@ class FitOfBytes:
         if self.landmarks is None:
             return {}
         places, unit = read_landmarks(self.landmarks, self.landmarks_ending)
-        metres = (
-            METRES_PER_UNIT[unit]
-            if unit
-            else read_scan(self.scan, self.ending, self.units, texture=False).metres_per_unit
-        )
+        if unit:
+            metres = METRES_PER_UNIT[unit]
+        else:
+            scan = read_scan(self.scan, self.ending, self.units, texture=False)
+            metres = metres_per_unit(places, unit, scan.metres_per_unit, scan.bounds)
         return {name: [1e3 * metres * float(value) for value in place] for name, place in places.items()}
 
 

@@ -13,7 +13,7 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.interface.model import Model, loaded
 from breastrig.interface.one_thread import one_thread
 from breastrig.interface.scan import Scan, ScanSource
-from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
+from breastrig.scan.landmark_files import certain_landmarks, landmark_confidences, metres_per_unit, read_landmarks
 from breastrig.workflow.propose_on_scan import propose_on_scan
 
 
@@ -76,13 +76,18 @@ def landmarks_in_mm(given: Landmarks, scan: ScanSource, certain: Sequence[str] =
         return GivenLandmarks(certain=tuple(certain))
     if isinstance(given, str | Path):
         places, unit = read_landmarks(Path(given))
-        metres = METRES_PER_UNIT[unit] if unit else scan.read()[0].metres_per_unit
+        metres = METRES_PER_UNIT[unit] if unit else _metres(places, scan)
         found = {name: [1e3 * metres * float(value) for value in place] for name, place in places.items()}
         return GivenLandmarks(found, landmark_confidences(Path(given)), (*certain_landmarks(Path(given)), *certain))
     metres = scan.read()[0].metres_per_unit
     confidences = {name: each.confidence for name, each in given.items() if isinstance(each, Proposal)}
     places_mm = {name: _in_mm(name, each, 1e3 * metres) for name, each in given.items()}
     return GivenLandmarks(places_mm, confidences, tuple(certain))
+
+
+def _metres(places: Mapping[str, Array], scan: ScanSource) -> float:
+    found, _ = scan.read()
+    return metres_per_unit(places, None, found.metres_per_unit, found.bounds)
 
 
 def _in_mm(name: str, given: ArrayLike | Proposal, mm_per_unit: float) -> list[float]:

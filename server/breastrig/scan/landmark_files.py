@@ -1,4 +1,4 @@
-"""Landmark files, in and out: ours (JSON), CSV, MeshLab's picked points (.pp), 3D Slicer's markups (.mrk.json).
+"""Landmark files, in and out: ours (JSON), tables, MeshLab's picked points (.pp), 3D Slicer's (.mrk.json, .fcsv).
 
 All hold points in the scan's own frame.  Ours may name its unit; the others are read in the scan's unit,
 because the programs that write them show a mesh's numbers as they are: Slicer writes "mm" even when the mesh
@@ -12,6 +12,7 @@ numbers of the mesh file; points stored as RAS have x and y of the other sign.
 import csv
 import json
 import math
+import re
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -23,6 +24,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadLandmarks
 from breastrig.core.private_files import read_ordinary, shown
 from breastrig.core.units import BEYOND, METRES_PER_UNIT
+from breastrig.scan.landmark_tables import Pairs, fcsv_landmarks, is_fcsv, number, table_landmarks
 
 SCHEMA = "breastrig/landmarks@1"
 SLICER_SCHEMA = (
@@ -31,7 +33,10 @@ SLICER_SCHEMA = (
 )
 SLICER_TO_MESH = {"LPS": np.array([1.0, 1.0, 1.0]), "RAS": np.array([-1.0, -1.0, 1.0])}
 FILE_TYPES = ("json", "csv", "pp", "mrk.json")
-FORMATS = "a landmark file is JSON, CSV (name,x,y,z), MeshLab .pp or 3D Slicer .mrk.json"
+FORMATS = "a landmark file is JSON, CSV (name,x,y,z), MeshLab .pp or 3D Slicer .mrk.json or .fcsv"
+CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
+REACH = 0.25  # m; a landmark may lie in a hole or beside the seen part, but not further out than this
+APART = 0.1  # m between the farthest landmarks on a body, or to one from the origin, where a wrong unit puts all
 LIMIT_BYTES = 10_000_000
 LIMIT_POINTS = 1000
 LIMIT_NAME = 100  # characters
@@ -50,7 +55,7 @@ def read_landmarks(source: Path | bytes, file_type: str | None = None) -> tuple[
     elif start == "<":
         pairs, unit = _from_meshlab(text), None
     else:
-        pairs, unit = _from_csv(text, file_type or (source.suffix if isinstance(source, Path) else "")), None
+        pairs, unit = _from_table(text, file_type or (source.suffix if isinstance(source, Path) else ""))
     return _checked(pairs), unit
 
 
@@ -149,7 +154,7 @@ def _text(source: Path | bytes) -> str:
         data = source if isinstance(source, bytes) else read_ordinary(source, LIMIT_BYTES)
         if len(data) > LIMIT_BYTES:
             raise BadLandmarks(f"This landmark file is larger than {LIMIT_BYTES // 10**6} MB; {FORMATS}.")
-        return data.decode("utf-8-sig")
+        return _decoded(data)
     except OSError as error:
         raise BadLandmarks(
             f"The landmark file {shown(str(source))} cannot be read ({error.strerror}); check the name."
@@ -186,12 +191,7 @@ def _from_slicer(document: Mapping[str, Any]) -> list[tuple[str, Any]]:
     pairs: list[tuple[str, Any]] = []
     try:
         for markup in document["markups"]:
-            system = str(markup.get("coordinateSystem", "LPS"))
-            signs = SLICER_TO_MESH.get({"0": "RAS", "1": "LPS"}.get(system, system).upper())
-            if signs is None:
-                raise BadLandmarks(
-                    f'The coordinate system "{system[:20]}" of this markups file is neither LPS nor RAS.'
-                )
+            signs = _slicer_signs(str(markup.get("coordinateSystem", "LPS")))
             for point in markup["controlPoints"]:
                 if point.get("positionStatus", "defined") != "defined":
                     continue  # a template's point that was not placed, or was skipped
@@ -219,23 +219,68 @@ def _from_meshlab(text: str) -> list[tuple[str, Any]]:
     ]
 
 
-def _from_csv(text: str, file_type: str) -> list[tuple[str, Any]]:
-    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    if not lines:
-        raise BadLandmarks("This landmark file is empty; pick landmarks and export them again.")
-    separator = next((mark for mark in ";\t," if mark in lines[0]), None)
-    if separator is None:
-        named = f"This file is named {file_type} but" if file_type else "This file"
-        raise BadLandmarks(f"{named} holds no landmarks; {FORMATS}.")
+def _from_table(text: str, file_type: str) -> tuple[Pairs, str | None]:
     try:
-        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
+        if is_fcsv(text):
+            system, pairs = fcsv_landmarks(text)
+            signs = _slicer_signs(system)
+            return [
+                (name, [sign * number(cell) for sign, cell in zip(signs, cells, strict=True)]) for name, cells in pairs
+            ], None
+        found = table_landmarks(text)
     except csv.Error as error:
         raise BadLandmarks(f"This CSV cannot be read; {FORMATS}.") from error
-    if [cell[:1].lower() for cell in rows[0][1:4]] == ["x", "y", "z"]:
-        rows = rows[1:]  # the header
-    if separator == ";":
-        rows = [[row[0], *(cell.replace(",", ".") for cell in row[1:])] for row in rows]  # 1,5 as spreadsheets write it
-    return [(row[0], row[1:]) for row in rows]
+    except ValueError as error:
+        raise BadLandmarks("A landmark in this file needs three numbers x, y, z; save the point list again.") from error
+    if found is None:
+        if not text.strip():
+            raise BadLandmarks("This landmark file is empty; pick landmarks and export them again.")
+        named = f"This file is named {file_type} but" if file_type else "This file"
+        raise BadLandmarks(f"{named} holds no landmarks; {FORMATS}.")
+    return found
+
+
+def _slicer_signs(system: str) -> Array:
+    """(3,) of a coordinate system as Slicer names it, now or in older versions."""
+    signs = SLICER_TO_MESH.get({"0": "RAS", "1": "LPS"}.get(system, system).upper())
+    if signs is None:
+        raise BadLandmarks(f'The coordinate system "{system[:20]}" of this markups file is neither LPS nor RAS.')
+    return signs
+
+
+def _decoded(data: bytes) -> str:
+    """Text in UTF-8 or UTF-16, or in the character set of older spreadsheets.  UnicodeDecodeError for what is none."""
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return data.decode("utf-16")
+    if b"\0" in data[:200]:
+        return data.decode("utf-16-be" if data[:1] == b"\0" else "utf-16-le")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        if CONTROL.search(data):
+            raise
+        return data.decode("cp1252", "replace")
+
+
+def metres_per_unit(
+    places: Mapping[str, Array], unit: str | None, scan_unit: float, bounds: tuple[Array, Array]
+) -> float:
+    """Of the places of a file; where it names no unit that of the scan, or m, cm or mm where they lie on it only then.
+
+    `scan_unit` in m, `bounds` the (3,) lowest and highest place of the scan in m.
+    """
+    if unit is not None:
+        return METRES_PER_UNIT[unit]
+    points, (low, high) = np.array(list(places.values())), bounds
+
+    def lie_on_scan(metres: float) -> bool:
+        return bool(((metres * points > low - REACH) & (metres * points < high + REACH)).all())
+
+    if lie_on_scan(scan_unit) or not len(points):
+        return scan_unit
+    spread = float(np.abs(points if len(points) == 1 else np.ptp(points, axis=0)).max())
+    others = (METRES_PER_UNIT[other] for other in ("m", "cm", "mm"))
+    return next((metres for metres in others if lie_on_scan(metres) and metres * spread > APART), scan_unit)
 
 
 def _checked(pairs: list[tuple[str, Any]]) -> dict[str, Array]:
@@ -258,7 +303,7 @@ def _three_numbers(name: str, place: Any) -> list[float]:
     try:
         if isinstance(place, str | bytes) or len(place) != 3 or any(isinstance(value, bool) for value in place):
             raise TypeError
-        numbers = [float(value) for value in place]
+        numbers = [number(value) for value in place]
     except (TypeError, ValueError, OverflowError) as error:
         raise BadLandmarks(f'The landmark "{name}" needs three numbers x, y, z.') from error
     if not all(math.isfinite(value) for value in numbers):

@@ -43,6 +43,11 @@ class Scan:
         """ "texture", "vertex" or "none"."""
         return "texture" if self.texture is not None else "none" if self.colours is None else "vertex"
 
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """The (3,) lowest and highest place, m."""
+        return self.vertices.min(axis=0), self.vertices.max(axis=0)
+
     @cached_property
     def shows_colour(self) -> bool:
         """Whether there is anything to see: many programs write one grey for all vertices of a scan without colours."""

@@ -31,6 +31,7 @@ from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.scan.coloured_scan import coloured_scan
 from breastrig.scan.hand_cuts import without_hand_cuts
 from breastrig.scan.landmark_files import checked_certain
+from breastrig.scan.landmark_names import by_known_names, known_name
 from breastrig.scan.scan import Scan
 from breastrig.workflow.events import DoubtedPick, Started
 from breastrig.workflow.fit_start import with_earlier_start, with_stance, with_start
@@ -61,9 +62,9 @@ class Clock:
 
 
 def checked_landmarks(rig: Rig, landmarks_mm: dict[str, list[float]]) -> dict[str, Array]:
-    """Landmarks in metres; BadLandmarks names the wrong word or value."""
+    """Landmarks in metres under the model's names for them; BadLandmarks names the wrong word or value."""
     result = {}
-    for name, place in landmarks_mm.items():
+    for name, place in by_known_names(landmarks_mm, landmark_words(rig)).items():
         if name not in rig.landmark_names:
             raise BadLandmarks(unknown_name("landmark of this model", name, rig.landmark_names))
         point = np.asarray(place, dtype=np.float64)
@@ -73,6 +74,11 @@ def checked_landmarks(rig: Rig, landmarks_mm: dict[str, list[float]]) -> dict[st
             raise BadLandmarks(f"The landmark {name} has a coordinate beyond all reason; check the file and its unit.")
         result[name] = 1e-3 * point
     return result
+
+
+def landmark_words(rig: Rig) -> dict[str, tuple[str, str]]:
+    """What else each of the model's landmarks is called, in English and Latin."""
+    return {each.name: (each.label, each.latin) for each in rig.landmarks}
 
 
 def _near_the_scan(landmarks: dict[str, Array], target: ScanTarget) -> None:
@@ -155,7 +161,12 @@ def fit_plan(settings: FitSettings, rig: Rig, landmarks_mm: dict[str, list[float
     settings = replace(settings, drawing=named_drawing(rig, settings.drawing))
     drawing = None if settings.drawing is None else asked_drawing(rig, settings.drawing)
     landmarks = checked_landmarks(rig, landmarks_mm)
-    confidence = settings.landmark_confidence
+    confidence = by_known_names(settings.landmark_confidence, landmark_words(rig))
+    settings = replace(
+        settings,
+        landmark_confidence=confidence,
+        certain=tuple(known_name(name, landmark_words(rig)) for name in settings.certain),
+    )
     checked_certain(settings.certain, landmarks, confidence)
     proposed = _only_proposed(landmarks, confidence)
     picked = {name: place for name, place in landmarks.items() if name not in proposed}

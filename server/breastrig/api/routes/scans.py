@@ -9,10 +9,11 @@ from flask import Response
 from breastrig.api.access.security import refuse
 from breastrig.api.answers import FORGET, GLB, PERSONAL, PNG, file_answer, file_of
 from breastrig.api.app_context import app_context
-from breastrig.api.landmark_check import check_landmarks
+from breastrig.api.landmark_check import check_landmarks, landmarks_of_file
 from breastrig.api.wire import common as wire
 from breastrig.core.errors import NotFound
 from breastrig.scan.file_type import ENDINGS
+from breastrig.scan.landmark_files import LIMIT_BYTES
 from breastrig.storage.files import MESH, THUMBNAIL, OpenedFile, scan_place
 from breastrig.storage.rows.cuts import Cuts, cuts_digest, get_cuts, put_cuts
 from breastrig.storage.rows.patients import get_patient, patient_of_scan
@@ -138,6 +139,22 @@ def replace_landmarks(scan_id: str, json_data: wire.LandmarkFile, headers_data: 
         now = picks_digest(get_landmarks(context.service.storage, scan_id))
         raise refuse(412, CHANGED_LANDMARKS, {"ETag": f'"{now}"'})
     return _landmarks_answer(picks)
+
+
+@scans.post("/<scan_id>/landmarks/file")
+@scans.input(wire.LandmarkUpload, location="files")
+@scans.output(wire.LandmarkFile)
+@scans.doc(operation_id="readLandmarkFile", responses={422: "Cannot be read"})
+def read_landmark_file(scan_id: str, files_data: wire.LandmarkUpload) -> wire.LandmarkFile:
+    """The landmarks of a file, mm
+
+    As the command line reads it: any kind of file, in the scan's frame, under the model's names.  Nothing is kept; send
+    them with PUT.
+    """
+    context = app_context()
+    row = get_scan(context.service.storage, scan_id)
+    found = landmarks_of_file(files_data.file.stream.read(LIMIT_BYTES + 1), row, context.model)
+    return wire.LandmarkFile(landmarks=found.points_mm, certain=list(found.certain), confidence=found.confidence)
 
 
 @scans.get("/<scan_id>/cuts")

@@ -136,6 +136,11 @@ class LandmarkFile(Wire):
     )
 
 
+class LandmarkUpload(Wire):
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+    file: UploadFile = Field(description="JSON, a table (CSV), MeshLab .pp, or 3D Slicer .mrk.json or .fcsv")
+
+
 class LandmarksHeaders(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
     if_match: str | None = Field(
