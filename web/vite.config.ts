@@ -1,25 +1,11 @@
 // The page is built to dist/, which the service serves at "/".  While developing, Vite serves the sources and
 // passes /api on to a running service (BREASTRIG_SERVICE, by default the port of `make serve`).
-import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
 
 const service = process.env.BREASTRIG_SERVICE ?? "http://127.0.0.1:8321";
 
-// Draco's decoder is a script from before modules: it is given an end that makes it one, and told that this is no Node.
-const dracoAsModule: Plugin = {
-  name: "draco-as-module",
-  transform: (code, id) => (id.includes("draco_wasm_wrapper.js") ? `const [process, exports, module, define] = [];\n${code}\nexport default DracoDecoderModule;` : null),
-};
-
-// The words of a licence stay in the page, but it names no address that a machine could ask.
-const licenceWithoutAddress: Plugin = {
-  name: "licence-without-address",
-  transform: (code, id) => (id.includes("fflate") ? code.replace(/^\/\*![^]*?\*\//, (licence) => licence.replaceAll("https://", "")) : null),
-};
-
 export default defineConfig({
-  plugins: [dracoAsModule, licenceWithoutAddress],
-  worker: { format: "es", plugins: () => [dracoAsModule, licenceWithoutAddress] },
+  worker: { format: "es" },
   base: "/", // the page stands at the root and at /s
   server: { host: "127.0.0.1", port: 5173, proxy: { "/api": service, "/healthz": service } },
   build: {
@@ -32,5 +18,5 @@ export default defineConfig({
     modulePreload: { polyfill: false },
   },
   // One set of modules for all files of a worker: loading them anew for each file took longer than the tests.
-  test: { include: ["test/**/*.test.ts"], environment: "node", pool: "threads", isolate: false, server: { deps: { inline: [/draco_wasm_wrapper/] } }, testTimeout: 60_000 }, // none of them waits; a busy machine takes its time
+  test: { include: ["test/**/*.test.ts"], environment: "node", pool: "threads", isolate: false, testTimeout: 60_000 }, // none of them waits; a busy machine takes its time
 });

@@ -1,7 +1,6 @@
 import json
 import logging
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from helpers.problems import problem
 from limits import RateLimitItemPerMinute
 
 from breastrig.api.access.rate_limits import PER_MINUTE
-from breastrig.api.access.security import DECODER_POLICY, HEADERS
+from breastrig.api.access.security import HEADERS
 from breastrig.api.config import Config, checked_token, is_loopback
 from breastrig.core.errors import BadSettings
 from breastrig.core.log_lines import TEXT, JsonLines, TextLines
@@ -56,21 +55,6 @@ def test_the_policy_lets_nothing_in_from_elsewhere() -> None:
     assert policy["object-src"] == policy["frame-ancestors"] == "'none'"
     assert "unsafe" not in HEADERS["Content-Security-Policy"]
     assert "http" not in HEADERS["Content-Security-Policy"]
-
-
-def test_only_the_worker_that_decodes_scans_may_compile_web_assembly_and_it_reaches_nothing_else(
-    client_for: Callable[[Config], FlaskClient], config: Config, tmp_path: Path
-) -> None:
-    client, assets = client_for(replace(config, web=tmp_path)), tmp_path / "assets"
-    assets.mkdir()
-    for name, is_decoder in (("container.worker-abc_1.js", True), ("page-abc.js", False), ("body.worker-a.js", False)):
-        (assets / name).write_text("0")
-        policy = client.get(f"/assets/{name}").headers["Content-Security-Policy"]
-        assert (policy == DECODER_POLICY) == is_decoder
-        assert ("wasm-unsafe-eval" in policy) == is_decoder
-    assert "'unsafe-eval'" not in DECODER_POLICY
-    assert "http" not in DECODER_POLICY
-    assert DECODER_POLICY.startswith("default-src 'none'")
 
 
 @pytest.mark.parametrize("host", ["localhost", "localhost:8321", "127.0.0.1:1", "[::1]:8321", "LOCALHOST"])

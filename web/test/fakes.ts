@@ -1,7 +1,7 @@
 // A page without a browser: the real store and actions, a client that answers what the test says.
 import { vi } from "vitest";
 import { ApiError, type Client } from "../src/api/client";
-import type { Cut, LandmarkDefinition, Patient, PlanItem, PlanOnScan, Scan, StoredPlan, Vector } from "../src/api/types";
+import type { Cut, LandmarkDefinition, LandmarkFile, Patient, PlanItem, PlanOnScan, Scan, StoredPlan, Vector } from "../src/api/types";
 import { createActions } from "../src/app/actions";
 import { withPlacingView } from "../src/app/placingView";
 import { initialSession, type Session } from "../src/app/session";
@@ -87,6 +87,7 @@ export function page(answers: Partial<Client> = {}) {
     patient: async (id: string) => ({ id, code: "K7M-4QX", scans: [] }),
     patients: async () => ({ patients: [], next: null }),
     proposed: async () => ({ landmarks: {} }),
+    landmarkFile: async (_scan: Scan, file: File) => JSON.parse(await file.text()) as LandmarkFile,
     saveLandmarks: vi.fn(async (_scan: Scan, file: unknown) => file),
     scan: async (id: string) => scanInfo(id),
     upload: async () => scanInfo("uploaded"),

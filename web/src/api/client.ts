@@ -116,6 +116,12 @@ export const client = {
     await ask(`/api/patients/${id(patient)}`, { method: "DELETE", keepalive: true });
   },
   mesh: (scan: Scan) => bytes(scan.links.mesh),
+  /** What a file says of the scan's landmarks; nothing of it is kept yet. */
+  landmarkFile: async (scan: Scan, file: File): Promise<LandmarkFile> => {
+    const body = new FormData();
+    body.append("file", file);
+    return (await (await ask(`${scan.links.landmarks}/file`, { method: "POST", body })).json()) as LandmarkFile;
+  },
   landmarks: async (scan: Scan): Promise<StoredLandmarks> => tagged(await ask(scan.links.landmarks)),
   /** 412 when those that are kept are not the ones of this tag any more; without one they are replaced whatever they are.  Arrives although the page is being closed. */
   saveLandmarks: async (scan: Scan, file: LandmarkFile, seen: string | null): Promise<StoredLandmarks> => {

@@ -426,6 +426,11 @@ export type LandmarkInfo = {
   mirror: string;
 };
 
+export type LandmarkUpload = {
+  /** JSON, a table (CSV), MeshLab .pp, or 3D Slicer .mrk.json or .fcsv */
+  file: Blob;
+};
+
 export type Limits = {
   upload_bytes: number;
   triangles: number;

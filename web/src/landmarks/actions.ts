@@ -8,7 +8,6 @@ import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import type { ViewSlice } from "../viewer/state";
 import { type Certain, certainAt, certainNames } from "./certain";
-import { UnreadableLandmarks } from "./files/unreadable";
 import { createPicksKeeper } from "./keeper";
 import { exchanged, nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
 import { openProposals } from "./proposals/proposals";
@@ -261,16 +260,16 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       const scan = store.get().scan;
       if (!scan) return;
       try {
-        const [{ readCertain, readLandmarks }, content] = await Promise.all([import("./files/files"), file.text()]);
-        const picks = readLandmarks(content, scan.info.unit, list());
-        const certain = { ...store.get().certain, ...certainAt(picks, readCertain(content, picks)) };
+        const read = await client.landmarkFile(scan.info, file);
+        if (store.get().scan?.info.id !== scan.info.id) return;
+        const picks = picksOf(read);
+        const certain = { ...store.get().certain, ...certainAt(picks, read.certain ?? []) };
         const announcement = text.landmarks.announceImported(Object.keys(picks).length);
         store.set((state) => withProblem(state, "landmarks", null));
         const all = { ...store.get().picks.present, ...picks };
         change(all, { ...straightened(store.get(), all), certain, active: null, announcement });
       } catch (error) {
-        const message = error instanceof UnreadableLandmarks ? error.message : messageOf(error);
-        store.set((state) => withProblem(state, "landmarks", message));
+        store.set((state) => withProblem(state, "landmarks", messageOf(error)));
       }
     },
 

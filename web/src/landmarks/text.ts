@@ -25,7 +25,7 @@ export const landmarks = {
   redo: "Redo",
   stop: "Stop placing",
   importFile: "Import",
-  importHint: "Read landmarks from a JSON, CSV, MeshLab .pp or 3D Slicer .mrk.json file",
+  importHint: "Read landmarks from JSON, a table (CSV), MeshLab .pp, or 3D Slicer .mrk.json or .fcsv",
   exportHint: "Save the placed landmarks",
   exportJson: "for this page and the command line, in mm",
   exportCsv: "for spreadsheets, in the scan's unit",

@@ -7,12 +7,12 @@ import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { tidyFrame, type Turn, turned } from "../viewer/frame";
 import { fromFront, type ViewSlice } from "../viewer/state";
-import { containerKind } from "./containers/kind";
 import { type Crop, type Crops, cropsFrom, cropsOf, cutsOf, mergedCrops, MOST, NO_CROPS } from "./crop";
 import type { ScanSlice, ScanState } from "./state";
 import * as text from "./text";
 
-export const READABLE = /\.(ply|obj|stl|glb|zip|pcd|xyz|asc|pts|usdz|usd|usda|usdc)$/i;
+/** The endings of names that the service takes. */
+export const READABLE = /\.(ply|obj|stl|glb|gltf|zip|pcd|usdz|usd|usda|usdc|xyz|asc|pts|txt|csv|xyzn|xyzrgb)$/i;
 
 type State = PageSlice & ViewSlice & ScanSlice;
 
@@ -28,14 +28,6 @@ export interface ScanContents {
   stop(): void;
   /** What was found on it does not hold any more, because something was cut away. */
   cut(): object;
-}
-
-/** What is sent of a file: itself, or the plain triangles of one that is compressed or nested. */
-async function plain(file: File, onUnpacking: () => void): Promise<File> {
-  const kind = await containerKind(file);
-  if (!kind) return file;
-  onUnpacking();
-  return (await import("./containers/unpack")).unpack(file, kind);
 }
 
 export function scanActions(store: Store<State>, client: Client, contents: ScanContents, onLandmarks: () => void) {
@@ -139,9 +131,8 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
           const phase = share < 1 ? "sending" : "preparing";
           if (mine === generation) store.set({ loading: { phase, share, title } });
         };
-        const sent = await plain(file, () => mine === generation && store.set({ loading: { phase: "unpacking", share: 0, title } }));
         progress(0);
-        return { info: await client.upload(sent, units, progress), file, own: null, isNew: true };
+        return { info: await client.upload(file, units, progress), file, own: null, isNew: true };
       });
     },
 

@@ -17,7 +17,7 @@ export interface ScanState {
 }
 
 export interface ScanSlice {
-  readonly loading: { readonly phase: "unpacking" | "sending" | "preparing"; readonly share: number; readonly title: string } | null;
+  readonly loading: { readonly phase: "sending" | "preparing"; readonly share: number; readonly title: string } | null;
   readonly scan: ScanState | null;
   readonly confirmed: string | null; // the scan whose size and direction a person has called right
   readonly showColours: boolean;

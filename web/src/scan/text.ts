@@ -47,7 +47,6 @@ export const units = {
 };
 
 export const loading = {
-  unpacking: (title: string) => `Unpacking ${title} in this browser`,
   sending: (title: string) => `Sending ${title}`,
   preparing: (title: string) => `Reading and checking ${title}`,
 };
@@ -86,7 +85,7 @@ export const scan = {
 };
 
 export const errors = {
-  notAScan: (name: string) => `“${name}” is not a 3D scan that can be read here: choose a PLY, OBJ, STL, GLB, USDZ, PCD or XYZ file, or a zip.`,
+  notAScan: (name: string) => `“${name}” is not a 3D scan that can be read here: choose a PLY, OBJ, STL, GLB, glTF, USDZ, PCD or XYZ file, a table of points, or a zip.`,
   noScan: "This scan is no longer kept by the service. Load it again.",
   mesh: "The scan cannot be drawn: the service sent a mesh that is not valid glTF.",
 };

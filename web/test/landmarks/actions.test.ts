@@ -90,3 +90,11 @@ test("a body that was turned by hand stays as it was turned", async () => {
   await actions.landmarks.importFile(new File([JSON.stringify({ unit: "mm", landmarks })], "landmarks.json"));
   expect(store.get().scan?.frame).toEqual(frame);
 });
+
+test("a file that the service cannot read is its own sentence, and nothing is lost", async () => {
+  const { store, actions } = await withScan({ landmarkFile: () => Promise.reject(new ApiError("This landmark file is empty; pick landmarks.", 422)) });
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.place([1, 2, 3]);
+  await actions.landmarks.importFile(new File([""], "l.csv"));
+  expect(store.get()).toMatchObject({ problems: { landmarks: "This landmark file is empty; pick landmarks." }, picks: { present: { nipple_L: [1, 2, 3] } } });
+});

@@ -125,7 +125,7 @@ test("what is certain comes with the scan and with a file, and waits for signing
   expect(certain()).toEqual(["umbilicus"]);
   await actions.landmarks.importFile(new File([JSON.stringify({ unit: "mm", landmarks: { nipple_L: [95, 0, 60] }, certain: ["nipple_L"] })], "l.json"));
   expect(certain()).toEqual(["nipple_L", "umbilicus"]);
-  await actions.landmarks.importFile(new File(["name,x,y,z\numbilicus,0.001,-0.2,0.04"], "l.csv"));
+  await actions.landmarks.importFile(new File([JSON.stringify({ unit: "mm", landmarks: { umbilicus: [1, -200, 40] } })], "l.json"));
   expect(certain(), "another place is another pick").toEqual(["nipple_L"]);
   actions.landmarks.restore(PLACES, ["suprasternal_notch"]);
   expect(certain()).toEqual(["suprasternal_notch"]);

@@ -37,16 +37,6 @@ POLICY = "; ".join(
         "frame-ancestors 'none'",
     )
 )
-# The worker that decodes compressed scans runs hostile bytes through WebAssembly.  A worker that comes from an address
-# has the policy of that answer: so it alone may compile it, and may ask for nothing but files of the page.
-DECODER_POLICY = "; ".join(
-    (
-        "default-src 'none'",
-        "script-src 'self' 'wasm-unsafe-eval'",
-        "connect-src 'self'",
-        "img-src blob:",
-    )
-)
 HEADERS = {
     "Content-Security-Policy": POLICY,
     "X-Content-Type-Options": "nosniff",

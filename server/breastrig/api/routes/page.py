@@ -1,7 +1,6 @@
 """The built page, and the page that says how to build it."""
 
 import mimetypes
-import re
 from os.path import isfile
 from pathlib import Path
 
@@ -9,7 +8,6 @@ from flask import Blueprint, Response, abort, request
 from werkzeug.routing import BaseConverter
 from werkzeug.security import safe_join
 
-from breastrig.api.access.security import DECODER_POLICY
 from breastrig.api.access.session import in_session
 from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, public_answer
 from breastrig.api.app_context import app_context
@@ -17,8 +15,6 @@ from breastrig.api.routes.sign_in import sign_in_with
 from breastrig.core.assets import asset_folder
 
 page = Blueprint("page", __name__)
-
-DECODER = re.compile(r"assets/container\.worker-[\w-]+\.js")  # of web/src/scan/containers/container.worker.ts
 
 
 class PageFile(BaseConverter):
@@ -65,10 +61,7 @@ def index() -> Response:
 @page.get("/<page_file:name>")
 def asset(name: str) -> Response:
     """A file of the page; those below assets/ carry their hash in their name."""
-    answer = _file(_folder(), name, FOR_EVER if name.startswith("assets/") else CHECK_AGAIN)
-    if DECODER.fullmatch(name):
-        answer.headers["Content-Security-Policy"] = DECODER_POLICY
-    return answer
+    return _file(_folder(), name, FOR_EVER if name.startswith("assets/") else CHECK_AGAIN)
 
 
 def _folder() -> Path:

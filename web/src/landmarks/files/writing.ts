@@ -1,5 +1,5 @@
 // Landmark files as they are written: the program's JSON, plain CSV (name,x,y,z), MeshLab's picked points (.pp) and 3D
-// Slicer's markups (.mrk.json).  Those of other programs are in the scan's unit, as files.ts reads them.
+// Slicer's markups (.mrk.json).  Those of other programs are in the scan's unit, as the service reads them.
 import type { LandmarkFile, Unit } from "../../api/types";
 import { toUnit } from "../../ui/units";
 import type { Picks } from "../picks";
