@@ -16,7 +16,7 @@ from breastrig.scan.landmark_files import (
     read_landmarks,
     write_landmarks,
 )
-from breastrig.scan.landmark_names import by_known_names, known_name
+from breastrig.scan.landmarks.names import by_known_names, known_name
 
 PLACES = {
     "nipple_L": np.array([102.25, -11.0, 1e-3]),

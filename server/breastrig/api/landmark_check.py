@@ -14,7 +14,7 @@ from breastrig.scan.landmark_files import (
     metres_per_unit,
     read_landmarks,
 )
-from breastrig.scan.landmark_names import by_known_names, known_name
+from breastrig.scan.landmarks.names import by_known_names, known_name
 from breastrig.storage.rows.scans import Picks, ScanRow
 
 

@@ -24,7 +24,7 @@ from breastrig.core.arrays import Array
 from breastrig.core.errors import BadLandmarks
 from breastrig.core.private_files import read_ordinary, shown
 from breastrig.core.units import BEYOND, METRES_PER_UNIT
-from breastrig.scan.landmark_tables import Pairs, fcsv_landmarks, is_fcsv, number, table_landmarks
+from breastrig.scan.landmarks.tables import Pairs, fcsv_landmarks, is_fcsv, number, table_landmarks
 
 SCHEMA = "breastrig/landmarks@1"
 SLICER_SCHEMA = (

@@ -1,0 +1,1 @@
+"""Landmarks as people write them: tables and names."""
