@@ -25,7 +25,7 @@ from breastrig_studies.cohort import read_cohort
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.reference_fit import reference_fit
 
-FILE = Path(__file__).parents[1] / "fitting" / "body" / "torso.json"
+FILE = default_rig_path().with_suffix(".known") / "bodies.json"
 KEPT = 0.98  # of the variance
 
 

@@ -32,7 +32,7 @@ from breastrig_studies.studies.case import Scene, read_scene
 
 Bodies = Mapping[str, Sequence[tuple[Booleans, Array]]]  # (hidden, heights) of bodies by their source
 
-FOLDER = Path(__file__).parents[1] / "fitting" / "body"
+FOLDER = default_rig_path().with_suffix(".known")
 APART = 0.02  # m, between the places
 WIDTH = 0.03  # m, of the Gaussian over the vertices around a place
 SHOWN = 0.015  # m from a scan's vertex that faces alike (cosine over one half): that skin is not hidden
@@ -116,7 +116,7 @@ def main(folder: Path, into: Path = FOLDER) -> None:
             "normals": np.round(skin.normals, 3).tolist(),
             "heights_mm": np.round(1e3 * skin.heights, 2).tolist(),
         }
-        (into / f"{rig.name}_hidden_{stance}.json").write_text(json.dumps(document) + "\n", "utf-8")
+        (into / f"hidden_{stance}.json").write_text(json.dumps(document) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

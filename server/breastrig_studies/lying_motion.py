@@ -29,7 +29,7 @@ from breastrig_studies.cohort import Case, read_cohort
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.transfer import fitted, places
 
-FILE = Path(__file__).parents[1] / "drawings" / "skin_maps" / "torso_lying.json"
+FILE = default_rig_path().with_suffix(".known") / "lying_motion.json"
 APART = 0.02  # m, between the places
 ROUNDS = 2  # of adding what both ways still get wrong; a third changes less than 0.1 mm
 WIDTH = 0.025  # m, of the Gaussian over the points around a place

@@ -87,7 +87,7 @@ def main(folder: Path, into: Path = FOLDER) -> None:
         excess = max(float(above[rig.regions["belly"]].mean()) - ORDINARY, 0.0)
         hidden, heights = hidden_heights(scene, rig, vertices)
         women.setdefault(told["source"], []).append(Body(excess, hidden, heights - expected))
-    (into / f"{rig.name}_trunk_depth.json").write_text(json.dumps(learnt(rig, women)) + "\n", "utf-8")
+    (into / "trunk_depth.json").write_text(json.dumps(learnt(rig, women)) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 import io
 import json
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.cli.main import main
 from breastrig.execution.limits import FitLimits
+from breastrig.gltf.read_rig import default_rig_path
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 
@@ -50,11 +52,28 @@ def test_by_command_line(arm: tuple[Path, Path, Path], tmp_path: Path, capfd: py
     truth = 1e3 * posed_forearm(fit.model)[0]
     assert np.linalg.norm(fit.vertices - truth, axis=1).mean() < 3.0
     assert [line.name for line in fit.drawing.lines] == ["palmar"]
+    assert (fit.verdict.level, fit.result["landmark_uncertainty_mm"]) == ("uncalibrated", {})
+    assert fit.verdict.reasons[0].startswith("Not calibrated for this rig: ")
+    assert fit.result["not_calibrated"].startswith("Not calibrated for this rig: ")
     [straight, tape] = breastrig.measure(fit)
     assert (straight.name, straight.left, tape.kind) == ("radius", None, "along the skin")
     assert straight.value is not None
     assert straight.value.value == pytest.approx(232.0, abs=2.0)
     assert json.loads((rep / "report.json").read_text())["measures"][0]["label"] == "Length of the radius"
+
+
+def test_it_brings_what_is_known_of_it(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    model, scan, places = write_forearm(tmp_path / "arm")
+    shutil.copytree(default_rig_path().with_suffix(".known"), model.with_suffix(".known"))
+    assert main(["model", "bind", "--model", str(model)]) == 0
+    assert main(["model", "check", "--model", str(model)]) == 0
+    fit = breastrig.fit(breastrig.read_scan(scan, "mm"), places, model=model)
+    assert (fit.verdict.level, fit.result.get("not_calibrated")) == ("good", None)
+    assert set(fit.result["landmark_uncertainty_mm"]) == set(fit.model.landmark_names)
+    assert np.isfinite(np.frombuffer(fit.files["uncertainty.bin"], "<f4")).all()
+    [straight, _] = breastrig.measure(fit)
+    assert straight.value is not None
+    assert straight.value.low is not None
 
 
 def test_by_http(served: tuple[Service, FlaskClient], arm: tuple[Path, Path, Path]) -> None:

@@ -21,11 +21,10 @@ def lines_without_a_reason(text: str) -> list[str]:
 
 
 def test_every_number_of_every_preset_has_a_reason(repository: Path) -> None:
-    folders = ("presets", "verdicts")
-    presets = [
-        path for folder in folders for path in sorted((repository / "server/breastrig/fitting" / folder).glob("*.toml"))
-    ]
-    assert {"default", "paper", "torso"} <= {path.stem for path in presets}
+    package, known = repository / "server/breastrig", repository / "model_assets/built/torso.known"
+    folders = (package / "fitting/presets", known)
+    presets = [path for folder in folders for path in sorted(folder.glob("*.toml"))]
+    assert {"default", "paper", "verdict", "skin_map"} <= {path.stem for path in presets}
     for path in presets:
         text = path.read_text(encoding="utf-8")
         assert tomllib.loads(text)

@@ -39,7 +39,7 @@ def test_lines_without_known_radii_stay_as_they_are(torso: Rig, fitted: ClosestP
 
 
 def test_a_carried_point_adds_what_both_fits_and_the_skin_are_off(torso: Rig) -> None:
-    settings = skin_map_settings("torso")
+    settings = skin_map_settings(torso)
     target = ScanTarget(torso.template, torso.faces)
     a = FittedScan(target, torso.template, {}, "standing", np.full(len(torso.template), 0.01))
     b = replace(a, radii=np.full(len(torso.template), 0.02))
@@ -49,3 +49,4 @@ def test_a_carried_point_adds_what_both_fits_and_the_skin_are_off(torso: Rig) ->
     assert errors is not None
     assert errors == pytest.approx(np.full(len(points), expected))
     assert carried_errors(torso, replace(a, radii=None), b, points, points) is None
+    assert carried_errors(replace(torso, known={}), a, b, points, points) is None

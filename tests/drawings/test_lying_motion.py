@@ -55,7 +55,7 @@ def test_the_motion_is_met_at_its_places_and_dies_out_beyond_them() -> None:
 
 
 def test_another_rig_is_not_expected_to_move(torso: Rig) -> None:
-    assert lying_motion(replace(torso, name="somebody")) is None
+    assert lying_motion(replace(torso, known={})) is None
 
 
 def test_skin_that_moves_as_in_everybody_is_carried_without_any_landmark(torso: Rig) -> None:

@@ -4,11 +4,13 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+from helpers.toy_rig import toy_rig
 
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.verdicts.fit_signals import FitSignals
 from breastrig.fitting.verdicts.repeated import told_by_a_person
 from breastrig.fitting.verdicts.verdict import UNKNOWN_MODEL, Verdict, shows_a_part, verdict, verdict_limits
+from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 
 RIGHT = FitSignals(
@@ -23,7 +25,7 @@ RIGHT = FitSignals(
     stretch=0.1,
     limits=0.03,
 )
-LIMITS = verdict_limits("torso")
+LIMITS = verdict_limits(read_rig(default_rig_path()))
 assert LIMITS is not None
 NAMES = list(LIMITS.signals)
 
@@ -79,10 +81,10 @@ def test_the_strongest_reasons_come_first_and_make_one_sentence() -> None:
     far = replace(beyond_no_torso(*NAMES), scan_p95=0.4)
     found = verdict(far, Status.CONVERGED, LIMITS)
     assert "400 mm" in found.reasons[0]
-    assert found.refusal.startswith("This does not look like a torso: one in twenty places of the scan")
-    assert found.refusal.count(". ") == 0
-    assert found.refusal.endswith(".")
-    assert len(found.refusal) < 400
+    assert found.refusal("torso").startswith("This does not look like a torso: one in twenty places of the scan")
+    assert found.refusal("torso").count(". ") == 0
+    assert found.refusal("torso").endswith(".")
+    assert len(found.refusal("torso")) < 400
 
 
 def test_a_fit_that_did_not_come_to_rest_is_to_be_checked() -> None:
@@ -96,13 +98,16 @@ def test_a_model_that_found_no_skin_at_all_is_refused() -> None:
     nothing = replace(RIGHT, seen=0.0, distance_p95=np.nan, beyond=np.nan, angle_p90=np.nan, scan_p95=np.nan)
     found = verdict(nothing, Status.STALLED, LIMITS)
     assert not found.is_torso
-    assert "found no skin" in found.refusal
+    assert "found no skin" in found.refusal("torso")
 
 
 def test_of_another_model_nothing_is_known() -> None:
-    assert verdict_limits("toy") is None
+    assert verdict_limits(toy_rig()) is None
     found = verdict(RIGHT, Status.CONVERGED, None)
-    assert (found.level, found.reasons, found.is_torso) == ("check", (UNKNOWN_MODEL,), True)
+    assert (found.level, found.reasons, found.is_torso) == ("uncalibrated", (UNKNOWN_MODEL,), True)
+    assert "Not calibrated for this rig" in UNKNOWN_MODEL
+    assert verdict(RIGHT, Status.STALLED, None).level == "check"
+    assert verdict(replace(RIGHT, scan_p95=np.nan), Status.CONVERGED, None).level == "unusable"
 
 
 def test_landmarks_in_doubt_make_a_right_fit_worth_a_look() -> None:

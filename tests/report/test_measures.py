@@ -151,7 +151,7 @@ def test_what_a_fits_outline_is_off_is_taken_off_and_its_error_grows_with_the_ra
     of_at_rest: dict[tuple[str, str], Row], at_rest: Stance
 ) -> None:
     """As much at the width's two ends as all around the volume; where no radii are known raters' 5 mm stay."""
-    known = measure_calibration()
+    known = measure_calibration(at_rest.rig)
     plain = of_at_rest
     sure, unsure = (
         by_name(measures(replace(at_rest, radii=np.full(len(at_rest.vertices), radius)))) for radius in (0.004, 0.012)

@@ -78,7 +78,7 @@ def test_the_band_of_picked_heights_is_a_clicks_and_the_leans_and_opens_the_grad
     stance = lowered(at_rest, -2.0)
     radii = dict.fromkeys(stance.rig.landmark_names, 0.015)  # what the fit thinks of the model there
     known = replace(stance, landmark_radii=radii, radii=np.full(len(stance.vertices), 0.006))
-    rows, errors = by_name(known), measure_calibration().heights
+    rows, errors = by_name(known), measure_calibration(at_rest.rig).heights
     value, graded, low = (rows[name].left for name in ("nipple_above_fold", "ptosis", "lowest_point_above_fold"))
     assert value is not None
     assert value.high is not None
@@ -109,7 +109,7 @@ def test_a_nipple_that_nobody_picked_or_sees_gives_no_grade(at_rest: Stance) -> 
 
 
 def test_a_fold_that_its_breast_covers_is_taken_at_the_xiphoids_level(at_rest: Stance) -> None:
-    at, errors = landmarks(at_rest), measure_calibration().heights
+    at, errors = landmarks(at_rest), measure_calibration(at_rest.rig).heights
     low = at["nipple_L"] - [0.0, at["nipple_L"][1] - at["xiphoid"][1] + 0.02, 0.0]  # 20 mm under the xiphoid's level
     radii = dict.fromkeys(at_rest.rig.landmark_names, 0.01)
     stance = replace(

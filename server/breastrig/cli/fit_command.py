@@ -18,8 +18,13 @@ from breastrig.interface.scan import Scan, read_coloured
 from breastrig.workflow.folder.fit_file_names import DRAWING_MISSING, fit_set
 from breastrig.workflow.folder.patient import write_patient
 
-SAID = {"good": "a good fit", "check": "a fit to check", "unusable": "not usable"}
-LEVELS = {"check": "check this fit", "unusable": "this fit is not usable"}
+SAID = {
+    "good": "a good fit",
+    "uncalibrated": "not calibrated for this rig",
+    "check": "a fit to check",
+    "unusable": "not usable",
+}
+LEVELS = {"uncalibrated": "no verdict", "check": "check this fit", "unusable": "this fit is not usable"}
 
 
 def _output(options: argparse.Namespace) -> Output:

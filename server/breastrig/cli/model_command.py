@@ -5,23 +5,55 @@ import subprocess
 import sys
 
 from breastrig.core.errors import BadInput
+from breastrig.core.stances import STANCES
+from breastrig.drawings.skin_maps.lying_motion import lying_motion
+from breastrig.drawings.skin_maps.settings import skin_map_settings
+from breastrig.fitting.body.hidden_skin import hidden_skin
+from breastrig.fitting.body.statistics import body_statistics
+from breastrig.fitting.body.trunk_depth import trunk_depth
+from breastrig.fitting.uncertainty.calibration import calibration
+from breastrig.fitting.verdicts.verdict import verdict_limits
+from breastrig.gltf.known_files import bind_known, known_words
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.report.calibration import measure_calibration
+from breastrig.rig.model import Rig
 from breastrig.rig.validation.rules import check_rig, describe_rig
 
 
 def info(options: argparse.Namespace) -> int:
     """Prints a description."""
-    print(describe_rig(read_rig(options.model or default_rig_path())))
+    glb = options.model or default_rig_path()
+    rig = read_rig(glb)
+    print(describe_rig(rig), known_words(glb, rig.known), sep="\n\n")
     return 0
 
 
 def check(options: argparse.Namespace) -> int:
     """Prints one line a rule; exit code 2 when one is broken that is more than advice."""
-    findings = check_rig(read_rig(options.model or default_rig_path()))
+    glb = options.model or default_rig_path()
+    rig = read_rig(glb)
+    findings = check_rig(rig, is_torso=options.model is None)
+    read_all_known(rig)
     for finding in findings:
         mark = "ok " if finding.ok else {"error": "BAD", "advice": "tip"}[finding.severity]
         print(f"{mark} {finding.name}: {finding.detail}")
+    print(f"    {known_words(glb, rig.known)}")
     return 0 if all(finding.ok or finding.severity == "advice" for finding in findings) else 2
+
+
+def read_all_known(rig: Rig) -> None:
+    """BadModel says what is wrong with what is known of it."""
+    _ = calibration(rig), verdict_limits(rig), measure_calibration(rig), skin_map_settings(rig)
+    _ = body_statistics(rig), trunk_depth(rig), lying_motion(rig)
+    for stance in STANCES:
+        hidden_skin(rig, stance)
+
+
+def bind(options: argparse.Namespace) -> int:
+    """Says that what stands in NAME.known is of this very rig."""
+    glb = options.model or default_rig_path()
+    print(f"{bind_known(glb, read_rig(glb).sha256).name} names {glb.name} now.")
+    return 0
 
 
 def build(_options: argparse.Namespace) -> int:
@@ -34,4 +66,4 @@ def build(_options: argparse.Namespace) -> int:
 
 def run(options: argparse.Namespace) -> int:
     """The action that was asked for."""
-    return {"info": info, "check": check, "build": build}[options.action](options)
+    return {"info": info, "check": check, "bind": bind, "build": build}[options.action](options)

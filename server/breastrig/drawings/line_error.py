@@ -26,8 +26,10 @@ def radii_at(rig: Rig, fitted: ClosestPointSearch, radii: Array, points: Array) 
 
 
 def carried_errors(rig: Rig, a: FittedScan, b: FittedScan, on_a: Array, on_b: Array) -> Array | None:
-    """(M,) m: of (M, 3) m points of A's skin that were carried to (M, 3) m on B; None when a fit knows no radii."""
-    settings = skin_map_settings(rig.name)
+    """(M,) m: of (M, 3) m points of A's skin that were carried to (M, 3) m on B; None when nothing is known of them."""
+    settings = skin_map_settings(rig)
+    if settings.error_skin is None or settings.error_share is None:
+        return None
     total = np.full(len(on_a), settings.error_skin**2)
     for scan, points in ((a, on_a), (b, on_b)):
         if scan.radii is None:

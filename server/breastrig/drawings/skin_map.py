@@ -85,7 +85,7 @@ class SkinMap:
         lies_down = a.stance == "standing" and b.stance == "supine"
         expected = lying_motion(rig) if motion is None and lies_down else motion
         self._moves = None if expected is None else expected @ umeyama(rig.template, b.vertices).rotation.T
-        self._settings = own = settings or skin_map_settings(rig.name)
+        self._settings = own = settings or skin_map_settings(rig)
         on_scan = MatchRules("rays", own.on_scan_distance, own.on_scan_angle)
         seen = match(a.target, a.vertices, _normals(rig, a.vertices), on_scan)
         on_a = _near_the_breasts(rig, a.vertices, seen, own.reach)

@@ -9,6 +9,7 @@ layout, see pose_nodes.py); any other joint node is the bone itself.  This check
 
 import hashlib
 import json
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -23,6 +24,7 @@ from breastrig.core.glb import split_glb
 from breastrig.core.gltf_arrays import GltfArrays, entry
 from breastrig.core.private_files import read_ordinary, shown
 from breastrig.geometry.surface_points import SurfacePoints
+from breastrig.gltf.known_files import known_paths, read_known
 from breastrig.gltf.side_file import DrawingFile, FilePart, RigFile, SurfacePointEntry
 from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, Length, ModelDrawing, Rig, Shape
 
@@ -41,12 +43,12 @@ def default_rig_path() -> Path:
 
 
 def read_rig(glb: Path) -> Rig:
-    """Reads `glb`, the .json of the same name and drawings/*.json beside it; BadModel says what is wrong.
+    """Reads `glb`, .json and .known of the same name and drawings/*.json beside it; BadModel says what is wrong.
 
     Files that have not changed since they were read last are the same rig, with all that was derived from it.
     """
     drawings = tuple(sorted(glb.parent.glob("drawings/*.json")))
-    stamps = tuple(_stamp(file) for file in (glb, glb.with_suffix(".json"), *drawings))
+    stamps = tuple(_stamp(file) for file in (glb, glb.with_suffix(".json"), *drawings, *known_paths(glb)))
     return _read(glb, drawings, stamps) if all(stamps) else _read.__wrapped__(glb, drawings, stamps)
 
 
@@ -69,15 +71,17 @@ def _read(glb: Path, drawing_paths: tuple[Path, ...], _stamps: tuple[tuple[int, 
         mesh = _SkinnedMesh(*split_glb(data["glb"]))
     except (ValueError, KeyError, TypeError, IndexError, AttributeError, MemoryError) as error:
         raise BadModel(f"{glb.name} cannot be used as a model: {_reason(error)}.") from error
-    return _assembled(
+    sha256 = hashlib.sha256(b"".join([data["glb"], data["json"], *drawings])).hexdigest()
+    rig = _assembled(
         side,
         mesh,
         tuple(
             _drawing(_parsed(DrawingFile, text, path.name), path.name, len(mesh.faces))
             for text, path in zip(drawings, drawing_paths, strict=True)
         ),
-        hashlib.sha256(b"".join([data["glb"], data["json"], *drawings])).hexdigest(),
+        sha256,
     )
+    return replace(rig, known=read_known(glb, sha256))
 
 
 class _SkinnedMesh:

@@ -87,7 +87,7 @@ class Fit:
     unusual: dict[str, str]  # given landmarks that were followed and should be looked at, each with a sentence
     parameters: Parameters
     stance: str  # standing | supine
-    verdict: Verdict  # level (good | check | unusable) and reasons
+    verdict: Verdict  # level (good | uncalibrated | check | unusable) and reasons
     converged: bool
     stop_reason: str
     iterations: int
@@ -160,7 +160,7 @@ class _Part(BaseModel):
 
 
 class _Verdict(_Part):
-    level: Literal["good", "check", "unusable"]
+    level: Literal["good", "uncalibrated", "check", "unusable"]
     reasons: tuple[str, ...]
 
 

@@ -1,12 +1,13 @@
-"""How far measures by the model's outline are off where the truth is known, kept as data beside this file."""
+"""How far measures by the model's outline are off where the truth is known, kept as data beside the rig."""
 
-import tomllib
 from functools import lru_cache
-from importlib import resources
 from typing import Annotated
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
+
+from breastrig.rig.known import known_part
+from breastrig.rig.model import Rig
 
 NotNegative = Annotated[float, Field(ge=0.0)]
 
@@ -43,7 +44,7 @@ class Heights(_Part):
 
 
 class MeasureCalibration(_Part):
-    """Of the torso's measures."""
+    """Of one rig's measures."""
 
     standing: Outline
     supine: Outline
@@ -55,8 +56,7 @@ class MeasureCalibration(_Part):
         return self.supine if stance == "supine" else self.standing
 
 
-@lru_cache(maxsize=1)
-def measure_calibration() -> MeasureCalibration:
-    """Read once a process."""
-    file = resources.files("breastrig.report") / "calibration.toml"
-    return MeasureCalibration.model_validate(tomllib.loads(file.read_text("utf-8")))
+@lru_cache(maxsize=8)
+def measure_calibration(rig: Rig) -> MeasureCalibration | None:
+    """Of this rig; None when nobody has measured it."""
+    return known_part(rig, "measures.toml", MeasureCalibration)

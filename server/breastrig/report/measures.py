@@ -162,13 +162,13 @@ class _Table:
         line = resampled(outline.points.positions(self.stance.vertices, self.stance.rig.faces), SPACING, closed=True)
         lateral = self.frame.lateral(line)
         first, second = line[lateral.argmin()], line[lateral.argmax()]
-        known = measure_calibration()
-        more = 0.0 if self.stance.radii is None else known.outline(self.stance.name).outwards
+        known = measure_calibration(self.stance.rig)
+        more = 0.0 if known is None or self.stance.radii is None else known.outline(self.stance.name).outwards
         radius = half_width([self.stance.radius_at(end[None]) for end in (first, second)])
         start = first - more * self.frame.axes[:, 0]
         width = float(np.ptp(lateral)) + 2.0 * more
         across = np.stack([start, start + width * self.frame.axes[:, 0]])
-        return _mm(width, None if radius is None else known.base_width.of(radius)), across
+        return _mm(width, None if known is None or radius is None else known.base_width.of(radius)), across
 
     def _on_skin(self, point: Array) -> SurfacePoints:
         return self.stance.on_model(point[None])

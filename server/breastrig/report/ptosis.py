@@ -101,12 +101,13 @@ def ptosis(stance: Stance, frame: BodyFrame, known: Mapping[str, Place]) -> Iter
 
 
 def _heights(stance: Stance, frame: BodyFrame, known: Mapping[str, Place], side: str) -> _Heights | None:
-    """None where the rig lacks what is needed, or nothing but the model says where the nipple is."""
+    """None where the rig lacks what is needed (measures.toml too), or only the model says where the nipple is."""
     nipple, fold = known.get(f"nipple_{side}"), known.get(f"inframammary_fold_{side}")
     inside = vertices_within(stance.rig, side)
-    if nipple is None or fold is None or inside is None or nipple.source == MODEL:
+    known_of_rig = measure_calibration(stance.rig)
+    if nipple is None or fold is None or inside is None or nipple.source == MODEL or known_of_rig is None:
         return None
-    errors = measure_calibration().heights
+    errors = known_of_rig.heights
     skin = stance.vertices[inside]
     low = skin[frame.height(skin).argmin()]
     level, fold_error, said = _fold(frame, nipple, fold, known.get("xiphoid"), errors)

@@ -20,7 +20,7 @@ COLUMNS = (
     "landmarks", "method",
 )  # fmt: skip
 VERDICT = "verdict"  # the last column
-LEVELS = ("", "good", "check", "unusable")  # of a verdict; none in results of earlier versions
+LEVELS = ("", "good", "uncalibrated", "check", "unusable")  # of a verdict; none in results of earlier versions
 PATH_DIGITS = 1  # of mm, in the lines that were measured: they are looked at, not measured again
 FILE_DIGITS = {"mm": 2, "ml": 1, "1": 4, "grade": 0}  # a hundredth of a millimetre is below any scanner: enough
 PRINTED_DIGITS = {"mm": 1, "ml": 0, "1": 2}  # what a scanner of 1 to 3 mm and a band of tens of ml allow

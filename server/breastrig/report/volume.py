@@ -7,7 +7,7 @@ heights and slopes of the chest around the breast and nothing of ribs or muscle.
 and wall, signed, so that a breast that hangs over its fold counts its tissue and not what is behind it.
 
 The outline is the model's own (`breast_base`), carried by the fit, which places it too far in where the scan ends;
-by how much is known and taken off (calibration.toml).  The band holds the volumes with the outline moved in and out by
+by how much is known and taken off (measures.toml).  The band holds the volumes with the outline moved in and out by
 its error, widened by the mean distance of fit and scan.  Where nothing is known of the fit the error is what raters
 differ by: they place the outline 3.5 to 6.7 mm apart (Wesselius 2018).
 
@@ -144,9 +144,10 @@ def breast_volume(stance: Stance, side: str) -> Volume | None:
 
 def _outline_error(stance: Stance, line: Array) -> tuple[float, float]:
     """m: how far out the outline (N, 3) belongs, and within what of there it lies with 90 %."""
-    if stance.radii is None:
+    calibration = measure_calibration(stance.rig)
+    if calibration is None or stance.radii is None:
         return 0.0, OUTLINE_ERROR
-    known = measure_calibration().outline(stance.name)
+    known = calibration.outline(stance.name)
     radii = stance.on_model(line).positions(stance.radii[:, None], stance.rig.faces)
     return known.outwards, known.of(float(radii.mean()))
 

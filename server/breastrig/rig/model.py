@@ -12,8 +12,8 @@ with the bone's absolute rotation R_j, translation T_j and local scale S_j = dia
 R_j = Q_j, T_j = o_j, s_j = 1, which is the identity.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -126,12 +126,13 @@ class Rig:
     regions: dict[str, Integers]  # named vertex sets, for instance breast_L
     sha256: str  # of the .glb and its side file
     lengths: tuple[Length, ...] = ()
+    known: Mapping[str, str] = field(default_factory=dict)  # what has been learnt of it, see known.py
 
     def __post_init__(self) -> None:
-        for field in ("template", "uv", "blendshapes", "skin_weights"):
-            object.__setattr__(self, field, frozen(getattr(self, field)))
-        for field in ("faces", "mirror_vertices"):
-            object.__setattr__(self, field, frozen(getattr(self, field), np.int64))
+        for name in ("template", "uv", "blendshapes", "skin_weights"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        for name in ("faces", "mirror_vertices"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
 
     @cached_property
     def bone_names(self) -> tuple[str, ...]:

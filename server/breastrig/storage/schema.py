@@ -119,7 +119,7 @@ fits = Table(
     Column("iterations", Integer, nullable=False, default=0),
     Column("numbers", Text),  # JSON, the last iterated event without its nodes
     Column("reason", Text),
-    Column("verdict", String(16)),  # good, check, unusable; null before the end and where nobody gave one
+    Column("verdict", String(16)),  # good, uncalibrated, check, unusable; null before the end
 )
 
 asked_once = Table(  # requests with an Idempotency-Key; neither the key nor the request is kept, only their hashes

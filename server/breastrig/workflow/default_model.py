@@ -41,7 +41,7 @@ def make_ready(rig: Rig) -> None:
         observation_weights(rig, recipe.observations, every)
     if recipe.shapes.folding is not None:
         pressed_edges(rig, recipe.shapes.folding.least)
-    _ = lying_motion(rig), body_statistics(rig), calibration(rig.name), verdict_limits(rig.name), relief()
+    _ = lying_motion(rig), body_statistics(rig), calibration(rig), verdict_limits(rig), relief()
     _ = trunk_depth(rig), library_versions()
     for stance in STANCES:
         if stance != AUTO:

@@ -82,13 +82,13 @@ class FitRecorder:
         compared = Comparison(target, vertices, rig.faces)
         signals = fit_signals(rig, last.parameters, compared, ready.clearness)
         placed = len(task.landmarks.keys() - task.seen) >= MIN_LANDMARKS
-        limits = verdict_limits(rig.name)
+        limits = verdict_limits(rig)
         repeated = placed and shows_a_part(signals, limits) and self._only_repeats()
         known = radii(posterior, ready.clearness)
         lines_off = None if known is None else known.lines
         found_verdict = verdict(signals, last.status, limits, placed, doubtful, repeated, lines_off, len(ready.agreed))
         if not found_verdict.is_torso:
-            raise FitFailed(" ".join(explained(task, (found_verdict.refusal,))))
+            raise FitFailed(" ".join(explained(task, (found_verdict.refusal(rig.name),))))
         if found_verdict.level == "unusable":
             found_verdict = replace(found_verdict, reasons=explained(task, found_verdict.reasons))
         timing = ready.timing_s | {"solve": solve_s}

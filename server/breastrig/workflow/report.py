@@ -64,7 +64,7 @@ class _Doubt(BaseModel):
 
 
 class _Verdict(BaseModel):
-    level: Literal["good", "check", "unusable"]
+    level: Literal["good", "uncalibrated", "check", "unusable"]
     reasons: list[str]
 
 

@@ -53,7 +53,7 @@ def test_of_lying_bodies_the_form_of_the_back_is_known_and_not_how_high_it_lies(
 
 
 def test_nothing_is_known_of_other_rigs(torso: Rig) -> None:
-    assert hidden_skin(replace(torso, name="somebody"), "standing") is None
+    assert hidden_skin(replace(torso, known={}), "standing") is None
 
 
 def test_the_layer_goes_over_into_hidden_skin_and_leaves_what_is_seen(torso: Rig, heights: Array) -> None:

@@ -42,7 +42,7 @@ def test_bodies_are_as_deep_as_they_are_wide(torso: Rig) -> None:
 def test_another_rig_has_none(torso: Rig) -> None:
     bones = (replace(torso.bones[0], name="other"), *torso.bones[1:])
     assert body_statistics(replace(torso, bones=bones)) is None
-    assert body_statistics(replace(torso, name="somebody")) is None
+    assert body_statistics(replace(torso, known={})) is None
     shapes = (replace(torso.shapes[0], name="other"), *torso.shapes[1:])
     assert body_statistics(replace(torso, shapes=shapes)) is None
 

@@ -93,8 +93,8 @@ def test_only_a_lying_body_on_a_table_that_is_seen_is_told_by_it(torso: Rig, kno
     behind = skin_behind(torso, "supine", on_it, torso.template)
     assert behind is not None
     np.testing.assert_array_equal(behind, lying + known.added(torso, table, torso.template, lying))
-    assert trunk_depth(replace(torso, name="somebody")) is None
-    assert skin_behind(replace(torso, name="somebody"), "supine", on_it, torso.template) is None
+    assert trunk_depth(replace(torso, known={})) is None
+    assert skin_behind(replace(torso, known={}), "supine", on_it, torso.template) is None
 
 
 def test_the_slope_is_learnt_of_deep_trunks_and_every_woman_counts_alike(torso: Rig) -> None:

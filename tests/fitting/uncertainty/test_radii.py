@@ -77,7 +77,7 @@ def test_unseen_skin_is_less_sure_than_seen_skin(torso: Rig) -> None:
 
 
 def test_every_landmark_and_region_of_the_torso_is_calibrated(torso: Rig) -> None:
-    known = calibration("torso")
+    known = calibration(read_rig(default_rig_path()))
     assert known is not None
     assert {name.removesuffix("_L").removesuffix("_R") for name in torso.landmark_names} < set(known.landmarks)
     assert {name.removesuffix("_L").removesuffix("_R") for name in torso.regions} < set(known.regions)
@@ -94,7 +94,7 @@ def radii_with_and_without(
     for name, weight in weights.items():
         changed[names.index(name)] = weight
     posterior = Posterior(task, replace(x, weights=changed))
-    known = calibration("torso")
+    known = calibration(read_rig(default_rig_path()))
     assert known is not None
     found = []
     for regions in (known.hanging_regions, {}):
@@ -109,7 +109,7 @@ def radii_with_and_without(
 def test_skin_of_a_breast_that_hangs_is_less_sure_and_no_other_skin(
     torso: Rig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    known = calibration("torso")
+    known = calibration(read_rig(default_rig_path()))
     assert known is not None
     picked = posterior_of(torso, ("suprasternal_notch", "xiphoid", "acromion_L")).task
     left, right, chest = (torso.regions[name] for name in ("breast_L", "breast_R", "chest"))
@@ -145,7 +145,7 @@ def test_without_landmarks_everything_is_less_sure_and_least_where_the_body_may_
     assert with_picks is not None
     assert clear is not None
     assert unclear is not None
-    known = calibration("torso")
+    known = calibration(read_rig(default_rig_path()))
     assert known is not None
     for name in torso.landmark_names:
         assert with_picks.landmarks[name] < clear.landmarks[name] < 0.1, name
@@ -154,11 +154,11 @@ def test_without_landmarks_everything_is_less_sure_and_least_where_the_body_may_
 
 
 def test_every_landmark_without_picks_is_calibrated(torso: Rig) -> None:
-    known = calibration("torso")
+    known = calibration(read_rig(default_rig_path()))
     assert known is not None
     names = {name.removesuffix("_L").removesuffix("_R") for name in torso.landmark_names}
     assert names | {"other"} == set(known.without_picks.landmarks)
 
 
-def test_of_another_model_nothing_is_said() -> None:
-    assert calibration("somebody") is None
+def test_of_another_model_nothing_is_said(torso: Rig) -> None:
+    assert calibration(replace(torso, known={})) is None

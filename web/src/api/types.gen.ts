@@ -639,7 +639,7 @@ export type PatientFit = {
   /** ISO 8601, UTC */
   created_at: string;
   /** whether to trust it; null before the end, and of versions before */
-  verdict: "good" | "check" | "unusable" | null;
+  verdict: "good" | "uncalibrated" | "check" | "unusable" | null;
 };
 
 export type PatientLinks = {
@@ -937,6 +937,8 @@ export type ResultFile = {
   landmarks_not_followed?: DoubtedPick[];
   /** picks that were followed and should be looked at */
   landmarks_unusual?: DoubtedPick[];
+  /** why there are no radii, and uncertainty.bin is all nan; null where they are known */
+  not_calibrated?: string | null;
   /** radius that holds the landmark's true place with 90 %, by name; of a fit of this version */
   landmark_uncertainty_mm?: Record<string, number>;
   /** radius that holds nine of ten places of lines on the breasts; null where it is not known */
@@ -1225,7 +1227,7 @@ export type TransferRequest = {
 };
 
 export type Verdict = {
-  level: "good" | "check" | "unusable";
+  level: "good" | "uncalibrated" | "check" | "unusable";
   /** one sentence each, the strongest first; none when it is good */
   reasons: string[];
 };

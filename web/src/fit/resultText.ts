@@ -38,8 +38,8 @@ export const distances = {
 
 export const numbers = {
   title: "Numbers",
-  verdicts: { good: "A good fit", check: "Check this fit", unusable: "This fit is not usable" },
-  short: { good: "", check: "check", unusable: "not usable" },
+  verdicts: { good: "A good fit", uncalibrated: "Not calibrated for this model", check: "Check this fit", unusable: "This fit is not usable" },
+  short: { good: "", uncalibrated: "not calibrated", check: "check", unusable: "not usable" },
   old: "to be done again",
   noReasons: "Nothing in it contradicts itself; how sure it is stands below.",
   sure: (range: string) => `landmarks ± ${range} mm`,

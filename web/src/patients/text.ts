@@ -12,7 +12,7 @@ export const patients = {
   more: "Show more",
   scans: (stances: readonly string[]) => (stances.length === 0 ? "no scan" : stances.join(" and ")),
   fitted: { done: "fitted", running: "being fitted", queued: "waiting", failed: "fit failed", cancelled: "not fitted", none: "not fitted" },
-  verdicts: { good: "", check: ", look at it", unusable: ", not usable" },
+  verdicts: { good: "", uncalibrated: ", not calibrated", check: ", look at it", unusable: ", not usable" },
   plan: "planned",
   noPlan: "nothing planned",
   left: (days: number) => (days === 0 ? "deleted today" : `deleted in ${plural(days, "day", "days")}`),

@@ -81,7 +81,7 @@ const COLUMNS = ["stance", "measure", "kind", "unit", "left", "left_low", "left_
 
 const quoted = (cell: string): string => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
 
-const LEVELS = ["", "good", "check", "unusable"]; // none in results of earlier versions
+const LEVELS = ["", "good", "uncalibrated", "check", "unusable"]; // none in results of earlier versions
 
 /**
  * The same columns as the command line's measures.csv, every digit that the service sent.  The verdict of its fit stands in

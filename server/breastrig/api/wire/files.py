@@ -89,6 +89,9 @@ class ResultFile(Document):
     )
     landmarks_not_followed: list[DoubtedPick] = Field([], description="picks that cannot be right, by name")
     landmarks_unusual: list[DoubtedPick] = Field([], description="picks that were followed and should be looked at")
+    not_calibrated: str | None = Field(
+        None, description="why there are no radii, and uncertainty.bin is all nan; null where they are known"
+    )
     landmark_uncertainty_mm: dict[str, float] = Field(
         {}, description="radius that holds the landmark's true place with 90 %, by name; of a fit of this version"
     )

@@ -1,4 +1,4 @@
-"""How skin moves on the mean when a woman lies down, beyond the rigid motion of her trunk: data beside this file.
+"""How skin moves on the mean when a woman lies down, beyond the rigid motion of her trunk: data beside the rig.
 
 The arms go up and the breasts sink outwards in everybody, and where no landmark is picked (the outer side, the upper
 pole) nothing else tells.  The data are of virtual bodies whose skin is known in both stances, of two ways of computing
@@ -7,14 +7,15 @@ the torso's template, so that any number of vertices will do; rigs without such 
 bodies lie with their arms out (54 to 79 degrees from the trunk); of women who lie with hanging arms nothing is known.
 """
 
-import json
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib import resources
+from typing import Literal
 
 import numpy as np
+from pydantic import BaseModel, Field, FiniteFloat, model_validator
 
 from breastrig.core.arrays import Array
+from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
 
 SCHEMA = "breastrig/lying-motion@1"
@@ -39,13 +40,22 @@ class LyingMotion:
         return np.asarray(weights @ moves / np.maximum(weights.sum(axis=1), BEYOND)[:, None])
 
 
+class _File(BaseModel):
+    schema_: Literal["breastrig/lying-motion@1"] = Field(alias="schema")
+    places_mm: list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
+    moves_mm: list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> "_File":
+        if len(self.places_mm) != len(self.moves_mm):
+            raise ValueError("it needs one move for each place")
+        return self
+
+
 @lru_cache(maxsize=8)
 def lying_motion(rig: Rig) -> Array | None:
     """(V, 3) m along the body's axes, of the rig's vertices; None for a rig of which nothing is known."""
-    file = resources.files("breastrig.drawings.skin_maps") / f"{rig.name}_lying.json"
-    if not file.is_file():
+    stored = known_part(rig, "lying_motion.json", _File)
+    if stored is None:
         return None
-    stored = json.loads(file.read_text("utf-8"))
-    if stored["schema"] != SCHEMA:
-        return None
-    return LyingMotion(1e-3 * np.array(stored["places_mm"]), 1e-3 * np.array(stored["moves_mm"])).at(rig.template)
+    return LyingMotion(1e-3 * np.array(stored.places_mm), 1e-3 * np.array(stored.moves_mm)).at(rig.template)

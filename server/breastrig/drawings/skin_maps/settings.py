@@ -1,4 +1,7 @@
-"""How skin is expected to move between two stances, as data: one file for each rig, the reasons beside the numbers."""
+"""How skin is expected to move between two stances, as data with the reasons beside the numbers.
+
+The common ones are beside this file; what a rig knows better, and how far off carried points are, stands in its own.
+"""
 
 import tomllib
 from functools import lru_cache
@@ -7,11 +10,13 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from breastrig.rig.known import checked_part, known_numbers
+from breastrig.rig.model import Rig
+
+FILE = "skin_map.toml"
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 Count = Annotated[int, Field(ge=1)]
-
-FALLBACK = "torso"  # for rigs without a file of their own
 
 
 class SkinMapSettings(BaseModel):
@@ -35,14 +40,13 @@ class SkinMapSettings(BaseModel):
     to_scan_angle: Positive
     rounds: Count
     reach: Positive
-    error_share: NotNegative
-    error_skin: Positive
+    error_share: NotNegative | None = None  # None: nobody has measured with this rig how far off carried points are
+    error_skin: Positive | None = None
 
 
 @lru_cache(maxsize=8)
-def skin_map_settings(rig: str) -> SkinMapSettings:
-    """For the rig of this name."""
-    folder = resources.files("breastrig.drawings.skin_maps")
-    names = {file.name for file in folder.iterdir()}
-    file = f"{rig}.toml" if f"{rig}.toml" in names else f"{FALLBACK}.toml"
-    return SkinMapSettings.model_validate(tomllib.loads((folder / file).read_text("utf-8")))
+def skin_map_settings(rig: Rig) -> SkinMapSettings:
+    """The common settings with those of the rig."""
+    file = resources.files("breastrig.drawings.skin_maps") / "default.toml"
+    own = known_numbers(rig, FILE) or {}
+    return checked_part(rig, FILE, SkinMapSettings, tomllib.loads(file.read_text("utf-8")) | own)

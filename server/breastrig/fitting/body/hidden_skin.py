@@ -4,15 +4,16 @@ Estimated on virtual bodies whose whole skin is known (breastrig_studies/hidden_
 Of supine bodies only the back's form is kept; trunk_depth.py adds its height.
 """
 
-import json
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib import resources
+from typing import Literal
 
 import numpy as np
+from pydantic import BaseModel, Field, FiniteFloat, model_validator
 
 from breastrig.core.arrays import Array
 from breastrig.geometry.normals import vertex_normals
+from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
 
 SCHEMA = "breastrig/hidden-skin@1"
@@ -44,15 +45,33 @@ class HiddenSkin:
         return result
 
 
+class PlacesFile(BaseModel):
+    """Places of a template's left side with their normals."""
+
+    places_mm: list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
+    normals: list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
+
+    def check(self, numbers: list[float]) -> None:
+        """ValueError when there is not one number for each place."""
+        if not len(self.places_mm) == len(self.normals) == len(numbers):
+            raise ValueError("it needs one normal and one number for each place")
+
+
+class _File(PlacesFile):
+    schema_: Literal["breastrig/hidden-skin@1"] = Field(alias="schema")
+    heights_mm: list[FiniteFloat]
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> "_File":
+        self.check(self.heights_mm)
+        return self
+
+
 @lru_cache(maxsize=8)
 def hidden_skin(rig: Rig, stance: str) -> Array | None:
     """(V,) m along the normals of the rig's vertices; None for a rig or stance of which nothing is known."""
-    file = resources.files("breastrig.fitting") / "body" / f"{rig.name}_hidden_{stance}.json"
-    if not file.is_file():
+    stored = known_part(rig, f"hidden_{stance}.json", _File)
+    if stored is None:
         return None
-    stored = json.loads(file.read_text("utf-8"))
-    if stored["schema"] != SCHEMA:
-        return None
-    places, normals = 1e-3 * np.array(stored["places_mm"]), np.array(stored["normals"])
-    kept = HiddenSkin(places, normals, 1e-3 * np.array(stored["heights_mm"]))
+    kept = HiddenSkin(1e-3 * np.array(stored.places_mm), np.array(stored.normals), 1e-3 * np.array(stored.heights_mm))
     return kept.at(rig.template, vertex_normals(rig.template, rig.faces))

@@ -4,18 +4,19 @@ Height of the belly above a threshold times a slope at each place, no farther th
 of hidden_skin.py.  Estimated on virtual bodies (breastrig_studies/trunk_depth.py); evidence: docs/decisions/0005.
 """
 
-import json
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib import resources
+from typing import Literal
 
 import numpy as np
+from pydantic import Field, FiniteFloat, model_validator
 
 from breastrig.core.arrays import Array
 from breastrig.correspondence.target import ScanTarget
-from breastrig.fitting.body.hidden_skin import HiddenSkin, hidden_skin
+from breastrig.fitting.body.hidden_skin import HiddenSkin, PlacesFile, hidden_skin
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.plane import Plane
+from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
 
 SCHEMA = "breastrig/trunk-depth@1"
@@ -39,19 +40,28 @@ class TrunkDepth:
         return np.asarray(np.minimum(self.slopes * excess, np.where(down > 0.0, room, np.inf)))
 
 
+class _File(PlacesFile):
+    schema_: Literal["breastrig/trunk-depth@1"] = Field(alias="schema")
+    slopes: list[FiniteFloat]
+    ordinary_mm: FiniteFloat
+    most_mm: FiniteFloat
+    reach_mm: FiniteFloat
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> "_File":
+        self.check(self.slopes)
+        return self
+
+
 @lru_cache(maxsize=8)
 def trunk_depth(rig: Rig) -> TrunkDepth | None:
     """None for a rig of which nothing is known."""
-    file = resources.files("breastrig.fitting") / "body" / f"{rig.name}_trunk_depth.json"
-    if not file.is_file() or not {"back", "belly"} <= rig.regions.keys():
+    stored = known_part(rig, "trunk_depth.json", _File)
+    if stored is None or not {"back", "belly"} <= rig.regions.keys():
         return None
-    stored = json.loads(file.read_text("utf-8"))
-    if stored["schema"] != SCHEMA:
-        return None
-    places = HiddenSkin(1e-3 * np.array(stored["places_mm"]), np.array(stored["normals"]), np.array(stored["slopes"]))
+    places = HiddenSkin(1e-3 * np.array(stored.places_mm), np.array(stored.normals), np.array(stored.slopes))
     slopes = places.at(rig.template, vertex_normals(rig.template, rig.faces))
-    lengths = (1e-3 * float(stored[name]) for name in ("ordinary_mm", "most_mm", "reach_mm"))
-    return TrunkDepth(slopes, *lengths)
+    return TrunkDepth(slopes, *(1e-3 * each for each in (stored.ordinary_mm, stored.most_mm, stored.reach_mm)))
 
 
 def skin_behind(rig: Rig, stance: str, target: ScanTarget, vertices: Array) -> Array | None:

@@ -1,15 +1,16 @@
-"""What a posterior does not know: how far real bodies are from what the model can show, kept as data beside this file.
+"""What a posterior does not know: how far real bodies are from what the model can show, kept as data beside the rig.
 
 The posterior (posterior.py) counts noise and priors.  Its standard deviations are stretched by a factor, and a misfit
 is added to them, both chosen so that the radii hold nine of ten true places of bodies that are known.
 """
 
-import tomllib
 from functools import lru_cache
-from importlib import resources
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
+
+from breastrig.rig.known import known_part
+from breastrig.rig.model import Rig
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -76,9 +77,6 @@ class Calibration(_Part):
 
 
 @lru_cache(maxsize=8)
-def calibration(model: str) -> Calibration | None:
-    """For a model of this name; None when nobody has found any."""
-    if model != "torso":
-        return None
-    file = resources.files("breastrig.fitting") / "uncertainty" / "torso.toml"
-    return Calibration.model_validate(tomllib.loads(file.read_text("utf-8")))
+def calibration(rig: Rig) -> Calibration | None:
+    """Of this rig; None when nobody has found any."""
+    return known_part(rig, "uncertainty.toml", Calibration)

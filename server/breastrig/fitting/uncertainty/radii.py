@@ -15,7 +15,7 @@ HOLDS_90 = 1.5  # radius of 90 % for a variance of one in all: 1.44 where three 
 BOTH = frozenset({"nipple_L", "nipple_R"})  # seen by colour where the form has them: so the body lies as it was found
 FEW = 4  # fewer picks show no scatter
 OUTLYING = 6.0  # standard deviations; more is a wrong pick and says nothing of the others
-MOVED = 0.5  # of the way to where a landmark is expected, that its radius around the model's grows; see torso.toml
+MOVED = 0.5  # of the way to where a landmark is expected, that its radius around the model's grows
 SEEN_DISTANCE, SEEN_COSINE = 0.015, 0.5  # m, cosine of 60 degrees: a vertex with scan this near, facing alike, is shown
 
 
@@ -49,7 +49,7 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
     the model's, or around where they are `expected` (body/hanging.py).
     """
     rig, task = posterior.task.rig, posterior.task
-    known = calibration(rig.name)
+    known = calibration(rig)
     if known is None:
         return None
     names = tuple(rig.landmark_names)

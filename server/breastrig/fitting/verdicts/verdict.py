@@ -1,15 +1,14 @@
 """Is this a torso, and does the model lie on it rightly?  A level and its reasons, from a fit's signals.
 
-Each signal has two limits, kept as data with their reasons: beyond the first a fit is to be looked at, beyond the
-second no right fit was ever found.  Each signal has its errors, so one alone never refuses a scan: what several of them
-say together is certain, what one says makes the fit unusable at most.
+Each signal has two limits, kept as data with their reasons beside the rig: beyond the first a fit is to be looked at,
+beyond the second no right fit was ever found.  Each signal has its errors, so one alone never refuses a scan: what
+several of them say together is certain, what one says makes the fit unusable at most.  Of a rig without limits a fit is
+uncalibrated: neither good nor bad, unless something speaks against it without them.
 """
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from importlib import resources
 from typing import Annotated, Literal
 
 import numpy as np
@@ -18,9 +17,12 @@ from pydantic import BaseModel, ConfigDict, Field
 from breastrig.fitting.doubt import Doubt
 from breastrig.fitting.verdicts.fit_signals import HANGS, FitSignals
 from breastrig.least_squares.newton import Status
+from breastrig.rig.known import NOT_CALIBRATED, known_part
+from breastrig.rig.model import Rig
 
-Level = Literal["good", "check", "unusable"]
-UNKNOWN_MODEL = "Nothing is known of what right fits of this model look like; judge it by eye."
+Level = Literal["good", "uncalibrated", "check", "unusable"]
+UNKNOWN_MODEL = f"{NOT_CALIBRATED}: nobody has measured what its right fits look like; judge this one by eye."
+NOTHING = "The model found no skin that faces as it does; check the scan."
 NOT_CONVERGED = "The fit did not come to rest; look at it closely, or place more landmarks."
 IN_DOUBT = "One landmark is in doubt; look at what is asked about it."
 LOOK_AT_IT = "; look at what is asked about them."
@@ -73,21 +75,18 @@ class Verdict:
     reasons: tuple[str, ...]  # sentences, the strongest first; none when it is good
     is_torso: bool = True  # False: certainly none
 
-    @property
-    def refusal(self) -> str:
-        """One sentence, for what is no torso."""
+    def refusal(self, name: str) -> str:
+        """One sentence, for what is certainly not what the rig of this name shows."""
         reasons = [reason.split(";")[0].rstrip(".") for reason in self.reasons[:SHOWN]]
         inner = ", and ".join(reason[:1].lower() + reason[1:] for reason in reasons)
-        return f"This does not look like a torso: {inner}; check scan and unit, or place landmarks if it is one."
+        body = name.replace("_", " ")
+        return f"This does not look like a {body}: {inner}; check scan and unit, or place landmarks if it is one."
 
 
 @lru_cache(maxsize=8)
-def verdict_limits(model: str) -> VerdictLimits | None:
-    """For a model of this name; None when nobody has found any."""
-    file = resources.files("breastrig.fitting") / "verdicts" / "torso.toml"
-    if model != "torso":
-        return None
-    return VerdictLimits.model_validate(tomllib.loads(file.read_text("utf-8")))
+def verdict_limits(rig: Rig) -> VerdictLimits | None:
+    """Of this rig; None when nobody has found any."""
+    return known_part(rig, "verdict.toml", VerdictLimits)
 
 
 def verdict(
@@ -107,8 +106,11 @@ def verdict(
     is good for (uncertainty/radii.py); `agreed` landmarks were proposed and only agreed to.
     """
     stopped = (*(() if status is Status.CONVERGED else (NOT_CONVERGED,)), *_doubt_reasons(doubts))
+    nothing = not np.isfinite(signals.distance_p95) or not np.isfinite(signals.scan_p95)
+    if limits is None and nothing:
+        return Verdict("unusable", (NOTHING, *stopped))
     if limits is None:
-        return Verdict("check", (*stopped, UNKNOWN_MODEL))
+        return Verdict("check" if stopped else "uncalibrated", (*stopped, UNKNOWN_MODEL))
     found = {
         name: _strength(asdict(signals)[name], limit, signals.hanging > HANGS)
         for name, limit in limits.signals.items()
@@ -117,9 +119,8 @@ def verdict(
     order = sorted((name for name, strength in found.items() if strength > 0.0), key=found.__getitem__, reverse=True)
     reasons = tuple(_reason(asdict(signals)[name], limits.signals[name]) for name in order)
     impossible = sum(strength >= 1.0 for strength in found.values())
-    nothing = not np.isfinite(signals.distance_p95) or not np.isfinite(signals.scan_p95)
     if nothing:
-        reasons = ("The model found no skin that faces as it does; check the scan.", *reasons)
+        reasons = (NOTHING, *reasons)
     refused = nothing or (impossible >= limits.refused_at and not placed)
     lines = _line_reasons(line_error, agreed, limits.lines)
     if refused or impossible >= limits.unusable_at:

@@ -39,8 +39,17 @@ KINDS = {  # of rows, in this order
     "volume": "Volume (ml)",
     "ratio": "Symmetry (1 = equal)",
 }
-VERDICTS = {"good": "good", "check": "check: see doubts and notes", "unusable": "unusable: see doubts and notes"}
-WARNINGS = {"check": "CHECK THIS FIT: see doubts and notes", "unusable": "NOT USABLE: see doubts and notes"}
+VERDICTS = {
+    "good": "good",
+    "uncalibrated": "not calibrated for this rig",
+    "check": "check: see doubts and notes",
+    "unusable": "unusable: see doubts and notes",
+}
+WARNINGS = {
+    "uncalibrated": "NOT CALIBRATED FOR THIS RIG: see doubts and notes",
+    "check": "CHECK THIS FIT: see doubts and notes",
+    "unusable": "NOT USABLE: see doubts and notes",
+}
 METHODS = (  # a sentence, and the measure that it is about; none for what holds of all
     ("Left and right are the patient's; ± is the larger side of a band that contains nine of ten true values.", None),
     ("Straight: distance in space. Along the skin: shortest path on the fitted model's skin, holes bridged.", None),

@@ -24,13 +24,13 @@ def on_triangle(barycentric: Array) -> bool:
     return bool(rows.shape[1] == 3 and (rows > -1e-5).all() and (np.abs(rows.sum(axis=1) - 1.0) < 1e-5).all())
 
 
-def drawing_findings(rig: Rig) -> list[Finding]:
+def drawing_findings(rig: Rig, is_torso: bool) -> list[Finding]:
     """Needs indices in range."""
     lines = [(drawing, shape) for drawing in rig.drawings for shape in drawing.shapes]
     on_surface = _on_the_surface(rig, lines)
     findings = [on_surface, _colours(lines)]
     if on_surface.ok:
-        findings += [_steps(rig, lines), _ends(rig, lines), _corners(lines), _sides(rig, lines)]
+        findings += [_steps(rig, lines), _ends(rig, lines), _corners(lines), _sides(rig, lines, is_torso)]
     return findings
 
 
@@ -96,7 +96,7 @@ def _corners(lines: Lines) -> Finding:
     return _found("corners are points of their line", wrong, "not rising numbers of its points", f"{count} corners")
 
 
-def _sides(rig: Rig, lines: Lines) -> Finding:
+def _sides(rig: Rig, lines: Lines, is_torso: bool) -> Finding:
     """Asked of lines whose partner is there, and of all lines of the torso."""
     name = "lines of both sides mirror each other"
     if not is_symmetric(rig):
@@ -105,7 +105,7 @@ def _sides(rig: Rig, lines: Lines) -> Finding:
     for drawing, shape in lines:
         by_name = {other.name: other for other in drawing.shapes}
         partner = by_name.get(other_side(shape.name))
-        if partner is None and rig.name == "torso":
+        if partner is None and is_torso:
             wrong.append(f"{_called(drawing, shape)} has no {other_side(shape.name)}")
         if partner is None or partner is shape or shape.name.endswith("_R"):
             continue

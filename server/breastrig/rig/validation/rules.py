@@ -1,8 +1,8 @@
 """The proof that a rig is sound: every rule of the contract, ours or anybody's, with what was found.
 
 Rules for any rig are here, in check_mesh.py, check_drawings.py and check_symmetry.py; those of check_torso.py are
-asked only of the rig named "torso", for which advice is law too.  Nothing raises: a broken rig gives findings, so
-that its maker sees all of them at once.
+asked only of the torso that comes with the package, for which advice is law too.  Nothing raises: a broken rig gives
+findings, so that its maker sees all of them at once.
 """
 
 import re
@@ -28,7 +28,7 @@ SMOOTH_WEIGHTS = 0.6  # largest change of a skin weight along one edge
 KINDS = ("body", "soft", "gravity")
 
 
-def check_rig(rig: Rig) -> list[Finding]:
+def check_rig(rig: Rig, is_torso: bool = False) -> list[Finding]:
     """One finding a rule, kept or broken; where the arrays do not fit together only the first rules are asked."""
     findings = [_sizes(rig)]
     if findings[0].ok:
@@ -38,8 +38,8 @@ def check_rig(rig: Rig) -> list[Finding]:
     findings += mesh_findings(rig)
     findings += [_weight_sums(rig), _influences(rig), _smooth_weights(rig)]
     findings += [_bones(rig), _rest_frames(rig), _joints(rig), _names(rig), _ranges(rig), _useful_shapes(rig)]
-    findings += [_landmarks(rig), *drawing_findings(rig), _regions(rig), *symmetry_findings(rig)]
-    if rig.name == "torso":
+    findings += [_landmarks(rig), *drawing_findings(rig, is_torso), _regions(rig), *symmetry_findings(rig)]
+    if is_torso:
         findings = [replace(finding, severity="error") for finding in (*findings, *torso_findings(rig))]
     return findings
 

@@ -53,7 +53,7 @@ class FitRow(NewFit):
     iterations: int
     numbers: dict[str, Any] | None  # the last iterated event without its nodes
     reason: str | None
-    verdict: str | None  # good, check or unusable; None before the end and where the model has no limits
+    verdict: str | None  # good, uncalibrated, check or unusable; None before the end
 
     @property
     def ended(self) -> bool:

@@ -26,6 +26,7 @@ from breastrig.report.distances import (
     surface_summary_mm,
 )
 from breastrig.report.files.surface_files import surface_ply
+from breastrig.rig.known import NOT_CALIBRATED
 from breastrig.workflow.fit_outcome import FitOutcome
 from breastrig.workflow.folder.fit_file_names import (
     DRAWING_MISSING,
@@ -106,6 +107,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         },
         "landmarks_not_followed": [_doubted(doubt) for doubt in outcome.doubts if not doubt.followed],
         "landmarks_unusual": [_doubted(doubt) for doubt in outcome.doubts if doubt.followed],
+        **({} if outcome.radii else {"not_calibrated": f"{NOT_CALIBRATED}: how far off its fits are is not known."}),
         "landmark_uncertainty_mm": {} if outcome.radii is None else _in_mm(outcome.radii.landmarks),
         "line_error_mm": None if outcome.radii is None else round(1e3 * outcome.radii.lines, 1),
         "landmarks_agreed": list(outcome.agreed),
@@ -151,7 +153,10 @@ def distances_bin(outcome: FitOutcome) -> bytes:
 
 
 def uncertainty_bin(outcome: FitOutcome) -> bytes:
-    """Of each model vertex the radius that holds its true place with 90 %: float32 as above, mm; nan where unknown."""
+    """Of each model vertex the radius that holds its true place with 90 %: float32 as above, mm.
+
+    All nan for a rig that nobody has calibrated, which result.json says in words (not_calibrated).
+    """
     unknown = np.full(len(outcome.vertices), np.nan)
     return (1e3 * (unknown if outcome.radii is None else outcome.radii.vertices)).astype("<f4").tobytes()
 

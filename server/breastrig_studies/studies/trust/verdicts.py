@@ -74,7 +74,7 @@ def _judged(
     placed = len(picks) >= MIN_LANDMARKS
     known = radii(posterior, clearness)
     lines = None if known is None else known.lines
-    said = verdict(signals, last.status, verdict_limits(rig.name), placed, doubts, repeated, lines)
+    said = verdict(signals, last.status, verdict_limits(rig), placed, doubts, repeated, lines)
     error = 1e3 * float(scene.landmark_errors(rig, vertices).mean())
     at = rig.landmark_points().positions(vertices, rig.faces)
     answer = {"level": said.level, "error_mm": round(error, 2), "reasons": list(said.reasons)}
