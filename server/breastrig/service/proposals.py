@@ -11,7 +11,7 @@ from breastrig.execution.executor import Executor
 from breastrig.service.scan_search import ScanSearch, Task
 from breastrig.storage.rows.cuts import cuts_digest, get_cuts
 from breastrig.storage.rows.proposals import get_proposals, put_proposals
-from breastrig.storage.rows.scans import Picks, ScanRow
+from breastrig.storage.rows.scans import Picks, ScanRow, get_landmarks
 from breastrig.storage.storage import Storage
 from breastrig.workflow.further_jobs import ProposeJob
 
@@ -39,14 +39,16 @@ class Proposals(ScanSearch):
         return hashlib.sha256(f"{model_sha256} {digest}".encode()).hexdigest() if digest else model_sha256
 
     def agreed(self, scan_id: str, variant: str, picks: Picks) -> Picks:
-        """With the proposal's confidence for each that stands where it was proposed, and of which nothing is said."""
+        """With the confidence of each of which nothing is said: as it was at that place, else as it is proposed there."""
+        before = get_landmarks(self._storage, scan_id)
+        known = [(before.points_mm[name], name, share) for name, share in before.confidence.items()]
         proposed = self.known(scan_id, variant) or {}
-        known = {*picks.certain, *picks.confidence}
-        found = {
-            name: float(proposed[name]["confidence"])
-            for name, point in picks.points_mm.items()
-            if name in proposed and name not in known and math.dist(point, proposed[name]["point"]) < SAME_PLACE
-        }
+        known += [(each["point"], name, float(each["confidence"])) for name, each in proposed.items()]
+        said = {*picks.certain, *picks.confidence}
+        found: dict[str, float] = {}
+        for place, name, share in known:
+            if name in picks.points_mm and name not in said and math.dist(picks.points_mm[name], place) < SAME_PLACE:
+                found.setdefault(name, share)
         return replace(picks, confidence=picks.confidence | found)
 
     def _stored(self, scan_id: str, variant: str) -> dict[str, Any] | None:

@@ -153,6 +153,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   listenToLasso(stage.canvas, viewer, scan, cross, store, actions.scan); // before the pen, which says last what turns the body
   listenToPen(stage.canvas, viewer, scan, own, corners, store, actions.drawing);
   listenToPenKeys(stage.canvas, viewer, scan, cross, store, actions.drawing);
+  actions.landmarks.seenBy((point) => proposed.isLookedAt(point));
   const mayDrag = (): boolean => store.get().active === null && !store.get().isCropping && isFree(store.get());
   listenToDrags(stage.canvas, viewer, scan, pins, mayDrag, actions.landmarks, actions.follower);
   followWanted(viewer, scan, store); // before the keys, whose cross stands where the eye then is

@@ -6,11 +6,12 @@ import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { LandmarkActions } from "./actions";
 import { plainLabel, sideOf } from "./picks";
+import { isFelt, onlyAgreed } from "./proposals/agreed";
 import { errorOf, openProposals } from "./proposals/proposals";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 
-type Shown = Pick<PageSlice & LandmarksSlice, "meta" | "active" | "picks" | "proposals">;
+type Shown = Pick<PageSlice & LandmarksSlice, "meta" | "active" | "picks" | "certain" | "proposals">;
 
 export interface GuideCard extends Panel<Shown> {
   readonly canvas: HTMLCanvasElement;
@@ -26,6 +27,7 @@ export function createGuideCard(actions: LandmarkActions): GuideCard {
   const definition = el("p", {});
   const skip = button(text.landmarks.skip, () => actions.skip(), "quiet outlined");
   const take = button(text.proposals.take, () => actions.confirmWanted(), "outlined take", "check");
+  const closely = el("p", { class: "muted small" });
   const stop = button(text.landmarks.stop, () => actions.want(null));
   const element = el(
     "section",
@@ -33,6 +35,7 @@ export function createGuideCard(actions: LandmarkActions): GuideCard {
     el("h2", {}, text.landmarks.guideTitle),
     el("div", { class: "picture" }, canvas, light),
     el("div", { class: "guide-words" }, el("div", { class: "guide-head" }, name, side), latin, definition),
+    closely,
     take,
     el("div", { class: "buttons" }, skip, stop),
     el("p", { class: "muted small" }, text.landmarks.how),
@@ -41,7 +44,7 @@ export function createGuideCard(actions: LandmarkActions): GuideCard {
     element,
     canvas,
     light,
-    select: only("meta", "active", "picks", "proposals"),
+    select: only("meta", "active", "picks", "certain", "proposals"),
     update(state: Shown): void {
       const wanted = state.meta?.landmarks.find((entry) => entry.name === state.active);
       show(element, wanted !== undefined);
@@ -52,7 +55,12 @@ export function createGuideCard(actions: LandmarkActions): GuideCard {
       side.className = `chip side-${where}`;
       light.className = `lit-point side-${where}`;
       const proposal = openProposals(state.proposals, state.picks.present).find((each) => each.name === wanted.name);
-      show(take, proposal !== undefined);
+      const isAgreed = wanted.name in onlyAgreed(state);
+      show(take, proposal !== undefined || (isAgreed && !isFelt(wanted.name)));
+      setText(take.querySelector("span")!, isAgreed ? text.proposals.looked : text.proposals.take);
+      show(closely, proposal !== undefined || isAgreed);
+      setText(closely, isFelt(wanted.name) ? text.proposals.felt : text.proposals.nearer);
+      take.title = isAgreed ? text.proposals.nearer : "";
       if (proposal) take.title = text.proposals.errorHint(errorOf(proposal) ?? text.proposals.unknown, proposal.reason);
       setText(latin, wanted.latin);
       setText(definition, wanted.definition);

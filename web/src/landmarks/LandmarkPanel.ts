@@ -10,6 +10,7 @@ import type { LandmarkActions } from "./actions";
 import { landmarkExport } from "./files/LandmarkExport";
 import { isCertain } from "./certain";
 import { partnerOf, plainLabel, sideOf } from "./picks";
+import { onlyAgreed } from "./proposals/agreed";
 import { errorOf, isLikely, isSeen, type OpenProposal, openProposals } from "./proposals/proposals";
 import type { ProposalSearch } from "./proposals/proposalSearch";
 import { createQuestionBox } from "./questions/QuestionBox";
@@ -113,9 +114,10 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
   const exchange = iconButton("exchange", text.landmarks.exchange(plainLabel(entry.label)), () => actions.exchange([entry.name, partnerOf(entry.name)]));
   exchange.classList.add("exchange");
   const kept = el("button", { type: "button", class: "button kept", title: text.questions.keptHint(text.landmarks.spoken(entry)), "aria-label": text.questions.keptHint(text.landmarks.spoken(entry)), onclick: () => actions.unkeep(entry.name) }, text.questions.kept);
+  const agreed = el("button", { type: "button", class: "button kept agreed", onclick: () => actions.want(entry.name) }, text.proposals.agreed);
   const confirm = el("button", { type: "button", class: "button confirm", onclick: () => actions.confirm([entry.name]) }, icon("check"), el("span", {}));
   const words = confirm.querySelector("span")!;
-  const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, kept, icon("check"), icon("alert"), confirm, exchange, remove);
+  const element = el("li", { class: "landmark", "data-landmark": entry.name }, place, kept, agreed, icon("check"), icon("alert"), confirm, exchange, remove);
   const question = createQuestionBox("li", actions, () => place.focus());
   return {
     element,
@@ -129,7 +131,14 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
       element.classList.toggle("is-skipped", isSkipped);
       element.classList.toggle("is-active", isActive);
       const isKept = isCertain(state.picks.present, state.certain, entry.name);
+      const isAgreed = entry.name in onlyAgreed(state);
+      element.classList.toggle("is-agreed", isAgreed);
       element.classList.toggle("is-asked", isAsked);
+      show(agreed, isAgreed);
+      const own = state.proposals?.state === "found" ? state.proposals.landmarks[entry.name] : undefined;
+      const hint = text.proposals.agreedHint(text.landmarks.spoken(entry), own ? errorOf(own) : null);
+      agreed.title = hint;
+      agreed.setAttribute("aria-label", hint);
       element.classList.toggle("is-kept", isKept);
       show(kept, isKept);
       place.setAttribute("aria-pressed", String(isActive));
@@ -143,7 +152,7 @@ function makeRow(entry: LandmarkDefinition, number: number, actions: LandmarkAct
       confirm.title = proposal?.on_scan === false ? text.proposals.offScanHint : text.proposals.errorHint(mm, proposal?.reason);
       confirm.setAttribute("aria-label", `${text.proposals.confirm(text.landmarks.spoken(entry))}, ${text.proposals.error(mm)}`);
       const missing = proposal ? text.proposals.rowState(mm, proposal.reason) : text.landmarks.missing;
-      const placed = isAsked ? text.questions.state : isKept ? text.questions.keptState : text.landmarks.placed;
+      const placed = isAsked ? text.questions.state : isKept ? text.questions.keptState : isAgreed ? text.proposals.agreedState : text.landmarks.placed;
       setText(status, isPlaced ? placed : isSkipped ? text.landmarks.skippedState : missing);
     },
   };

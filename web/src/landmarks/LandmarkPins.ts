@@ -10,10 +10,11 @@ import { isHidden, type Surface } from "../viewer/picking";
 import type { ViewSlice } from "../viewer/state";
 import type { Viewer } from "../viewer/Viewer";
 import { type Picks, sideOf } from "./picks";
+import { onlyAgreed } from "./proposals/agreed";
 import { type Asked, askedNames, openQuestions } from "./questions/questions";
 import type { LandmarksSlice } from "./state";
 
-type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice, "meta" | "overlay" | "scan" | "picks" | "certain" | "active"> & Pick<Asked, "fit">;
+type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice, "meta" | "overlay" | "scan" | "picks" | "certain" | "proposals" | "active"> & Pick<Asked, "fit">;
 
 const REACH = 12; // pixels from a mark's middle that still hold it: a target of 24
 
@@ -44,6 +45,8 @@ export class LandmarkPins {
     for (const pin of this.pins.values()) pin.element.hidden = !isShown;
     for (const [name, pin] of this.pins) pin.element.classList.toggle("is-active", name === state.active);
     this.draw(state, picks);
+    const agreed = onlyAgreed(state);
+    for (const [name, pin] of this.pins) pin.element.classList.toggle("is-agreed", name in agreed);
     const asked = askedNames(openQuestions(state));
     for (const [name, pin] of this.pins) pin.element.classList.toggle("is-asked", asked.has(name));
   }

@@ -10,6 +10,7 @@ import type { ViewSlice } from "../viewer/state";
 import { type Certain, certainAt, certainNames } from "./certain";
 import { createPicksKeeper } from "./keeper";
 import { exchanged, nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
+import { isFelt, onlyAgreed } from "./proposals/agreed";
 import { openProposals } from "./proposals/proposals";
 import type { LandmarksSlice } from "./state";
 import { straightened } from "./straighten";
@@ -38,6 +39,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
   let onItsWay: Promise<unknown> = Promise.resolve();
   let unsaid: string | null = null; // what saving has complained about last
   const adopted = new WeakMap<Picks, Picks>(); // the same picks, and the same certain ones, with somebody else's
+  let isClose: (point: Vector) => boolean = () => false; // whether it is looked at closely on the stage
   const answers = new WeakSet<Picks>(); // picks that an answer has made: undoing it asks for another fit as well
 
   const list = () => store.get().meta?.landmarks ?? [];
@@ -182,7 +184,12 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       if (name !== null) followed.begun();
     },
 
-    /** Proposals become picks like any other: one step of the history, and they can be placed again. */
+    /** The stage says what is looked at closely. */
+    seenBy(judge: (point: Vector) => boolean): void {
+      isClose = judge;
+    },
+
+    /** Proposals become picks, in one step of the history: the person's own where she looks closely, else only agreed to. */
     confirm(names: readonly string[]): void {
       const state = store.get();
       const taken = openProposals(state.proposals, state.picks.present).filter(({ name }) => names.includes(name));
@@ -191,14 +198,20 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       const skipped = new Set([...state.skipped].filter((name) => !(name in picks)));
       const wasWanted = state.active !== null && state.active in picks;
       const active = wasWanted ? nextMissing(list(), picks, skipped, state.active) : state.active;
+      const looked = taken.filter(({ name, point }) => isClose(point) && !isFelt(name)).map(({ name }) => name);
       const announcement = text.proposals.announceConfirmed(taken.map(({ name }) => labelOf(name) ?? name));
-      change(picks, { ...straightened(state, picks), active, skipped, announcement });
+      change(picks, { ...straightened(state, picks), certain: { ...state.certain, ...certainAt(picks, looked) }, active, skipped, announcement });
     },
 
-    /** The proposal for the wanted landmark, for the keyboard. */
+    /** The proposal for the wanted landmark, or the pick that was only agreed to before. */
     confirmWanted(): void {
-      const { active } = store.get();
-      if (active !== null) this.confirm([active]);
+      const state = store.get();
+      const { active, picks } = state;
+      if (active === null) return;
+      if (!(active in onlyAgreed(state))) this.confirm([active]);
+      else if (isFelt(active)) store.set({ announcement: text.proposals.felt });
+      else if (!isClose(picks.present[active]!)) store.set({ announcement: text.proposals.nearer });
+      else this.keep([active]);
     },
 
     wantNext(): void {

@@ -77,7 +77,7 @@ export const questions = {
 
 export const proposals = {
   looking: "Looking for the landmarks on this scan …",
-  found: (count: number) => `${plural(count, "proposal", "proposals")}, shown dashed; ± holds the true place in 90 of 100 cases, in mm. A fit finds them by itself; one that you confirm counts as your own pick.`,
+  found: (count: number) => `${plural(count, "proposal", "proposals")}, shown dashed; ± holds the true place in 90 of 100 cases, in mm. A fit finds them by itself; one that you agree to keeps its error until you move it, or confirm it close up.`,
   doubtful: (count: number) =>
     count === 1 ? "One is a rough guess: check it by itself." : `${count} are rough guesses: check each.`,
   none: (reason: string) => `No proposals: ${reason}`,
@@ -94,6 +94,12 @@ export const proposals = {
   offScanHint: "The scan shows no skin here: the model alone says where it would be.",
   unknown: "?",
   take: "Take the proposal",
+  looked: "It is right, seen close up",
+  nearer: "Zoom in until single millimetres show, then confirm it; or click where it belongs.",
+  felt: "This point is felt, not seen: feel for it on the patient, and click there.",
+  agreed: "agreed",
+  agreedHint: (label: string, mm: string | null) => `Only agreed to, so it keeps the proposal's error${mm ? ` of ± ${mm} mm` : ""}: ${label}. Press to look closely.`,
+  agreedState: "proposed, only agreed to",
   errorShort: (mm: string) => `±\u00a0${mm}`,
   rowState: (mm: string, reason: string | null | undefined) => `proposed${reason ? ` (${reason})` : ""}, within ${mm} millimetres`,
   announceFound: (count: number) => `${plural(count, "landmark is", "landmarks are")} proposed.`,

@@ -3,6 +3,8 @@ import { page } from "../fakes";
 import { ApiError } from "../../src/api/client";
 import type { ProposedLandmark, Vector } from "../../src/api/types";
 import { nextStep } from "../../src/app/nextStep";
+import { certainNames } from "../../src/landmarks/certain";
+import { isLookedAt, onlyAgreed } from "../../src/landmarks/proposals/agreed";
 import { errorOf, isLikely, isSeen, openProposals } from "../../src/landmarks/proposals/proposals";
 
 beforeEach(() => void vi.useFakeTimers());
@@ -128,4 +130,34 @@ test("proposals that come late say only what is open still, and nothing over wha
   await vi.advanceTimersByTimeAsync(3000);
   expect(made.store.get().proposals?.state).toBe("found");
   expect(made.store.get().announcement).toBe("Please check: one landmark.");
+});
+
+test("agreeing is weak: the pick stays unsure until it is moved, or confirmed where it is looked at closely", async () => {
+  const { store, client, actions } = await found();
+  const saved = () => vi.mocked(client.saveLandmarks).mock.lastCall![1];
+  actions.landmarks.confirm(["nipple_L", "nipple_R"]);
+  expect(onlyAgreed(store.get())).toEqual({ nipple_L: 0.5, nipple_R: 0.5 });
+  actions.landmarks.move("nipple_R", [-90, 0.5, 0]);
+  expect(onlyAgreed(store.get())).toEqual({ nipple_L: 0.5 });
+  actions.landmarks.want("nipple_L");
+  actions.landmarks.confirmWanted();
+  expect(store.get().announcement).toMatch(/^Zoom in until single millimetres show/);
+  expect(onlyAgreed(store.get())).toEqual({ nipple_L: 0.5 });
+  actions.landmarks.seenBy(() => true);
+  actions.landmarks.confirmWanted();
+  expect(onlyAgreed(store.get())).toEqual({});
+  await vi.advanceTimersByTimeAsync(500);
+  expect(saved().certain).toEqual(["nipple_L"]);
+  actions.landmarks.unkeep("nipple_L");
+  expect(onlyAgreed(store.get()), "what is taken back is agreed to again").toEqual({ nipple_L: 0.5 });
+});
+
+test("a point that is felt and not seen stays agreed to however near the eye is", async () => {
+  const { store, actions } = await found({ proposed: async () => ({ landmarks: { acromion_L: at([150, 200, 0]), nipple_L: at([90, 0, 0]) } }) });
+  actions.landmarks.seenBy(() => true);
+  actions.landmarks.confirm(["acromion_L", "nipple_L"]);
+  expect(onlyAgreed(store.get())).toEqual({ acromion_L: 0.5 });
+  const { picks, certain } = store.get();
+  expect(certainNames(picks.present, certain)).toEqual(["nipple_L"]);
+  expect([isLookedAt(2600), isLookedAt(8000)]).toEqual([false, true]);
 });

@@ -2,6 +2,7 @@
 import { fileName, type ScanSlice } from "../../scan/state";
 import { el, icon, saveFile } from "../../ui/dom";
 import { certainNames } from "../certain";
+import { onlyAgreed } from "../proposals/agreed";
 import { toCsv, toJson, toMeshlab, toSlicer } from "./writing";
 import type { LandmarksSlice } from "../state";
 import * as text from "../text";
@@ -16,7 +17,7 @@ const KINDS = [
   { ending: "mrk.json", hint: words.exportSlicer, type: "application/json", made: toSlicer },
 ] as const;
 
-export function landmarkExport(current: () => Pick<ScanSlice & LandmarksSlice, "scan" | "picks" | "certain"> | null): { button: HTMLButtonElement; menu: HTMLElement } {
+export function landmarkExport(current: () => Pick<ScanSlice & LandmarksSlice, "scan" | "picks" | "certain" | "proposals"> | null): { button: HTMLButtonElement; menu: HTMLElement } {
   const button = el(
     "button",
     { type: "button", class: "button icon-only", popovertarget: "landmark-export", "aria-haspopup": "true", "aria-label": words.exportHint, title: words.exportHint },
@@ -25,7 +26,7 @@ export function landmarkExport(current: () => Pick<ScanSlice & LandmarksSlice, "
   const save = ({ ending, type, made }: (typeof KINDS)[number]): void => {
     menu.hidePopover();
     const state = current();
-    if (state?.scan) saveFile(fileName(state.scan, `landmarks.${ending}`), made(state.picks.present, state.scan.info.unit, certainNames(state.picks.present, state.certain)), type);
+    if (state?.scan) saveFile(fileName(state.scan, `landmarks.${ending}`), made(state.picks.present, state.scan.info.unit, certainNames(state.picks.present, state.certain), onlyAgreed(state)), type);
   };
   const items = KINDS.map((kind) => el("button", { type: "button", class: "menu-item", onclick: () => save(kind) }, el("span", {}, `landmarks.${kind.ending}`), el("span", { class: "muted small" }, kind.hint)));
   const menu = el("div", { class: "menu", id: "landmark-export", popover: "auto", role: "group", "aria-label": words.exportHint }, ...items);

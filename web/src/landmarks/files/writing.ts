@@ -8,8 +8,8 @@ export const ESCAPES: Record<string, string> = { "&": "&amp;", "<": "&lt;", ">":
 const escape = (text: string): string => text.replace(/[&<>"]/g, (sign) => ESCAPES[sign]!);
 
 /** `_scanUnit` is not asked: this kind says its own. */
-export function toJson(picks: Picks, _scanUnit: Unit, certain: readonly string[]): string {
-  const file: LandmarkFile = { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks }, ...(certain.length > 0 ? { certain: [...certain] } : {}) };
+export function toJson(picks: Picks, _scanUnit: Unit, certain: readonly string[], confidence: Readonly<Record<string, number>> = {}): string {
+  const file: LandmarkFile = { schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks }, ...(certain.length > 0 ? { certain: [...certain] } : {}), ...(Object.keys(confidence).length > 0 ? { confidence: { ...confidence } } : {}) };
   return JSON.stringify(file, null, 1) + "\n";
 }
 

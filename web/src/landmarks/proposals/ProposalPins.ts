@@ -1,6 +1,7 @@
 // Proposed landmarks as dashed, hollow marks over the picture, with the error that the service expects beside them.
 // They must not look like placed ones; a click on one confirms it.
 import { Vector3 } from "three";
+import type { Vector } from "../../api/types";
 import type { ScanSlice } from "../../scan/state";
 import type { PageSlice } from "../../store/page";
 import { el } from "../../ui/dom";
@@ -9,6 +10,7 @@ import { isHidden, type Surface } from "../../viewer/picking";
 import type { ViewSlice } from "../../viewer/state";
 import type { Part, Viewer } from "../../viewer/Viewer";
 import { sideOf } from "../picks";
+import { isLookedAt } from "./agreed";
 import { errorOf, isLikely, type OpenProposal, openProposals, type Proposals } from "./proposals";
 import type { LandmarksSlice } from "../state";
 import * as text from "../text";
@@ -45,6 +47,15 @@ export class ProposalPins implements Part<Shown> {
       .map((pin) => ({ name: pin.name, away: Math.hypot(pin.at!.x - clientX + box.left, pin.at!.y - clientY + box.top) }))
       .sort((a, b) => a.away - b.away)[0];
     return near && near.away <= REACH ? near.name : null;
+  }
+
+  /** Whether a place of the skin (mm, scan's axes) is in the view, and single millimetres of it are seen. */
+  isLookedAt(place: Vector): boolean {
+    const point = new Vector3(...place.map(metresFromMm));
+    const { x, y } = this.viewer.toScreen(point);
+    const { clientWidth, clientHeight } = this.viewer.host;
+    const isIn = x >= 0 && y >= 0 && x <= clientWidth && y <= clientHeight;
+    return isIn && isLookedAt(this.viewer.pixelsPerMetre) && !isHidden(this.viewer, this.scan, point, this.scan.normalAt(point));
   }
 
   update(state: Shown): void {
