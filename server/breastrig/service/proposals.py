@@ -39,7 +39,7 @@ class Proposals(ScanSearch):
         return hashlib.sha256(f"{model_sha256} {digest}".encode()).hexdigest() if digest else model_sha256
 
     def agreed(self, scan_id: str, variant: str, picks: Picks) -> Picks:
-        """With the confidence of each of which nothing is said: as it was at that place, else as it is proposed there."""
+        """With the confidence of each of which nothing is said: as it was there, else as proposed."""
         before = get_landmarks(self._storage, scan_id)
         known = [(before.points_mm[name], name, share) for name, share in before.confidence.items()]
         proposed = self.known(scan_id, variant) or {}
