@@ -223,7 +223,7 @@ def test_a_batch_keeps_its_manifest_its_scans_and_what_lies_beside_its_results(
     (out / "one" / "notes.txt").write_text("mine")
     assert main([*command, "--again"]) == 0
     assert (out / "one" / "notes.txt").read_text() == "mine"
-    assert len(os.listdir(out / "one")) == len(FIT_FILES) + 2
+    assert len(os.listdir(out / "one")) == len(FIT_FILES) + 3
 
     (out / "one" / "drawing.json").write_text("{}")
     before = files(out / "one")

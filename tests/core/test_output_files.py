@@ -147,8 +147,13 @@ def test_what_came_while_the_command_ran_is_not_replaced(tmp_path: Path) -> None
 def test_halves_of_a_killed_run_are_removed_and_those_of_a_running_one_stay(tmp_path: Path) -> None:
     half = tmp_path / ".breastrig-part-abcdefgh"
     half.mkdir(mode=0o700)
+    old, new = tmp_path / ".breastrig-file-old", tmp_path / ".breastrig-file-new"
+    for file in (old, new):
+        file.write_bytes(b"scan")
+    os.utime(old, (0.0, 0.0))
     with all_or_nothing(output(tmp_path)) as running:
         assert not half.exists()
+        assert (old.exists(), new.exists()) == (False, True)
         with all_or_nothing(single_file(tmp_path / "other.json", (), False)) as out:
             (out / "other.json").write_text("{}")
         assert running.is_dir()

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 from helpers.waiting import until
 
-from breastrig.core.errors import BadSettings
 from breastrig.core.scratch import scratch_folder, sweep_scratch
 from breastrig.execution.scratch_sweeper import scratch_swept
 
@@ -67,8 +66,31 @@ def test_whoever_kills_processes_sweeps_on(place: Path, monkeypatch: pytest.Monk
             assert folder.is_dir()
 
 
-def test_a_place_that_others_could_look_into_is_refused(place: Path) -> None:
-    place.mkdir(mode=0o755)
-    place.chmod(0o755)
-    with pytest.raises(BadSettings, match="is not this user's own"):
-        sweep_scratch()
+@pytest.mark.parametrize("kind", ["open to others", "a link", "a file", "somebody else's"])
+def test_where_its_place_is_taken_another_is_found_and_swept(
+    kind: str, place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    theirs = tmp_path / "theirs"
+    theirs.mkdir(mode=0o700)
+    if kind == "a link":
+        place.symlink_to(theirs)
+    elif kind == "a file":
+        place.write_bytes(b"")
+    else:
+        place.mkdir(mode=0o700)
+        place.chmod(0o755 if kind == "open to others" else 0o700)
+    if kind == "somebody else's":
+        ours = Path.lstat
+
+        def lstat(self: Path) -> os.stat_result:
+            facts = ours(self)
+            return os.stat_result([*facts[:4], facts.st_uid + 1, *facts[5:]]) if self == place else facts
+
+        monkeypatch.setattr(Path, "lstat", lstat)
+    with scratch_folder() as folder, scratch_folder() as second:
+        assert folder.parent == second.parent != place
+        assert folder.parent.parent == tmp_path
+        assert folder.parent.stat().st_mode & 0o077 == 0
+    (folder.parent / "left").mkdir()
+    sweep_scratch()
+    assert [*folder.parent.iterdir(), *theirs.iterdir()] == []

@@ -3,6 +3,7 @@
 Other packages add commands by the entry points `breastrig.commands`: modules with HELP, add_parser and run.
 """
 
+import importlib
 from importlib.metadata import entry_points
 from typing import Any
 
@@ -25,6 +26,25 @@ COMMANDS = {
     "config": "show the settings of the service",
     "purge": "delete stored scans and all that was made of them",
 }
+
+OF_THE_SERVER = ("serve", "config", "purge")  # they need the extra `server`
+OF_UNIX = (*OF_THE_SERVER, "batch", "worker")  # processes with limits, and locks of folders
+
+
+def own_module(command: str, part: str) -> Any:
+    """`breastrig.cli.COMMAND_options` or `..._command`; BadInput when what it needs is not there."""
+    try:
+        if command in OF_UNIX:
+            importlib.import_module("fcntl")
+        return importlib.import_module(f"breastrig.cli.{command}_{part}")
+    except ModuleNotFoundError as error:
+        if error.name in ("fcntl", "resource"):
+            raise BadInput(
+                f"`breastrig {command}` needs Linux or macOS; fits, reports and the library work here as well."
+            ) from error
+        if command not in OF_THE_SERVER or (error.name or "").startswith("breastrig"):
+            raise
+        raise BadInput(f'`breastrig {command}` needs the server: pip install "breastrig[server]".') from error
 
 
 def further_commands() -> dict[str, str]:

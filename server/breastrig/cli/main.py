@@ -6,7 +6,6 @@ who asks for help or mistypes a word waits for neither.
 
 import argparse
 import gc
-import importlib
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -14,7 +13,7 @@ from contextlib import contextmanager
 
 from breastrig import __version__
 from breastrig.cli import interruption
-from breastrig.cli.commands import COMMANDS, further_commands, further_module
+from breastrig.cli.commands import COMMANDS, further_commands, further_module, own_module
 from breastrig.core.errors import BadInput, BreastRigError
 from breastrig.core.notice import LIMITS_OF_USE, RESEARCH_USE_ONLY
 from breastrig.core.private_files import shown
@@ -30,7 +29,7 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
     root.add_argument("--version", action="version", version=f"BreastRig {__version__}. {RESEARCH_USE_ONLY}")
     parsers = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
     if command in COMMANDS:
-        importlib.import_module(f"breastrig.cli.{command}_options").add_parser(parsers)
+        own_module(command, "options").add_parser(parsers)
     elif command is not None:
         further_module(command).add_parser(parsers)
     else:
@@ -65,10 +64,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         known = named in COMMANDS or (not named.startswith("-") and named in further_commands())
         options = parser(named if known else None).parse_args(words)
         with _no_garbage(for_good=arguments is None):
-            if options.command in COMMANDS:
-                command = importlib.import_module(f"breastrig.cli.{options.command}_command")
-            else:
-                command = further_module(options.command)
+            is_own = options.command in COMMANDS
+            command = own_module(options.command, "command") if is_own else further_module(options.command)
         interruption.work_begins()
         return int(command.run(options))
     except BreastRigError as error:

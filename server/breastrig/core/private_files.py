@@ -6,14 +6,15 @@ the umask says.  A folder that was there keeps its mode.
 
 import errno
 import os
-import shutil
 import stat
 import tempfile
+import time
 from contextlib import suppress
-from fcntl import LOCK_EX, LOCK_NB, flock
 from pathlib import Path
 
-PREFIX = ".breastrig-part-"  # of what is written under another name until it is complete
+PREFIX = ".breastrig-file-"  # of what is written under another name until it is complete
+PARTIAL_S = 3600.0
+WITHOUT_WAITING = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 
 
 def private_folder(folder: Path) -> list[Path]:
@@ -32,10 +33,8 @@ def write_private(file: Path, content: bytes) -> None:
     handle, name = tempfile.mkstemp(prefix=PREFIX, dir=file.parent)  # 0600
     try:
         with os.fdopen(handle, "wb") as partial:
-            _locked(handle)
             partial.write(content)
-            partial.flush()
-            os.replace(name, file)
+        os.replace(name, file)  # closed, as Windows demands
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise
@@ -51,7 +50,7 @@ def is_ordinary(file: Path) -> bool:
 
 def read_ordinary(file: Path, limit: int) -> bytes:
     """The file's bytes, at most one more than the limit; OSError at once for a pipe, a device or a folder."""
-    handle = os.open(file, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    handle = os.open(file, os.O_RDONLY | WITHOUT_WAITING)
     with os.fdopen(handle, "rb") as stream:
         if not stat.S_ISREG(os.fstat(handle).st_mode):
             raise OSError(errno.EINVAL, "it is no ordinary file", str(file))
@@ -64,38 +63,9 @@ def shown(path: Path | str) -> str:
     return text if len(text) <= 200 else f"{text[:90]} ... {text[-90:]}"
 
 
-def private_part(folder: Path) -> tuple[Path, int]:
-    """A new private folder inside, and a handle that holds a lock on it: who finds one unlocked may remove it."""
-    while True:
-        staging = Path(tempfile.mkdtemp(prefix=PREFIX, dir=folder))  # 0700
-        with suppress(FileNotFoundError):  # removed by another run before it was locked
-            handle = os.open(staging, os.O_RDONLY | os.O_DIRECTORY)
-            if _locked(handle) and staging.is_dir():
-                return staging, handle
-            os.close(handle)
-
-
-def remove_leftovers(folder: Path) -> None:
-    """What a killed run left half-done; a run that is at work holds a lock on its own."""
-    for leftover in folder.glob(PREFIX + "*"):
+def remove_partial_files(folder: Path) -> None:
+    """What a killed run had half written: no file takes an hour to be written."""
+    for partial in folder.glob(PREFIX + "*"):
         with suppress(OSError):
-            handle = os.open(leftover, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
-            try:
-                flock(handle, LOCK_EX | LOCK_NB)
-                if leftover.is_dir():
-                    shutil.rmtree(leftover, ignore_errors=True)
-                elif leftover.is_file():
-                    leftover.unlink()
-            finally:
-                os.close(handle)
-
-
-def _locked(handle: int) -> bool:
-    """Locks for as long as the handle is open; True also where the file system knows no locks."""
-    try:
-        flock(handle, LOCK_EX | LOCK_NB)
-    except BlockingIOError:
-        return False
-    except OSError:
-        return True
-    return True
+            if stat.S_ISREG(partial.lstat().st_mode) and time.time() - partial.lstat().st_mtime > PARTIAL_S:
+                partial.unlink()

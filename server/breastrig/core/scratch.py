@@ -1,62 +1,93 @@
 """Folders for a moment, which do not outlive the process that made them, even if it is killed.
 
-What is in them shows patients.  A killed process cannot tidy up, so each folder is locked by its process, and
-whoever comes next on this machine removes those that nobody holds.
+What is in them shows patients.  A killed process cannot tidy up, so beside each folder stands a file that its process
+keeps locked, and whoever comes next on this machine removes the folders whose file nobody has locked.
 """
 
-import fcntl
 import os
+import secrets
 import shutil
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from breastrig.core.errors import BadSettings
+from filelock import FileLock, Timeout
+
+LOCK = ".lock"  # behind the folder's name
 
 
 @contextmanager
 def scratch_folder() -> Iterator[Path]:
-    """An empty folder, removed at the end of the block."""
+    """An empty folder that nobody else can look into, removed at the end of the block."""
     sweep_scratch()
-    folder, lock = _made()
-    try:
+    with held_folder(_base(), "") as folder:
         yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-        os.close(lock)
 
 
 def sweep_scratch() -> None:
     """Removes the folders of processes that were killed."""
-    for folder in _base().iterdir():
-        with suppress(OSError):  # another one sweeps as well, or it is held
-            lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                shutil.rmtree(folder, ignore_errors=True)
-            finally:
-                os.close(lock)
+    for base in _bases():
+        remove_abandoned(base, "")
 
 
-def _made() -> tuple[Path, int]:
-    """A new folder, and the handle that locks it."""
+@contextmanager
+def held_folder(parent: Path, prefix: str) -> Iterator[Path]:
+    """A new private folder inside the parent, its name beginning with the prefix; removed at the end of the block."""
     while True:
-        folder = Path(tempfile.mkdtemp(dir=_base()))
-        with suppress(FileNotFoundError):  # swept between making and locking
-            lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-            fcntl.flock(lock, fcntl.LOCK_EX)
-            if folder.is_dir():
-                return folder, lock
-            os.close(lock)
+        folder = parent / f"{prefix}{secrets.token_hex(8)}"
+        lock = FileLock(f"{folder}{LOCK}", mode=0o600)
+        with suppress(Timeout):  # a sweep of another process has just looked at it
+            lock.acquire(blocking=False)
+            break
+    try:
+        folder.mkdir(mode=0o700)
+        yield folder
+    finally:
+        _remove(folder, lock)
+
+
+def remove_abandoned(parent: Path, prefix: str) -> None:
+    """Removes the held folders of this prefix whose process was killed."""
+    folders = {each.with_name(each.name.removesuffix(LOCK)) for each in parent.glob(f"{prefix}*")}
+    for folder in folders:
+        lock = FileLock(f"{folder}{LOCK}", mode=0o600)
+        with suppress(Timeout, OSError):  # it is held, or another process removes it as well
+            lock.acquire(blocking=False)
+            _remove(folder, lock)
+
+
+def _remove(folder: Path, lock: FileLock) -> None:
+    """The folder, then the file that is locked; Windows removes that one when it is let go only."""
+    shutil.rmtree(folder, ignore_errors=True)
+    with suppress(OSError):
+        Path(lock.lock_file).unlink()
+    lock.release()
+    with suppress(OSError):
+        Path(lock.lock_file).unlink()
 
 
 def _base() -> Path:
-    """One folder for all processes of this user, which nobody else can look into."""
-    base = Path(tempfile.gettempdir()) / f"breastrig-{os.getuid()}"
-    with suppress(FileExistsError):
-        base.mkdir(mode=0o700)
-    facts = base.lstat()
-    if facts.st_uid != os.getuid() or facts.st_mode & 0o077 or base.is_symlink():
-        raise BadSettings(f"{base} is not this user's own; remove it, or set TMPDIR to another folder.")
-    return base
+    """One folder for all processes of this user; another one where somebody else has taken its name."""
+    return next(_bases(), None) or Path(tempfile.mkdtemp(prefix=f"{_name()}-", dir=tempfile.gettempdir()))
+
+
+def _bases() -> Iterator[Path]:
+    place = Path(tempfile.gettempdir())
+    for folder in (place / _name(), *sorted(place.glob(f"{_name()}-*"))):
+        with suppress(FileExistsError):
+            folder.mkdir(mode=0o700)
+        if _is_own(folder):
+            yield folder
+
+
+def _name() -> str:
+    return f"breastrig-{os.getuid()}" if hasattr(os, "getuid") else "breastrig"  # Windows has a place for each user
+
+
+def _is_own(folder: Path) -> bool:
+    """Whether it is a folder, no link to one, of this user, that nobody else can look into."""
+    facts = folder.lstat()
+    is_private = not hasattr(os, "getuid") or (facts.st_uid == os.getuid() and not facts.st_mode & 0o077)
+    return stat.S_ISDIR(facts.st_mode) and is_private

@@ -5,15 +5,17 @@ command that fails or is stopped leaves what was there.
 """
 
 import os
-import shutil
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
 from breastrig.core.output_files import Output, check_output, resolved, unwritable
 from breastrig.core.output_record import unchanged_files, write_record
-from breastrig.core.private_files import private_folder, private_part, remove_leftovers
+from breastrig.core.private_files import private_folder, remove_partial_files
+from breastrig.core.scratch import held_folder, remove_abandoned
+
+PART = ".breastrig-part-"  # of the folder in which results are written
 
 
 @contextmanager
@@ -25,24 +27,23 @@ def all_or_nothing(output: Output) -> Iterator[Path]:
     check_output(output)
     output = resolved(output)
     made: list[Path] = []
-    try:
-        made = private_folder(output.folder)
-        remove_leftovers(output.folder)
-        staging, handle = private_part(output.folder)
-    except OSError as error:
-        _remove_empty(made)
-        raise unwritable(output.folder, error) from error
     done = False
     try:
-        results = staging / "new"
-        results.mkdir(mode=0o700)
-        yield results
-        output.stopped()
-        _put_in_place(output, results, staging / "old")
-        done = True
+        with ExitStack() as stack:
+            try:
+                made = private_folder(output.folder)
+                remove_abandoned(output.folder, PART)
+                remove_partial_files(output.folder)
+                staging = stack.enter_context(held_folder(output.folder, PART))
+                results = staging / "new"
+                results.mkdir(mode=0o700)
+            except OSError as error:
+                raise unwritable(output.folder, error) from error
+            yield results
+            output.stopped()
+            _put_in_place(output, results, staging / "old")
+            done = True
     finally:
-        shutil.rmtree(staging, ignore_errors=True)
-        os.close(handle)
         if not done:
             _remove_empty(made)
 
