@@ -84,16 +84,21 @@ def check_fit(base: str, token: str) -> None:
     print(f"fitted: {result['iterations']} iterations, {result['surface_distance_mm']['mean']:.2f} mm from the scan")
 
 
+def install(programs: Path, what: str) -> None:
+    """Into the environment of these programs."""
+    command = [programs / "python", "-m", "pip", "install", "-qq", what]
+    subprocess.run(command, env=os.environ | {"PATH": str(programs)}, check=True)
+
+
 def main(environment: Path, wheel: Path, data: Path) -> None:
     programs = environment.resolve() / "bin"
     assert shutil.which("node", path=str(programs)) is None
     bare = {"PATH": str(programs), "HOME": str(data.resolve()), "LANG": "C.UTF-8"}
     data.mkdir(parents=True, exist_ok=True)
-    subprocess.run(
-        [programs / "python", "-m", "pip", "install", "-qq", str(wheel)],
-        env=os.environ | {"PATH": str(programs)},
-        check=True,
-    )
+    install(programs, str(wheel))
+    alone = subprocess.run([programs / "breastrig", "serve"], env=bare, capture_output=True, text=True, check=False)
+    assert 'pip install "breastrig[server]"' in alone.stderr, alone.stderr
+    install(programs, f"{wheel}[server]")
     service = subprocess.Popen(
         [programs / "breastrig", "serve", "--port", "0", "--data", str(data / "data")],
         cwd=data,
