@@ -171,6 +171,32 @@ def test_the_measures_are_those_of_the_command(real: Real, monkeypatch: pytest.M
     assert straight.difference == pytest.approx(straight.left - straight.right, abs=0.011)
 
 
+def test_a_length_and_the_median_plane_are_the_same_for_page_and_report(real: Real) -> None:
+    """The page's tape asks for lengths, and mirrors in the plane of result.json: one number for one distance."""
+    _, client, _, fits = real
+    place = f"/api/fits/{fits['standing']}"
+    with client.get(f"{place}/result.json") as answer:
+        picks = answer.json
+    per_unit = {"m": 1000.0, "mm": 1.0}[picks["scan"]["unit"]]
+    at = {name: per_unit * np.array(point) for name, point in picks["landmarks_picked"].items()}
+    rows = {(row["measure"], row["kind"]): row for row in client.get(f"{place}/measures.json").json["measures"]}
+    asked = [at["suprasternal_notch"], at["nipple_L"], at["inframammary_fold_L"]]
+    answer = client.post(f"{place}/lengths", json={"places": [point.tolist() for point in asked]})
+    assert answer.status_code == 200, answer.json
+    for leg, measure in zip(answer.json["legs"], ("notch_nipple", "nipple_fold"), strict=True):
+        assert leg["mm"] == pytest.approx(rows[measure, "along the skin"]["left"], abs=0.011)
+        drawn = np.linalg.norm(np.diff(leg["points"], axis=0), axis=1).sum()
+        assert drawn == pytest.approx(leg["mm"], abs=0.05)
+    plane = picks["median_plane"]
+    for side, key, sign in (("L", "left", 1.0), ("R", "right", -1.0)):
+        far = sign * (np.dot(plane["normal"], at[f"nipple_{side}"]) - per_unit * plane["offset"])
+        assert far == pytest.approx(rows["nipple_midline", "straight"][key], abs=0.011)
+    off = [[5000.0, 0.0, 0.0], at["nipple_L"].tolist()]
+    assert client.post(f"{place}/lengths", json={"places": off}).status_code == 422
+    assert client.post(f"{place}/lengths", json={"places": off[1:]}).status_code == 422
+    assert client.post("/api/fits/nobody/lengths", json={"places": off}).status_code == 404
+
+
 def test_the_measures_of_two_stances_hold_their_changes_and_are_not_kept(real: Real) -> None:
     service, client, _, fits = real
     answer = client.get(f"/api/fits/{fits['supine']}/measures.json?with={fits['standing']}")

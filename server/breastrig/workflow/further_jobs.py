@@ -104,6 +104,13 @@ class LiveQuestion:
 
 
 @dataclass(frozen=True)
+class LengthsQuestion:
+    """How long the tape is along the skin, from each place to the next; mm in the scan's frame."""
+
+    places_mm: tuple[tuple[float, float, float], ...]
+
+
+@dataclass(frozen=True)
 class FollowJob:
     """The fit to go on from when landmarks are moved: its own job with `earlier`, and the picks that it left out."""
 

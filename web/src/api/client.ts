@@ -19,6 +19,7 @@ import type {
   Patient,
   MovedModel,
   PatientPage,
+  Lengths,
   PatternOnScan,
   PatternQuestion,
   PlanItem,
@@ -176,6 +177,8 @@ export const client = {
   },
   /** The whole plan on the scan of a fit, carried there where it was made on another scan. */
   planOnFit: (link: string) => askJson<PlanOnScan>(link),
+  /** Along the fitted skin, from each place to the next, mm. */
+  lengths: (fit: string, places: readonly Vector[]) => askJson<Lengths>(`${fit}/lengths`, "POST", { places }),
   /** A pattern with its handles on the scan of a fit, as it is or as a drag makes it; nothing is stored. */
   pattern: (fit: string, question: PatternQuestion) => askJson<PatternOnScan>(`${fit}/pattern`, "POST", question),
   /** The scan is that patient's from now on. */

@@ -431,6 +431,23 @@ export type LandmarkUpload = {
   file: Blob;
 };
 
+export type Leg = {
+  /** along the fitted skin, holes of the scan bridged: as measures are taken */
+  mm: number;
+  /** the shortest path, mm in the scan's frame */
+  points: [number, number, number][];
+};
+
+export type Lengths = {
+  /** from each place to the next */
+  legs: Leg[];
+};
+
+export type LengthsQuestion = {
+  /** mm in the scan's frame, on the body */
+  places: [number, number, number][];
+};
+
 export type Limits = {
   upload_bytes: number;
   triangles: number;
@@ -506,6 +523,13 @@ export type MeasuresFile = {
   /** how differences and changes are to be read */
   signs: string;
   measures: Measure[];
+};
+
+/** Points p with normal · p = offset, in the scan's unit and frame. */
+export type MedianPlane = {
+  /** unit vector to the patient's left */
+  normal: number[];
+  offset: number;
 };
 
 export type Meta = {
@@ -939,6 +963,8 @@ export type ResultFile = {
   landmarks_unusual?: DoubtedPick[];
   /** why there are no radii, and uncertainty.bin is all nan; null where they are known */
   not_calibrated?: string | null;
+  /** of the fitted body; null in results of versions before */
+  median_plane?: MedianPlane | null;
   /** radius that holds the landmark's true place with 90 %, by name; of a fit of this version */
   landmark_uncertainty_mm?: Record<string, number>;
   /** radius that holds nine of ten places of lines on the breasts; null where it is not known */

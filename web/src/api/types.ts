@@ -27,6 +27,7 @@ export type {
   PatientPage,
   PatternHandle,
   PatternInfo,
+  Lengths,
   PatternOnScan,
   PatternParameter,
   PatternQuestion,

@@ -32,7 +32,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const landmarks = landmarkActions(store, client, { begun: proposals.lookOnce, moved: fit.refit, answered: fit.refit });
   const plan = planActions(store, client);
   const scan = scanActions(store, client, scanContents(landmarks, plan, fit.stop), proposals.lookOnce);
-  const drawing = drawingActions(store, plan);
+  const drawing = drawingActions(store, client, plan);
   const leaving = leavingActions(store, { landmarks, lines: drawing });
   const guarded = leaving.guarded(scan);
   const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan });

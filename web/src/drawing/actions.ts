@@ -1,4 +1,5 @@
 // Drawing on the scan: each change is one step of the undo history and is saved with the scan soon after.
+import type { Client } from "../api/client";
 import type { Scan, Vector } from "../api/types";
 import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
@@ -16,7 +17,7 @@ import { mirroredLine, mirrorPlane } from "./mirror/mirror";
 import type { Skin } from "./lines/skin";
 import { type DrawingSlice, type DrawnState, type InkDecided, type Layer, layerKey, lineNamed, type PlanHistory, type PlanStep, stepOf, type Tool, withStep } from "./state";
 import { circle, freehand } from "./lines/strokes";
-import { tapeBack, tapeFrom, tapeTo } from "./tape/tape";
+import { type Tape, tapeAsked, tapeBack, tapeFrom, tapeMeasured, tapeTo } from "./tape/tape";
 import * as text from "./text";
 
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice;
@@ -32,7 +33,7 @@ export interface KeepsLines {
   earlier(scan: Scan, now: PlanStep): Promise<PlanStep | null>;
 }
 
-export function drawingActions(store: Store<State>, plan: KeepsLines) {
+export function drawingActions(store: Store<State>, client: Pick<Client, "lengths">, plan: KeepsLines) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let waiting: { scan: Scan; lines: readonly OwnLine[] } | null = null;
   let onItsWay: Promise<unknown> = Promise.resolve();
@@ -41,6 +42,21 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
 
   const drawn = (): DrawnState => store.get().drawn;
   const lines = (): readonly OwnLine[] => drawn().lines.present;
+  /** The last leg on the fitted skin, where the service's own measures are taken: one number for one length. */
+  async function measureOn(fit: string, asked: Tape): Promise<void> {
+    const leg = asked.legs.at(-1)!;
+    try {
+      const { legs } = await client.lengths(fit, asked.places.slice(-2));
+      const { tape } = drawn();
+      if (!tape?.legs.includes(leg)) return;
+      const now = tapeMeasured(tape, leg, legs[0] as { mm: number; points: Vector[] });
+      put({ tape: now }, { announcement: text.tape.says(now) });
+    } catch (error) {
+      const { tape } = drawn();
+      if (tape?.legs.includes(leg)) store.set((state) => ({ ...withProblem(state, "drawing", messageOf(error)), drawn: { ...state.drawn, tape: tapeBack(tape) } }));
+    }
+  }
+
   const put = (part: Partial<DrawnState>, more: Partial<State> = {}): void => store.set((state) => ({ ...more, drawn: { ...state.drawn, ...part } }));
 
   /** What is shown about saving concerns the scan on the screen; another one is saved all the same. */
@@ -202,7 +218,11 @@ export function drawingActions(store: Store<State>, plan: KeepsLines) {
       if (!tape || tape.isEnded) return put({ tape: tapeFrom(at) }, { announcement: text.tape.says(tapeFrom(at)) });
       if (gap(tape.places.at(-1)!, at) < 1) return;
       const next = tapeTo(on, tape, at);
-      put({ tape: next }, { announcement: text.tape.says(next) });
+      const { fit } = store.get();
+      if (fit?.state !== "done" || next.isRefused) return put({ tape: next }, { announcement: text.tape.says(next) });
+      const asked = tapeAsked(next);
+      put({ tape: asked });
+      void measureOn(fit.links.self, asked);
     },
 
     /** It stays to be read until the next one is begun or the tool is put down. */

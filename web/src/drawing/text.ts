@@ -16,11 +16,11 @@ export const bands = {
   legend: "The line's true place lies within the band in 90 of 100 cases; point at it for the millimetres.",
 };
 
-const mm = (length: number, hasHole: boolean): string => `${hasHole ? "≈\u00a0" : ""}${formatMmWhole(length)}\u00a0mm`;
+const mm = (length: number | null, hasHole: boolean): string => length === null ? "…" : `${hasHole ? "≈\u00a0" : ""}${formatMmWhole(length)}\u00a0mm`;
 
 export const tape = {
   /** a hole is crossed straight: the skin there is longer */
-  length: (length: number, hasHole: boolean) => `${mm(length, hasHole)}${hasHole ? ", over a hole" : ""}`,
+  length: (length: number | null, hasHole: boolean) => `${mm(length, hasHole)}${hasHole ? ", over a hole" : ""}`,
   total: (tape: Tape) => `${mm(tapeLength(tape), tapeHasHole(tape))} in all`,
   says(tape: Tape): string {
     if (tape.isRefused) return "No scanned skin leads there: measure around the gap.";

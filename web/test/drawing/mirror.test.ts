@@ -1,4 +1,4 @@
-// A line on the other side: in the plane between the fitted model's pairs, on the skin that is there.
+// A line on the other side: in the fitted body's median plane, which the service gives, on the skin that is there.
 import { PlaneGeometry, SphereGeometry } from "three";
 import { expect, test } from "vitest";
 import type { Result, Vector } from "../../src/api/types";
@@ -11,11 +11,11 @@ import type { FitState } from "../../src/fit/state";
 import { withScan } from "../fakes";
 import { cut, made, place } from "../shapes";
 
-type Landmarks = Result["landmarks"];
-const result = (landmarks: Landmarks, unit = "mm"): Pick<Result, "landmarks" | "scan"> => ({ landmarks, scan: { unit } as Result["scan"] });
-const PAIRS: Landmarks = { nipple_L: [110, 0, 0], nipple_R: [-90, 0, 0], acromion_L: [190, 200, 0], acromion_R: [-170, 200, 0], xiphoid: [3, 0, 0] };
+type Plane = NonNullable<Result["median_plane"]>;
+const result = (median_plane: Plane | null, unit = "mm"): Pick<Result, "median_plane" | "scan"> => ({ median_plane, scan: { unit } as Result["scan"] });
+const MIDDLE: Plane = { normal: [1, 0, 0], offset: 10 };
 
-const fitted = (landmarks: Landmarks): FitState => ({ id: "f1", state: "running", iterations: [], result: result(landmarks) }) as unknown as FitState;
+const fitted = (plane: Plane | null): FitState => ({ id: "f1", state: "running", iterations: [], result: result(plane) }) as unknown as FitState;
 
 /** Two balls (80 mm) beside x = 10. */
 const breasts = (): Skin => skinOf(made(place(new SphereGeometry(0.08, 96, 64), 0.11, 0, 0), place(new SphereGeometry(0.08, 96, 64), -0.09, 0, 0)));
@@ -29,31 +29,30 @@ const arc = (): OwnLine => {
   return lineAlong("Fold", INK, points, false);
 };
 
-test("the plane stands between the pairs, in any unit, and without a pair there is none", () => {
-  expect(mirrorPlane(result(PAIRS))).toEqual({ normal: [1, 0, 0], offset: 10 });
-  const metres = Object.fromEntries(Object.entries(PAIRS).map(([name, at]) => [name, at.map((mm) => mm / 1000)])) as Landmarks;
-  expect(mirrorPlane(result(metres, "m"))!.offset).toBeCloseTo(10, 9);
-  expect(mirrorPlane(result({ nipple_L: [110, 0, 0], xiphoid: [0, 0, 0] }))).toBeNull();
+test("the plane is the service's, in any unit, and results of earlier versions have none", () => {
+  expect(mirrorPlane(result(MIDDLE))).toEqual(MIDDLE);
+  expect(mirrorPlane(result({ ...MIDDLE, offset: 0.01 }, "m"))!.offset).toBeCloseTo(10, 9);
+  expect(mirrorPlane(result(null))).toBeNull();
 });
 
 test("mirrored twice a point is where it was, and each of a pair lies where the other is", () => {
-  const plane = mirrorPlane(result({ nipple_L: [80, 40, 10], nipple_R: [-70, 90, 30] }))!;
-  expect(gap(mirroredPoint(plane, [80, 40, 10]), [-70, 90, 30])).toBeLessThan(1e-9);
+  const plane = mirrorPlane(result({ normal: [0.6, 0, 0.8], offset: 7 }))!;
+  expect(gap(mirroredPoint(plane, [10.2, 5, 13.6]), [-1.8, 5, -2.4])).toBeLessThan(1e-9);
   expect(gap(mirroredPoint(plane, mirroredPoint(plane, [13, -4, 250])), [13, -4, 250])).toBeLessThan(1e-9);
 });
 
 test("what is guessed of a line is guessed on the other side", () => {
   const { points, name, color } = arc();
-  const other = mirroredLine(breasts(), mirrorPlane(result(PAIRS))!, lineAlong(name, color, points, false, points.map((_, i) => i >= 10 && i < 20)))!;
+  const other = mirroredLine(breasts(), mirrorPlane(result(MIDDLE))!, lineAlong(name, color, points, false, points.map((_, i) => i >= 10 && i < 20)))!;
   const guessed = other.points.map((_, i) => i).filter((i) => other.bridged![i]);
   expect(guessed.length / other.points.length).toBeCloseTo(10 / 41, 1);
   expect(guessed.at(-1)! - guessed[0]!).toBe(guessed.length - 1);
-  const from = mirroredPoint(mirrorPlane(result(PAIRS))!, points[10]!);
+  const from = mirroredPoint(mirrorPlane(result(MIDDLE))!, points[10]!);
   expect(gap(other.points[guessed[0]!]!, from)).toBeLessThan(4);
 });
 
 test("on an even body a line lies on the other side as it lies on this one", () => {
-  const plane = mirrorPlane(result(PAIRS))!;
+  const plane = mirrorPlane(result(MIDDLE))!;
   const line = arc();
   const other = mirroredLine(breasts(), plane, line)!;
   expect(onBall(other.points, -90)).toBeLessThan(0.2);
@@ -65,7 +64,7 @@ test("on an even body a line lies on the other side as it lies on this one", () 
 test("a closed line stays closed, its points even", () => {
   const skin = breasts();
   const line = lineAlong("Tumour", INK, circle(skin, [110, 0, 80], 20), true);
-  const other = mirroredLine(skin, mirrorPlane(result(PAIRS))!, line)!;
+  const other = mirroredLine(skin, mirrorPlane(result(MIDDLE))!, line)!;
   expect(other.closed).toBe(true);
   expect(lengthOf(other) / lengthOf(line)).toBeCloseTo(1, 2);
   const steps = other.points.map((point, i) => gap(point, other.points[(i + 1) % other.points.length]!));
@@ -75,7 +74,7 @@ test("a closed line stays closed, its points even", () => {
 
 test("on a smaller breast it comes down on that breast's skin", () => {
   const uneven = skinOf(made(place(new SphereGeometry(0.08, 96, 64), 0.11, 0, 0), place(new SphereGeometry(0.05, 96, 64), -0.09, 0, 0)));
-  const other = mirroredLine(uneven, mirrorPlane(result(PAIRS))!, arc())!;
+  const other = mirroredLine(uneven, mirrorPlane(result(MIDDLE))!, arc())!;
   for (const point of other.points) expect(Math.abs(gap(point, [-90, 0, 0]) - 50)).toBeLessThan(0.3);
 });
 
@@ -97,7 +96,7 @@ test("the copy is a line of its own, named after the first; a missing side is sa
   const lines = (): readonly OwnLine[] => store.get().drawn.lines.present;
   actions.drawing.mirror("Fold");
   expect(lines(), "without a fit there is no plane").toHaveLength(1);
-  store.set({ fit: fitted(PAIRS) });
+  store.set({ fit: fitted(MIDDLE) });
   actions.drawing.mirror("Fold");
   actions.drawing.mirror("Fold");
   expect(lines().map(({ name }) => name)).toEqual(["Fold", "Fold, mirrored", "Fold, mirrored 2"]);
@@ -106,7 +105,7 @@ test("the copy is a line of its own, named after the first; a missing side is sa
   expect(lines()).toHaveLength(2);
   const half = skinOf(made(place(new SphereGeometry(0.08, 96, 64), 0.11, 0, 0)));
   actions.drawing.setSkin(() => half);
-  store.set({ fit: fitted(PAIRS) });
+  store.set({ fit: fitted(MIDDLE) });
   actions.drawing.mirror("Fold");
   expect(lines()).toHaveLength(2);
   expect(store.get().problems.drawing).toBe("The other side of “Fold” is not on this scan, so it was not mirrored.");

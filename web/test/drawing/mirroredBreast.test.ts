@@ -25,7 +25,8 @@ function chest(left: number, right: number): BufferGeometry {
 const result = {
   scan: { unit: "mm" },
   landmarks: { nipple_L: [100, 0, 30], nipple_R: [-100, 0, 30], acromion_L: [180, 150, 0], acromion_R: [-180, 150, 0] },
-} as unknown as Pick<Result, "landmarks" | "scan">;
+  median_plane: { normal: [1, 0, 0], offset: 0 },
+} as unknown as Pick<Result, "landmarks" | "median_plane" | "scan">;
 
 test("even sides differ by nothing, and the mirrored one lies on the other, looking the same way", () => {
   const geometry = chest(0.03, 0.03);
@@ -66,7 +67,7 @@ test("what closes the model's openings is none of the breast", () => {
 test("without nipples or pairs there is nothing to mirror", () => {
   const { nipple_L: _gone, ...rest } = result.landmarks;
   expect(mirroredBreast(chest(0.03, 0.03), { ...result, landmarks: rest })).toBeNull();
-  expect(mirroredBreast(chest(0.03, 0.03), { ...result, landmarks: { nipple_L: [100, 0, 30] } })).toBeNull();
+  expect(mirroredBreast(chest(0.03, 0.03), { ...result, median_plane: null })).toBeNull();
 });
 
 test("it is shown only when somebody asks for it", async () => {

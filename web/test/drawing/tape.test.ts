@@ -2,13 +2,15 @@
 import { PlaneGeometry, SphereGeometry } from "three";
 import { MeshBVH } from "three-mesh-bvh";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import type { Vector } from "../../src/api/types";
+import { ApiError, type Client } from "../../src/api/client";
+import type { Lengths, Vector } from "../../src/api/types";
 import { drawingKey } from "../../src/drawing/keys";
 import { type Skin, skinOf } from "../../src/drawing/lines/skin";
 import { tapeBack, tapeFrom, tapeHasHole, tapeLength, tapeTo } from "../../src/drawing/tape/tape";
 import { tape as words } from "../../src/drawing/text";
+import type { FitState } from "../../src/fit/state";
 import { workspaceOf } from "../../src/stances/state";
-import { withScan } from "../fakes";
+import { fitLinks, withScan } from "../fakes";
 import { cut, made } from "../shapes";
 
 beforeEach(() => void vi.useFakeTimers());
@@ -21,8 +23,8 @@ const flat = (() => {
 })();
 const ball = (): Skin => skinOf(made(new SphereGeometry(0.1, 192, 128)));
 
-async function measuring(skin: Skin = flat) {
-  const page = await withScan();
+async function measuring(skin: Skin = flat, answers: Partial<Client> = {}) {
+  const page = await withScan(answers);
   page.actions.drawing.setSkin(() => skin);
   page.actions.drawing.take("tape");
   const key = (name: string): boolean => drawingKey(page.store.get(), { key: name, target: null } as unknown as KeyboardEvent, page.actions.drawing);
@@ -36,8 +38,8 @@ test("over a ball the length is that of the great circle", () => {
   for (const degrees of [20, 60, 120]) {
     const angle = (degrees * Math.PI) / 180;
     const tape = tapeTo(skin, tapeFrom([100, 0, 0]), [100 * Math.cos(angle), 60 * Math.sin(angle), 80 * Math.sin(angle)]);
-    expect(tapeLength(tape) / (100 * angle), `${degrees}°`).toBeGreaterThan(0.99);
-    expect(tapeLength(tape) / (100 * angle), `${degrees}°`).toBeLessThan(1.01);
+    expect(tapeLength(tape)! / (100 * angle), `${degrees}°`).toBeGreaterThan(0.99);
+    expect(tapeLength(tape)! / (100 * angle), `${degrees}°`).toBeLessThan(1.01);
     expect(tapeHasHole(tape)).toBe(false);
   }
 });
@@ -45,10 +47,32 @@ test("over a ball the length is that of the great circle", () => {
 test("each leg has its own length, and the way lies on the skin from click to click", async () => {
   const { actions, tape } = await measuring();
   for (const at of [[0, 0, 0], [100, 0, 0], [100, 50, 0]] as Vector[]) actions.drawing.measure(at);
-  expect(tape()!.legs.map(({ mm }) => Math.round(mm * 1000) / 1000)).toEqual([100, 50]);
+  expect(tape()!.legs.map(({ mm }) => Math.round(mm! * 1000) / 1000)).toEqual([100, 50]);
   expect(words.total(tape()!)).toBe("150\u00a0mm in all");
   for (const { points } of tape()!.legs) for (const [, , z] of points) expect(Math.abs(z)).toBeLessThan(1e-6);
   expect(tape()!.legs[1]!.points.at(-1)).toEqual([100, 50, 0]);
+});
+
+test("where there is a fit the service measures on the fitted skin, as its measures and tape sheet do", async () => {
+  let answer: (legs: Lengths) => void = () => undefined;
+  const lengths = vi.fn<Client["lengths"]>(() => new Promise((done) => (answer = done)));
+  const { actions, tape, store } = await measuring(flat, { lengths });
+  store.set({ fit: { id: "f1", links: fitLinks("f1"), state: "done", iterations: [] } as unknown as FitState });
+  actions.drawing.measure([0, 0, 0]);
+  actions.drawing.measure([100, 0, 0]);
+  expect(lengths).toHaveBeenCalledExactlyOnceWith("/api/fits/f1", [[0, 0, 0], [100, 0, 0]]);
+  expect(tapeLength(tape()!), "no number of the page's own").toBeNull();
+  expect(words.total(tape()!)).toBe("… in all");
+  const points: Vector[] = [[0, 0, 0], [50, 0, 9], [100, 0, 0]];
+  answer({ legs: [{ mm: 103.4, points }] });
+  await vi.advanceTimersByTimeAsync(0);
+  expect(tape()!.legs).toEqual([{ mm: 103.4, points, hasHole: false }]);
+  expect(store.get().announcement).toBe("103\u00a0mm in all");
+  lengths.mockRejectedValueOnce(new ApiError("A place lies off the fitted skin; measure on the body.", 422));
+  actions.drawing.measure([100, 90, 0]);
+  await vi.advanceTimersByTimeAsync(0);
+  expect(tape()!.places).toEqual([[0, 0, 0], [100, 0, 0]]);
+  expect(store.get().problems.drawing).toContain("off the fitted skin");
 });
 
 test("over a hole it is straight and says so; where no skin leads nothing is measured", async () => {

@@ -36,8 +36,9 @@ function page(answers: (Ink | { retryAfterS: number })[], info: Scan = SCAN) {
       return Promise.resolve(FOUND);
     },
   };
+  const lengths = () => Promise.reject(new ApiError("There is no fit.", 404));
   const plan = { saveLines: (_scan: Scan, lines: readonly OwnLine[]) => Promise.resolve(lines), earlier: () => Promise.resolve(null) };
-  const drawing = drawingActions(store, plan);
+  const drawing = drawingActions(store, { lengths }, plan);
   const actions = inkActions(store, client, drawing);
   const lines = () => openLines(store.get().ink[info.id], store.get().drawn.decided, cropsOf(store.get().scan));
   const names = (): string[] => lines().map(({ name }) => name);

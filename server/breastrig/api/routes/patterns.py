@@ -9,7 +9,7 @@ from breastrig.api.wire import patterns as wire
 from breastrig.drawings.patterns import pattern_of
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.rows.scans import get_scan
-from breastrig.workflow.further_jobs import LiveQuestion
+from breastrig.workflow.further_jobs import LengthsQuestion, LiveQuestion
 
 patterns = APIBlueprint("patterns", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 
@@ -36,3 +36,19 @@ def draw_pattern(fit_id: str, json_data: wire.PatternQuestion) -> wire.PatternOn
         json_data.name, json_data.parameters, json_data.side, None if drag is None else drag.handle, (x, y, z)
     )
     return wire.PatternOnScan.model_validate(service.live_patterns.answer(fit_id, question))
+
+
+@patterns.post("/<fit_id>/lengths")
+@patterns.input(wire.LengthsQuestion)
+@patterns.output(wire.Lengths)
+@patterns.doc(operation_id="measureLengths", responses={409: "Not done", 429: "Asked for by too many at once"})
+def measure_lengths(fit_id: str, json_data: wire.LengthsQuestion) -> wire.Lengths:
+    """Lengths along the skin, from place to place
+
+    On the fitted skin and by the shortest path, as measures and tape sheet have them.  Nothing is stored.
+    """
+    service = app_context().service
+    fit = get_fit(service.storage, fit_id)
+    check_near_scan("tape", json_data.places, get_scan(service.storage, fit.scan))
+    x_y_z = ((float(x), float(y), float(z)) for x, y, z in json_data.places)
+    return wire.Lengths.model_validate(service.live_patterns.answer(fit_id, LengthsQuestion(tuple(x_y_z))))

@@ -66,6 +66,13 @@ class ModelAlone(Document):
     landmark_distance_mm: LandmarkDistances
 
 
+class MedianPlane(Document):
+    """Points p with normal · p = offset, in the scan's unit and frame."""
+
+    normal: list[float] = Field(description="unit vector to the patient's left")
+    offset: float
+
+
 class ResultFile(Document):
     """result.json; also the `result` of a done event."""
 
@@ -92,6 +99,7 @@ class ResultFile(Document):
     not_calibrated: str | None = Field(
         None, description="why there are no radii, and uncertainty.bin is all nan; null where they are known"
     )
+    median_plane: MedianPlane | None = Field(None, description="of the fitted body; null in results of versions before")
     landmark_uncertainty_mm: dict[str, float] = Field(
         {}, description="radius that holds the landmark's true place with 90 %, by name; of a fit of this version"
     )

@@ -28,6 +28,19 @@ class PatternQuestion(Wire):
     )
 
 
+class LengthsQuestion(Wire):
+    places: list[Point] = Field(min_length=2, max_length=100, description="mm in the scan's frame, on the body")
+
+
+class Leg(Wire):
+    mm: float = Field(description="along the fitted skin, holes of the scan bridged: as measures are taken")
+    points: list[Point] = Field(description="the shortest path, mm in the scan's frame")
+
+
+class Lengths(Wire):
+    legs: list[Leg] = Field(description="from each place to the next")
+
+
 class PatternShape(DrawnShape):
     label: str
     closed: bool

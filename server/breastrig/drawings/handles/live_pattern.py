@@ -115,6 +115,17 @@ class LiveSkin:
             return self._live(_on_side(pattern, side), parameters, "")
         return self._dragged(name, pattern, parameters, drag)
 
+    def ways(self, places: Array) -> list[Array]:
+        """(M, 3) m each: the shortest path on the fitted skin from each of the (P, 3) m places to the next.
+
+        BadDrawing where a place is off the skin, or where the skin ends between two.
+        """
+        on_skin = self._skin.nearest(places)
+        if np.linalg.norm(self._skin.at(on_skin) - places, axis=1).max() > ON_SKIN:
+            raise BadDrawing("A place lies off the fitted skin; measure on the body.")
+        starts, goals = (SurfacePoints(on_skin.faces[cut], on_skin.barycentric[cut]) for cut in (np.s_[:-1], np.s_[1:]))
+        return self._skin.geodesics.paths(starts, goals)
+
     def _dragged(self, name: str, pattern: Pattern, parameters: Parameters, drag: Drag) -> LivePattern:
         side = drag.handle[-1:]
         if side not in SIDES:

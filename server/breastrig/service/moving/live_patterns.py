@@ -14,7 +14,7 @@ from breastrig.service.moving.deleted_fits import drop_if_deleted
 from breastrig.storage.files import fit_place
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.storage import Storage
-from breastrig.workflow.further_jobs import LiveQuestion
+from breastrig.workflow.further_jobs import LengthsQuestion, LiveQuestion
 from breastrig.workflow.tasks import live_pattern, read_and_live_pattern
 
 WALL_S = 30.0  # an answer takes a tenth of a second, the first one; huge scans on a slow machine take many
@@ -28,19 +28,19 @@ class LivePatterns:
         self._model = model
         self._processes = processes
 
-    def answer(self, fit_id: str, question: LiveQuestion) -> dict[str, Any]:
-        """The pattern on the fit's scan, with its handles.
+    def answer(self, fit_id: str, question: LiveQuestion | LengthsQuestion) -> dict[str, Any]:
+        """The pattern on the fit's scan, with its handles; or lengths along its skin.
 
         Raises NotFound, Conflict when the fit is not done, BadDrawing when the pattern does not fit there, TooMany.
         """
         fit = get_fit(self._storage, fit_id)
         if fit.state != "done":
-            raise Conflict(f"The fit {fit.id} is {fit.state}; patterns are drawn on fits that are done.")
+            raise Conflict(f"The fit {fit.id} is {fit.state}; patterns and lengths need fits that are done.")
         with explained("Drawing this pattern", WALL_S, "give a smaller scan", self._storage, [fit_id]):
             found: dict[str, Any] | None = self._processes.result(fit_id, live_pattern, (fit_id, question), WALL_S)
             return self._read_and_answer(fit_id, question) if found is None else found
 
-    def _read_and_answer(self, fit_id: str, question: LiveQuestion) -> dict[str, Any]:
+    def _read_and_answer(self, fit_id: str, question: LiveQuestion | LengthsQuestion) -> dict[str, Any]:
         try:
             with self._storage.files.reading(fit_place(fit_id)) as folder:
                 job = (fit_id, folder, self._model, question)

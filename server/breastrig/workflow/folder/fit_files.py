@@ -20,6 +20,7 @@ from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
 from breastrig.report.areolae import AREOLAE, areolae_document
+from breastrig.report.body_frame import body_frame
 from breastrig.report.distances import (
     landmark_summary_mm,
     summary_mm,
@@ -108,6 +109,7 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         "landmarks_not_followed": [_doubted(doubt) for doubt in outcome.doubts if not doubt.followed],
         "landmarks_unusual": [_doubted(doubt) for doubt in outcome.doubts if doubt.followed],
         **({} if outcome.radii else {"not_calibrated": f"{NOT_CALIBRATED}: how far off its fits are is not known."}),
+        "median_plane": _median_plane(outcome),
         "landmark_uncertainty_mm": {} if outcome.radii is None else _in_mm(outcome.radii.landmarks),
         "line_error_mm": None if outcome.radii is None else round(1e3 * outcome.radii.lines, 1),
         "landmarks_agreed": list(outcome.agreed),
@@ -131,6 +133,14 @@ def result_json(outcome: FitOutcome) -> dict[str, object]:
         "notes": list(outcome.notes),
         "versions": {"breastrig": __version__} | library_versions(),
     }
+
+
+def _median_plane(outcome: FitOutcome) -> dict[str, object]:
+    """Points p with normal · p = offset in the scan's unit and frame; the normal points to the patient's left."""
+    frame = body_frame(outcome.rig, outcome.vertices)
+    normal = frame.axes[:, 0]
+    offset = float(normal @ frame.middle) / outcome.scan.metres_per_unit
+    return {"normal": _rounded(normal, 9), "offset": round(offset, 6)}
 
 
 def drawing_json(outcome: FitOutcome) -> dict[str, object]:

@@ -8,13 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from breastrig.core.errors import BadInput
 from breastrig.drawings.drawing_file import shape_document
 from breastrig.drawings.handles.live_pattern import Drag, HandleOnScan, LivePattern, LiveSkin
 from breastrig.drawings.transfer import fitted_scan
+from breastrig.geometry.geodesic import length
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.workflow.folder.fit_folder import fit_folder_of
-from breastrig.workflow.further_jobs import LiveQuestion
+from breastrig.workflow.further_jobs import LengthsQuestion, LiveQuestion
 
 
 @dataclass(frozen=True)
@@ -27,13 +30,15 @@ class PreparedFit:
 _prepared: dict[str, PreparedFit] = {}  # of this process, by what the caller calls the fit: one at most
 
 
-def live_pattern(fit: str, question: LiveQuestion) -> dict[str, Any] | None:
-    """The pattern with its handles; None when this process has not read the fit yet.  Raises BadDrawing."""
+def live_pattern(fit: str, question: LiveQuestion | LengthsQuestion) -> dict[str, Any] | None:
+    """The pattern with its handles, or lengths; None when this process has not read the fit yet.  Raises BadDrawing."""
     prepared = _prepared.get(fit)
     return None if prepared is None else _answer(prepared, question)
 
 
-def read_and_live_pattern(fit: str, folder: Path, model: Path | None, question: LiveQuestion) -> dict[str, Any]:
+def read_and_live_pattern(
+    fit: str, folder: Path, model: Path | None, question: LiveQuestion | LengthsQuestion
+) -> dict[str, Any]:
     """The same after reading the fit's folder.  Raises BadInput for what is no fit."""
     rig = read_rig(model or default_rig_path())
     found = fit_folder_of(folder, rig)
@@ -43,7 +48,10 @@ def read_and_live_pattern(fit: str, folder: Path, model: Path | None, question: 
     return _answer(_prepared[fit], question)
 
 
-def _answer(prepared: PreparedFit, question: LiveQuestion) -> dict[str, Any]:
+def _answer(prepared: PreparedFit, question: LiveQuestion | LengthsQuestion) -> dict[str, Any]:
+    if isinstance(question, LengthsQuestion):
+        ways = prepared.skin.ways(1e-3 * np.array(question.places_mm))
+        return {"legs": [{"mm": 1e3 * length(way), "points": np.round(1e3 * way, 3).tolist()} for way in ways]}
     x, y, z = (1e-3 * number for number in question.to_mm)
     drag = None if question.handle is None else Drag(question.handle, (x, y, z))
     try:

@@ -1,7 +1,6 @@
-// A line on the patient's other side: mirrored in the plane between the fitted model's left and right landmarks, then laid
-// on the skin that is there.
+// A line on the patient's other side: mirrored in the fitted body's median plane, then laid on the skin that is there.
 import type { Result, Vector } from "../../api/types";
-import { picksOf } from "../../landmarks/picks";
+import { isUnit, mmFrom } from "../../ui/units";
 import { dot } from "../../viewer/frame";
 import { lineAlong } from "../lines/edits";
 import { gap, type OwnLine } from "../lines/lines";
@@ -17,19 +16,9 @@ export interface MirrorPlane {
 const BESIDE_MM = 25; // the nearest skin lies so far to the side, not below: a hole under a breast is twice as wide, more is not scanned
 const AWAY_MM = 60; // in any direction: as far as a breast stands out from a chest without one
 
-/** Between the fitted model's pairs, the wider of which decide more; null where a result has no pair. */
-export function mirrorPlane(result: Pick<Result, "landmarks" | "scan">): MirrorPlane | null {
-  const at = picksOf({ landmarks: result.landmarks, unit: result.scan.unit });
-  const pairs = Object.keys(at).flatMap((name) => {
-    const [left, right] = [at[name]!, at[name.replace(/_L$/, "_R")]];
-    return name.endsWith("_L") && right ? [{ left, right }] : [];
-  });
-  const across = pairs.reduce<Vector>((sum, { left, right }) => [sum[0] + left[0] - right[0], sum[1] + left[1] - right[1], sum[2] + left[2] - right[2]], [0, 0, 0]);
-  const length = Math.hypot(...across);
-  if (length < 1) return null;
-  const normal: Vector = [across[0] / length, across[1] / length, across[2] / length];
-  const heights = pairs.map(({ left, right }) => (dot(left, normal) + dot(right, normal)) / 2);
-  return { normal, offset: heights.reduce((sum, height) => sum + height, 0) / heights.length };
+/** The fitted body's own, in which the service measures too; null in results of earlier versions. */
+export function mirrorPlane({ median_plane: plane, scan }: Pick<Result, "median_plane" | "scan">): MirrorPlane | null {
+  return plane ? { normal: plane.normal as Vector, offset: mmFrom(plane.offset, isUnit(scan.unit) ? scan.unit : "mm") } : null;
 }
 
 export function mirroredPoint({ normal, offset }: MirrorPlane, point: Vector): Vector {

@@ -28,7 +28,7 @@ export interface Asymmetry {
 }
 
 /** `fitted` has its tree; null where the result has no nipples or no plane. */
-export function mirroredBreast(fitted: BufferGeometry, result: Pick<Result, "landmarks" | "scan">): MirroredBreast | null {
+export function mirroredBreast(fitted: BufferGeometry, result: Pick<Result, "landmarks" | "median_plane" | "scan">): MirroredBreast | null {
   const plane = mirrorPlane(result);
   const nipple = picksOf({ landmarks: result.landmarks, unit: result.scan.unit }).nipple_L;
   if (!plane || !nipple) return null;

@@ -7,7 +7,7 @@ import { BRIDGE_MM, leadsOver, way } from "../lines/strokes";
 /** From one click to the next. */
 export interface TapeLeg {
   readonly points: readonly Vector[]; // on the skin, mm in the scan's own axes
-  readonly mm: number; // along the skin, straight over holes
+  readonly mm: number | null; // along the skin, straight over holes; null: the service is asked, which measures on the fitted skin
   readonly hasHole: boolean;
 }
 
@@ -32,7 +32,15 @@ export function tapeTo(skin: Skin, tape: Tape, to: Vector): Tape {
 /** Without its last place; null when nothing is left. */
 export const tapeBack = (tape: Tape): Tape | null => (tape.places.length < 2 ? null : { places: tape.places.slice(0, -1), legs: tape.legs.slice(0, -1), isEnded: false, isRefused: false });
 
-/** All legs together, mm. */
-export const tapeLength = ({ legs }: Tape): number => legs.reduce((sum, { mm }) => sum + mm, 0);
+/** The same with its last leg as the service measures it, once it has answered. */
+export const tapeAsked = (tape: Tape): Tape => ({ ...tape, legs: tape.legs.map((leg, i) => (i === tape.legs.length - 1 ? { ...leg, mm: null } : leg)) });
+
+export const tapeMeasured = (tape: Tape, asked: TapeLeg, { mm, points }: { readonly mm: number; readonly points: readonly Vector[] }): Tape => ({
+  ...tape,
+  legs: tape.legs.map((leg) => (leg === asked ? { points, mm, hasHole: false } : leg)),
+});
+
+/** All legs together, mm; null while one is being measured. */
+export const tapeLength = ({ legs }: Tape): number | null => legs.reduce<number | null>((sum, { mm }) => (sum === null || mm === null ? null : sum + mm), 0);
 
 export const tapeHasHole = ({ legs }: Tape): boolean => legs.some(({ hasHole }) => hasHole);
