@@ -7,11 +7,13 @@ from pathlib import Path
 import pytest
 from flask.testing import FlaskClient
 from helpers.problems import problem
+from helpers.shares import shown_files
 
+from breastrig.api import big_answers
 from breastrig.api.app_context import KEY
 from breastrig.api.big_answers import BigAnswers
 from breastrig.api.config import Config
-from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STALLED_S
+from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STALLED_S, STILL_OPEN_S
 from breastrig.service.service import Service
 
 CONTENT = bytes(range(256)) * (BIG_BYTES // 256 + 1)
@@ -40,9 +42,10 @@ def visitor(
     client: FlaskClient, client_for: Callable[[Config], FlaskClient], config: Config, service: Service, fit_id: str
 ) -> Iterator[tuple[FlaskClient, str, BigAnswers]]:
     """(a browser with an open link, the address of a large file, the answers under way)"""
-    (service.storage.folders.fit(fit_id) / "fitted.ply").write_bytes(CONTENT)
     browser = client_for(replace(config, host="0.0.0.0", token="a-token-of-more-than-sixteen-characters"))
-    token = client.post(f"/api/fits/{fit_id}/shares", json={}).json["url"].removeprefix("/s#")
+    made = client.post(f"/api/fits/{fit_id}/shares", json={}).json
+    (shown_files(service, made["id"]) / "fitted.ply").write_bytes(CONTENT)
+    token = made["url"].removeprefix("/s#")
     links = browser.post("/api/shared/open", json={"token": token}).json["links"]
     under_way = browser.application.extensions[KEY].big_answers
     yield browser, links["fitted_ply"], under_way
@@ -163,3 +166,44 @@ def test_a_reader_that_lost_its_place_gets_no_more(visitor: tuple[FlaskClient, s
         with pytest.raises(ConnectionAbortedError):
             next(pieces)
     assert CONTENT.startswith(first)
+
+
+@pytest.mark.parametrize("end", ["revoked", "closed", "scan deleted", "patient deleted"])
+def test_a_download_under_way_ends_with_the_link(
+    visitor: tuple[FlaskClient, str, BigAnswers],
+    client: FlaskClient,
+    scan_id: str,
+    fit_id: str,
+    end: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(big_answers, "STILL_OPEN_S", 0.0)
+    browser, link, under_way = visitor
+    patient = client.get(f"/api/scans/{scan_id}").json["patient"]
+    with browser.get(link, buffered=False) as reader:
+        pieces = reader.iter_encoded()
+        assert CONTENT.startswith(next(pieces))
+        if end == "closed":
+            browser.post(link.replace("fitted.ply", "close"))
+        else:
+            ended = {"scan deleted": f"/api/scans/{scan_id}", "patient deleted": f"/api/patients/{patient}"}
+            client.delete(ended.get(end, f"/api/fits/{fit_id}/shares/{link.split('/')[3]}"))
+        with pytest.raises(ConnectionAbortedError):
+            next(pieces)
+    assert under_way.under_way == 0
+
+
+def test_whether_a_reader_may_go_on_is_asked_now_and_then(answers: BigAnswers, clock: Clock) -> None:
+    asked = []
+    place = answers.take("A", "10.0.0.1", lambda: bool(asked.append(clock.now)) or len(asked) < 2)
+    assert place is not None
+    for _ in range(100):
+        answers.check(place)
+    assert asked == []
+    for _ in range(10):
+        clock.now += STILL_OPEN_S / 8
+        answers.check(place)
+    assert len(asked) == 1
+    clock.now += STILL_OPEN_S
+    with pytest.raises(ConnectionAbortedError):
+        answers.check(place)

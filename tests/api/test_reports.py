@@ -274,6 +274,31 @@ def test_a_report_with_a_plan_is_remembered_and_not_kept_on_the_disk(real: Real)
 
 
 @pytest.mark.usefixtures("blank")
+def test_a_links_report_has_no_code_and_notes_only_where_the_owner_says_so(real: Real) -> None:
+    _, client, scans, fits = real
+    links = client.get(f"/api/scans/{scans['standing']}").json["links"]
+    client.patch(links["patient"], json={"code": "Secret Code 77"})
+    note = {"kind": "note", "id": "n", "scan": scans["standing"], "text": "wants it smaller"}
+    line = {"kind": "tumour", "id": "t", "scan": scans["standing"], "side": "L", "clock": 3.0}
+    items = [note, line | {"distance_mm": 30.0, "radius_mm": 10.0}]
+    seen = client.get(links["plan"]).headers["ETag"]
+    assert client.put(links["plan"], json={"items": items}, headers={"If-Match": seen}).status_code == 200
+    address = f"/api/fits/{fits['standing']}/report.pdf"
+    assert "Secret Code 77" in text_of(client.get(address).data)
+    for notes in (False, True):
+        made = client.post(f"/api/fits/{fits['standing']}/shares", json={"scan": "plain", "notes": notes}).json
+        visitor = client.application.test_client()
+        token = made["url"].removeprefix("/s#")
+        shown = visitor.post("/api/shared/open", json={"token": token}).json["links"]
+        with visitor.get(shown["report"]) as answer:
+            text = text_of(answer.data)
+            assert answer.headers["Content-Disposition"] == "attachment; filename=report.pdf"
+        assert "Tumour, left breast" in text
+        assert ("wants it smaller" in text) == notes
+        assert "Secret" not in text
+
+
+@pytest.mark.usefixtures("blank")
 def test_deleting_the_scan_deletes_the_report(real: Real) -> None:
     service, client, scans, fits = real
     place = f"/api/fits/{fits['standing']}/report.pdf"

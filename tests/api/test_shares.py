@@ -1,16 +1,20 @@
 """Share links: what they show, what they do not, and when they end."""
 
 import hashlib
+import json
 import re
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
+import numpy as np
 import pytest
 from flask.testing import FlaskClient
+from helpers import fake_fit
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
-from helpers.shares import expire
+from helpers.shares import expire, shown_files
+from helpers.toy_rig import toy_rig
 from helpers.waiting import ended
 from limits import RateLimitItemPerMinute
 from werkzeug.security import generate_password_hash
@@ -23,12 +27,16 @@ from breastrig.api.config import Config
 from breastrig.api.routes.shares import passcode as passcode_module
 from breastrig.api.routes.shares import share_credential
 from breastrig.core.glb import split_glb
+from breastrig.core.gltf_arrays import GltfArrays
+from breastrig.geometry.closest_point import ClosestPointSearch
+from breastrig.scan.read import read_scan
 from breastrig.service.service import Service
 from breastrig.storage import schema
+from breastrig.storage.file_journal import pending_removals
 from breastrig.storage.rows.shares import note_wrong_passcode
 
 TOKEN = "a-token-of-more-than-sixteen-characters"
-FILES = ("result.json", "fitted.glb", "fitted.ply", "drawing.json", "distances.bin")
+FILES = ("result.json", "fitted.glb", "fitted.ply", "drawing.json", "plan.json")
 
 
 @pytest.fixture
@@ -71,66 +79,206 @@ def test_a_link_shows_the_result_and_by_default_not_the_scan(
     assert answer.json == {
         "id": made["id"],
         "expires_at": made["expires_at"],
+        "shown_at": made["shown_at"],
         "links": {
             "self": place,
             "result": f"{place}/result.json",
             "fitted_glb": f"{place}/fitted.glb",
             "fitted_ply": f"{place}/fitted.ply",
             "drawing": f"{place}/drawing.json",
-            "distances": f"{place}/distances.bin",
+            "distances": None,
             "plan": f"{place}/plan.json",
             "report": None,
             "mesh": None,
             "close": f"{place}/close",
         },
-        "cut": None,
     }
     assert visitor.get(place).json == answer.json
     for name in FILES:
         found = visitor.get(f"{place}/{name}")
-        assert found.data == (service.storage.folders.fit(fit_id) / name).read_bytes()
+        assert found.data == (shown_files(service, made["id"]) / name).read_bytes()
         assert (found.headers["Cache-Control"], found.headers["Vary"]) == ("no-store", "Cookie")
-    plan = visitor.get(f"{place}/plan.json")
-    assert (plan.json["shapes"], plan.headers["Cache-Control"]) == ([], "no-store")
-    assert fit_id.encode() not in plan.data  # ids are the owner's
-    for name in ("mesh.glb", "report.pdf"):
+        assert fit_id.encode() not in found.data  # ids are the owner's
+    for name in ("mesh.glb", "report.pdf", "distances.bin"):
         assert "does not show the scan" in problem(visitor.get(f"{place}/{name}"), 403)
 
 
-@pytest.mark.parametrize("scan", ["plain", "full"])
-def test_the_scan_is_shown_when_the_owner_says_so(
-    client: FlaskClient,
-    visitor: FlaskClient,
-    service: Service,
-    scan_id: str,
-    share,
-    scan: str,
-    monkeypatch: pytest.MonkeyPatch,
+def fitted(client: FlaskClient, service: Service, scan_id: str) -> str:
+    """A refined fit: its fake has a layer 3 mm before the model."""
+    picked = {"nipple_L": [70.0, 350.0, 120.0]}
+    asked = {"scan": scan_id, "refine": True, "landmarks": picked}
+    fit = client.post("/api/fits", json=asked).json["id"]
+    assert ended(service, fit).state == "done"
+    return fit
+
+
+def share_of(client: FlaskClient, fit: str, **wishes: object) -> dict:
+    made = client.post(f"/api/fits/{fit}/shares", json=wishes)
+    assert made.status_code == 201, made.json
+    return made.json | {"token": made.json["url"].removeprefix("/s#")}
+
+
+def vertices_of(content: bytes) -> np.ndarray:
+    """(V, 3) m of a PLY in metres."""
+    return read_scan(content, "ply", "m", texture=False).vertices
+
+
+def test_a_link_without_the_scan_gives_the_model_alone(
+    client: FlaskClient, visitor: FlaskClient, service: Service, scan_id: str
 ) -> None:
-    lasso = {"to_picture": [1.0] * 16, "lasso": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]}
-    assert client.put(f"/api/scans/{scan_id}/cuts", json={"cuts": [lasso]}).status_code == 200
+    fit = fitted(client, service, scan_id)
+    alone = fake_fit.surface(refined=False)
+    links = opened(visitor, share_of(client, fit)).json["links"]
+    np.testing.assert_allclose(vertices_of(visitor.get(links["fitted_ply"]).data), alone, atol=1e-6)
+    document, _ = split_glb(visitor.get(links["fitted_glb"]).data)
+    names = [name for mesh in document["meshes"] for name in mesh.get("extras", {}).get("targetNames", ())]
+    assert len(names) == len(toy_rig().shapes), "no skin layer"
+    result, owners = visitor.get(links["result"]).json, client.get(f"/api/fits/{fit}/result.json").json
+    assert set(owners) - set(result) == {"areolae", "model_alone", "landmarks_given", "certain", "confidence"}
+    assert (result["refined"], result["landmarks_picked"], result["scan"]["sha256"]) == (False, {}, "")
+    assert result["surface_distance_mm"] == owners["model_alone"]["surface_distance_mm"]
+    assert result["parameters"] == owners["parameters"]
+    model = toy_rig().landmark_points().positions(alone, toy_rig().faces)
+    for name, place in zip(toy_rig().landmark_names, model, strict=True):
+        np.testing.assert_allclose(result["landmarks"][name], place, atol=1e-6)
+    [line] = visitor.get(links["drawing"]).json["shapes"]
+    points = 1e-3 * np.array(line["points"])
+    assert np.linalg.norm(points - 1e-3 * np.array(fake_fit.DRAWN["points"]), axis=1).min() > 0.01
+    on_model = ClosestPointSearch(alone, toy_rig().faces).query(points)
+    assert on_model.distances.max() < 1e-6, "lines lie on the model, not on her skin"
+
+
+def test_a_link_with_the_scan_shows_the_layer_and_distances_but_not_where_skin_was_cut_away(
+    client: FlaskClient, visitor: FlaskClient, service: Service, scan_id: str
+) -> None:
+    fit = fitted(client, service, scan_id)
+    alone, refined = (fake_fit.surface(refined) for refined in (False, True))
+    client.put(f"/api/scans/{scan_id}/cuts", json={"cuts": [LOWER]})
+    links = opened(visitor, share_of(client, fit, scan="plain")).json["links"]
+    cut = refined[:, 1] < 0.2
+    assert 0 < np.count_nonzero(cut) < len(cut)
+    shown = vertices_of(visitor.get(links["fitted_ply"]).data)
+    np.testing.assert_allclose(shown, np.where(cut[:, None], alone, refined), atol=1e-6)
+    distances = np.frombuffer(visitor.get(links["distances"]).data, "<f4")
+    assert (np.isnan(distances) == cut).all()
+    assert (distances[~cut] == 0.25).all()
+    assert links["report"] is None, "this fake has too little for one"
+    problem(visitor.get(links["self"] + "/report.pdf"), 404)
+
+
+LOWER = {"to_picture": np.eye(4).ravel().tolist(), "lasso": [[-9.0, -9.0], [9.0, -9.0], [9.0, 0.2], [-9.0, 0.2]]}
+
+
+@pytest.mark.parametrize("scan", ["plain", "full"])
+def test_the_scan_is_shown_when_the_owner_says_so_as_it_is_visible(
+    client: FlaskClient, visitor: FlaskClient, scan_id: str, share, scan: str
+) -> None:
+    assert client.put(f"/api/scans/{scan_id}/cuts", json={"cuts": [LOWER]}).status_code == 200
     made = share(scan=scan)
-    shown = opened(visitor, made).json
-    assert shown["cut"] == {"background": [], "table": None, "other_pieces": [], "cuts": [lasso]}
-    links = shown["links"]
-    assert (links["mesh"], links["report"]) == tuple(
-        f"/api/shared/{made['id']}/{name}" for name in ("mesh.glb", "report.pdf")
-    )
-    monkeypatch.setattr(service.reports, "pdf", lambda *_ids: b"%PDF as it was kept")
-    report = visitor.get(links["report"])
-    assert (report.data, report.mimetype, report.headers["Cache-Control"]) == (
-        b"%PDF as it was kept",
-        "application/pdf",
-        "no-store",
-    )
-    answer = visitor.get(links["mesh"])
+    answer = visitor.get(opened(visitor, made).json["links"]["mesh"])
     assert answer.headers["Cache-Control"] == "no-store"
-    whole = client.get(f"/api/scans/{scan_id}/mesh.glb").data
-    if scan == "full":
-        assert answer.data == whole
-    else:
-        attributes = split_glb(answer.data)[0]["meshes"][0]["primitives"][0]["attributes"]
-        assert set(attributes) == {"POSITION", "NORMAL"}
+    assert answer.headers["Content-Disposition"] == "attachment; filename=scan.glb"
+    whole, shown = (triangles_of(glb) for glb in (client.get(f"/api/scans/{scan_id}/mesh.glb").data, answer.data))
+    kept = whole[whole.mean(axis=1)[:, 1] > 0.2]
+    assert 0 < len(kept) < len(whole)
+    assert sorted(map(tuple, shown.mean(axis=1).round(4))) == sorted(map(tuple, kept.mean(axis=1).round(4)))
+
+
+def triangles_of(glb: bytes) -> np.ndarray:
+    """(F, 3, 3) m; every vertex is of one."""
+    document, binary = split_glb(glb)
+    arrays, primitive = GltfArrays(document, binary), document["meshes"][0]["primitives"][0]
+    vertices = arrays.read(primitive["attributes"]["POSITION"]) + document["nodes"][0].get("translation", np.zeros(3))
+    faces = arrays.read(primitive["indices"]).reshape(-1, 3)
+    assert len(np.unique(faces)) == len(vertices)
+    return vertices[faces]
+
+
+def test_a_visitors_day(client: FlaskClient, visitor: FlaskClient, service: Service, scan_id: str, fit_id: str) -> None:
+    """A link shows what stood when it was made, until its owner refreshes it, and nothing once it is over."""
+    scan = client.get(f"/api/scans/{scan_id}").json
+    plan, cuts, patient = scan["links"]["plan"], scan["links"]["cuts"], scan["links"]["patient"]
+    line = {"kind": "line", "id": "a", "scan": scan_id, "name": "first", "points": [[0, 300, 130], [20, 300, 128]]}
+    note = {"kind": "note", "id": "n", "scan": scan_id, "text": "Mrs Example wants it smaller", "point": [0, 350, 130]}
+
+    def planned(*items: dict) -> None:
+        seen = client.get(plan).headers["ETag"]
+        assert client.put(plan, json={"items": list(items)}, headers={"If-Match": seen}).status_code == 200
+
+    def seen_by_visitor(links: dict) -> dict[str, bytes]:
+        return {name: visitor.get(link).data for name, link in links.items() if link and name not in ("self", "close")}
+
+    planned(line, note)
+    silent, telling = (share_of(client, fit_id, scan="plain", notes=notes) for notes in (False, True))
+    alone = share_of(client, fit_id)
+    links = {made["id"]: opened(visitor, made).json["links"] for made in (silent, telling, alone)}
+    first = {share: seen_by_visitor(each) for share, each in links.items()}
+    assert [silent["notes"], telling["notes"]] == [False, True]
+    assert {share: b"Mrs Example" in b"".join(files.values()) for share, files in first.items()} == {
+        silent["id"]: False,
+        telling["id"]: True,
+        alone["id"]: False,
+    }
+    for files in first.values():
+        assert [shape["name"] for shape in json.loads(files["plan"])["shapes"] if shape["kind"] == "line"] == ["first"]
+        assert scan_id.encode() not in b"".join(files.values())
+        assert fit_id.encode() not in b"".join(files.values())
+
+    planned(line | {"name": "second"}, note | {"text": "Mrs Example said otherwise"})
+    client.put(cuts, json={"cuts": [LOWER]})
+    assert {share: seen_by_visitor(each) for share, each in links.items()} == first, "nobody refreshed it"
+    for made in (silent, telling, alone):
+        assert client.get(made["links"]["self"]).json["shown_at"] == made["shown_at"]
+
+    refreshed = client.post(silent["links"]["refresh"]).json
+    assert refreshed["shown_at"] > silent["shown_at"]
+    now = seen_by_visitor(links[silent["id"]])
+    assert b"second" in now["plan"]
+    assert b"first" not in now["plan"] + now["drawing"] + now["fitted_glb"]
+    assert b"Mrs Example" not in b"".join(now.values())
+    assert triangles_of(now["mesh"])[:, :, 1].mean(axis=1).min() > 0.2
+    assert visitor.get(links[silent["id"]]["self"]).json["shown_at"] == refreshed["shown_at"]
+    assert {one: seen_by_visitor(links[one]) for one in (telling["id"], alone["id"])} == {
+        one: first[one] for one in (telling["id"], alone["id"])
+    }
+    kept = service.storage.root / "shares"
+    folders = {made["id"]: shown_files(service, made["id"]) for made in (silent, telling, alone)}
+    assert set(folders.values()) <= set(kept.iterdir())
+
+    assert client.delete(silent["links"]["self"]).status_code == 204
+    problem(visitor.get(links[silent["id"]]["plan"]), 410)
+    assert not folders[silent["id"]].exists()
+    problem(client.post(silent["links"]["refresh"]), 409)
+    expire(service, alone["id"])
+    service.shares.end_expired()
+    assert not folders[alone["id"]].exists()
+    problem(visitor.get(links[alone["id"]]["plan"]), 410)
+    assert folders[telling["id"]].exists()
+    assert client.delete(patient).status_code == 204
+    problem(visitor.get(links[telling["id"]]["plan"]), 401)
+    assert not folders[telling["id"]].exists()
+    assert b"Mrs Example" not in bytes_below(service.storage.root)
+
+
+def test_a_link_that_cannot_be_made_leaves_nothing(
+    client: FlaskClient, service: Service, scan_id: str, fit_id: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    everything = {"to_picture": np.eye(4).ravel().tolist(), "lasso": [[-9, -9], [9, -9], [9, 9], [-9, 9]]}
+    client.put(f"/api/scans/{scan_id}/cuts", json={"cuts": [everything]})
+    kept = set((service.storage.root / "shares").iterdir())
+    assert "nothing to look at" in problem(client.post(f"/api/fits/{fit_id}/shares", json={"scan": "plain"}), 422)
+    client.put(f"/api/scans/{scan_id}/cuts", json={"cuts": []})
+    result = service.shares._processes.result
+
+    def late(*given: object) -> object:
+        made = result(*given)
+        client.application.test_client().delete(f"/api/scans/{scan_id}")
+        return made
+
+    monkeypatch.setattr(service.shares._processes, "result", late)
+    problem(client.post(f"/api/fits/{fit_id}/shares", json={"scan": "plain"}), 404)
+    assert set((service.storage.root / "shares").iterdir()) == kept
+    assert pending_removals(service.storage) == {}
 
 
 def test_the_cookie_goes_to_its_own_share_only_ends_with_the_browser_and_scripts_cannot_read_it(
@@ -179,7 +327,7 @@ def test_two_links_open_in_one_browser_show_each_its_own(
     made[other]["token"] = made[other]["url"].removeprefix("/s#")
     shown = {fit: opened(visitor, one).json["links"] for fit, one in made.items()}
     for fit, content in ((fit_id, b"the first's"), (other, b"the second's")):
-        (service.storage.folders.fit(fit) / "fitted.ply").write_bytes(content)
+        (shown_files(service, made[fit]["id"]) / "fitted.ply").write_bytes(content)
     for _ in range(3):
         assert visitor.get(shown[fit_id]["fitted_ply"]).data == b"the first's"
         assert visitor.get(shown[other]["fitted_ply"]).data == b"the second's"
@@ -468,7 +616,8 @@ def test_the_owner_sees_when_a_link_was_opened_and_nothing_about_whom(
     assert seen["last_opened_at"] == seen["opened_at"][0] == max(seen["opened_at"])
     assert "url" not in seen
     assert set(seen) == {
-        *("id", "created_at", "expires_at", "revoked_at", "is_open", "is_locked", "scan", "has_passcode"),
+        *("id", "created_at", "expires_at", "revoked_at", "is_open", "is_locked", "scan", "notes"),
+        *("has_passcode", "shown_at"),
         *("openings", "last_opened_at", "opened_at", "wrong_passcodes", "last_wrong_passcode_at", "links"),
     }
 

@@ -14,6 +14,7 @@ from breastrig.gltf.link_mesh import plain_mesh
 from breastrig.gltf.mesh_glb import mesh_glb
 from breastrig.gltf.replay import fitted_glb
 from breastrig.rig.skinning import pose
+from breastrig.scan.clean import Surface
 
 FAR = np.array([10_000.123456789, -4_321.987654321, 8_765.4321])  # m
 EXACT = 1e-5  # m
@@ -22,7 +23,7 @@ RIG = toy_rig()
 
 def test_the_mesh_for_display() -> None:
     vertices = RIG.template + FAR
-    for data in (mesh_glb(vertices, RIG.faces), plain_mesh(mesh_glb(vertices, RIG.faces))):
+    for data in (mesh_glb(vertices, RIG.faces), plain_mesh(Surface(vertices, RIG.faces, ()))):
         np.testing.assert_allclose(GltfScene(data).positions("mesh"), vertices, rtol=0, atol=EXACT)
 
 

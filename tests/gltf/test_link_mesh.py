@@ -1,9 +1,10 @@
+"""The scan's mesh as links show it: what is visible, with the pixels that belong to it and no others."""
+
 import io
 
 import numpy as np
 import pytest
 import trimesh
-from helpers.scan_files import picture
 from PIL import Image
 
 from breastrig.core.glb import split_glb
@@ -11,64 +12,63 @@ from breastrig.core.gltf_arrays import GltfArrays
 from breastrig.gltf.covered_texture import covered_texture
 from breastrig.gltf.link_mesh import coloured_mesh, plain_mesh
 from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.clean import Surface, clean, compact
+from breastrig.scan.scan import Scan
 
 VERTICES = np.random.default_rng(3).normal(size=(30, 3))
 FACES = np.arange(30).reshape(10, 3)
-COLOURS = {
-    "vertex": {"colours": np.full((30, 3), 200, dtype=np.uint8)},
-    "texture": {"uv": np.full((30, 2), 0.5), "texture": picture()},
-    "none": {},
-}
+VISIBLE = np.arange(10) % 3 > 0
+COLOURS = np.random.default_rng(4).integers(0, 256, (30, 3)).astype(np.uint8)
 
 
-@pytest.mark.parametrize("kind", COLOURS)
-def test_shape_stays_and_colour_goes(kind: str) -> None:
-    coloured = mesh_glb(VERTICES, FACES, **COLOURS[kind])
-    plain = plain_mesh(coloured)
-    documents = [split_glb(glb) for glb in (coloured, plain)]
-    before, after = (document["meshes"][0]["primitives"][0] for document, _ in documents)
-    assert set(after["attributes"]) == {"POSITION", "NORMAL"}
-    assert not documents[1][0].get("images")
-    assert not documents[1][0].get("textures")
-    arrays = [GltfArrays(*document) for document in documents]
-    for place in ("POSITION", "NORMAL"):
-        values = [each.read(one["attributes"][place]) for each, one in zip(arrays, (before, after), strict=True)]
-        assert np.allclose(*values, atol=1e-7)
-    assert np.array_equal(arrays[0].read(before["indices"]), arrays[1].read(after["indices"]))
-    assert plain == plain_mesh(mesh_glb(VERTICES, FACES))
+def scan(vertices: np.ndarray = VERTICES, faces: np.ndarray = FACES, **more: object) -> Scan:
+    return Scan(vertices, faces, "m", 1.0, "", "", **more)  # type: ignore[arg-type]
 
 
-def test_a_plain_mesh_has_no_seams_where_pieces_of_its_texture_met() -> None:
-    ball = trimesh.creation.icosphere(subdivisions=3)
-    split = ball.faces  # with every corner a vertex of its own
-    uv = np.random.default_rng(5).random((3 * len(split), 2))
-    glb = mesh_glb(
-        ball.vertices[split].reshape(-1, 3), np.arange(3 * len(split)).reshape(-1, 3), uv=uv, texture=picture()
-    )
-    document, binary = split_glb(plain_mesh(glb))
-    arrays, primitive = GltfArrays(document, binary), document["meshes"][0]["primitives"][0]
-    vertices, faces = arrays.read(primitive["attributes"]["POSITION"]), arrays.read(primitive["indices"]).reshape(-1, 3)
-    assert len(vertices) == len(ball.vertices)
-    assert np.allclose(vertices[faces], ball.vertices[split], atol=1e-7)
-    normals = arrays.read(primitive["attributes"]["NORMAL"])
-    assert np.allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-6)
+def visible(vertices: np.ndarray = VERTICES, faces: np.ndarray = FACES[VISIBLE]) -> Surface:
+    """As a fit keeps it: only the vertices of its triangles, in single precision."""
+    return Surface(*compact(vertices.astype(np.float32).astype(np.float64), faces), ())
 
 
-def right_half(at: float) -> dict[str, object]:
-    """A cut of all that lies to the right of x = `at`."""
-    return {"to_picture": np.eye(4).ravel().tolist(), "lasso": [[at, -9.0], [9.0, -9.0], [9.0, 9.0], [at, 9.0]]}
-
-
-def test_colours_of_vertices_stay_to_the_last_bit_where_nothing_is_cut() -> None:
-    colours = np.random.default_rng(4).integers(0, 256, (30, 3)).astype(np.uint8)
-    glb = coloured_mesh(mesh_glb(VERTICES, FACES, colours=colours), [right_half(0.2)])
-    kept = VERTICES[FACES].mean(axis=1)[:, 0] < 0.2
-    assert 0 < np.count_nonzero(kept) < len(kept)
+def read(glb: bytes) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Its attributes and (F, 3) triangles."""
     document, binary = split_glb(glb)
+    arrays, primitive = GltfArrays(document, binary), document["meshes"][0]["primitives"][0]
+    found = {name: arrays.read(place) for name, place in primitive["attributes"].items()}
+    return found, arrays.read(primitive["indices"]).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("far", [0.0, 3000.0])
+def test_what_is_not_visible_has_neither_triangles_nor_vertices(far: float) -> None:
+    moved = VERTICES + far
+    shown = Surface(*compact(moved, FACES[VISIBLE][:, [1, 2, 0]]), ())  # some scans face inwards and are turned
+    found, faces = read(coloured_mesh(scan(moved, colours=COLOURS), shown))
+    assert set(found) == {"POSITION", "NORMAL", "COLOR_0"}
+    assert len(faces) == np.count_nonzero(VISIBLE)
+    assert len(found["POSITION"]) == 3 * len(faces)
+    corners, wanted = found["POSITION"][faces], VERTICES[FACES][VISIBLE]
+    np.testing.assert_allclose(corners - corners[0, 0], wanted - wanted[0, 0], atol=2e-6)
+
+
+def test_colours_of_vertices_stay_to_the_last_bit() -> None:
+    document, binary = split_glb(coloured_mesh(scan(colours=COLOURS), visible()))
     stored = GltfArrays(document, binary).stored(document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"])
-    whole = split_glb(mesh_glb(VERTICES, FACES, colours=colours))
+    whole = split_glb(mesh_glb(VERTICES, FACES, colours=COLOURS))
     before = GltfArrays(*whole).stored(whole[0]["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"])
-    assert np.array_equal(stored, before[FACES[kept].ravel()])
+    assert np.array_equal(stored, before[FACES[VISIBLE].ravel()])
+
+
+def test_a_plain_mesh_has_no_colours_and_no_seams_where_pieces_of_its_texture_met() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    split = scan(ball.vertices[ball.faces].reshape(-1, 3), np.arange(3 * len(ball.faces)).reshape(-1, 3))
+    found, faces = read(plain_mesh(clean(split)))
+    assert set(found) == {"POSITION", "NORMAL"}
+    assert len(found["POSITION"]) == len(ball.vertices)
+    np.testing.assert_allclose(found["POSITION"][faces], ball.vertices[ball.faces], atol=1e-7)
+
+
+def test_a_scan_without_colours_is_shown_plain() -> None:
+    assert coloured_mesh(scan(), visible()) == plain_mesh(visible())
 
 
 def sheet(size: int = 64) -> tuple[np.ndarray, bytes]:
@@ -80,19 +80,25 @@ def sheet(size: int = 64) -> tuple[np.ndarray, bytes]:
     return pixels, stream.getvalue()
 
 
-def test_what_was_cut_is_not_in_the_texture_either() -> None:
-    uv = np.array([[0.05, 0.05], [0.45, 0.05], [0.25, 0.95], [0.55, 0.05], [0.95, 0.05], [0.75, 0.95]])
-    vertices = np.column_stack((uv, np.zeros(6)))
-    glb = mesh_glb(vertices, np.arange(6).reshape(2, 3), uv=uv, texture=sheet()[1])
-    document, binary = split_glb(coloured_mesh(glb, [right_half(0.5)]))
+def pixels_of(glb: bytes) -> np.ndarray:
+    document, binary = split_glb(glb)
     view = document["bufferViews"][document["images"][0]["bufferView"]]
     start = view.get("byteOffset", 0)
     with Image.open(io.BytesIO(binary[start : start + view["byteLength"]])) as opened:
-        left = np.asarray(opened.convert("RGB")).astype(int)
+        return np.asarray(opened.convert("RGB")).astype(int)
+
+
+@pytest.mark.parametrize("right", ["cut away", "of no triangle"])
+def test_pixels_that_no_visible_triangle_shows_are_not_in_the_texture(right: str) -> None:
+    uv = np.array([[0.05, 0.05], [0.45, 0.05], [0.25, 0.95], [0.55, 0.05], [0.95, 0.05], [0.75, 0.95]])
+    vertices, faces = np.column_stack((uv, np.zeros(6))), np.arange(6).reshape(2, 3)
+    given = faces if right == "cut away" else faces[:1]
+    glb = coloured_mesh(scan(vertices, given, uv=uv, texture=sheet()[1]), visible(vertices, faces[:1]))
+    left = pixels_of(glb)
     assert left[..., 0].max() < 10, "no red is left"
     assert left[32, 16, 2] > 245, "her own stays"
-    read = GltfArrays(document, binary).read(document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"])
-    np.testing.assert_allclose(read * [1.0, -1.0] + [0.0, 1.0], uv[:3], atol=1e-6)
+    found, _ = read(glb)
+    np.testing.assert_allclose(found["TEXCOORD_0"] * [1.0, -1.0] + [0.0, 1.0], uv[:3], atol=1e-6)
 
 
 def test_a_texture_that_repeats_keeps_what_lies_over_its_edge() -> None:

@@ -11,14 +11,22 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from breastrig.core.errors import FitFailed
+from breastrig.core.errors import BadScan, FitFailed
+from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.pose_nodes import node_poses
+from breastrig.gltf.read_rig import read_rig
+from breastrig.report.files.surface_files import surface_ply
 from breastrig.rig.parameters import RigParameters, rest_parameters
+from breastrig.rig.skinning import Posed
+from breastrig.scan.clean import clean
+from breastrig.scan.read import read_scan
+from breastrig.scan.scan import Scan
 from breastrig.workflow.events import Done, Event, Iterated, NodePose, Started
 from breastrig.workflow.jobs import FitJob
 from helpers.toy_rig import toy_rig
 
 ITERATIONS = 4
+DRAWN = {"name": "own", "closed": False, "color": "#101010", "points": [[0.0, 300.0, 150.0], [10.0, 300.0, 150.0]]}
 
 
 def parameters_at(iteration: int) -> RigParameters:
@@ -54,19 +62,70 @@ def iterated(iteration: int) -> Iterated:
 
 
 def quick(job: FitJob) -> Iterator[Event]:
-    """A whole fit with its files."""
+    """A whole fit with its files: enough of them for a share link, too little for a report."""
     yield started(job)
     for iteration in range(ITERATIONS):
         yield iterated(iteration)
-    result = {"schema": "breastrig/result@1", "iterations": ITERATIONS - 1, "landmarks_given": job.landmarks_mm}
-    result["refined"] = job.refine
-    result["certain"] = list(job.certain)
-    result["confidence"] = job.landmark_confidence
-    for name in ("fitted.glb", "fitted.ply", "distances.bin", "uncertainty.bin"):
-        (job.out / name).write_bytes(name.encode())
-    (job.out / "drawing.json").write_text('{"schema": "breastrig/drawing@1", "unit": "mm", "shapes": []}')
+    rig, x, vertices = toy_rig(), parameters_at(ITERATIONS - 1), surface(job.refine)
+    scan = scan_of(job)
+    seen = clean(scan)
+    distances = np.full(len(vertices), 0.25, "<f4")
+    files = {
+        "fitted.glb": b"fitted.glb",
+        "fitted.ply": surface_ply(vertices, rig.faces, scan.metres_per_unit),
+        "scan.ply": surface_ply(seen.vertices, seen.faces, scan.metres_per_unit),
+        "distances.bin": distances.tobytes(),
+        "uncertainty.bin": distances.tobytes(),
+        "drawing.json": json.dumps({"schema": "breastrig/drawing@1", "unit": "mm", "shapes": [DRAWN]}).encode(),
+    }
+    for name, content in files.items():
+        (job.out / name).write_bytes(content)
+    quaternions = quaternion_from_rotation(x.rotations)
+    result = {
+        "schema": "breastrig/result@1",
+        "iterations": ITERATIONS - 1,
+        "landmarks_given": job.landmarks_mm,
+        "refined": job.refine,
+        "certain": list(job.certain),
+        "confidence": job.landmark_confidence,
+        "stance": started(job).stance,
+        "scan": {
+            "unit": scan.unit,
+            "vertices": len(seen.vertices),
+            "triangles": len(seen.faces),
+            "sha256": scan.sha256,
+        },
+        "model": {"name": rig.name, "sha256": read_rig(job.model).sha256 if job.model else rig.sha256},
+        "surface_distance_mm": {"mean": 0.2},
+        "model_alone": {"surface_distance_mm": {"mean": 2.0}},
+        "landmarks": {"nipple_L": [1.0, 2.0, 3.0]},
+        "landmarks_picked": job.landmarks_mm,
+        "landmarks_not_followed": [],
+        "areolae": {"L": {"diameter_mm": 40.0, "within_mm": 5.0, "rim": [[1.0, 2.0, 3.0]] * 3}},
+        "parameters": {
+            "bones": [
+                {"name": name, "rotation_xyzw": list(turn), "translation_m": list(place), "scale": list(size)}
+                for name, turn, place, size in zip(rig.bone_names, quaternions, x.translations, x.scales, strict=True)
+            ],
+            "blendshapes": dict(zip(rig.shape_names, x.weights.tolist(), strict=True)),
+        },
+    }
     (job.out / "result.json").write_text(json.dumps(result))
     yield Done(result=result)
+
+
+def scan_of(job: FitJob) -> Scan:
+    """The job's, or the toy rig where the test's file is none."""
+    try:
+        return read_scan(job.scan, job.file_type, job.units, texture=False)
+    except BadScan:
+        return Scan(toy_rig().template, toy_rig().faces, "m", 1.0, "A test said so.", "5" * 64)
+
+
+def surface(refined: bool) -> np.ndarray:
+    """(V, 3) m: the toy rig where a fit ends, with a layer of 3 mm where it is refined."""
+    posed = Posed(toy_rig(), parameters_at(ITERATIONS - 1)).vertices
+    return posed + np.array([0.0, 0.0, 0.003]) if refined else posed
 
 
 def patient(job: FitJob) -> Iterator[Event]:

@@ -166,8 +166,10 @@ def test_a_share_opens_until_it_is_revoked(running: Running, scan: dict[str, Any
     assert token.encode() not in running.installation.kept(running.location)
     visitor = running.client.application.test_client()
     shown = visitor.post("/api/shared/open", json={"token": token}).json
-    assert visitor.get(shown["links"]["result"]).data == running.client.get(done["links"]["result"]).data
-    assert visitor.get(shown["links"]["mesh"]).data == running.client.get(scan["links"]["mesh"]).data
+    assert visitor.get(shown["links"]["result"]).json == running.client.get(done["links"]["result"]).json
+    assert visitor.get(shown["links"]["mesh"]).data.startswith(b"glTF")
+    assert running.client.post(share["links"]["refresh"]).status_code == 200
+    assert visitor.get(shown["links"]["distances"]).status_code == 200
     plain = running.client.post(done["links"]["shares"], json={"scan": "plain"}).json["url"].removeprefix("/s#")
     mesh = visitor.get(visitor.post("/api/shared/open", json={"token": plain}).json["links"]["mesh"])
     assert (mesh.status_code, mesh.data[:4]) == (200, b"glTF")

@@ -5,6 +5,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { type BrowserContext, chromium, expect, type Page, test } from "@playwright/test";
 import { overlaps, scrolledAway, seriousFindings, smallTargets } from "./audit";
+import { until } from "./page";
 import { type Link, Owner } from "./shared";
 
 let owner: Owner;
@@ -123,6 +124,78 @@ test("a dialog whose code does not arrive says so, and is tried again", async ({
     if (await dialog.isHidden()) await share.click({ timeout: 1_000 }); // the list of links may have come first, and have tried
     await expect(dialog).toBeVisible({ timeout: 3_000 });
   }).toPass();
+});
+
+test("a visitor's day: what stood when the link was made, the present state when its owner says so, nothing when it is over", async ({ page, browser }) => {
+  test.setTimeout(240_000);
+  const own = await owner.fitted("standing");
+  const { id } = await owner.json<{ id: string }>(own.scan.self!);
+  const { bounds_m: bounds } = await owner.json<{ bounds_m: { min: number[]; max: number[] } }>(own.scan.self!);
+  const below = bounds.min[1]! + 0.1 * (bounds.max[1]! - bounds.min[1]!);
+  const plan = async (name: string, text: string): Promise<void> => {
+    const { landmarks } = await owner.json<{ landmarks: Record<string, number[]> }>(own.fit.result!);
+    const unit = { m: 1000, mm: 1 }[(await owner.json<{ unit: "m" | "mm" }>(own.scan.self!)).unit];
+    const point = landmarks.nipple_L!.map((each) => each * unit);
+    const line = { kind: "line", id: "a", scan: id, name, points: [point, point.map((each) => each + 5)] };
+    await owner.ask(own.scan.plan!, "PUT", { items: [line, { kind: "note", id: "n", scan: id, text }] }, { "If-Match": `"${(await owner.json<{ version: number }>(own.scan.plan!)).version}"` });
+  };
+  await plan("before lunch", "she wants it smaller");
+
+  await signIn(page);
+  const part = (links: Record<string, string>): string => links.self!.split("/").at(-1)!;
+  await page.goto(`${owner.base}/#scan=${part(own.scan)}&fit=${part(own.fit)}&step=result`);
+  await page.getByRole("button", { name: "Share", exact: true }).click();
+  const dialog = page.getByRole("dialog", { name: "Share this result" });
+  await expect(dialog.getByText("some millimetres off her skin")).toBeVisible();
+  await dialog.getByLabel("It shows").selectOption("full");
+  await expect(dialog.getByText("What is visible of the scan and its picture")).toBeVisible();
+  expect(await seriousFindings(page)).toEqual([]);
+  await dialog.getByRole("button", { name: "Make a link" }).click();
+  const made = dialog.getByLabel("Address of the link");
+  await expect(made).toHaveValue(/\/s#/);
+  const address = await made.inputValue();
+
+  const visitor = await (await browser.newContext()).newPage();
+  await visitor.goto(address);
+  await expect(visitor.getByText("before lunch")).toBeVisible();
+  await expect(visitor.getByText("It is shown as it stood on")).toBeVisible();
+  await expect(visitor.getByText("she wants it smaller"), "notes were not asked for").toHaveCount(0);
+  const triangles = async (): Promise<number> => {
+    await until(visitor, () => window.__breastrig?.state().scan?.mesh != null);
+    return visitor.evaluate(() => window.__breastrig!.state().scan!.mesh!.byteLength);
+  };
+  const before = await triangles();
+
+  await plan("after lunch", "she said otherwise");
+  const eye = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+  await owner.ask(own.scan.cuts!, "PUT", { cuts: [{ to_picture: eye, lasso: [[-9, -9], [9, -9], [9, below], [-9, below]] }] });
+  await visitor.reload();
+  await expect(visitor.getByText("before lunch")).toBeVisible();
+  await expect(visitor.getByText("after lunch")).toHaveCount(0);
+  expect(await triangles()).toBe(before);
+
+  await dialog.getByRole("button", { name: "Show the present state" }).click();
+  await expect(page.getByText("The link shows the present state.")).toBeAttached();
+  await visitor.reload();
+  await expect(visitor.getByText("after lunch")).toBeVisible();
+  await expect(visitor.getByText("before lunch")).toHaveCount(0);
+  expect(await triangles()).toBeLessThan(before);
+
+  await dialog.getByRole("button", { name: "Revoke" }).click();
+  await expect(dialog.getByText("Revoked on")).toBeVisible();
+  await expect(dialog.getByRole("button", { name: "Show the present state" })).toHaveCount(0);
+  await visitor.reload();
+  await expect(visitor.getByRole("alert")).toContainText("revoked");
+  await expect(visitor.getByText("after lunch")).toHaveCount(0);
+  const second = await owner.share(own.fit, { notes: true });
+  await opened(visitor, second);
+  await expect(visitor.getByText("This is the model alone")).toBeVisible();
+  await expect(visitor.getByText("she said otherwise")).toBeVisible();
+  await expect(visitor.getByText("report.pdf")).toHaveCount(0);
+  await owner.ask(own.scan.patient!, "DELETE");
+  await visitor.reload();
+  await expect(visitor.getByRole("alert")).toContainText("not open in this browser");
+  await visitor.context().close();
 });
 
 test("signing out leaves nothing of patients in the browser", async ({ page }) => {

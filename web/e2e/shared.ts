@@ -8,7 +8,7 @@ const TOKEN = "a-token-of-more-than-sixteen-characters";
 export interface Link {
   readonly id: string;
   readonly url: string;
-  readonly links: { readonly self: string; readonly unlock: string };
+  readonly links: { readonly self: string; readonly unlock: string; readonly refresh: string };
 }
 
 interface Fit {
@@ -32,8 +32,8 @@ export class Owner {
 
   stop = (): Promise<void> => this.service.stop();
 
-  async ask(path: string, method = "GET", body?: object): Promise<Response> {
-    const headers = { Authorization: `Bearer ${TOKEN}`, "Content-Type": "application/json" };
+  async ask(path: string, method = "GET", body?: object, more: Record<string, string> = {}): Promise<Response> {
+    const headers = { Authorization: `Bearer ${TOKEN}`, "Content-Type": "application/json", ...more };
     const answer = await fetch(this.base + path, { method, headers, ...(body ? { body: JSON.stringify(body) } : {}) });
     expect(answer.ok, `${method} ${path}: ${answer.status}`).toBe(true);
     return answer;
@@ -53,6 +53,17 @@ export class Owner {
     const fit = await this.json<Fit>("/api/fits", "POST", { scan: scan.id });
     await expect.poll(async () => (await this.json<Fit>(fit.links.self!)).state).toBe("done");
     return { scan: scan.links, fit: fit.links };
+  }
+
+  /** What the link offers to a visitor who opens nothing else: sha256 of each file, by the name under which it is taken away. */
+  async offered(link: Link): Promise<Record<string, string>> {
+    const open = await fetch(`${this.base}/api/shared/open`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ token: link.url.split("#")[1] }) });
+    const headers = { Cookie: open.headers.getSetCookie().map((each) => each.split(";")[0]).join("; ") };
+    const { links } = (await open.json()) as { links: Record<string, string | null> };
+    const files = ["fitted_glb", "fitted_ply", "drawing", "result", "report", "mesh"].flatMap((name) => links[name] ?? []);
+    const found = await Promise.all(files.map((path) => fetch(this.base + path, { headers })));
+    const name = (answer: Response): string => answer.headers.get("Content-Disposition")!.split("filename=")[1]!;
+    return Object.fromEntries(await Promise.all(found.map(async (each) => [name(each), sha256(new Uint8Array(await each.arrayBuffer()))] as const)));
   }
 
   share = (fit: Record<string, string>, wishes: object = {}): Promise<Link> => this.json<Link>(fit.shares!, "POST", wishes);

@@ -5,7 +5,6 @@ import { hook, until } from "./page";
 import { type Link, Owner, sha256 } from "./shared";
 
 const ROUNDS = Number(process.env.BREASTRIG_ROUNDS ?? 2); // each order of opening once; `make routes` runs 20
-const FILES = ["fitted_glb", "fitted_ply", "drawing", "result", "report"] as const;
 
 let owner: Owner;
 test.beforeAll(async () => {
@@ -16,7 +15,7 @@ test.afterAll(() => owner.stop());
 interface Tab {
   readonly link: Link;
   readonly mean: number;
-  readonly expected: Record<string, string>; // file → sha256, as the owner gets it
+  readonly expected: Record<string, string>; // file → sha256, as a visitor gets it who has opened nothing else
 }
 
 type Stance = "standing" | "supine";
@@ -26,11 +25,12 @@ const fits = new Map<Stance, ReturnType<Owner["fitted"]>>(); // made once for th
 /** A link of the test's own to the fit of a stance. */
 async function patient(stance: Stance): Promise<Tab> {
   if (!fits.has(stance)) fits.set(stance, owner.fitted(stance));
-  const { scan, fit } = await fits.get(stance)!;
+  const { fit } = await fits.get(stance)!;
   const link = await owner.share(fit, { scan: "full" });
   const result = await owner.json<{ surface_distance_mm: { mean: number } }>(fit.result!);
-  const expected: Record<string, string> = { "scan.glb": await owner.hash(scan.mesh!) };
-  for (const name of FILES) expected[fit[name]!.split("/").at(-1)!] = await owner.hash(fit[name]!);
+  const expected = await owner.offered(link);
+  expect(Object.keys(expected).sort()).toEqual(["drawing.json", "fitted.glb", "fitted.ply", "report.pdf", "result.json", "scan.glb"]);
+  expect(expected["fitted.ply"]).toBe(await owner.hash(fit.fitted_ply!));
   return { link, mean: result.surface_distance_mm.mean, expected };
 }
 

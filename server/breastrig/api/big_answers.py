@@ -2,8 +2,9 @@
 
 Whoever has a link may ask for the scan as often and read it as slowly as they like.  An answer here holds an open file
 and no memory; how many are under way is bounded in all, for each share and for each client, and who comes then is
-asked to come again.  A reader that takes nothing holds its place only until another one needs it: its file then ends
-early, which the connection shows as an answer that was cut off.
+asked to come again.  A reader that takes nothing holds its place only until another one needs it; and once the visit is
+over, the link revoked or the scan deleted, nobody gets any more.  The file then ends early, which the connection shows
+as an answer that was cut off.
 """
 
 import threading
@@ -18,7 +19,7 @@ from werkzeug.wsgi import wrap_file
 
 from breastrig.api.access.security import refuse
 from breastrig.api.answers import file_answer
-from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STALLED_S
+from breastrig.api.share_limits import BIG_ANSWERS, BIG_ANSWERS_EACH, BIG_BYTES, BIG_RETRY_S, STALLED_S, STILL_OPEN_S
 from breastrig.api.trusted_proxy import client_of
 from breastrig.core.errors import NotFound
 from breastrig.storage.files import OpenedFile
@@ -34,6 +35,8 @@ class Place:
     share_id: str
     client: str  # as client_of says
     moved_at: float  # of the clock: when it was last read from
+    is_open: Callable[[], bool]  # whether the reader may still see the file
+    asked_at: float  # of the clock: when that was asked last
     is_cut: bool = False
 
 
@@ -45,7 +48,7 @@ class BigAnswers:
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _places: set[Place] = field(default_factory=set)
 
-    def take(self, share_id: str, client: str) -> Place | None:
+    def take(self, share_id: str, client: str, is_open: Callable[[], bool] = lambda: True) -> Place | None:
         """A place, to be given back with `leave`; None when there is none."""
         with self._lock:
             for hinders in self._full(share_id, client):
@@ -54,7 +57,8 @@ class BigAnswers:
                     return None
                 stalled.is_cut = True
                 self._places.discard(stalled)
-            place = Place(share_id, client, self.clock())
+            now = self.clock()
+            place = Place(share_id, client, now, is_open, now)
             self._places.add(place)
             return place
 
@@ -73,6 +77,17 @@ class BigAnswers:
         with self._lock:
             self._places.discard(place)
 
+    def check(self, place: Place) -> None:
+        """Raises ConnectionAbortedError for a reader that gets no more."""
+        now = self.clock()
+        if now - place.asked_at >= STILL_OPEN_S:
+            place.asked_at = now
+            place.is_cut = place.is_cut or not place.is_open()
+        if place.is_cut:
+            raise ConnectionAbortedError(
+                "a reader took nothing for too long, or what it read is not open to it any more"
+            )
+
     @property
     def under_way(self) -> int:
         return len(self._places)
@@ -87,9 +102,8 @@ class _Part:
         self._at = 0
 
     def read(self, size: int = -1) -> bytes:
-        """Raises ConnectionAbortedError once the place was given to another reader."""
-        if self._place.is_cut:
-            raise ConnectionAbortedError("a reader took nothing for too long, and another one needed its place")
+        """Raises ConnectionAbortedError once the place is another reader's or the file is closed to this one."""
+        self._answers.check(self._place)
         left = self._length - self._at
         wanted = left if size < 0 else min(size, left)
         if wanted <= 0:
@@ -115,8 +129,13 @@ class _Part:
         self._file.close()
 
 
-def big_answer(answers: BigAnswers, share_id: str, file: OpenedFile, media_type: str, caching: str) -> Response:
-    """As `file_answer`, within the bounds when the file is large.  Raises 503 beyond them, NotFound when it is gone."""
+def big_answer(
+    answers: BigAnswers, share_id: str, file: OpenedFile, media_type: str, caching: str, is_open: Callable[[], bool]
+) -> Response:
+    """As `file_answer`, within the bounds when the file is large, and only as long as it `is_open` to the reader.
+
+    Raises 503 beyond the bounds, NotFound when it is gone.
+    """
     if file.size < BIG_BYTES:
         return file_answer(file, media_type, caching)
     response = Response(b"", mimetype=media_type, headers={"Cache-Control": caching})
@@ -128,7 +147,7 @@ def big_answer(answers: BigAnswers, share_id: str, file: OpenedFile, media_type:
     start, length = 0, file.size
     if response.status_code == 206:
         start, length = response.content_range.start or 0, response.content_length or 0
-    place = answers.take(share_id, client_of(request.remote_addr))
+    place = answers.take(share_id, client_of(request.remote_addr), is_open)
     if place is None:
         raise refuse(503, BUSY, {"Retry-After": str(BIG_RETRY_S)})
     with _given_back_on_error(answers, place):

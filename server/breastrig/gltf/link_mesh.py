@@ -1,64 +1,42 @@
-"""The mesh of a scan as share links show it: with or without its colours, and never with what was cut away by hand.
+"""The mesh of a scan as share links show it: what is visible of it and nothing more, with or without its colours.
 
-Skin colour, tattoos and birthmarks can identify a person; the shape says less.  What a person has cut away, a face
-perhaps, is not there at all: no triangles, no vertices, and nothing of the texture that only they showed.
+Skin colour, tattoos and birthmarks can identify a person; the shape says less.  What is not seen any more, cut away by
+hand (a face perhaps), as table or as a piece beside her, is not there at all: no triangles, no vertices, and nothing
+of the texture that only they showed.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Any
-
 import numpy as np
+from scipy.spatial import cKDTree
 
-from breastrig.core.arrays import Array
-from breastrig.core.glb import split_glb
-from breastrig.core.gltf_arrays import GltfArrays
+from breastrig.core.arrays import Array, Booleans
 from breastrig.gltf.covered_texture import covered_texture
-from breastrig.gltf.mesh_glb import mesh_glb, srgb
-from breastrig.scan.clean import welded
-from breastrig.scan.hand_cuts import HandCut, cut_triangles
+from breastrig.gltf.mesh_glb import mesh_glb
+from breastrig.scan.clean import Surface
+from breastrig.scan.scan import Scan
 
-Cuts = Sequence[Mapping[str, Any]]  # documents as HandCut.of reads them
-
-
-def plain_mesh(glb: bytes, cuts: Cuts = ()) -> bytes:
-    """A .glb of `mesh_glb` without its texture and colours, and without what is cut."""
-    return _left(glb, cuts, has_colours=False)
+SAME = 1e-5  # m between the middles of what is one triangle; files with single precision are 1e-7 off
 
 
-def coloured_mesh(glb: bytes, cuts: Cuts) -> bytes:
-    """A .glb of `mesh_glb` with its texture or colours, without what is cut."""
-    return _left(glb, cuts, has_colours=True)
+def plain_mesh(visible: Surface) -> bytes:
+    """A .glb of the visible part of a scan, without colours."""
+    return mesh_glb(visible.vertices, visible.faces)
 
 
-def _left(glb: bytes, cuts: Cuts, has_colours: bool) -> bytes:
-    document, binary = split_glb(glb)
-    arrays = GltfArrays(document, binary)
-    primitive = document["meshes"][0]["primitives"][0]
-    faces = arrays.read(primitive["indices"]).reshape(-1, 3)
-    place = np.array(document["nodes"][0].get("translation", [0.0, 0.0, 0.0]))
-    stored = {name: arrays.read(index) for name, index in primitive["attributes"].items() if name != "COLOR_0"}
-    if "COLOR_0" in primitive["attributes"]:
-        stored["COLOR_0"] = srgb(arrays.stored(primitive["attributes"]["COLOR_0"]))
-    stored["POSITION"] = stored["POSITION"] + place
-    if cuts:
-        faces = faces[~cut_triangles(stored["POSITION"], faces, [HandCut.of(cut) for cut in cuts])]
-        used, ours = np.unique(faces, return_inverse=True)
-        stored = {name: values[used] for name, values in stored.items()}
-        faces = ours.reshape(-1, 3)
-    vertices, normals = stored["POSITION"], stored["NORMAL"]
-    if not has_colours:
-        # Where pieces of a texture meet is the texture's matter, and a viewer would draw it as a border.
-        joined, faces = welded(vertices, faces)
-        return mesh_glb(joined, faces, normals if joined is vertices else None)
-    uv: Array | None = None
-    texture: bytes | None = None
-    if "TEXCOORD_0" in stored:
-        uv = stored["TEXCOORD_0"] * [1.0, -1.0] + [0.0, 1.0]
-        texture = covered_texture(_picture(document, binary), uv[faces])
-    return mesh_glb(vertices, faces, normals, stored.get("COLOR_0"), uv, texture)
+def coloured_mesh(scan: Scan, visible: Surface) -> bytes:
+    """A .glb of the scan's triangles that are visible, with its texture or colours."""
+    faces = scan.faces[_are_among(scan.vertices[scan.faces].mean(axis=1), visible)]
+    used, ours = np.unique(faces, return_inverse=True)
+    vertices, faces = scan.vertices[used], ours.reshape(-1, 3)
+    if scan.uv is not None and scan.texture is not None:
+        uv = scan.uv[used]
+        return mesh_glb(vertices, faces, uv=uv, texture=covered_texture(scan.texture, uv[faces]))
+    if scan.colours is not None:
+        return mesh_glb(vertices, faces, colours=scan.colours[used])
+    return plain_mesh(visible)
 
 
-def _picture(document: Mapping[str, Any], binary: bytes) -> bytes:
-    view = document["bufferViews"][document["images"][0]["bufferView"]]
-    start = view.get("byteOffset", 0)
-    return binary[start : start + view["byteLength"]]
+def _are_among(middles: Array, visible: Surface) -> Booleans:
+    """(F,) which of the (F, 3) m middles of triangles are those of visible ones."""
+    there = cKDTree(visible.vertices[visible.faces].mean(axis=1))
+    distances, _ = there.query(middles, distance_upper_bound=SAME)
+    return np.asarray(np.isfinite(distances))

@@ -94,11 +94,6 @@ def _linear(colours: NDArray[np.uint8]) -> NDArray[np.uint16]:
     return result
 
 
-def srgb(linear: NDArray[np.uint16]) -> NDArray[np.uint8]:
-    """(V, 3) sRGB of what `mesh_glb` has written of vertex colours: exactly what it was given."""
-    return np.searchsorted(_levels(), linear[:, :3]).astype(np.uint8)
-
-
 def _texture(document: Document, buffer: BufferWriter, image: bytes) -> TextureInfo:
     source = append(document.images, Image(mimeType=IMAGE_TYPES[image[:3]], bufferView=buffer.add_bytes(image)))
     sampler = append(

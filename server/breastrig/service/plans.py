@@ -81,7 +81,10 @@ class Plans:
 
         Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
         """
-        planned = self.of_fit(fit_id)
+        return self.laid(self.of_fit(fit_id))
+
+    def laid(self, planned: PlannedFits) -> bytes:
+        """The same of a plan that has been looked up."""
         kept = self._remembered.get(planned.key)
         if kept is not None:
             return kept

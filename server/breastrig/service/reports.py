@@ -60,7 +60,7 @@ class Reports:
     def file_name(self, what: str, *fit_ids: str) -> str:
         """What a file of these fits is called: the patient's code, the stances, the day of the first scan, `what`."""
         fits = [get_fit(self._storage, one) for one in fit_ids]
-        identity = self._identity(fits)
+        identity = self.identity(fits)
         return file_name(identity.code, " ".join(fit.stance for fit in fits), identity.day, what)
 
     def forget(self) -> None:
@@ -91,7 +91,7 @@ class Reports:
     def _patient(self, fit: FitRow) -> PatientRow:
         return get_patient(self._storage, patient_of_scan(self._storage, fit.scan))
 
-    def _identity(self, fits: Sequence[FitRow]) -> Identity:
+    def identity(self, fits: Sequence[FitRow]) -> Identity:
         """What stands on the pages; the plan is that of the first fit's patient."""
         patient = self._patient(fits[0])
         plan = get_plan(self._storage, patient.id)
@@ -106,7 +106,7 @@ class Reports:
                 folders[0],
                 None if len(ids) == 1 else folders[1],
                 self._model,
-                identity=self._identity(fits),
+                identity=self.identity(fits),
                 doubts=() if len({self._patient(fit).id for fit in fits}) == 1 else (TWO_PATIENTS,),
                 cuts=cuts,
             )

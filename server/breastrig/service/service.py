@@ -30,7 +30,6 @@ from breastrig.service.events.follow import StreamItem, follow
 from breastrig.service.failed_tasks import explained
 from breastrig.service.fit_worker import PairRunner, Runner, Runners
 from breastrig.service.ink import InkSearch
-from breastrig.service.link_meshes import LinkMeshes
 from breastrig.service.moving.live_patterns import LivePatterns
 from breastrig.service.moving.moved_landmarks import MovedLandmarks
 from breastrig.service.plans import Plans
@@ -38,6 +37,7 @@ from breastrig.service.proposals import Proposals, Proposer
 from breastrig.service.queue import FitQueue
 from breastrig.service.readiness import Readiness
 from breastrig.service.reports import Reports
+from breastrig.service.share_snapshots import ShareSnapshots
 from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.task_modules import TASK_MODULES
 from breastrig.service.waiting_cap import WaitingCap
@@ -106,9 +106,9 @@ class Service:
         self.live_patterns = LivePatterns(storage, self.kept_processes, model)
         self.moved_landmarks = MovedLandmarks(storage, self.kept_processes, model)
         self.reports = Reports(storage, self._readers, self.plans, model)
-        self.link_meshes = LinkMeshes(storage, self._readers)
+        self.shares = ShareSnapshots(storage, self._readers, self.plans, self.reports, model)
         self._notifier = Notifier(storage)
-        self._sweep = Sweep(storage, self.delete_scan, keep_days)
+        self._sweep = Sweep(storage, self.delete_scan, keep_days, self.shares.end_expired)
         self._examples = examples
 
     @contextmanager

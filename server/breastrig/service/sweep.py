@@ -99,11 +99,18 @@ class Retention:
 
 
 class Sweep:
-    """Deletes scans that are too old, and files that could not be removed before, from `start` to `stop`."""
+    """Deletes scans and links that are too old, and files that could not be removed before, from `start` to `stop`."""
 
-    def __init__(self, storage: Storage, delete: Callable[[str], None], keep_days: float | None) -> None:
+    def __init__(
+        self,
+        storage: Storage,
+        delete: Callable[[str], None],
+        keep_days: float | None,
+        end_expired: Callable[[], None] = lambda: None,
+    ) -> None:
         self._storage = storage
         self._delete = delete
+        self._end_expired = end_expired  # what links showed that are over
         self._retention = None if keep_days is None else Retention(storage, keep_days)
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run, name="breastrig-sweep", daemon=True)
@@ -121,6 +128,7 @@ class Sweep:
         while True:
             try:
                 self._try_again()
+                self._end_expired()
                 if wall_clock.uptime_s() - looked_at >= LOOK_EVERY_S:
                     looked_at = wall_clock.uptime_s()
                     self._storage.check_integrity()

@@ -18,7 +18,7 @@ TASK_MODULES = (
     "breastrig.workflow.run_fit",
     "breastrig.workflow.run_pair",
     "breastrig.workflow.lines.transfer",
-    "breastrig.workflow.write_link_mesh",
+    "breastrig.workflow.share_snapshot",
 )
 # For rows or files on another machine: half a second to import.
-REMOTE_MODULES = ("breastrig.storage.postgres", "psycopg", "breastrig.storage.store_files", "s3fs")
+REMOTE_MODULES = ("breastrig.storage.postgres", "psycopg", "breastrig.storage.places.store_files", "s3fs")

@@ -26,7 +26,7 @@ PART = ".breastrig-installation.part"  # the marker while it is written
 SQLITE_FILE = "breastrig.sqlite3"
 LOCK_FILE = "lock"
 RESERVE_FILE = "reserve"
-PLACES = ("scans", "fits")
+PLACES = ("scans", "fits", "shares")
 RUBBISH = "rubbish"
 ID = re.compile(r"[A-Za-z0-9_-]{22}")
 MARKER_BYTES = 22
@@ -153,12 +153,18 @@ def _holds_nothing(root: Path, names: set[str]) -> bool:
     if not rest:
         return True
     lock, rubbish = root / LOCK_FILE, root / RUBBISH
-    if rest != {LOCK_FILE, RUBBISH, *PLACES} or not lock.is_file() or lock.stat().st_size:
+    places = rest - {LOCK_FILE, RUBBISH}
+    if (
+        rest - places != {LOCK_FILE, RUBBISH}
+        or places != {"scans", "fits"}
+        or not lock.is_file()
+        or lock.stat().st_size
+    ):
         return False
-    folders = [rubbish, *(root / name for name in PLACES)]
+    folders = [rubbish, *(root / name for name in places)]
     if any(folder.is_symlink() or not folder.is_dir() for folder in folders):
         return False
-    inside = [Path(entry) for name in PLACES for entry in os.scandir(root / name)]
+    inside = [Path(entry) for name in places for entry in os.scandir(root / name)]
     return all(_is_empty_folder(folder) for folder in (rubbish, *inside))
 
 

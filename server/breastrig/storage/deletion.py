@@ -1,4 +1,4 @@
-"""Deleting a scan: its rows and those of its fits first, so that nobody can read them, then the files.
+"""Deleting a scan: its rows, those of its fits and links first, so that nobody can read them, then the files.
 
 Whatever is interrupted or fails is in the journal of files, and is finished at the next start or attempt.  A full
 disk is no obstacle: what has to be written goes into the reserve, and rows that are too many for it are deleted in
@@ -17,6 +17,7 @@ from breastrig.storage.files import fit_place, scan_place
 from breastrig.storage.rows.fits import fit_ids, fits_of_scan
 from breastrig.storage.rows.patients import forget_scan
 from breastrig.storage.rows.scans import scan_ids
+from breastrig.storage.rows.shares import snapshot_places
 from breastrig.storage.storage import Storage, Unremoved
 
 EVENTS_AT_ONCE = 100  # of some kB each: half a megabyte of SQLite's log
@@ -40,7 +41,7 @@ def delete_rows(storage: Storage, scan_id: str) -> list[str]:
         with storage.database.writing(durable=True) as connection:
             fits = _fits_of(connection, scan_id)
             if _is_there(connection, scan_id):
-                record_removal(connection, scan_id, [scan_place(scan_id), *map(fit_place, fits)])
+                record_removal(connection, scan_id, _places(connection, scan_id, fits))
                 cancel_creations(connection, scan_id)
                 _delete_fits(connection, fits)
                 forget_scan(connection, scan_id)
@@ -90,7 +91,7 @@ def discard(storage: Storage, scan_id: str, *places: str) -> None:
 def finish_deletions(storage: Storage) -> list[Unremoved]:
     """At the start of a server: removes what an earlier one has left; what could not be removed.
 
-    Whatever else lies where scans and fits are kept is left alone, and its number said in the log.
+    Whatever else lies where scans, fits and shares are kept is left alone, and its number said in the log.
     """
 
     def cancel() -> None:
@@ -99,7 +100,14 @@ def finish_deletions(storage: Storage) -> list[Unremoved]:
 
     storage.using_reserve(cancel)
     left = remove_files(storage)
-    known = {*map(scan_place, scan_ids(storage)), *map(fit_place, fit_ids(storage)), *pending_removals(storage)}
+    with storage.database.reading() as connection:
+        shares = snapshot_places(connection)
+    known = {
+        *map(scan_place, scan_ids(storage)),
+        *map(fit_place, fit_ids(storage)),
+        *shares,
+        *pending_removals(storage),
+    }
     unknown = storage.count_unknown(known)
     if unknown:
         log.warning("%d files or folders among those of scans and fits are none of BreastRig's; they stay", unknown)
@@ -117,7 +125,8 @@ def _finish_rows(storage: Storage) -> None:
 def _delete_in_steps(storage: Storage, scan_id: str) -> list[str]:
     """The same with less room: each step writes little, and the first says what is to be finished in any case."""
     fits = fits_of_scan(storage, scan_id)
-    places = [scan_place(scan_id), *map(fit_place, fits)]
+    with storage.database.reading() as connection:
+        places = _places(connection, scan_id, fits)
 
     def note() -> None:
         with storage.database.writing(durable=True) as connection:
@@ -154,6 +163,11 @@ def _is_there(connection: Connection, scan_id: str) -> bool:
 
 def _fits_of(connection: Connection, scan_id: str) -> list[str]:
     return list(connection.execute(select(schema.fits.c.id).where(schema.fits.c.scan == scan_id)).scalars())
+
+
+def _places(connection: Connection, scan_id: str, fits: list[str]) -> list[str]:
+    """Of the scan, of its fits and of all that links show of them."""
+    return [scan_place(scan_id), *map(fit_place, fits), *snapshot_places(connection, fits)]
 
 
 def _delete_fits(connection: Connection, fits: list[str]) -> None:

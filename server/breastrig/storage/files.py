@@ -1,9 +1,9 @@
-"""Where the files of scans and fits are kept: on the disk, or in a store such as S3.
+"""Where the files of scans, fits and share links are kept: on the disk, or in a store such as S3.
 
 The rest of the program sees the same three things of both: a folder on this machine to read from, one to write into
 whose content is kept when it is whole, and an opened file to answer with.
 
-A place is `scans/ID` or `fits/ID`.
+A place is `scans/ID`, `fits/ID` or `shares/ID`.
 """
 
 from collections.abc import Callable, Collection
@@ -21,6 +21,11 @@ def fit_place(fit_id: str) -> str:
     return f"fits/{fit_id}"
 
 
+def share_place(snapshot_id: str) -> str:
+    """Of what one share link shows."""
+    return f"shares/{snapshot_id}"
+
+
 def upload_name(file_type: str) -> str:
     """The name of the scan itself in its place."""
     return f"scan.{file_type}"
@@ -30,8 +35,6 @@ MESH = "mesh.glb"  # the scan for display
 THUMBNAIL = "thumbnail.png"  # a small picture of it
 ROOT = ""  # the place of the mark, which says whose all these files are
 MARK = "installation"  # its name; what it holds is the installation's id
-PLAIN_MESH = "plain"  # the same without its colours, made when a share link first needs it; .glb, and of which cuts
-CUT_MESH = "coloured"  # the same with its colours, without what was cut away, likewise
 
 
 @dataclass(frozen=True)
@@ -86,7 +89,7 @@ class Files(Protocol):
         """Keeps one file, whole or not at all.  Raises OSError."""
 
     def is_empty(self) -> bool:
-        """Whether no scan and no fit is kept."""
+        """Whether no scan, no fit and no share is kept."""
 
     def remove(self, place: str) -> None:
         """Removes the place with all it holds; one that is not there is no error.
@@ -98,4 +101,4 @@ class Files(Protocol):
         """For people: where that is which could not be removed."""
 
     def count_unknown(self, known: Collection[str]) -> int:
-        """How many scans and fits seem to be kept that are not among these places; nobody removes them."""
+        """How many scans, fits and shares seem to be kept that are not among these places; nobody removes them."""

@@ -1,11 +1,11 @@
-"""The files of scans and fits: one folder each, named by an unguessable id, below the data folder.
+"""The files of scans, fits and share links: one folder each, named by an unguessable id, below the data folder.
 
     data/installation           says that the folder is BreastRig's (see `data_folder`)
     data/breastrig.sqlite3      rows, unless they are elsewhere (see `location`)
-    data/scans/ID/              scan.ply, .obj, ... (the bytes as uploaded), mesh.glb (for display),
-                                thumbnail.png, plain*.glb, coloured*.glb (without what was cut away, for share links)
+    data/scans/ID/              scan.stored (what was read of the upload), mesh.glb (for display), thumbnail.png
     data/fits/ID/               result.json, scan.ply (cleaned), fitted.ply, fitted.glb, drawing.json,
                                 distances.bin, uncertainty.bin, fit.log.jsonl
+    data/shares/ID/             what one share link shows (see workflow/share_snapshot.py)
     data/rubbish/KIND.ID        on its way out: a folder is first moved here, so that no path into it works any more
     data/reserve                space that a full disk has left for deleting (see `reserve`)
     data/lock                   held by the server
@@ -39,7 +39,7 @@ class Folders:
         self._removing = threading.Lock()  # who finds a folder half removed would not know whether it will be gone
 
     def create(self) -> None:
-        for folder in (self.root, self._scans, self._fits, self._rubbish):
+        for folder in (self.root, *self._places, self._rubbish):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
 
     @property
@@ -49,6 +49,10 @@ class Folders:
     @property
     def reserve(self) -> Path:
         return self.root / RESERVE_FILE
+
+    @property
+    def _places(self) -> list[Path]:
+        return [self.root / name for name in PLACES]
 
     @property
     def _scans(self) -> Path:
@@ -133,11 +137,11 @@ class Folders:
         return moved if os.path.lexists(moved) else folder
 
     def are_empty(self) -> bool:
-        """Whether there is no folder of a scan or fit."""
-        return not any(os.listdir(kind) for kind in (self._scans, self._fits))
+        """Whether there is no folder of a scan, a fit or a share link."""
+        return not any(os.listdir(kind) for kind in self._places)
 
     def count_unknown(self, known: Collection[str]) -> int:
-        """How many entries are neither of the places `known` (as scans/ID, fits/ID) nor such ones on their way out."""
+        """How many entries are neither of the places `known` (such as scans/ID) nor such ones on their way out."""
         ours = {self.root / place for place in known}
         ours |= {self._moved(folder) for folder in ours}
         return sum(entry not in ours for kind in (*PLACES, RUBBISH) for entry in (self.root / kind).iterdir())

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from breastrig.storage.data_folder import SQLITE_FILE
 from breastrig.storage.database import Database
-from breastrig.storage.disk_files import DiskFiles
 from breastrig.storage.files import Files
 from breastrig.storage.folders import Folders
+from breastrig.storage.places.disk_files import DiskFiles
 from breastrig.storage.sqlite import SqliteDatabase
 
 
@@ -36,6 +36,6 @@ def open_files(location: Location, folders: Folders) -> Files:
     """Raises BadSettings when what it needs is not installed."""
     if location.files is None:
         return DiskFiles(folders)
-    from breastrig.storage.store_files import StoreFiles
+    from breastrig.storage.places.store_files import StoreFiles
 
     return StoreFiles(location.files)

@@ -141,6 +141,9 @@ shares = Table(
     Column("expires_at", String(32), nullable=False),
     Column("revoked_at", String(32)),
     Column("scan", String(8), nullable=False),  # none, plain, full
+    Column("notes", Boolean, nullable=False, server_default=false()),  # whether those of the plan are shown
+    Column("snapshot", String(32)),  # the place of the files that it shows; null once the link is over
+    Column("snapshot_at", String(32)),  # when they were made
     Column("passcode_hash", String(300)),  # salted scrypt
     Column("wrong_passcodes", Integer, nullable=False, server_default="0"),  # since the link was made
     Column("last_wrong_at", String(32)),

@@ -34,13 +34,20 @@ class InkJob:
 
 
 @dataclass(frozen=True)
-class LinkMeshJob:
-    """A scan's mesh to be written without what was cut out of it by hand, and perhaps without its colours."""
+class SnapshotJob:
+    """What a share link is to show of a fit, as it stands now."""
 
-    mesh: Path
-    shown: Path  # where it is written, whole or not at all
-    cuts: tuple[dict[str, Any], ...] = ()  # see scan/hand_cuts.py
-    has_colours: bool = False
+    fit: Path  # folder of a fit
+    plan: dict[str, Any]  # on its scan, as `service/plans.py` gives it
+    items: tuple[dict[str, Any], ...]  # of the plan itself
+    identity: Identity  # on the pages of the report; without the patient's code
+    out: Path  # folder for the files
+    scan: Path | None = None  # as it is stored, where its colours are shown
+    file_type: str = ""  # of that file
+    shows_scan: bool = False  # else the model alone
+    has_notes: bool = False  # of the plan
+    cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
+    model: Path | None = None  # None: the torso of the package
 
 
 @dataclass(frozen=True)

@@ -19,4 +19,4 @@ moved_landmarks = LateFunction("breastrig.workflow.moving.moved_landmarks", "mov
 follow_landmarks = LateFunction("breastrig.workflow.moving.moved_landmarks", "follow_landmarks")
 report_pdf_of = LateFunction("breastrig.workflow.report", "report_pdf_of")
 measures_json_of = LateFunction("breastrig.workflow.report", "measures_json_of")
-write_link_mesh = LateFunction("breastrig.workflow.write_link_mesh", "write_link_mesh")
+write_snapshot = LateFunction("breastrig.workflow.share_snapshot", "write_snapshot")

@@ -187,6 +187,7 @@ export const client = {
   shares: (link: string) => askJson<SharePage>(link),
   makeShare: (link: string, request: ShareRequest) => askJson<ShareMade>(link, "POST", request),
   unlockShare: (link: string) => askJson<Share>(link, "POST"),
+  refreshShare: (link: string) => askJson<Share>(link, "POST"),
   revokeShare: async (link: string): Promise<void> => {
     await ask(link, { method: "DELETE" });
   },

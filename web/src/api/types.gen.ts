@@ -1081,6 +1081,9 @@ export type Share = {
   /** so many wrong passcodes were given that it takes none until it is unlocked */
   is_locked: boolean;
   scan: "none" | "plain" | "full";
+  notes: boolean;
+  /** what stood then is what the link shows; null when it is of no version */
+  shown_at: string | null;
   has_passcode: boolean;
   openings: number;
   last_opened_at: string | null;
@@ -1093,6 +1096,7 @@ export type Share = {
 export type ShareLinks = {
   self: string;
   unlock: string;
+  refresh: string;
 };
 
 export type ShareMade = {
@@ -1107,6 +1111,9 @@ export type ShareMade = {
   /** so many wrong passcodes were given that it takes none until it is unlocked */
   is_locked: boolean;
   scan: "none" | "plain" | "full";
+  notes: boolean;
+  /** what stood then is what the link shows; null when it is of no version */
+  shown_at: string | null;
   has_passcode: boolean;
   openings: number;
   last_opened_at: string | null;
@@ -1135,8 +1142,10 @@ export type ShareRequest = {
   expires_in_days?: number;
   /** asked for at the opening */
   passcode?: string | null;
-  /** whether the scan is shown: not at all, its shape without colours, or with its colours */
+  /** whether the scan is shown: not at all (the model alone, without the layer that follows her skin), its shape without colours, or with its colours */
   scan?: "none" | "plain" | "full";
+  /** whether the plan's notes are shown */
+  notes?: boolean;
 };
 
 export type ShareWithOpenings = {
@@ -1151,6 +1160,9 @@ export type ShareWithOpenings = {
   /** so many wrong passcodes were given that it takes none until it is unlocked */
   is_locked: boolean;
   scan: "none" | "plain" | "full";
+  notes: boolean;
+  /** what stood then is what the link shows; null when it is of no version */
+  shown_at: string | null;
   has_passcode: boolean;
   openings: number;
   last_opened_at: string | null;
@@ -1162,24 +1174,16 @@ export type ShareWithOpenings = {
   opened_at: string[];
 };
 
-/** What of the mesh is not looked at, as the owner sees it; the mesh's file holds it still. */
-export type SharedCut = {
-  background: CutPlane[];
-  table: CutPlane | null;
-  other_pieces: [number, number, number][];
-  /** by hand */
-  cuts: Cut[];
-};
-
 export type SharedLinks = {
   self: string;
   result: string;
   fitted_glb: string;
   fitted_ply: string;
   drawing: string;
-  distances: string;
+  /** null when the link does not show the scan, which they would tell */
+  distances: string | null;
   plan: string;
-  /** null when the link does not show the scan, which the report pictures */
+  /** null when the link does not show the scan, which it pictures, or none can be made */
   report: string | null;
   /** null when the link does not show the scan */
   mesh: string | null;
@@ -1190,9 +1194,9 @@ export type SharedResult = {
   /** of the share; it opens nothing */
   id: string;
   expires_at: string;
+  /** what stood then is shown */
+  shown_at: string | null;
   links: SharedLinks;
-  /** null when the link does not show the scan */
-  cut: SharedCut | null;
 };
 
 export type Stance = {

@@ -23,21 +23,30 @@ export function createShareDialog(actions: ShareActions, dismiss: () => void): P
   let days: Days = "7";
   let scan: NonNullable<ShareRequest["scan"]> = "none";
   const expiry = select<Days>(words.expiry, (value) => (days = value));
-  const shown = select<(typeof SHOWN)[number]>(words.shown, (value) => (scan = value));
+  const shown = select<(typeof SHOWN)[number]>(words.shown, (value) => {
+    scan = value;
+    setText(showsWhat, words.showsWhat[value]);
+  });
+  const showsWhat = el("p", { class: "muted small", role: "status" }, words.showsWhat[scan]);
+  const notes = el("input", { type: "checkbox" });
   const passcode = el("input", { type: "text", minlength: 6, maxlength: 100, autocomplete: "off", spellcheck: "false", placeholder: words.noPasscode });
   const make = el("button", { class: "button primary" }, el("span", {}, words.make));
+  const busy = el("p", { class: "muted small", role: "status", hidden: true }, words.busy);
   const form = el(
     "form",
     {
       class: "share-form",
       onsubmit: (event) => {
         event.preventDefault();
-        void actions.make({ expires_in_days: Number(days), scan, passcode: passcode.value || null });
+        void actions.make({ expires_in_days: Number(days), scan, notes: notes.checked, passcode: passcode.value || null });
       },
     },
     el("div", { class: "share-choices" }, shown.element, expiry.element),
+    showsWhat,
+    el("label", { class: "check" }, notes, el("span", {}, words.withNotes)),
     el("label", { class: "field" }, el("span", {}, words.passcode), passcode),
     make,
+    busy,
   );
   const address = el("input", { type: "text", readonly: true, id: "share-url", "aria-label": words.link, onfocus: () => address.select() });
   const copied = el("span", { class: "muted small", role: "status" });
@@ -85,6 +94,7 @@ export function createShareDialog(actions: ShareActions, dismiss: () => void): P
       const { share } = state;
       if (share.isOpen && !element.open) {
         passcode.value = "";
+        notes.checked = false;
         element.showModal();
       }
       if (!share.isOpen && element.open) element.close();
@@ -92,6 +102,7 @@ export function createShareDialog(actions: ShareActions, dismiss: () => void): P
       expiry.set(DAYS.map((value) => ({ value, label: words.days(Number(value)) })), days);
       shown.set(SHOWN.map((value) => ({ value, label: words.shows[value] })), scan);
       make.disabled = share.isBusy;
+      show(busy, share.isBusy && share.list !== null); // what a link shows takes some seconds to be made
       wrong.set(state.problems.share);
       const url = share.made === null ? "" : new URL(share.made.url, location.origin).href;
       show(made, url !== "");
@@ -110,13 +121,15 @@ function row(share: Share, actions: ShareActions): HTMLElement {
   const state = share.revoked_at ? words.revoked(at(share.revoked_at)) : isOver ? words.expired(at(share.expires_at)) : share.is_locked ? words.locked : words.until(at(share.expires_at));
   const opened = share.last_opened_at ? words.opened(share.openings, at(share.last_opened_at)) : words.neverOpened;
   const wrong = share.last_wrong_passcode_at ? el("p", { class: "muted small" }, words.wrong(share.wrong_passcodes, at(share.last_wrong_passcode_at))) : null;
-  const facts = [words.shows[share.scan], ...(share.has_passcode ? [words.hasPasscode] : [])].join(" · ");
+  const facts = [words.shows[share.scan], ...(share.notes ? [words.hasNotes] : []), ...(share.has_passcode ? [words.hasPasscode] : [])].join(" · ");
+  const shownAt = share.shown_at && !isOver ? el("p", { class: "muted small" }, words.shownAt(at(share.shown_at))) : null;
   return el(
     "li",
     { class: isOver ? "is-over" : "" },
     icon(share.is_open ? "link" : "close"),
-    el("div", {}, el("p", {}, state), el("p", { class: "muted small" }, facts), el("p", { class: "muted small" }, opened), wrong),
+    el("div", {}, el("p", {}, state), el("p", { class: "muted small" }, facts), shownAt, el("p", { class: "muted small" }, opened), wrong),
     share.is_locked && !isOver ? button(words.unlock, () => void actions.unlock(share.links.unlock), "quiet outlined") : null,
+    !isOver ? button(words.refresh, () => void actions.refresh(share.links.refresh), "quiet outlined") : null,
     !isOver ? button(words.revoke, () => void actions.revoke(share.links.self), "quiet outlined") : null,
   );
 }

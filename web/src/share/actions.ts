@@ -52,6 +52,12 @@ export function shareActions(store: Store<State>, client: Client) {
         return { announcement: text.share.announceUnlocked };
       }),
 
+    refresh: (link: string): Promise<void> =>
+      forFit(async () => {
+        await client.refreshShare(link);
+        return { announcement: text.share.announceRefreshed };
+      }),
+
     revoke: (link: string): Promise<void> =>
       forFit(async () => {
         await client.revokeShare(link);

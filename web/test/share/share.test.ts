@@ -51,6 +51,17 @@ test("a refused link says why in the dialog, which can be used again", async () 
   expect(store.get()).toMatchObject({ problems: { share: "A passcode has at least 4 characters." }, share: { isBusy: false, made: null } });
 });
 
+test("showing the present state asks the service and reads the list again", async () => {
+  const refreshShare = vi.fn(async () => ({}));
+  const shares = vi.fn(async () => ({ shares: [] }));
+  const { store, actions } = await fitted({ refreshShare, shares } as never);
+  await actions.share.open();
+  await actions.share.refresh("/api/fits/f1/shares/a/refresh");
+  expect(refreshShare).toHaveBeenCalledWith("/api/fits/f1/shares/a/refresh");
+  expect(shares).toHaveBeenCalledTimes(2);
+  expect(store.get().announcement).toBe("The link shows the present state.");
+});
+
 test("unlocking asks the service and reads the list again", async () => {
   const unlockShare = vi.fn(async () => ({}));
   const shares = vi.fn(async () => ({ shares: [] }));

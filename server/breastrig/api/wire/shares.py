@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from breastrig.api.share_limits import PASSCODE_LENGTH
-from breastrig.api.wire.common import Cut, CutPlane, Name, Three, Wire
+from breastrig.api.wire.common import Name, Wire
 
 ShareScan = Literal["none", "plain", "full"]
 
@@ -16,13 +16,17 @@ class ShareRequest(Wire):
         None, min_length=PASSCODE_LENGTH, max_length=100, description="asked for at the opening"
     )
     scan: ShareScan = Field(
-        "none", description="whether the scan is shown: not at all, its shape without colours, or with its colours"
+        "none",
+        description="whether the scan is shown: not at all (the model alone, without the layer that follows her skin), "
+        "its shape without colours, or with its colours",
     )
+    notes: bool = Field(False, description="whether the plan's notes are shown")
 
 
 class ShareLinks(Wire):
     self: str
     unlock: str
+    refresh: str
 
 
 class Share(Wire):
@@ -33,6 +37,8 @@ class Share(Wire):
     is_open: bool = Field(description="neither expired nor revoked nor locked")
     is_locked: bool = Field(description="so many wrong passcodes were given that it takes none until it is unlocked")
     scan: ShareScan
+    notes: bool
+    shown_at: str | None = Field(description="what stood then is what the link shows; null when it is of no version")
     has_passcode: bool
     openings: int
     last_opened_at: str | None
@@ -65,24 +71,17 @@ class SharedLinks(Wire):
     fitted_glb: str
     fitted_ply: str
     drawing: str
-    distances: str
+    distances: str | None = Field(description="null when the link does not show the scan, which they would tell")
     plan: str
-    report: str | None = Field(description="null when the link does not show the scan, which the report pictures")
+    report: str | None = Field(
+        description="null when the link does not show the scan, which it pictures, or none can be made"
+    )
     mesh: str | None = Field(description="null when the link does not show the scan")
     close: str
-
-
-class SharedCut(Wire):
-    """What of the mesh is not looked at, as the owner sees it; the mesh's file holds it still."""
-
-    background: list[CutPlane]
-    table: CutPlane | None
-    other_pieces: list[Three]
-    cuts: list[Cut] = Field(description="by hand")
 
 
 class SharedResult(Wire):
     id: str = Field(description="of the share; it opens nothing")
     expires_at: str
+    shown_at: str | None = Field(description="what stood then is shown")
     links: SharedLinks
-    cut: SharedCut | None = Field(description="null when the link does not show the scan")

@@ -4,12 +4,15 @@ Of the secret in the link only a hash is stored, and of the credential that a br
 over the share's id: neither can be got back, and what belongs to one share is nothing at another.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from sqlalchemy import Row, Select, func, insert, select, update
+from sqlalchemy import ColumnElement, Connection, Row, Select, and_, func, insert, or_, select, true, update
 
-from breastrig.core.errors import NotFound
+from breastrig.core.errors import Conflict, NotFound
 from breastrig.storage import schema
+from breastrig.storage.file_journal import clear_entries, record_removal
+from breastrig.storage.files import share_place
 from breastrig.storage.rows.paging import newest_first
 from breastrig.storage.storage import Storage
 
@@ -22,6 +25,9 @@ class ShareRow:
     expires_at: str  # ISO 8601, UTC
     scan: str  # none, plain (the shape alone), full (with its colours)
     passcode_hash: str | None
+    snapshot: str | None  # the place of the files that it shows; None once it is over
+    snapshot_at: str | None  # when they were made
+    notes: bool = False  # whether those of the plan are shown
     revoked_at: str | None = None
     openings: int = 0
     last_opened_at: str | None = None
@@ -31,7 +37,7 @@ class ShareRow:
 
     def is_valid(self, now: str) -> bool:
         """Whether the link has neither expired nor been revoked at a time (as `iso_utc`)."""
-        return self.revoked_at is None and now < self.expires_at
+        return self.revoked_at is None and now < self.expires_at and self.snapshot is not None
 
     def is_locked(self, most_wrong: int) -> bool:
         """Whether so many wrong passcodes were given that it opens for nobody until the owner unlocks it."""
@@ -39,7 +45,7 @@ class ShareRow:
 
 
 def add_share(storage: Storage, share: ShareRow, token_sha256: str) -> None:
-    """Raises NotFound when the fit is gone."""
+    """The files of its snapshot are kept from then on.  Raises NotFound when the fit is gone."""
     with storage.database.writing() as connection:
         if connection.execute(select(schema.fits.c.id).where(schema.fits.c.id == share.fit)).first() is None:
             raise NotFound("There is no such fit; it may have been deleted.")
@@ -51,8 +57,12 @@ def add_share(storage: Storage, share: ShareRow, token_sha256: str) -> None:
             "expires_at": share.expires_at,
             "scan": share.scan,
             "passcode_hash": share.passcode_hash,
+            "notes": share.notes,
+            "snapshot": share.snapshot,
+            "snapshot_at": share.snapshot_at,
         }
         connection.execute(insert(schema.shares).values(values))
+        clear_entries(connection, _places([share.snapshot]))
 
 
 def get_share(storage: Storage, fit_id: str, share_id: str) -> ShareRow:
@@ -75,12 +85,70 @@ def shares_page(storage: Storage, fit_id: str, limit: int, before: int | None) -
     return [_share_row(row) for row in rows], more
 
 
-def revoke_share(storage: Storage, fit_id: str, share_id: str, now: str) -> None:
-    """Closes the link for good.  One that is closed or not there is no error."""
+def replace_snapshot(storage: Storage, share: ShareRow, scan_id: str, snapshot: str, now: str) -> None:
+    """The link shows that one from now on; the files of the one before are in the journal for removal.
+
+    Raises NotFound when the share is gone, Conflict when it is over.
+    """
+    table = schema.shares
+    with storage.database.writing() as connection:
+        row = connection.execute(select(table).where(table.c.id == share.id)).one_or_none()
+        if row is None:
+            raise NotFound("This share has been deleted.")
+        if row.revoked_at is not None or row.expires_at <= now:
+            raise Conflict("This link is over; make a new one.")
+        connection.execute(update(table).where(table.c.id == share.id).values(snapshot=snapshot, snapshot_at=now))
+        clear_entries(connection, _places([snapshot]))
+        record_removal(connection, scan_id, _places([row.snapshot]))
+
+
+def revoke_share(storage: Storage, fit_id: str, share_id: str, now: str) -> list[str]:
+    """Closes the link for good; one that is closed or not there is no error.
+
+    Its files are in the journal for removal; the scan they are of.
+    """
     table = schema.shares
     with storage.database.writing() as connection:
         chosen = update(table).where(table.c.fit == fit_id, table.c.id == share_id, table.c.revoked_at.is_(None))
         connection.execute(chosen.values(revoked_at=now))
+        return _end_snapshots(connection, and_(table.c.fit == fit_id, table.c.id == share_id), now)
+
+
+def end_snapshots(storage: Storage, now: str) -> list[str]:
+    """Of all links that are over: their files are in the journal for removal.  The scans they are of."""
+    with storage.database.reading() as connection:
+        if not connection.execute(_over(now)).all():
+            return []
+    with storage.database.writing() as connection:
+        return _end_snapshots(connection, true(), now)
+
+
+def _end_snapshots(connection: Connection, of: ColumnElement[bool], now: str) -> list[str]:
+    rows = connection.execute(_over(now).where(of)).all()
+    for row in rows:
+        record_removal(connection, row.scan, _places([row.snapshot]))
+        connection.execute(update(schema.shares).where(schema.shares.c.id == row.id).values(snapshot=None))
+    return [row.scan for row in rows]
+
+
+def _over(now: str) -> Select[tuple[str, str, str]]:
+    """Links that are over and still have files."""
+    table, fits = schema.shares, schema.fits
+    is_over = or_(table.c.revoked_at.is_not(None), table.c.expires_at <= now)
+    chosen = select(table.c.id, table.c.snapshot, fits.c.scan).join(fits, fits.c.id == table.c.fit)
+    return chosen.where(is_over, table.c.snapshot.is_not(None))
+
+
+def snapshot_places(connection: Connection, fits: Sequence[str] | None = None) -> list[str]:
+    """Where the files of all links are, or of those of some fits."""
+    chosen = select(schema.shares.c.snapshot)
+    if fits is not None:
+        chosen = chosen.where(schema.shares.c.fit.in_(fits))
+    return _places(connection.execute(chosen).scalars())
+
+
+def _places(snapshots: Iterable[str | None]) -> list[str]:
+    return [share_place(each) for each in snapshots if each is not None]
 
 
 def add_opening(storage: Storage, share_id: str, now: str, visit_hmac: str, most_wrong: int) -> bool:
@@ -167,6 +235,9 @@ def _share_row(row: Row[tuple[object, ...]]) -> ShareRow:
         expires_at=row.expires_at,
         scan=row.scan,
         passcode_hash=row.passcode_hash,
+        snapshot=row.snapshot,
+        snapshot_at=row.snapshot_at,
+        notes=row.notes,
         revoked_at=row.revoked_at,
         openings=row.openings,
         last_opened_at=row.last,

@@ -55,9 +55,10 @@ const form = el(
 const card = el("div", { class: "empty" }, el("div", { class: "empty-card busy" }, waiting, alert, form));
 const host = el("main", { class: "stage" }, canvas, overlay, swipe.element, colourBar.element, viewBar.element, card);
 const until = el("p", { class: "muted" });
+const shownAs = el("p", { class: "muted" });
 const planned = el("div", { class: "shared-plan" });
 const files = el("ul", { class: "files" });
-const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), until, planned, el("h2", {}, resultText.files), files);
+const side = el("nav", { class: "steps shared-side", "aria-label": words.title, hidden: true }, el("p", {}, words.what), shownAs, until, planned, el("h2", {}, resultText.files), files);
 const numbers = createNumbersPanel();
 const aside = el("aside", { class: "aside", tabindex: 0, "aria-label": numbersText.title }, numbers.element); // it scrolls by keys too
 const leave = button(words.close, () => void close(), "quiet outlined", "close");
@@ -133,8 +134,9 @@ async function close(): Promise<void> {
   location.replace(`/s${CLOSED}`);
 }
 
-function fillSide({ expires_at, links }: SharedResult, { fit, plan }: VisitorState): void {
+function fillSide({ expires_at, shown_at, links }: SharedResult, { fit, plan }: VisitorState): void {
   setText(until, words.until(moment.format(new Date(expires_at))));
+  setText(shownAs, [...(shown_at === null ? [] : [words.shownAt(moment.format(new Date(shown_at)))]), ...(links.mesh === null ? [words.modelAlone] : [])].join(" "));
   if (plan) planned.replaceChildren(...planList(fit?.drawing ?? null, plan));
   const offered = words.files.flatMap(({ key, name, what }) => (links[key] === null ? [] : [{ href: links[key], name, what }]));
   fill(files, offered, () =>

@@ -6,8 +6,6 @@ import type { DrawingFile, PlanOnScan, Result, Scan, SharedResult } from "../../
 import { readDistances } from "../../fit/distances/distances";
 import { frameOfRig } from "../../fit/upright";
 import { frameFromPicks, picksOf } from "../../landmarks/picks";
-import { cropsFrom } from "../../scan/crop";
-import { startHistory } from "../../store/history";
 import { tidyFrame } from "../../viewer/frame";
 import { initialVisitor, type VisitorState } from "./state";
 
@@ -58,7 +56,7 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
     askJson<Result>(links.result),
     bytes(links.fitted_ply),
     links.mesh === null ? null : bytes(links.mesh),
-    bytes(links.distances),
+    links.distances === null ? null : bytes(links.distances),
     askJson<PlanOnScan>(links.plan),
   ]);
   // A fit without a drawing has none to show; the plan is all of it, once there is one.
@@ -67,14 +65,13 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
   const drawing: DrawingFile | null = shapes.length > 0 ? { schema: "breastrig/drawing@1", unit: plan.unit, shapes } : null;
   const frame = frameOfRig(result) ?? frameFromPicks(picksOf({ landmarks: result.landmarks, unit: result.scan.unit })) ?? tidyFrame({ up: [0, 1, 0], front: [0, 0, 1] });
   // Whether it has colours is the mesh's own matter: a plain one brings none.
-  const { cuts = [], ...cut } = shared.cut ?? {};
-  const info = { ...cut, id: "shared", colours: "vertex", stance: { proposed: result.stance, reason: "" }, frame: { ...frame, confidence: 1, reason: "" } } as Scan;
+  const info = { id: "shared", colours: "vertex", stance: { proposed: result.stance, reason: "" }, frame: { ...frame, confidence: 1, reason: "" } } as Scan;
   return {
     ...initialVisitor,
     plan,
     step: "result",
     overlay: mesh === null ? "model" : "both",
-    scan: { info, title: text.shared.title, mesh, frame, frameFrom: "fit", file: null, example: null, crops: startHistory(cropsFrom(cuts)) },
+    scan: { info, title: text.shared.title, mesh, frame, frameFrom: "fit", file: null, example: null },
     fit: {
       id: "shared",
       links: { ...initialLinks, result: links.result, fitted_ply: links.fitted_ply, fitted_glb: links.fitted_glb, drawing: links.drawing },
@@ -87,7 +84,7 @@ export async function readShared(shared: SharedResult): Promise<VisitorState> {
       drawing,
       drawingName: null,
       surface,
-      distances: readDistances(distances),
+      distances: distances && readDistances(distances),
       reason: null,
       isConnected: true,
       picks: null,

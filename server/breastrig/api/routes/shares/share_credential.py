@@ -15,6 +15,8 @@ import hashlib
 import hmac
 import re
 import secrets
+from collections.abc import Callable
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 from flask import Response, request
@@ -72,14 +74,30 @@ def begin_visit(response: Response, share: ShareRow) -> None:
     _set_cookie(response, OPENED_COOKIE, ".".join(f"{one}={its}" for one, its in visits.items()), OPENED_PATH)
 
 
-def visited_share(share_id: str) -> ShareRow:
-    """The share, if the request's cookie is of a visit of it.  Raises 401 without one, 410 for a share that is over."""
-    opened_after = iso_utc(datetime.now(UTC) - timedelta(seconds=VISIT_S))
-    stored = _visit_hmac(_credential(share_id), share_id)
-    share = share_of_visit(app_context().service.storage, share_id, stored, opened_after)
+@dataclass(frozen=True, eq=False)
+class Visit:
+    """A share that is open in the browser which asks."""
+
+    share: ShareRow
+    is_open: Callable[[], bool]  # whether it still is, asked of the rows; also after the request
+
+
+def visit_of(share_id: str) -> Visit:
+    """The visit that the request's cookie is of.  Raises 401 without one, 410 for a share that is over."""
+    storage, stored = app_context().service.storage, _visit_hmac(_credential(share_id), share_id)
+
+    def visited() -> ShareRow | None:
+        opened_after = iso_utc(datetime.now(UTC) - timedelta(seconds=VISIT_S))
+        return share_of_visit(storage, share_id, stored, opened_after)
+
+    def is_open() -> bool:
+        share = visited()
+        return share is not None and share.is_valid(utc_now())
+
+    share = visited()
     if share is None:
         raise _not_open()
-    return _still_valid(share)
+    return Visit(_still_valid(share), is_open)
 
 
 def close_visit(response: Response, share_id: str) -> None:

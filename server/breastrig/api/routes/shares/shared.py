@@ -1,11 +1,9 @@
 """Share links, the visitor's side.  These are the only calls that a share's cookie is good for.
 
 Every address but that of the opening holds the share's id, so that two links that are open in one browser have
-nothing in common: no cookie, no cached answer, no address of the page.  What can be seen is decided by the share's own
-row: one fit, and its scan only when the owner said so.
+nothing in common: no cookie, no cached answer, no address of the page.  What can be seen are the files of the share's
+own snapshot (service/share_snapshots.py), whatever has become of plan and scan since.
 """
-
-import json
 
 from apiflask import APIBlueprint
 from flask import Response, render_template
@@ -14,14 +12,13 @@ from breastrig.api.access.security import refuse
 from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.big_answers import big_answer
-from breastrig.api.routes.scans import cut_facts
 from breastrig.api.routes.shares.passcode import check_passcode
 from breastrig.api.routes.shares.share_credential import (
     begin_visit,
     close_visit,
     cookie_path,
     share_of_secret,
-    visited_share,
+    visit_of,
 )
 from breastrig.api.routes.shares.shares import SHARES_TAG
 from breastrig.api.wire import files as wire_files
@@ -30,10 +27,7 @@ from breastrig.api.wire.patients import PlanOnScan
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import NotFound
 from breastrig.drawings.drawing_schema import DrawingFile
-from breastrig.storage.files import OpenedFile, fit_place
-from breastrig.storage.rows.cuts import get_cuts
-from breastrig.storage.rows.fits import get_fit
-from breastrig.storage.rows.scans import get_scan
+from breastrig.storage.files import OpenedFile, share_place
 from breastrig.storage.rows.shares import ShareRow
 
 shared = APIBlueprint("shared", __name__, url_prefix="/api/shared", tag=SHARES_TAG)
@@ -50,8 +44,12 @@ MEDIA_TYPES = {
     "fitted.glb": GLB,
     "fitted.ply": BINARY,
     "drawing.json": JSON,
+    "plan.json": JSON,
     "distances.bin": BINARY,
+    "report.pdf": PDF,
+    "mesh.glb": GLB,
 }
+OF_THE_SCAN = ("distances.bin", "report.pdf", "mesh.glb")
 
 
 @shared.after_request
@@ -107,7 +105,7 @@ def close_shared(share_id: str) -> Response:
 @shared.doc(operation_id="getShared", responses={401: NOT_OPEN, 410: ENDED})
 def show_shared(share_id: str) -> wire_shares.SharedResult:
     """What the opened link shows"""
-    return _result(visited_share(share_id))
+    return _result(visit_of(share_id).share)
 
 
 @shared.get("/<share_id>/result.json")
@@ -115,59 +113,51 @@ def show_shared(share_id: str) -> wire_shares.SharedResult:
 @shared.doc(operation_id="getSharedResult", responses={401: NOT_OPEN, 410: ENDED})
 def show_result(share_id: str) -> Response:
     """The shared fit's result.json"""
-    return _fit_file(share_id, "result.json")
+    return _file(share_id, "result.json")
 
 
 @shared.get("/<share_id>/fitted.glb")
 @shared.doc(operation_id="getSharedGlb", responses={200: file_of(GLB, "The posed rig"), 410: ENDED})
 def show_fitted_glb(share_id: str) -> Response:
-    """The shared fit's posed rig, with the plan or the fit's own drawing"""
-    share = visited_share(share_id)
-    planned = app_context().service.plans.fitted_glb(share.fit)
-    if planned is None:
-        return _fit_file(share_id, "fitted.glb")
-    response = bytes_answer(planned, GLB, NO_STORE)
-    response.headers["Content-Disposition"] = "attachment; filename=fitted.glb"
-    return response
+    """The shared fit's posed rig, with what is drawn"""
+    return _file(share_id, "fitted.glb")
 
 
 @shared.get("/<share_id>/fitted.ply")
 @shared.doc(operation_id="getSharedPly", responses={200: file_of(BINARY, "The posed surface"), 410: ENDED})
 def show_fitted_ply(share_id: str) -> Response:
     """The shared fit's posed surface"""
-    return _fit_file(share_id, "fitted.ply")
+    return _file(share_id, "fitted.ply")
 
 
 @shared.get("/<share_id>/drawing.json")
-@shared.output(DrawingFile, description="Polylines on the scan")
+@shared.output(DrawingFile, description="Polylines on the scan, or on the model where the link does not show the scan")
 @shared.doc(operation_id="getSharedDrawing", responses={401: NOT_OPEN, 410: ENDED})
 def show_drawing(share_id: str) -> Response:
     """What is drawn on the shared fit's scan: the plan, or the fit's own drawing where there is none"""
-    share = visited_share(share_id)
-    plans = app_context().service.plans
-    if not plans.of_fit(share.fit).plan.is_whole:
-        return _fit_file(share_id, "drawing.json")
-    response = bytes_answer(_plan_of(share), JSON, NO_STORE)
-    response.headers["Content-Disposition"] = "attachment; filename=drawing.json"
-    return response
+    return _file(share_id, "drawing.json")
 
 
 @shared.get("/<share_id>/plan.json")
-@shared.output(PlanOnScan, description="The whole plan on the scan of the shared fit")
+@shared.output(PlanOnScan, description="The whole plan, likewise")
 @shared.doc(operation_id="getSharedPlan", responses={401: NOT_OPEN, 410: ENDED})
 def show_plan(share_id: str) -> Response:
-    """What is planned on the patient's skin, on the shared fit's scan"""
-    return bytes_answer(_plan_of(visited_share(share_id)), JSON, NO_STORE)
+    """What is planned on the patient's skin; with its notes where the owner said so"""
+    return _file(share_id, "plan.json")
 
 
 @shared.get("/<share_id>/distances.bin")
 @shared.doc(
     operation_id="getSharedDistances",
-    responses={200: file_of(BINARY, "float32 for each vertex of the model, mm"), 410: ENDED},
+    responses={
+        200: file_of(BINARY, "float32 for each vertex of the model, mm"),
+        403: "The link does not show the scan, which they would tell",
+        410: ENDED,
+    },
 )
 def show_distances(share_id: str) -> Response:
-    """The distance of each model vertex to the scan"""
-    return _fit_file(share_id, "distances.bin")
+    """The distance of each model vertex to the scan, when the link shows the scan"""
+    return _file(share_id, "distances.bin")
 
 
 @shared.get("/<share_id>/report.pdf")
@@ -181,12 +171,7 @@ def show_distances(share_id: str) -> Response:
 )
 def show_report(share_id: str) -> Response:
     """The shared fit's report, when the link shows the scan"""
-    share = visited_share(share_id)
-    if share.scan == "none":
-        raise refuse(403, "This link does not show the scan, and the report has pictures of it.")
-    response = bytes_answer(app_context().service.reports.pdf(share.fit, None), PDF, NO_STORE)
-    response.headers["Content-Disposition"] = "attachment; filename=report.pdf"
-    return response
+    return _file(share_id, "report.pdf")
 
 
 @shared.get("/<share_id>/mesh.glb")
@@ -201,13 +186,7 @@ def show_report(share_id: str) -> Response:
 )
 def show_mesh(share_id: str) -> Response:
     """The scan, when the link shows it; without what was cut away, and without colours unless the owner chose `full`"""
-    share = visited_share(share_id)
-    if share.scan == "none":
-        raise refuse(403, "This link does not show the scan.")
-    service = app_context().service
-    scan_id = get_fit(service.storage, share.fit).scan
-    mesh = service.link_meshes.get(scan_id, share.scan == "full")
-    return _answer(share, mesh, GLB, "scan.glb")
+    return _file(share_id, "mesh.glb", "scan.glb")
 
 
 @share_page.get("/s")
@@ -227,49 +206,40 @@ def script() -> Response:
     return bytes_answer(render_template("share.js").encode(), "text/javascript", CHECK_AGAIN)
 
 
-def _plan_of(share: ShareRow) -> bytes:
-    """The plan on the shared fit's scan without the ids of fits and scans, which are the owner's alone."""
-    document = json.loads(app_context().service.plans.on_fit(share.fit))
-    return json.dumps(document | {"fit": "", "carried_from": []}).encode()
-
-
-def _fit_file(share_id: str, name: str) -> Response:
-    share = visited_share(share_id)
-    file = app_context().service.storage.files.find(fit_place(share.fit), name)
+def _file(share_id: str, name: str, download_as: str | None = None) -> Response:
+    """One of the files that the link shows.  Raises 403 for one that it does not show, NotFound for one it has not."""
+    visit = visit_of(share_id)
+    if visit.share.scan == "none" and name in OF_THE_SCAN:
+        raise refuse(403, "This link does not show the scan, and this file would.")
+    file = _found(visit.share, name)
     if file is None:
         raise NotFound(f"This result has no {name}.")
-    return _answer(share, file, MEDIA_TYPES[name], name)
-
-
-def _answer(share: ShareRow, file: OpenedFile, media_type: str, download_as: str) -> Response:
-    response = big_answer(app_context().big_answers, share.id, file, media_type, NO_STORE)
-    response.headers["Content-Disposition"] = f"attachment; filename={download_as}"
+    response = big_answer(app_context().big_answers, share_id, file, MEDIA_TYPES[name], NO_STORE, visit.is_open)
+    response.headers["Content-Disposition"] = f"attachment; filename={download_as or name}"
     return response
+
+
+def _found(share: ShareRow, name: str) -> OpenedFile | None:
+    return app_context().service.storage.files.find(share_place(share.snapshot or ""), name)
 
 
 def _result(share: ShareRow) -> wire_shares.SharedResult:
     place = cookie_path(share.id)
+    shown = {name: f"{place}/{name}" if _found(share, name) else None for name in OF_THE_SCAN}
     return wire_shares.SharedResult(
         id=share.id,
         expires_at=share.expires_at,
+        shown_at=share.snapshot_at,
         links=wire_shares.SharedLinks(
             self=place,
             result=f"{place}/result.json",
             fitted_glb=f"{place}/fitted.glb",
             fitted_ply=f"{place}/fitted.ply",
             drawing=f"{place}/drawing.json",
-            distances=f"{place}/distances.bin",
+            distances=shown["distances.bin"],
             plan=f"{place}/plan.json",
-            report=None if share.scan == "none" else f"{place}/report.pdf",
-            mesh=None if share.scan == "none" else f"{place}/mesh.glb",
+            report=shown["report.pdf"],
+            mesh=shown["mesh.glb"],
             close=f"{place}/close",
         ),
-        cut=None if share.scan == "none" else _cut(share),
     )
-
-
-def _cut(share: ShareRow) -> wire_shares.SharedCut:
-    storage = app_context().service.storage
-    scan = get_scan(storage, get_fit(storage, share.fit).scan)
-    facts = cut_facts(scan) | {"cuts": get_cuts(storage, scan.id)}
-    return wire_shares.SharedCut.model_validate(facts)

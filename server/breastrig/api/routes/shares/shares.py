@@ -11,15 +11,12 @@ from breastrig.api.routes.shares.share_credential import new_token, token_sha256
 from breastrig.api.share_limits import WRONG_PASSCODES
 from breastrig.api.wire import common as wire
 from breastrig.api.wire import shares as wire_shares
-from breastrig.core.errors import Conflict
 from breastrig.storage.folders import new_id
 from breastrig.storage.rows.fits import get_fit
 from breastrig.storage.rows.shares import (
     ShareRow,
-    add_share,
     get_share,
     openings_of,
-    revoke_share,
     shares_page,
     unlock_share,
 )
@@ -38,25 +35,23 @@ shares = APIBlueprint("shares", __name__, url_prefix="/api/fits", tag=SHARES_TAG
 def make_share(fit_id: str, json_data: wire_shares.ShareRequest) -> tuple[wire_shares.ShareMade, int, dict[str, str]]:
     """Make a read-only link to a fit's result
 
+    It shows what stands now (the plan, what is cut away), whatever is changed later, until it is refreshed.
     The secret is in the address's fragment, which browsers do not send to servers.  It is stored only as a hash:
     the link cannot be shown again.
     """
-    storage = app_context().service.storage
-    fit = get_fit(storage, fit_id)
-    if fit.state != "done":
-        raise Conflict(f"This fit has no result to share: it is {fit.state}.")
-    if json_data.scan != "none":
-        app_context().service.link_meshes.get(fit.scan, json_data.scan == "full")
     now, token = datetime.now(UTC), new_token()
     share = ShareRow(
         id=new_id(),
-        fit=fit.id,
+        fit=fit_id,
         created_at=iso_utc(now),
         expires_at=iso_utc(now + timedelta(days=json_data.expires_in_days)),
         scan=json_data.scan,
         passcode_hash=generate_password_hash(json_data.passcode) if json_data.passcode else None,
+        notes=json_data.notes,
+        snapshot=None,
+        snapshot_at=None,
     )
-    add_share(storage, share, token_sha256(token))
+    share = app_context().service.shares.add(share, token_sha256(token))
     answer = wire_shares.ShareMade(url=f"/s#{token}", **share_answer(share).model_dump())
     return answer, 201, {"Location": answer.links.self}
 
@@ -91,11 +86,22 @@ def show_share(fit_id: str, share_id: str) -> wire_shares.ShareWithOpenings:
 def remove_share(fit_id: str, share_id: str) -> tuple[str, int]:
     """Revoke a link
 
-    It is closed at once, for those too who have it open.  It stays in the list until the fit is deleted.  Revoking
-    what is not there is no error.
+    It is closed at once, for those too who have it open or are loading a file, and what it showed is removed.  It stays
+    in the list until the fit is deleted.  Revoking what is not there is no error.
     """
-    revoke_share(app_context().service.storage, fit_id, share_id, utc_now())
+    app_context().service.shares.revoke(fit_id, share_id)
     return "", 204
+
+
+@shares.post("/<fit_id>/shares/<share_id>/refresh")
+@shares.output(wire_shares.Share)
+@shares.doc(operation_id="refreshShare", responses={409: "The link is over"})
+def refresh(fit_id: str, share_id: str) -> wire_shares.Share:
+    """Show the present state
+
+    The plan and what is cut away as they are now, to all who have the link.
+    """
+    return share_answer(app_context().service.shares.refresh(fit_id, share_id))
 
 
 @shares.post("/<fit_id>/shares/<share_id>/unlock")
@@ -122,11 +128,13 @@ def share_answer(row: ShareRow) -> wire_shares.Share:
         "is_open": row.is_valid(utc_now()) and not is_locked,
         "is_locked": is_locked,
         "scan": row.scan,
+        "notes": row.notes,
+        "shown_at": row.snapshot_at,
         "has_passcode": row.passcode_hash is not None,
         "openings": row.openings,
         "last_opened_at": row.last_opened_at,
         "wrong_passcodes": row.wrong_passcodes,
         "last_wrong_passcode_at": row.last_wrong_at,
-        "links": wire_shares.ShareLinks(self=place, unlock=f"{place}/unlock"),
+        "links": wire_shares.ShareLinks(self=place, unlock=f"{place}/unlock", refresh=f"{place}/refresh"),
     }
     return wire_shares.Share.model_validate(values)

@@ -1,0 +1,127 @@
+"""Share links with the files that they show: made with the link, again when the owner asks, removed when it is over.
+
+They are made in a process of its own from the fit, the plan and the cuts as they stand, and have a place of their own.
+Until a row names that place it is in the journal of files, so nothing of what is interrupted stays.
+"""
+
+import json
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from breastrig.core.errors import Conflict
+from breastrig.execution.fair_processes import FairProcesses
+from breastrig.service.failed_tasks import explained
+from breastrig.service.plans import Plans
+from breastrig.service.reports import Reports
+from breastrig.storage.deletion import discard, remove_files
+from breastrig.storage.file_journal import record_creation
+from breastrig.storage.files import fit_place, scan_place, share_place, upload_name
+from breastrig.storage.folders import new_id
+from breastrig.storage.rows.cuts import get_cuts
+from breastrig.storage.rows.fits import FitRow, get_fit
+from breastrig.storage.rows.scans import get_scan
+from breastrig.storage.rows.shares import ShareRow, add_share, end_snapshots, get_share, replace_snapshot, revoke_share
+from breastrig.storage.storage import Storage, utc_now
+from breastrig.workflow.further_jobs import SnapshotJob
+from breastrig.workflow.tasks import write_snapshot
+
+WALL_S = 90.0  # the example takes three seconds, most of them for the report; a slow machine with huge scans many
+
+log = logging.getLogger(__name__)
+
+
+class ShareSnapshots:
+    """The links of all fits.  May be called from any thread."""
+
+    def __init__(
+        self, storage: Storage, processes: FairProcesses, plans: Plans, reports: Reports, model: Path | None
+    ) -> None:
+        self._storage = storage
+        self._processes = processes
+        self._plans = plans
+        self._reports = reports
+        self._model = model
+
+    def add(self, share: ShareRow, token_sha256: str) -> ShareRow:
+        """Keeps the link with what it shows.
+
+        Raises a BreastRigError with a sentence, NotFound when the fit was deleted meanwhile, OSError for a full disk.
+        """
+        fit = get_fit(self._storage, share.fit)
+        if fit.state != "done":
+            raise Conflict(f"This fit has no result to share: it is {fit.state}.")
+        with self._taken(fit, share) as snapshot:
+            made = replace(share, snapshot=snapshot, snapshot_at=utc_now())
+            add_share(self._storage, made, token_sha256)
+        return made
+
+    def refresh(self, fit_id: str, share_id: str) -> ShareRow:
+        """The link shows what stands now.  Raises likewise, and Conflict when it is over."""
+        share, fit = get_share(self._storage, fit_id, share_id), get_fit(self._storage, fit_id)
+        if not share.is_valid(utc_now()):
+            raise Conflict("This link is over; make a new one.")
+        with self._taken(fit, share) as snapshot:
+            replace_snapshot(self._storage, share, fit.scan, snapshot, utc_now())
+        self._remove(fit.scan)
+        return get_share(self._storage, fit_id, share_id)
+
+    def revoke(self, fit_id: str, share_id: str) -> None:
+        """Closes the link and removes what it showed; files that cannot be removed are tried again."""
+        for scan_id in revoke_share(self._storage, fit_id, share_id, utc_now()):
+            self._remove(scan_id)
+
+    def end_expired(self) -> None:
+        """Removes what links showed that are over by now."""
+        for scan_id in set(end_snapshots(self._storage, utc_now())):
+            self._remove(scan_id)
+
+    def _remove(self, scan_id: str) -> None:
+        left = remove_files(self._storage, scan_id)
+        if left:
+            log.error("%d folders of a link that is over cannot be removed yet", len(left))
+
+    @contextmanager
+    def _taken(self, fit: FitRow, share: ShareRow) -> Iterator[str]:
+        """A new snapshot; the block writes the row that names it, or nothing is left of it."""
+        snapshot = new_id()
+        place = share_place(snapshot)
+        record_creation(self._storage, fit.scan, [place])
+        try:
+            self._storage.files.make(place)
+            self._write(place, fit, share)
+            yield snapshot
+        except BaseException:
+            discard(self._storage, fit.scan, place)
+            raise
+
+    def _write(self, place: str, fit: FitRow, share: ShareRow) -> None:
+        files, scan = self._storage.files, get_scan(self._storage, fit.scan)
+        planned = self._plans.of_fit(fit.id)
+        plan: dict[str, Any] = json.loads(self._plans.laid(planned))
+        stored = upload_name(scan.file_type)
+        names = [stored] if share.scan == "full" else []
+        with (
+            explained("Making this link", WALL_S, "try again, or simplify the scan", self._storage, [fit.id]),
+            files.reading(fit_place(fit.id)) as source,
+            files.reading(scan_place(scan.id), names) as upload,
+            files.writing(place) as draft,
+        ):
+            job = SnapshotJob(
+                fit=source,
+                plan=plan,
+                items=planned.plan.items,
+                identity=replace(self._reports.identity([fit]), code=""),
+                out=draft.folder,
+                scan=upload / stored if names else None,
+                file_type=scan.file_type,
+                shows_scan=share.scan != "none",
+                has_notes=share.notes,
+                cuts=get_cuts(self._storage, scan.id),
+                model=self._model,
+            )
+            self._processes.result(write_snapshot, (job,), WALL_S)
+            draft.keep()
