@@ -20,10 +20,17 @@ from breastrig.core.assets import asset_folder
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.scan.pictures.companions import MISSING
 from breastrig.workflow.fit_outcome import Doubt
 from breastrig.workflow.fit_recorder import FitRecorder
 
 EXAMPLE = asset_folder("example") / "standing"
+
+
+OF_EXAMPLE = [  # what is found in its file
+    "breastrig: One small piece beside the body was left out.",
+    "breastrig: 318 triangles faced inwards and were turned.",
+]
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +142,7 @@ def ply(vertices: np.ndarray, faces: np.ndarray) -> bytes:
 def bad_files() -> dict[str, tuple[str, bytes]]:
     scan = trimesh.load(EXAMPLE / "scan.ply", process=False)
     holed = np.asarray(scan.vertices).copy()
-    holed[7] = np.nan
+    holed[::9] = np.nan
     glb = scan.export(file_type="glb")
     return {
         "empty": ("scan.ply", b""),
@@ -235,6 +242,7 @@ def test_picks_that_were_not_followed_are_named_on_stderr(tmp_path: Path, capsys
     assert main(arguments) == 0
     told = capsys.readouterr().err.splitlines()
     assert told == [
+        *OF_EXAMPLE,
         "breastrig: check this fit: nipple_L and nipple_R look exchanged; look at what is asked about them.",
         "breastrig: nipple_L and nipple_R look exchanged; they were not followed.",
     ]
@@ -273,6 +281,7 @@ def test_unusual_picks_are_named_on_stderr_to_be_checked(
     arguments = ["fit", str(EXAMPLE / "scan.ply"), "--landmarks", str(EXAMPLE / "landmarks.json"), "-o", str(tmp_path)]
     assert main(arguments) == 0
     assert capsys.readouterr().err.splitlines() == [
+        *OF_EXAMPLE,
         "breastrig: nipple_L was let go.",
         "breastrig: umbilicus is 42 mm from where the model expects it; check it.",
         f"breastrig: {question}",
@@ -376,3 +385,19 @@ def test_a_cloud_of_points_on_a_floor_is_fitted_and_both_are_said(
     said = capsys.readouterr().err
     assert "surface was made from them" in said
     assert f"cut away: {facts['cut_away_cm2']:,} cm²" in said
+
+
+def test_what_was_lost_of_a_scan_is_said_on_stderr(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scan = trimesh.load(EXAMPLE / "scan.ply", process=False)
+    lines = ["mtllib gone.mtl", *("v {:.6f} {:.6f} {:.6f}".format(*place) for place in scan.vertices)]
+    lines += ["f {} {} {}".format(*(face + 1)) for face in scan.faces]
+    (tmp_path / "scan.obj").write_text("\n".join([*lines, ""]))
+    arguments = [
+        str(tmp_path / "scan.obj"),
+        "--landmarks",
+        str(EXAMPLE / "landmarks.json"),
+        "-o",
+        str(tmp_path / "out"),
+    ]
+    assert main(["fit", *arguments]) == 0
+    assert capsys.readouterr().err.splitlines() == [f"breastrig: {MISSING}", *OF_EXAMPLE]

@@ -77,14 +77,11 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit] | FitRun[tuple[Ite
     )
 
 
-def _notes(scan: dict[str, Any]) -> list[str]:
-    """What was done to a scan that its file does not show."""
-    notes = []
-    if scan.get("reconstructed_from_points"):
-        notes.append("The file holds points alone; the surface was made from them.")
-    if scan.get("cut_away_cm2"):
-        notes.append(f"What stood around the body was cut away: {scan['cut_away_cm2']:,} cm².")
-    return notes
+def _notes(result: dict[str, Any]) -> list[str]:
+    """What reading found and lost, and what was done to a scan that its file does not show."""
+    cut_away = result["scan"].get("cut_away_cm2")
+    around = [f"What stood around the body was cut away: {cut_away:,} cm²."] if cut_away else []
+    return [*result["notes"], *around]
 
 
 def _to_check(reason: str) -> str:
@@ -116,7 +113,7 @@ def run(options: argparse.Namespace) -> int:
     results = [found.result] if isinstance(found, Fit) else [found.first.result, found.second.result]
     for which, result in enumerate(results):
         scan = f"{(options.scan, options.other)[which]}: " if len(results) > 1 else ""
-        for note in _notes(result["scan"]):
+        for note in _notes(result):
             print(f"breastrig: {scan}{note}", file=sys.stderr)
         verdict = result["verdict"]
         for reason in verdict["reasons"]:
