@@ -276,6 +276,9 @@ TABLES = {
     "commas and spaces": rows(", ", head="name, x, y, z"),
     "quoted decimal commas": "\n".join(",".join(f'"{cell.replace(".", ",")}"' for cell in row) for row in ROWS),
     "quotes": "\n".join(",".join(f'"{cell}"' for cell in row) for row in ROWS),
+    "Excel's word of its separator": "sep=;\n" + rows(";"),
+    "German words": rows(";", head="Punkt;X-Koordinate;Y-Koordinate;Z-Koordinate", decimal=","),
+    "remarks of other programs": "// picked\n% today\n" + rows(),
     "Slicer's table, LPS": rows(order="nxyzo", head="label,l,p,s,locked"),
     "Slicer's table, RAS": "label,r,a,s,defined\n"
     + "".join(f"{name},{-float(x)},{-float(y)},{z},1\n" for name, x, y, z in ROWS)

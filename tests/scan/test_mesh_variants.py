@@ -3,6 +3,8 @@
 import json
 import unicodedata
 from collections.abc import Callable
+from dataclasses import fields
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,7 +37,7 @@ from helpers.usd_scan import usda, usdz
 from PIL import Image
 from scipy.spatial import cKDTree
 
-from breastrig.core.errors import BadScan
+from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats import glb as glb_module
 from breastrig.scan.formats.stl import WRONG_COUNT
 from breastrig.scan.pictures import companions
@@ -525,3 +527,83 @@ def test_parts_without_a_place_in_the_picture_are_one_colour_and_it_is_said() ->
     scan = read_scan(data)
     assert scan.notes == (UNPAINTED,)
     assert scan.colour_kind == "texture"
+
+
+USD_COLOURS = {
+    "of vertices": ("vertex", OF_VERTICES),
+    "of faces": ("uniform", OF_FACES),
+    "of corners": ("faceVarying", OF_VERTICES[FACES.ravel()]),
+}
+
+
+@pytest.mark.parametrize("name", USD_COLOURS)
+def test_colours_of_a_usd_wherever_they_stand(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    from breastrig.scan.formats import usd
+
+    monkeypatch.setattr("breastrig.scan.read.usd_pieces", usd.usd_pieces)
+    where, colours = USD_COLOURS[name]
+    data = usda(colours=linear(colours.astype(float))).replace(
+        b'] (interpolation = "vertex")', f'] (interpolation = "{where}")'.encode()
+    )
+    scan = read_scan(data)
+    moved = Scan(**{**vars_of(scan), "vertices": scan.vertices - [0.25, 0.0, 0.0]})
+    assert_same_body(moved)
+
+
+def vars_of(scan: Scan) -> dict[str, object]:
+    return {field.name: getattr(scan, field.name) for field in fields(scan)}
+
+
+def test_one_colour_of_a_usd_is_kept_from_its_process() -> None:
+    """As a whole it says nothing of the skin, but with another part beside it."""
+    from breastrig.scan.formats.usd_process import usd_pieces
+
+    data = usda(colours=np.array([[1.0, 0.0, 0.0]])).replace(b'"vertex"', b'"constant"')
+    (piece,) = usd_pieces(data, True).pieces
+    assert piece.tint == (255, 0, 0)
+
+
+def test_a_material_that_the_obj_names_otherwise_is_used_and_it_is_said() -> None:
+    data = painted_obj("newmtl other\nmap_Kd scan.jpg\n", {"scan.jpg": JPEG})
+    scan = read_scan(data)
+    assert_same_body(scan)
+    assert scan.notes == (companions.ONLY_PAINTING,)
+
+
+def test_pictures_are_found_in_a_folder_and_those_in_it_but_not_behind_links(tmp_path: Path) -> None:
+    (tmp_path / "textures").mkdir()
+    (tmp_path / "locked").mkdir(mode=0o000)
+    for name, content in {"scan.obj": obj(), "scan.mtl": f"{MTL}map_Kd textures/scan.jpg".encode()}.items():
+        (tmp_path / name).write_bytes(content)
+    (tmp_path / "textures" / "scan.jpg").write_bytes(JPEG)
+    assert_same_body(read_scan(tmp_path / "scan.obj"))
+    (tmp_path / "textures").rename(tmp_path / "elsewhere.d")
+    assert_same_body(read_scan(tmp_path / "scan.obj"))
+    (tmp_path / "elsewhere.d" / "scan.jpg").rename(tmp_path.parent / "outside.jpg")
+    (tmp_path / "elsewhere.d" / "scan.jpg").symlink_to(tmp_path.parent / "outside.jpg")
+    scan = read_scan(tmp_path / "scan.obj")
+    assert scan.notes == (companions.MISSING,)
+
+
+def test_a_gltf_on_disk_finds_its_files(tmp_path: Path) -> None:
+    for name, content in with_files().items():
+        (tmp_path / name).write_bytes(content)
+    assert_same_body(read_scan(tmp_path / "scan.gltf"))
+
+
+def test_names_in_a_zip_without_the_flag_of_utf_8() -> None:
+    data = painted(name=NFC)
+    for mark, place in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        at = data.find(mark)
+        while at >= 0:
+            flags = int.from_bytes(data[at + place : at + place + 2], "little") & ~0x800
+            data = data[: at + place] + flags.to_bytes(2, "little") + data[at + place + 2 :]
+            at = data.find(mark, at + 4)
+    assert_same_body(read_scan(data))
+
+
+@pytest.mark.parametrize("lines", ["f " + "1 2 3 " * 2000, "f 1 2 3 4"])
+def test_an_obj_of_polygons_that_become_too_many_triangles(lines: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("breastrig.scan.formats.obj.TRIANGLES", 500)
+    with pytest.raises(TooLarge, match="triangles allowed"):
+        read_scan(obj("", False) + (lines + "\n").encode() * 100)

@@ -220,3 +220,17 @@ def test_a_table_of_points_is_read_however_a_program_writes_it(name: str) -> Non
     assert (scan.colours is not None) == coloured
     if scan.colours is not None:
         assert np.abs(scan.colours.astype(float) - colours_of(POINTS)[who]).mean() < 3.0
+
+
+@pytest.mark.parametrize(("kind", "most"), [("F", 1.0), ("F", 255.0), ("U", 255)])
+def test_a_pcd_with_a_column_for_each_colour(kind: str, most: float) -> None:
+    colours = colours_of(POINTS) / 255.0 * most
+    rows = np.column_stack([POINTS, np.round(colours) if kind == "U" else colours])
+    size = 4 if kind == "F" else 1
+    head = (
+        f"VERSION 0.7\nFIELDS x y z r g b\nSIZE 4 4 4 {size} {size} {size}\nTYPE F F F {kind} {kind} {kind}\n"
+        f"COUNT 1 1 1 1 1 1\nWIDTH {len(rows)}\nHEIGHT 1\nPOINTS {len(rows)}\nDATA ascii\n"
+    )
+    cloud = pcd_points((head + "\n".join(" ".join(f"{n:.6g}" for n in row) for row in rows) + "\n").encode())
+    assert cloud.colours is not None
+    assert np.abs(cloud.colours.astype(float) - colours_of(POINTS)).max() <= 1.0

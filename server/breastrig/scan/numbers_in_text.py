@@ -48,12 +48,3 @@ def first_columns(rows: Sequence[bytes], count: int) -> Array:
         raise ValueError("a row with too few numbers")
     starts = np.cumsum(widths) - widths
     return np.asarray(found[starts[:, None] + np.arange(count)])
-
-
-def colour_bytes(values: Array, largest: float | None = None) -> np.typing.NDArray[np.uint8]:
-    """(N, 3) sRGB of colours up to `largest`, or without it up to 1, 255 or 65,535, whichever holds all of them."""
-    sound = np.nan_to_num(values, posinf=0.0, neginf=0.0)
-    if largest is None:
-        most = float(sound.max(initial=0.0))
-        largest = 1.0 if most <= 1.0 else 255.0 if most <= 255.0 else 65535.0
-    return np.asarray(np.round(255.0 * np.clip(sound / largest, 0.0, 1.0)).astype(np.uint8))

@@ -1,6 +1,7 @@
 """One mesh of a scan file, before all of them become one scan: scanner apps split what they write by picture."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy import uint8
@@ -59,3 +60,20 @@ class Pieces:
     cloud: PointCloud | None = None  # where there are points and no triangles at all
     unit: str | None = None  # that the file names
     unit_by_default: bool = False  # that its format means where a file names none
+
+
+def colour_bytes(values: Array, largest: float | None = None) -> NDArray[uint8]:
+    """(N, 3) sRGB of colours up to `largest`, or without it up to 1, 255 or 65,535, whichever holds all of them."""
+    sound = np.nan_to_num(values, posinf=0.0, neginf=0.0)
+    if largest is None:
+        most = float(sound.max(initial=0.0))
+        largest = 1.0 if most <= 1.0 else 255.0 if most <= 255.0 else 65535.0
+    return np.asarray(np.round(255.0 * np.clip(sound / largest, 0.0, 1.0)).astype(np.uint8))
+
+
+def srgb_bytes(linear: NDArray[Any]) -> NDArray[uint8]:
+    """(V, 3) sRGB of linear light: floats from 0 to 1, or whole numbers up to their maximum; an opacity is dropped."""
+    full = 1.0 if linear.dtype.kind == "f" else float(np.iinfo(linear.dtype).max)
+    light = np.clip(np.nan_to_num(linear[:, :3].astype(np.float64) / full), 0.0, 1.0)
+    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
+    return np.asarray(np.round(255.0 * encoded).astype(np.uint8))

@@ -189,12 +189,12 @@ def _taken(archive: zipfile.ZipFile) -> Unpacked:
         entry.ending in PICTURES for entry in beside
     )
     mesh = max(found, key=lambda each: _preference(each, is_painted))
-    companions = Companions({_from(mesh.folder, entry): partial(reader.companion, entry) for entry in beside})
+    found_beside = {_from(mesh.folder, entry): partial(reader.companion, entry) for entry in beside}
     notes = (SAME_SCAN.format(count=len(found), kind=mesh.ending.upper()),) if len(found) > 1 else ()
     content = reader.read(mesh)
     if MESH_RANK[mesh.ending] < 0 and not is_point_table(plain_text(content)[:LOOKED_AT]):
         raise BadScan(NO_MESH)
-    return Unpacked(content, mesh.ending, companions, notes)
+    return Unpacked(content, mesh.ending, Companions(lambda: found_beside), notes)
 
 
 def _from(folder: str, entry: _Entry) -> str:

@@ -39,7 +39,7 @@ from breastrig.scan.limits import (
 )
 from breastrig.scan.pictures.companions import Companions
 from breastrig.scan.pictures.texture import LEFT_OUT, TURNED, is_turned, plain_picture
-from breastrig.scan.piece import Piece, Pieces
+from breastrig.scan.piece import Piece, Pieces, srgb_bytes
 
 HARMLESS = (
     *("KHR_materials_", "EXT_materials_", "KHR_lights_punctual", "KHR_mesh_quantization"),
@@ -254,7 +254,7 @@ class _Drawn:
         factor = material.get("pbrMetallicRoughness", {}).get("baseColorFactor", glossy.get("diffuseFactor"))
         if factor is None:
             return None
-        red, green, blue = (int(part) for part in _srgb(np.array([factor], np.float64))[0])
+        red, green, blue = (int(part) for part in srgb_bytes(np.array([factor], np.float64))[0])
         return red, green, blue
 
     def _unpacked(self, primitive: dict[str, Any]) -> dict[str, Any]:
@@ -304,7 +304,7 @@ class _Drawn:
     def _colours(self, accessor: Any, vertices: int) -> NDArray[np.uint8] | None:
         columns = entry(self._document, "accessors", accessor).get("type") == "VEC4"
         linear = self._values(accessor, (4 if columns else 3,), stored=True)
-        return _srgb(linear) if len(linear) == vertices else None
+        return srgb_bytes(linear) if len(linear) == vertices else None
 
     def _painted(self, primitive: dict[str, Any], vertices: int) -> tuple[Array | None, bytes | None]:
         """((V, 2) texture coordinates from the lower left, the picture) where the primitive has both."""
@@ -399,11 +399,3 @@ def _triangles(corners: Integers, mode: int) -> Integers:
     if mode == TRIANGLE_FAN and len(corners) >= 3:
         return np.column_stack([np.full(len(corners) - 2, corners[0]), corners[1:-1], corners[2:]])
     return strip(corners)
-
-
-def _srgb(linear: NDArray[Any]) -> NDArray[np.uint8]:
-    """(V, 3) sRGB of linear light as glTF stores it: floats from 0 to 1, or whole numbers up to their maximum."""
-    full = 1.0 if linear.dtype.kind == "f" else float(np.iinfo(linear.dtype).max)
-    light = np.clip(np.nan_to_num(linear[:, :3].astype(np.float64) / full), 0.0, 1.0)
-    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
-    return np.asarray(np.round(255.0 * encoded).astype(np.uint8))

@@ -17,9 +17,9 @@ from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats.mtl import Material, read_materials
 from breastrig.scan.formats.polygons import fans
 from breastrig.scan.limits import MATERIALS, TRIANGLES, VERTICES
-from breastrig.scan.numbers_in_text import colour_bytes, first_columns, numbers
-from breastrig.scan.pictures.companions import UNPLACED, Companions
-from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, Piece, Pieces, PointCloud, part
+from breastrig.scan.numbers_in_text import first_columns, numbers
+from breastrig.scan.pictures.companions import ONLY_PAINTING, UNPLACED, Companions
+from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, Piece, Pieces, PointCloud, colour_bytes, part
 
 LEFT_OVER = 0.1  # share of the points that no triangle uses; scanning programs leave none or single ones
 COMPARED = 50  # triangles before the last
@@ -72,7 +72,7 @@ class _Lines:
         self.counts, self.polygons = array("q"), array("q")  # corners of each, and their numbers in `corners`
         self.corners: defaultdict[bytes, int] = defaultdict()
         self.corners.default_factory = self.corners.__len__
-        normals = 0
+        self._triangles = normals = 0
         for line in _uniform(data).split(b"\n"):
             word, _, rest = line.lstrip().partition(b" ")
             if word == b"v":
@@ -101,7 +101,8 @@ class _Lines:
         if len(words) < 3:
             return
         self.counts.append(len(words))
-        if len(self.counts) > TRIANGLES:
+        self._triangles += len(words) - 2
+        if self._triangles > TRIANGLES:
             raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
         self.polygons.extend(map(self.corners.__getitem__, words))
 
@@ -164,9 +165,14 @@ def _painted(whole: Piece, lines: _Lines, polygons: Integers, files: Companions)
     names = ["", *(name for _, name in lines.materials)]
     number = {name: index for index, name in enumerate(dict.fromkeys(names))}
     whose = np.array([number[name] for name in names])[np.searchsorted(starts, polygons, side="right")]
+    used = {name: known.get(name, known.get(name.casefold())) for name in number}
+    painting = {each for each in known.values() if each.picture}
+    if len(painting) == 1 and not any(used.values()):  # the file names another material, or none
+        files.note(ONLY_PAINTING)
+        used = dict.fromkeys(used, *painting)
     pieces: dict[Material | None, list[int]] = {}
     for name, index in number.items():
-        pieces.setdefault(known.get(name, known.get(name.casefold())), []).append(index)
+        pieces.setdefault(used[name], []).append(index)
     unnamed = not any(material and material.picture for material in pieces)
     found = []
     for material, own in pieces.items():

@@ -15,9 +15,9 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.formats.polygons import fans, split, strip
 from breastrig.scan.limits import PLY_HEADER_BYTES, TRIANGLES, VERTICES
-from breastrig.scan.numbers_in_text import colour_bytes, numbers
+from breastrig.scan.numbers_in_text import numbers
 from breastrig.scan.pictures.companions import UNPLACED, Companions
-from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud, part
+from breastrig.scan.piece import SEVERAL, Piece, Pieces, PointCloud, colour_bytes, part
 
 BYTE_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 TYPES = {
@@ -31,6 +31,7 @@ COLOURS = (
     ("r", "g", "b"),
 )
 PLACES_IN_PICTURE = (("texture_u", "texture_v"), ("u", "v"), ("s", "t"), ("tu", "tv"), ("texture_s", "texture_t"))
+DRAWN = ("face", "tristrips")
 CORNERS = ("vertex_indices", "vertex_index")
 NORMAL = ("nx", "ny", "nz")
 SPLAT_COLUMN = "f_dc_0"
@@ -261,6 +262,10 @@ def _walked(data: bytes, at: int, element: Element, order: str) -> tuple[Columns
                 raise ValueError("a list of negative length")
         if at > len(data):
             raise ValueError("cut off")
+    if element.name not in DRAWN:
+        counts[[kind is not None for kind in kinds]] = 0  # lists that nobody reads
+    if int(counts.sum()) > len(sizes) * VERTICES:
+        raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
     content, found = np.frombuffer(data, np.uint8), {}
     for index, each in reversed(list(enumerate(element.properties))):
         cells = np.repeat(starts[index], counts[index]) + sizes[index] * _ranges(0 * counts[index], counts[index])
@@ -295,6 +300,8 @@ def _faces(face: Columns, strips: Columns) -> tuple[Integers, Integers]:
         faces = _whole(corners.values)[order]
     for each in strips.values():
         if isinstance(each, Ragged):
+            if len(each.values) > VERTICES:
+                raise TooLarge(f"This scan has more than the {TRIANGLES:,} triangles allowed; simplify it first.")
             values = _whole(each.values)
             ends = np.union1d(np.cumsum(each.counts), np.flatnonzero(values == -1))
             more = [strip(part[part != -1]) for part in np.split(values, ends)]

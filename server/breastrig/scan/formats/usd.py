@@ -15,15 +15,16 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput, BadScan, TooLarge
 from breastrig.core.scratch import scratch_folder
 from breastrig.core.units import METRES_PER_UNIT
-from breastrig.scan.formats.polygons import fans
+from breastrig.scan.formats.polygons import fans, split
 from breastrig.scan.limits import FILE_BYTES, MEBIBYTE, TRIANGLES, USD_PRIMS, VERTICES, ZIP_ENTRIES
-from breastrig.scan.pictures.companions import PICTURES, Companions, Reader
-from breastrig.scan.piece import Piece, Pieces
+from breastrig.scan.pictures.companions import PICTURES, UNPLACED, Companions, Reader
+from breastrig.scan.piece import Piece, Pieces, srgb_bytes
 
 CRATE = b"PXR-USDC"
 LAYERS = ("usd", "usda", "usdc")
@@ -40,7 +41,7 @@ def usd_pieces(data: bytes, texture: bool) -> Pieces:
     try:
         layers, files = _opened(data)
         with scratch_folder() as folder:
-            return _Scene(folder, layers, Companions(files), texture).pieces()
+            return _Scene(folder, layers, Companions(lambda: files), texture).pieces()
     except BadInput:
         raise
     except MemoryError as error:
@@ -148,45 +149,63 @@ class _Scene:
             placed = np.column_stack([placed[:, 0], placed[:, 2], -placed[:, 1]])
         faces = indices[corners] if len(corners) else np.zeros((0, 3), np.int64)
         for prim, own in _parts(mesh, polygons):
-            yield self._piece(prim, mesh, placed, faces[own], corners[own])
+            yield self._piece(prim, mesh, placed, faces[own], corners[own], polygons[own])
 
-    def _piece(self, prim: Any, mesh: Any, points: Array, faces: Integers, corners: Integers) -> Piece:
+    def _piece(
+        self, prim: Any, mesh: Any, points: Array, faces: Integers, corners: Integers, polygons: Integers
+    ) -> Piece:
         from pxr import UsdGeom
 
         variables = UsdGeom.PrimvarsAPI(mesh)
-        picture, name = self._painted(prim) if self._texture else (None, None)
+        picture, name, tint = self._painted(prim) if self._texture else (None, None, None)
         if picture is not None:
             uv = _values(variables, [name, "st", "st0", "UVMap"], 2)
             if uv is not None and len(uv) == len(points):
                 return Piece(points, faces, uv=uv, picture=picture)
-            if uv is not None and len(uv) > corners.max(initial=-1):  # one for each corner: split there
-                split = np.arange(3 * len(faces)).reshape(-1, 3)
-                return Piece(points[faces.ravel()], split, uv=uv[corners.ravel()], picture=picture)
+            if uv is not None and len(uv) > corners.max(initial=-1):  # one for each corner
+                which, parted, values = split(faces, uv[corners])
+                return Piece(points[which], parted, uv=values, picture=picture)
+            self._files.note(UNPLACED)
         linear = _values(variables, ["displayColor"], 3)
-        if linear is None or len(linear) != len(points):
-            return Piece(points, faces)
-        light = np.clip(np.nan_to_num(linear), 0.0, 1.0)
-        srgb = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
-        return Piece(points, faces, np.asarray(np.round(255.0 * srgb).astype(np.uint8)))
+        if linear is None or not len(linear):
+            return Piece(points, faces, tint=tint)
+        colours = srgb_bytes(linear)
+        if len(colours) == len(points):
+            return Piece(points, faces, colours)
+        if len(colours) == 1:
+            return Piece(points, faces, tint=_one(colours[0]))
+        of_corners = colours[polygons][:, None].repeat(3, axis=1) if len(colours) > polygons.max(initial=-1) else None
+        if len(colours) > corners.max(initial=-1):
+            of_corners = colours[corners]
+        if of_corners is None:
+            return Piece(points, faces, tint=tint)
+        which, parted, values = split(faces, of_corners.astype(np.float64))
+        return Piece(points[which], parted, values.astype(np.uint8))
 
-    def _painted(self, prim: Any) -> tuple[bytes | None, str | None]:
-        """(picture, name of its coordinates) of what the prim is painted with."""
+    def _painted(self, prim: Any) -> tuple[bytes | None, str | None, tuple[int, int, int] | None]:
+        """(picture, name of its coordinates, one colour) of what the prim is painted with."""
         from pxr import UsdShade
 
         material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
         surface = material.ComputeSurfaceSource()[0] if material else None
-        colour = surface.GetInput("diffuseColor") if surface else None
-        sources = colour.GetConnectedSources()[0] if colour else []
+        inputs = [surface.GetInput(name) for name in ("diffuseColor", "emissiveColor")] if surface else []
+        sources = [found[0] for each in inputs if each and (found := each.GetConnectedSources()[0])]
         if not sources:
-            return None, None
+            plain = inputs[0].Get() if inputs and inputs[0] else None
+            return None, None, None if plain is None else _one(srgb_bytes(np.array([plain], np.float64))[0])
         shader = UsdShade.Shader(sources[0].source.GetPrim())
         asked = shader.GetInput("file").Get() if shader.GetInput("file") else None
         if asked is None:
-            return None, None
+            return None, None, None
         reader = shader.GetInput("st").GetConnectedSources()[0] if shader.GetInput("st") else []
         name = UsdShade.Shader(reader[0].source.GetPrim()).GetInput("varname") if reader else None
         picture = self._files.picture(str(asked.path)) if asked.path else None
-        return picture, str(name.Get()) if name else None
+        return picture, str(name.Get()) if name else None, None
+
+
+def _one(colour: NDArray[np.uint8]) -> tuple[int, int, int]:
+    red, green, blue = (int(part) for part in colour)
+    return red, green, blue
 
 
 def _strike_out(layer: Any, folder: str, places: dict[str, Path]) -> bool:

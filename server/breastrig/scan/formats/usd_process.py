@@ -53,7 +53,13 @@ def _packed(found: Pieces) -> bytes:
         arrays[f"picture {number}"] = np.frombuffer(picture, np.uint8)
     whose = [None if piece.picture is None else pictures.index(piece.picture) for piece in found.pieces]
     facts = json.dumps(
-        {"pictures": whose, "notes": found.notes, "unit": found.unit, "by_default": found.unit_by_default}
+        {
+            "pictures": whose,
+            "tints": [piece.tint for piece in found.pieces],
+            "notes": found.notes,
+            "unit": found.unit,
+            "by_default": found.unit_by_default,
+        }
     ).encode()
     stream = io.BytesIO()
     np.savez(stream, allow_pickle=False, facts=np.frombuffer(facts, np.uint8), **arrays)
@@ -68,11 +74,12 @@ def _unpacked(answer: bytes) -> Pieces:
         facts = json.loads(arrays["facts"].tobytes())
         pictures: dict[int, bytes] = {}
         pieces = []
-        for number, picture in enumerate(facts["pictures"]):
+        for number, (picture, tint) in enumerate(zip(facts["pictures"], facts["tints"], strict=True)):
             if picture is not None and picture not in pictures:
                 pictures[picture] = arrays[f"picture {picture}"].tobytes()
             values = {name: arrays[f"{number} {name}"] for name in ARRAYS if f"{number} {name}" in arrays}
-            pieces.append(Piece(**values, picture=None if picture is None else pictures[picture]))
+            shown = None if picture is None else pictures[picture]
+            pieces.append(Piece(**values, picture=shown, tint=None if tint is None else tuple(tint)))
     return Pieces(tuple(pieces), notes=tuple(facts["notes"]), unit=facts["unit"], unit_by_default=facts["by_default"])
 
 

@@ -13,9 +13,10 @@ from breastrig.core.units import METRES_PER_UNIT
 
 NUMBER = re.compile(r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?$")
 UNIT = re.compile(r"[\[(_ ](" + "|".join(METRES_PER_UNIT) + r")[\])]?$")
+AXIS_WORDS = ("pos", "position", "p", "coord", "coords", "coordinate", "koordinate", "wert", "value", "val", "axis")
 AXES = {  # of a column's name, without its unit, spaces and signs: the axis, and its sign in the mesh's numbers
-    **{f"{word}{axis}": (axis, 1.0) for axis in "xyz" for word in ("", "pos", "position", "coord", "coordinate", "p")},
-    **{f"{axis}{word}": (axis, 1.0) for axis in "xyz" for word in ("pos", "position", "coord", "coordinate")},
+    **{f"{word}{axis}": (axis, 1.0) for axis in "xyz" for word in ("", *AXIS_WORDS)},
+    **{f"{axis}{word}": (axis, 1.0) for axis in "xyz" for word in AXIS_WORDS},
     **{"l": ("x", 1.0), "p": ("y", 1.0), "s": ("z", 1.0), "r": ("x", -1.0), "a": ("y", -1.0)},  # Slicer's LPS, RAS
 }
 LABELS = ("name", "label", "landmark", "landmarkname", "point", "pointname", "title", "description", "desc", "id")
@@ -53,8 +54,7 @@ def fcsv_landmarks(text: str) -> tuple[str, Pairs]:
 
 def table_landmarks(text: str) -> tuple[Pairs, str | None] | None:
     """(names with three cells each, the unit that the columns name); None when it is no table."""
-    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    separator = _separator(lines)
+    separator = _separator(_lines(text))
     if separator is None:
         return None
     rows = _rows(text, separator)
@@ -117,6 +117,12 @@ def _is_unplaced(row: list[str], columns: list[str]) -> bool:
     return at < len(row) and row[at].lower() in ("0", "false")
 
 
+def _lines(text: str) -> list[str]:
+    """The filled ones, without remarks and what Excel writes of its separator."""
+    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(("#", "//", "%"))]
+    return lines[1:] if lines and lines[0].strip().lower().strip('"').startswith("sep=") else lines
+
+
 def _separator(lines: list[str]) -> str | None:
     """What parts the cells: the sign that all lines have, spaces where commas are decimals; None for no table."""
     for mark in ";\t":
@@ -131,7 +137,7 @@ def _separator(lines: list[str]) -> str | None:
 
 def _rows(text: str, separator: str) -> list[list[str]]:
     """The filled rows' cells; between spaces the words of a name stay together."""
-    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    lines = _lines(text)
     if separator != " ":
         return [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
     rows = []

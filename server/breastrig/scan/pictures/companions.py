@@ -4,8 +4,11 @@ Programs write their names in many ways: quoted, with %20, back slashes, folders
 letters for the same accents.  A name is looked up by its whole path first, then by its last part, never outside.
 """
 
+import os
 import unicodedata
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from functools import cached_property, partial
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
 
@@ -13,10 +16,11 @@ from breastrig.scan.pictures.texture import LEFT_OUT, TURNED, is_turned, plain_p
 
 PICTURES = ("jpg", "jpeg", "jpe", "jfif", "png", "webp", "tif", "tiff", "bmp", "tga", "gif", "avif")
 ENDINGS = ("mtl", "bin", *PICTURES)
-LOOKED_THROUGH = 2_000  # entries of a folder, and of those in it
+LOOKED_THROUGH = 100  # folders within that of a scan
 MISSING = "A picture or material file that the scan names is not beside it, and the scan is shown without it."
 ONLY_PICTURE = "The scan does not name its picture; the only one beside it was used."
 ONLY_MATERIAL = "The scan names no material file that is there; the only one beside it was used."
+ONLY_PAINTING = "The scan does not say which material it is painted with; the only one with a picture was used."
 OTHER_ENDING = "A picture that the scan names is beside it with another ending, and was used."
 UNNAMED = (
     "The scan says where a picture lies on it but not which, and none stands alone beside it; it is shown without."
@@ -27,12 +31,16 @@ Reader = Callable[[], bytes]
 
 
 class Companions:
-    """The files that one scan may name, read when asked for; what became of them is in `notes`."""
+    """The files that one scan may name, looked for and read when asked for; what became of them is in `notes`."""
 
-    def __init__(self, files: Mapping[str, Reader] | None = None) -> None:
-        self._files = {_usual(name): read for name, read in (files or {}).items()}
+    def __init__(self, listed: Callable[[], Mapping[str, Reader]] = dict) -> None:
+        self._listed = listed
         self._notes: dict[str, None] = {}
         self._pictures: dict[str, bytes | None] = {}
+
+    @cached_property
+    def _files(self) -> dict[str, Reader]:
+        return {_usual(name): read for name, read in self._listed().items()}
 
     def note(self, sentence: str) -> None:
         """Something to say of these files, once."""
@@ -118,16 +126,23 @@ def _usual(name: str) -> str:
 
 def beside(scan: Path, read: Callable[[Path], bytes]) -> Companions:
     """The files in the folder of a scan and in those within it; links are left out."""
-    found: dict[str, Reader] = {}
-    folders = [scan.parent]
-    seen = 0
-    for folder in folders:
-        for path in sorted(folder.iterdir()):
-            seen += 1
-            if seen > LOOKED_THROUGH or path.is_symlink():
-                continue
-            if path.is_dir() and folder == scan.parent and not path.name.startswith("."):
-                folders.append(path)
-            elif path.suffix.lower().removeprefix(".") in ENDINGS and path.is_file():
-                found[path.relative_to(scan.parent).as_posix()] = lambda path=path: read(path)  # type: ignore[misc]
-    return Companions(found)
+
+    def listed() -> dict[str, Reader]:
+        own, folders = _entries(scan.parent, ENDINGS)
+        for folder in folders[:LOOKED_THROUGH]:
+            own += _entries(folder, ENDINGS)[0]
+        return {path.relative_to(scan.parent).as_posix(): partial(read, path) for path in own}
+
+    return Companions(listed)
+
+
+def _entries(folder: Path, endings: tuple[str, ...]) -> tuple[list[Path], list[Path]]:
+    """The ordinary files of these endings and the folders in it; none where it may not be looked into."""
+    files, folders = [], []
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.is_file(follow_symlinks=False) and Path(entry.name).suffix.lower().removeprefix(".") in endings:
+                files.append(folder / entry.name)
+            elif entry.is_dir(follow_symlinks=False) and not entry.name.startswith("."):
+                folders.append(folder / entry.name)
+    return sorted(files), sorted(folders)

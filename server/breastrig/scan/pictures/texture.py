@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.limits import IMAGE_PIXELS, JPEG_PASSES, TEXTURE_SIDE
-from breastrig.scan.numbers_in_text import colour_bytes
+from breastrig.scan.piece import colour_bytes
 
 if TYPE_CHECKING:
     from PIL.Image import Image

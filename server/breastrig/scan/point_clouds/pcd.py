@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.limits import PCD_FIELDS, PCD_HEADER_BYTES, POINTS
-from breastrig.scan.piece import PointCloud
+from breastrig.scan.piece import PointCloud, colour_bytes
 
 DATA = re.compile(rb"(?mi)^[ \t]*DATA[ \t]+(ascii|binary_compressed|binary)[ \t]*\r?\n")
 KINDS = {"F4": "<f4", "F8": "<f8", "U1": "<u1", "U2": "<u2", "U4": "<u4", "U8": "<u8"}
 KINDS |= {"I1": "<i1", "I2": "<i2", "I4": "<i4", "I8": "<i8"}
+COLOURS = (("r", "g", "b"), ("red", "green", "blue"))
 DAMAGED = "This PCD file is damaged or cut off and cannot be read; export it again."
 
 
@@ -147,6 +148,12 @@ def _cloud(rows: NDArray[np.void], sensor: Array | None) -> PointCloud:
     if packed is not None and packed.dtype.itemsize == 4:
         whole = np.ascontiguousarray(packed).view("<u4")[seen]
         colours = np.stack([whole >> 16 & 255, whole >> 8 & 255, whole & 255], axis=1).astype(np.uint8)
-    elif {"r", "g", "b"} <= set(columns) and all(columns[name].dtype.itemsize == 1 for name in "rgb"):
-        colours = np.stack([columns[name] for name in "rgb"], axis=1).astype(np.uint8)[seen]
+    else:
+        names = next((names for names in COLOURS if set(names) <= set(columns)), None)
+        if names is not None:
+            kind = columns[names[0]].dtype
+            largest = float(np.iinfo(kind).max) if kind.kind in "iu" and kind.itemsize == 1 else None
+            colours = colour_bytes(
+                np.stack([columns[name] for name in names], axis=1).astype(np.float64)[seen], largest
+            )
     return PointCloud(points[seen], normals, colours, sensor)

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.scan.limits import POINTS
-from breastrig.scan.numbers_in_text import colour_bytes, numbers, with_points
-from breastrig.scan.piece import PointCloud
+from breastrig.scan.numbers_in_text import numbers, with_points
+from breastrig.scan.piece import PointCloud, colour_bytes
 
 ROWS = 20  # lines in which a file shows that it is nothing but numbers
 HEAD = 10  # lines of words before them, at most
@@ -114,7 +114,7 @@ def _named(columns: dict[str, Array]) -> PointCloud:
 
 def _by_numbers(table: Array) -> PointCloud:
     counts = table[:, 0]
-    if table.shape[1] > 3 and len(table) > 1 and (np.diff(counts) == 1.0).all() and counts[0] in (0.0, 1.0):
+    if table.shape[1] > 3 and len(table) > 1 and (np.diff(counts) == 1.0).all():
         table = table[:, 1:]
     if table.shape[1] in (7, 10) and (table[:, -1] == table[0, -1]).all():
         table = table[:, :-1]  # an opacity
